@@ -1,0 +1,1 @@
+"""Agents that find a goal; none of them knows a simulator."""

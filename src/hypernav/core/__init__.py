@@ -1,0 +1,1 @@
+"""The vocabulary of hypernav: imports nothing else of the package."""

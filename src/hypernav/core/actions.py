@@ -1,0 +1,12 @@
+"""What an agent can do."""
+
+from enum import IntEnum
+
+
+class Action(IntEnum):
+    """Discrete actions with Habitat's numbers."""
+
+    STOP = 0
+    MOVE_FORWARD = 1
+    TURN_LEFT = 2
+    TURN_RIGHT = 3

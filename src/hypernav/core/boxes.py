@@ -1,0 +1,67 @@
+"""Boxes in an image and what a detector says about them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool
+
+
+@dataclass(frozen=True)
+class Box:
+    """A rectangle in pixels, ``(x_min, y_min, x_max, y_max)``, maximum exclusive."""
+
+    x_min: float
+    y_min: float
+    x_max: float
+    y_max: float
+
+    @property
+    def area(self) -> float:
+        """Square pixels; 0 for an inverted box."""
+        return max(self.x_max - self.x_min, 0.0) * max(self.y_max - self.y_min, 0.0)
+
+    def clipped(self, width: int, height: int) -> "Box":
+        """The part inside an image of this size (may have no area)."""
+        return Box(
+            min(max(self.x_min, 0.0), width),
+            min(max(self.y_min, 0.0), height),
+            min(max(self.x_max, 0.0), width),
+            min(max(self.y_max, 0.0), height),
+        )
+
+    def iou(self, other: "Box") -> float:
+        """Intersection over union, 0 to 1."""
+        overlap = Box(
+            max(self.x_min, other.x_min),
+            max(self.y_min, other.y_min),
+            min(self.x_max, other.x_max),
+            min(self.y_max, other.y_max),
+        ).area
+        union = self.area + other.area - overlap
+        return overlap / union if union > 0.0 else 0.0
+
+    def pixels(self) -> tuple[int, int, int, int]:
+        """Whole-pixel bounds ``(x_min, y_min, x_max, y_max)`` that cover the box."""
+        return (
+            int(np.floor(self.x_min)),
+            int(np.floor(self.y_min)),
+            int(np.ceil(self.x_max)),
+            int(np.ceil(self.y_max)),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Detection:
+    """One object that a detector believes to see.
+
+    Attributes:
+        box: In the colour image.
+        score: Confidence, 0 to 1.
+        label: The detector's own word for it.
+        mask: The object's pixels, from detectors that segment as well; else a segmenter is asked.
+    """
+
+    box: Box
+    score: float
+    label: str
+    mask: Bool[np.ndarray, "height width"] | None = None

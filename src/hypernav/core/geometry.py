@@ -1,0 +1,97 @@
+"""Rigid transforms and planar poses. Conventions: docs/conventions.md."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Float64
+
+
+def wrap_angle(angle: float) -> float:
+    """The same angle in [-pi, pi), radians."""
+    return (angle + math.pi) % (2.0 * math.pi) - math.pi
+
+
+@dataclass(frozen=True)
+class Pose2:
+    """Where a robot stands and looks on the floor.
+
+    Attributes:
+        x: Metres.
+        y: Metres.
+        yaw: Radians, counter-clockwise from the x axis.
+    """
+
+    x: float
+    y: float
+    yaw: float
+
+    @property
+    def xy(self) -> tuple[float, float]:
+        """The position, metres."""
+        return (self.x, self.y)
+
+    def distance_to(self, x: float, y: float) -> float:
+        """Straight distance to a point of the same frame, metres."""
+        return math.hypot(x - self.x, y - self.y)
+
+    def bearing_to(self, x: float, y: float) -> float:
+        """Angle from the heading to a point, in [-pi, pi), positive to the left."""
+        return wrap_angle(math.atan2(y - self.y, x - self.x) - self.yaw)
+
+    def to_transform(self, z: float = 0.0) -> "Transform":
+        """The transform from this pose's frame (x forward, y left, z up) to its parent frame."""
+        c, s = math.cos(self.yaw), math.sin(self.yaw)
+        rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        return Transform(rotation, np.array([self.x, self.y, z]))
+
+
+@dataclass(frozen=True, eq=False)
+class Transform:
+    """A rigid transform, named for what it does: ``camera_to_map`` takes camera to map coordinates.
+
+    Attributes:
+        rotation: Right-handed rotation matrix.
+        translation: Metres.
+    """
+
+    rotation: Float64[np.ndarray, "3 3"]
+    translation: Float64[np.ndarray, "3"]
+
+    @staticmethod
+    def identity() -> "Transform":
+        """The transform that changes nothing."""
+        return Transform(np.eye(3), np.zeros(3))
+
+    @staticmethod
+    def from_matrix(matrix: Float[np.ndarray, "4 4"]) -> "Transform":
+        """Read a homogeneous matrix."""
+        m = np.asarray(matrix, dtype=np.float64)
+        return Transform(m[:3, :3].copy(), m[:3, 3].copy())
+
+    @property
+    def matrix(self) -> Float64[np.ndarray, "4 4"]:
+        """The homogeneous matrix."""
+        m = np.eye(4)
+        m[:3, :3] = self.rotation
+        m[:3, 3] = self.translation
+        return m
+
+    @property
+    def yaw(self) -> float:
+        """Heading of the transformed x axis in the target's xy plane, radians."""
+        return math.atan2(self.rotation[1, 0], self.rotation[0, 0])
+
+    def apply(self, points: Float[np.ndarray, "*n 3"]) -> Float[np.ndarray, "*n 3"]:
+        """Transform points."""
+        return points @ self.rotation.T + self.translation
+
+    def inverse(self) -> "Transform":
+        """The transform that undoes this one."""
+        return Transform(self.rotation.T.copy(), -self.rotation.T @ self.translation)
+
+    def __matmul__(self, other: "Transform") -> "Transform":
+        """Chain: ``(a_to_b.__matmul__)``, so that ``b_to_c @ a_to_b`` is ``a_to_c``."""
+        return Transform(
+            self.rotation @ other.rotation, self.rotation @ other.translation + self.translation
+        )

@@ -1,0 +1,17 @@
+"""What to find."""
+
+from dataclasses import dataclass
+
+from hypernav.core.errors import GoalError
+
+
+@dataclass(frozen=True)
+class Goal:
+    """A target, named as a person would: "bed", "L-shaped sofa", "the chair in the office"."""
+
+    text: str
+
+    def __post_init__(self) -> None:
+        """Reject a goal that names nothing."""
+        if not self.text.strip():
+            raise GoalError("the goal is empty; say what to find, for example: bed")

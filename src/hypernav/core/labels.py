@@ -1,0 +1,130 @@
+"""Names of things, and whether a thing is what a goal asks for.
+
+The matching is a small, predictable grammar, not a language model: it decides what counts as
+reached, so it must be the same on every machine and easy to read.
+"""
+
+import re
+from dataclasses import dataclass
+
+from hypernav.core.goal import Goal
+
+_SYNONYMS: tuple[tuple[str, ...], ...] = (
+    ("sofa", "couch", "settee", "loveseat"),
+    ("tv", "television", "television set", "tv monitor", "tvmonitor", "tv set", "telly"),
+    ("refrigerator", "fridge"),
+    ("potted plant", "plant", "house plant", "houseplant", "indoor plant", "pottedplant"),
+    ("dining table", "dinner table", "diningtable"),
+    ("nightstand", "night stand", "bedside table", "night table"),
+    ("wardrobe", "armoire"),
+    ("exercise equipment", "gym equipment", "fitness equipment", "exercise machine"),
+    ("trash can", "garbage can", "waste bin", "trash bin", "bin", "dustbin", "rubbish bin"),
+    ("tv stand", "television stand", "tv cabinet", "media console"),
+    ("rug", "carpet"),
+    ("cell phone", "mobile phone", "smartphone"),
+    ("bicycle", "bike"),
+    ("bookshelf", "bookcase", "book shelf"),
+    ("picture", "painting"),
+    ("armchair", "arm chair", "easy chair"),
+    ("dresser", "chest of drawers"),
+    ("washing machine", "washer", "clothes washer"),
+    ("clothes dryer", "tumble dryer", "dryer"),
+    ("bathtub", "bath tub", "tub"),
+    ("lamp", "light"),
+    ("hair dryer", "hair drier", "blow dryer"),
+    ("stool", "footstool"),
+    ("piano", "upright piano"),
+    ("laptop", "laptop computer", "notebook computer"),
+    ("coffee table", "cocktail table"),
+    ("desk", "writing desk"),
+    ("stove", "cooker"),
+)
+_CANONICAL = {name: group[0] for group in _SYNONYMS for name in group}
+_ARTICLE = re.compile(r"^(?:please )?(?:find |go to )?(?:the |a |an |my |some )?")
+_IN_ROOM = re.compile(r" (?:in|inside|of) (?:the |a |an |my )?(.+)$")
+_BESIDE = re.compile(r" (?:beside|next to|near|by|close to|on|under|at) (?:the |a |an |my )?(.+)$")
+
+
+def normalise(name: str) -> str:
+    """Lower case, single spaces, no article, hyphens and underscores read as spaces."""
+    words = re.sub(r"[\s_\-]+", " ", name.lower()).strip(" .!?\"'")
+    return _ARTICLE.sub("", words, count=1)
+
+
+def canonical(name: str) -> str:
+    """One name for all names that mean the same: "couch" and "settee" give "sofa".
+
+    A plural is read as its singular where that singular is the known name.
+    """
+    name = normalise(name)
+    if name in _CANONICAL:
+        return _CANONICAL[name]
+    if name.endswith("s") and not name.endswith("ss") and len(name) > 3:
+        singular = name[:-1]
+        return _CANONICAL.get(singular, singular)
+    return name
+
+
+def same_name(a: str, b: str) -> bool:
+    """Whether two names mean the same kind of thing."""
+    return canonical(a) == canonical(b)
+
+
+@dataclass(frozen=True)
+class ObjectLabel:
+    """What is known about one object of a scene.
+
+    Attributes:
+        category: Its kind, for example "sofa".
+        synonyms: Other names that fit, narrower or wider ("L-shaped sofa", "couch").
+        attributes: Words that are true of it ("red", "wooden", "L-shaped").
+        room: The room that it stands in, empty if unknown.
+        beside: Categories of the things next to it.
+    """
+
+    category: str
+    synonyms: tuple[str, ...] = ()
+    attributes: tuple[str, ...] = ()
+    room: str = ""
+    beside: tuple[str, ...] = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Category and synonyms."""
+        return (self.category, *self.synonyms)
+
+    def is_named(self, name: str) -> bool:
+        """Whether a bare name fits: equal, a synonym, or this name's head noun.
+
+        A "coffee table" is a "table", and a "tv stand" is not a "tv".
+        """
+        wanted = canonical(name)
+        return any(
+            wanted == canonical(own) or normalise(own).endswith(" " + wanted) for own in self.names
+        )
+
+    def satisfies(self, goal: Goal) -> bool:
+        """Whether this object is what the goal asks for.
+
+        Reads "ATTRIBUTE… NAME [in the ROOM] [beside the THING]". Every part that is said must be
+        true of the object.
+        """
+        text = normalise(goal.text)
+        if self.is_named(text):
+            return True
+        if (match := _IN_ROOM.search(text)) is not None:
+            if not self.room or canonical(match[1]) != canonical(self.room):
+                return False
+            text = text[: match.start()]
+        if (match := _BESIDE.search(text)) is not None:
+            if not any(same_name(match[1], other) for other in self.beside):
+                return False
+            text = text[: match.start()]
+        return self._fits_phrase(text.split())
+
+    def _fits_phrase(self, words: list[str]) -> bool:
+        true_words = {word for text in self.attributes for word in normalise(text).split()}
+        for head in range(len(words)):
+            if self.is_named(" ".join(words[head:])):
+                return all(word in true_words for word in words[:head])
+        return False

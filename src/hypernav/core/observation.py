@@ -1,0 +1,55 @@
+"""All that an agent may know about one moment."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float32, Int32, UInt8
+
+from hypernav.core.camera import PinholeCamera
+from hypernav.core.errors import CameraError
+from hypernav.core.geometry import Pose2, Transform
+from hypernav.core.labels import ObjectLabel
+
+
+@dataclass(frozen=True, eq=False)
+class LabelledPixels:
+    """Ground truth that a simulated world may add: what every pixel shows.
+
+    Attributes:
+        ids: Instance of every pixel, -1 where there is none.
+        labels: What each instance is; walls, floor and ceiling have none.
+    """
+
+    ids: Int32[np.ndarray, "height width"]
+    labels: Mapping[int, ObjectLabel]
+
+
+@dataclass(frozen=True, eq=False)
+class Observation:
+    """One RGB-D frame with camera model and poses.
+
+    Attributes:
+        rgb: Colour.
+        depth: Metres along the optical axis, 0 where there is no return.
+        camera: Intrinsics of both images.
+        camera_to_map: Pose of the camera, optical frame to ``map`` frame.
+        robot: Pose of the robot's base in the ``map`` frame.
+        truth: Labels, in simulation only.
+    """
+
+    rgb: UInt8[np.ndarray, "height width 3"]
+    depth: Float32[np.ndarray, "height width"]
+    camera: PinholeCamera
+    camera_to_map: Transform
+    robot: Pose2
+    truth: LabelledPixels | None = None
+
+    def __post_init__(self) -> None:
+        """Check that images and camera belong together."""
+        size = (self.camera.height, self.camera.width)
+        if self.rgb.shape[:2] != size or self.depth.shape != size:
+            raise CameraError(
+                f"camera, colour and depth must have the same size, got camera {size}, "
+                f"colour {self.rgb.shape[:2]}, depth {self.depth.shape}"
+            )

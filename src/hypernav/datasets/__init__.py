@@ -1,0 +1,1 @@
+"""Episodes: Habitat's ObjectNav and OVON files, read and written."""

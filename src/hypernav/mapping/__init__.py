@@ -1,0 +1,1 @@
+"""Depth to points to voxels to a top-down map; frontiers, blocks, exports."""

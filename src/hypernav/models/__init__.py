@@ -1,0 +1,1 @@
+"""Neural networks, each behind a small protocol and an optional extra."""

@@ -1,0 +1,1 @@
+"""Local (detect, segment, refine, project) and global (draw, ask, choose, remember)."""

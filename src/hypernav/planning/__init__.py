@@ -1,0 +1,1 @@
+"""A* on the inflated map and the waypoint follower."""

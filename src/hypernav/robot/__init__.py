@@ -1,0 +1,1 @@
+"""The same agents on a real machine."""

@@ -1,0 +1,1 @@
+"""Video, pictures and pages out of a trace."""

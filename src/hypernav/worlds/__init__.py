@@ -1,0 +1,1 @@
+"""Whatever yields observations and takes actions: scenes, renderer, walkable surface, houses."""

@@ -1,0 +1,37 @@
+"""Fixtures for all tests. Array shapes and types are checked at run time here, and only here."""
+
+import os
+from pathlib import Path
+
+import pytest
+from jaxtyping import install_import_hook
+
+_SOURCE = Path(__file__).parents[1] / "src"
+
+
+def _checked_modules() -> list[str]:
+    """All modules but those of numba kernels, which a run-time checker cannot wrap."""
+    return [
+        ".".join(path.relative_to(_SOURCE).with_suffix("").parts)
+        for path in sorted((_SOURCE / "hypernav").rglob("*.py"))
+        if path.name != "__init__.py" and not path.name.endswith("kernels.py")
+    ]
+
+
+install_import_hook(_checked_modules(), "beartype.beartype")
+
+
+@pytest.fixture(scope="session")
+def test_data() -> Path:
+    """The folder of real test data; tests that need it are skipped where it is absent."""
+    default = Path(__file__).parents[2] / "shared" / "data"
+    path = Path(os.environ.get("HYPERNAV_TEST_DATA", default))
+    if not path.is_dir():
+        pytest.skip(f"no test data in {path}; set HYPERNAV_TEST_DATA to the folder that holds it")
+    return path
+
+
+@pytest.fixture(scope="session")
+def small_house(test_data: Path) -> Path:
+    """The GLB of a real furnished house."""
+    return test_data / "scenes" / "small_house" / "scene.glb"
