@@ -116,6 +116,23 @@ class StepTrace(_Record):
     seconds: dict[str, float] = Field(default_factory=dict)
 
 
+class ExchangeLog:
+    """Where detectors and reasoners write what they asked; the agent drains it every step."""
+
+    def __init__(self) -> None:
+        """Begin empty."""
+        self._exchanges: list[Exchange] = []
+
+    def record(self, exchange: Exchange) -> None:
+        """Add one question and answer."""
+        self._exchanges.append(exchange)
+
+    def drain(self) -> list[Exchange]:
+        """All exchanges since the last call, oldest first."""
+        drained, self._exchanges = self._exchanges, []
+        return drained
+
+
 def without_timings(value: Any) -> Any:
     """A copy of JSON data without its ``seconds``: what must be equal in two runs of one seed."""
     if isinstance(value, dict):
