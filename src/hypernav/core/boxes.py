@@ -23,10 +23,10 @@ class Box:
     def clipped(self, width: int, height: int) -> "Box":
         """The part inside an image of this size (may have no area)."""
         return Box(
-            min(max(self.x_min, 0.0), width),
-            min(max(self.y_min, 0.0), height),
-            min(max(self.x_max, 0.0), width),
-            min(max(self.y_max, 0.0), height),
+            min(max(self.x_min, 0.0), float(width)),
+            min(max(self.y_min, 0.0), float(height)),
+            min(max(self.x_max, 0.0), float(width)),
+            min(max(self.y_max, 0.0), float(height)),
         )
 
     def iou(self, other: "Box") -> float:

@@ -1,0 +1,47 @@
+"""Opening ONNX files, with errors that say what is wrong with them."""
+
+from pathlib import Path
+from typing import Any
+
+from hypernav.core.errors import ModelError
+from hypernav.core.extras import require
+
+
+def open_session(path: Path, *, threads: int = 2) -> Any:
+    """An ``onnxruntime.InferenceSession`` on the CPU that gives the same bytes every time.
+
+    Args:
+        path: An ``.onnx`` file.
+        threads: Within one operator. A navigating robot needs its other cores for itself.
+
+    Raises:
+        MissingExtraError: onnxruntime is not installed.
+        ModelError: The file is missing, or onnxruntime cannot read it.
+    """
+    onnxruntime = require("onnxruntime", extra="onnx")
+    states = require("onnxruntime.capi.onnxruntime_pybind11_state", extra="onnx")
+    if not path.is_file():
+        raise ModelError(f"model file not found: {path}; give the path of an .onnx file")
+    options = onnxruntime.SessionOptions()
+    options.intra_op_num_threads = threads
+    options.inter_op_num_threads = 1
+    options.use_deterministic_compute = True
+    options.add_session_config_entry("session.intra_op.allow_spinning", "0")
+    options.log_severity_level = 3
+    unreadable = (
+        states.Fail,
+        states.InvalidArgument,
+        states.InvalidGraph,
+        states.InvalidProtobuf,
+        states.NoModel,
+        states.NotImplemented,
+        states.RuntimeException,
+    )
+    try:
+        return onnxruntime.InferenceSession(
+            str(path), sess_options=options, providers=["CPUExecutionProvider"]
+        )
+    except unreadable as error:
+        raise ModelError(
+            f"{path} is not an ONNX model that onnxruntime can run: {str(error).splitlines()[0]}"
+        ) from error
