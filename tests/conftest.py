@@ -18,7 +18,7 @@ def _checked_modules() -> list[str]:
     ]
 
 
-install_import_hook(_checked_modules(), "beartype.beartype")
+install_import_hook(_checked_modules(), "runtime_checks.checked")
 
 
 @pytest.fixture(scope="session")

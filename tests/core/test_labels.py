@@ -1,0 +1,95 @@
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hypernav.core.errors import GoalError
+from hypernav.core.goal import Goal
+from hypernav.core.labels import ObjectLabel, canonical, normalise, same_name
+
+ARMCHAIR = ObjectLabel(
+    "armchair", ("chair",), ("red", "fabric"), room="office", beside=("floor lamp", "desk")
+)
+CORNER_SOFA = ObjectLabel("sofa", ("L-shaped sofa", "sectional"), ("grey",), room="living room")
+
+
+@pytest.mark.parametrize(
+    ("a", "b"),
+    [
+        ("couch", "sofa"),
+        ("Television", "tv"),
+        ("fridge", "refrigerator"),
+        ("the bed", "bed"),
+        ("beds", "bed"),
+        ("potted-plant", "plant"),
+        ("find the  Night Stand", "nightstand"),
+    ],
+)
+def test_names_of_the_same_thing_are_equal(a, b):
+    assert same_name(a, b)
+
+
+@pytest.mark.parametrize(
+    ("a", "b"),
+    [("bed", "sofa"), ("tv", "tv stand"), ("glass", "glas"), ("dresser", "dress")],
+)
+def test_names_of_different_things_are_not(a, b):
+    assert not same_name(a, b)
+
+
+@given(st.text(max_size=30))
+def test_canonical_names_are_fixed_points_of_normalisation(name):
+    assert normalise(normalise(name)) == normalise(normalise(normalise(name)))
+    assert isinstance(canonical(name), str)
+
+
+@pytest.mark.parametrize(
+    "goal",
+    [
+        "armchair",
+        "arm chair",
+        "chair",
+        "red armchair",
+        "the red armchair in the office",
+        "red fabric chair",
+        "armchair beside the desk",
+        "the armchair next to a floor lamp in the office",
+    ],
+)
+def test_a_goal_is_satisfied_when_all_it_says_is_true(goal):
+    assert ARMCHAIR.satisfies(Goal(goal))
+
+
+@pytest.mark.parametrize(
+    "goal",
+    [
+        "sofa",
+        "blue armchair",
+        "red armchair in the bedroom",
+        "armchair beside the bed",
+        "office",
+        "red",
+    ],
+)
+def test_a_goal_is_not_satisfied_when_one_part_is_false(goal):
+    assert not ARMCHAIR.satisfies(Goal(goal))
+
+
+def test_shape_words_may_belong_to_the_name():
+    assert CORNER_SOFA.satisfies(Goal("L-shaped sofa"))
+    assert CORNER_SOFA.satisfies(Goal("couch"))
+    assert CORNER_SOFA.satisfies(Goal("grey L-shaped sofa in the living room"))
+
+
+def test_the_head_noun_names_a_thing_and_the_modifier_does_not():
+    assert ObjectLabel("coffee table").satisfies(Goal("table"))
+    assert not ObjectLabel("tv stand").satisfies(Goal("tv"))
+
+
+def test_a_plain_label_without_room_satisfies_no_goal_that_names_one():
+    assert not ObjectLabel("bed").satisfies(Goal("bed in the bedroom"))
+
+
+@pytest.mark.parametrize("text", ["", "   ", "\n"])
+def test_an_empty_goal_is_refused(text):
+    with pytest.raises(GoalError, match="empty"):
+        Goal(text)
