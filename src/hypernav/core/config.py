@@ -1,9 +1,109 @@
-"""What all configuration has in common."""
+"""Configuration: frozen models, and layers of what the user said; later ones win."""
 
-from pydantic import BaseModel, ConfigDict
+import difflib
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, TypeVar
+
+import yaml
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from hypernav.core.errors import ConfigError
+
+ENVIRONMENT_PREFIX = "HYPERNAV_"
 
 
 class RoomConfig(BaseModel):
     """Base of every room's configuration: frozen, and an unknown key is an error."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+ConfigT = TypeVar("ConfigT", bound=BaseModel)
+
+
+def layered(
+    base: ConfigT,
+    *,
+    file: Path | None = None,
+    environment: Mapping[str, str] = os.environ,
+    assignments: Sequence[str] = (),
+) -> ConfigT:
+    """A configuration with everything that the user said laid over it.
+
+    Args:
+        base: The preset.
+        file: YAML with the same sections; only what differs needs to be there.
+        environment: Variables such as ``HYPERNAV_MAPPING__CELL_SIZE_M=0.1``.
+        assignments: From the command line, such as ``mapping.cell_size_m=0.1``.
+
+    Raises:
+        ConfigError: A file that cannot be read, a wrong key or an impossible value.
+    """
+    values: dict[str, Any] = base.model_dump()
+    if file is not None:
+        _merge(type(base), values, _read_yaml(file), source=str(file))
+    for name, text in sorted(environment.items()):
+        key = name.removeprefix(ENVIRONMENT_PREFIX)
+        if key != name and "__" in key:
+            _assign(type(base), values, key.lower().split("__"), text, source=name)
+    for assignment in assignments:
+        key, equals, text = assignment.partition("=")
+        if not equals:
+            raise ConfigError(
+                f"--set {assignment}: expected SECTION.KEY=VALUE, for example "
+                "--set search.endurance_steps=60"
+            )
+        _assign(type(base), values, key.split("."), text, source=f"--set {assignment}")
+    try:
+        return type(base).model_validate(values)
+    except ValidationError as error:
+        first = error.errors()[0]
+        place = ".".join(str(part) for part in first["loc"])
+        raise ConfigError(f"{place}: {first['msg']}, got {first['input']!r}") from error
+
+
+def _read_yaml(file: Path) -> dict[str, Any]:
+    try:
+        content = yaml.safe_load(file.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ConfigError(f"cannot read the configuration {file}: {error.strerror}") from error
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise ConfigError(f"{file} is not valid YAML: {error}") from error
+    if content is None:
+        return {}
+    if not isinstance(content, dict):
+        raise ConfigError(f"{file} must hold sections (mapping:, search:, …), got {content!r:.60}")
+    return content
+
+
+def _assign(
+    model: type[BaseModel], values: dict[str, Any], keys: list[str], text: str, *, source: str
+) -> None:
+    nested: Any = yaml.safe_load(text)
+    for key in reversed(keys):
+        nested = {key: nested}
+    _merge(model, values, nested, source=source)
+
+
+def _merge(
+    model: type[BaseModel], values: dict[str, Any], changes: dict[str, Any], *, source: str
+) -> None:
+    for key, change in changes.items():
+        if key not in model.model_fields:
+            close = difflib.get_close_matches(str(key), model.model_fields, n=1)
+            hint = f"did you mean '{close[0]}'? " if close else ""
+            raise ConfigError(
+                f"{source}: unknown key '{key}'; {hint}keys here: {', '.join(model.model_fields)}"
+            )
+        section = model.model_fields[key].annotation
+        if isinstance(section, type) and issubclass(section, BaseModel):
+            if not isinstance(change, dict):
+                raise ConfigError(
+                    f"{source}: '{key}' is a section with the keys "
+                    f"{', '.join(section.model_fields)}, got {change!r}"
+                )
+            _merge(section, values[key], change, source=source)
+        else:
+            values[key] = change

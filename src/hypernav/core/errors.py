@@ -28,6 +28,10 @@ class StartError(HyPerNavError):
     """A start pose is off the walkable surface, or none can be found."""
 
 
+class MapError(HyPerNavError):
+    """A map file is missing or broken, or a pose or place is one that no map can hold."""
+
+
 class EpisodeError(HyPerNavError):
     """An episode file or an episode in it does not hold what the format promises."""
 

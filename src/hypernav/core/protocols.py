@@ -17,6 +17,7 @@ from hypernav.core.overview import BlockChoice, Overview
 from hypernav.core.trace import StepTrace
 
 
+@runtime_checkable
 class Agent(Protocol):
     """Finds a goal, one action at a time. Knows no simulator."""
 
@@ -44,6 +45,7 @@ class ExplainsItself(Protocol):
         ...
 
 
+@runtime_checkable
 class Detector(Protocol):
     """Sees whether the goal is in the picture."""
 
@@ -52,6 +54,7 @@ class Detector(Protocol):
         ...
 
 
+@runtime_checkable
 class Segmenter(Protocol):
     """Finds the pixels of the object in a box."""
 
@@ -60,6 +63,7 @@ class Segmenter(Protocol):
         ...
 
 
+@runtime_checkable
 class BlockReasoner(Protocol):
     """Chooses the part of the map to visit next."""
 
@@ -68,6 +72,7 @@ class BlockReasoner(Protocol):
         ...
 
 
+@runtime_checkable
 class PresenceCheck(Protocol):
     """Looks once more, at the goal, before the robot declares success."""
 
@@ -91,6 +96,7 @@ class RenderedView:
     instance_ids: Int32[np.ndarray, "height width"]
 
 
+@runtime_checkable
 class Renderer(Protocol):
     """Draws a scene."""
 
@@ -99,6 +105,7 @@ class Renderer(Protocol):
         ...
 
 
+@runtime_checkable
 class Walkable(Protocol):
     """The simulator's truth about the floor, in the scene's frame."""
 

@@ -1,0 +1,48 @@
+import numpy as np
+import pytest
+
+from hypernav.core.boxes import Box
+from hypernav.perception.depth_cut import DepthCutSegmenter
+from pictures import THING, thing_before_wall
+
+
+def overlap(a, b):
+    return (a & b).sum() / (a | b).sum()
+
+
+@pytest.mark.parametrize("box", [(55, 35, 105, 85), (60, 40, 100, 80), (58, 42, 98, 84)])
+def test_a_loose_box_is_cut_to_the_thing(box):
+    observation = thing_before_wall()
+    mask = DepthCutSegmenter().segment(observation, Box(*map(float, box)))
+    assert overlap(mask, observation.truth.ids == THING) > 0.85
+
+
+def test_the_nearer_of_two_surfaces_is_the_thing():
+    observation = thing_before_wall(thing_m=1.5, wall_m=2.2, box=(50, 30, 110, 90))
+    mask = DepthCutSegmenter().segment(observation, Box(40.0, 20.0, 120.0, 100.0))
+    assert observation.depth[mask].max() == pytest.approx(1.5)
+
+
+def test_the_same_picture_gives_the_same_cut():
+    observation = thing_before_wall()
+    box = Box(55.0, 35.0, 105.0, 85.0)
+    cuts = [DepthCutSegmenter().segment(observation, box) for _ in range(2)]
+    np.testing.assert_array_equal(*cuts)
+
+
+def test_a_box_without_depth_is_taken_whole():
+    observation = thing_before_wall(thing_m=0.0, wall_m=0.0)
+    mask = DepthCutSegmenter().segment(observation, Box(60.0, 40.0, 100.0, 80.0))
+    assert overlap(mask, observation.truth.ids == THING) > 0.9
+
+
+@pytest.mark.parametrize("box", [(-50, -50, -10, -10), (200, 10, 300, 50), (10, 10, 10, 40)])
+def test_a_box_outside_the_picture_holds_nothing(box):
+    mask = DepthCutSegmenter().segment(thing_before_wall(), Box(*map(float, box)))
+    assert not mask.any()
+
+
+@pytest.mark.parametrize("box", [(0, 0, 160, 120), (159, 119, 160, 120), (-20, -20, 400, 400)])
+def test_extreme_boxes_do_not_break_it(box):
+    mask = DepthCutSegmenter().segment(thing_before_wall(), Box(*map(float, box)))
+    assert mask.shape == (120, 160)
