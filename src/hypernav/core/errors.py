@@ -50,3 +50,42 @@ class ModelError(HyPerNavError):
 
 class WorldError(HyPerNavError):
     """A world was used against its contract, for example stepped before a reset."""
+
+
+class ChatError(HyPerNavError):
+    """A chat model could not be asked, or its answer cannot be used."""
+
+
+class ChatTransportError(ChatError):
+    """The question or the answer got lost: no connection, a broken response, a busy server."""
+
+
+class ChatTimeoutError(ChatError):
+    """The model took longer to answer than is allowed."""
+
+
+class RefusalError(ChatError):
+    """The model declined to answer."""
+
+
+class UnparsableAnswerError(ChatError):
+    """The answer is not of the kind that was asked for."""
+
+
+class InvalidAnswerError(ChatError):
+    """The answer is of the kind that was asked for, but none of the possible ones."""
+
+
+class ModelUnavailableError(ChatError):
+    """A chat model stayed away for longer than the configured patience.
+
+    An episode that ends with it says nothing about navigation and is never counted as a failure.
+    """
+
+
+class ModelRejectedError(ModelUnavailableError):
+    """A server will never answer this: wrong address, key, model name or kind of input."""
+
+
+class RecordingError(HyPerNavError):
+    """A recording of a chat model is broken, or does not hold the question that was asked."""

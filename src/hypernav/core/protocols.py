@@ -9,6 +9,7 @@ from jaxtyping import Bool, Float32, Int32, UInt8
 from hypernav.core.actions import Action
 from hypernav.core.boxes import Box, Detection
 from hypernav.core.camera import PinholeCamera
+from hypernav.core.chat import Answer, Picture, Question
 from hypernav.core.geometry import Transform
 from hypernav.core.goal import Goal
 from hypernav.core.grid import OccupancyGrid
@@ -78,6 +79,44 @@ class PresenceCheck(Protocol):
 
     def is_present(self, observation: Observation, goal: Goal) -> bool:
         """Whether the goal is really in the picture."""
+        ...
+
+
+class ChatModel(Protocol):
+    """A model that looks at pictures and answers in words. Safe to share between threads."""
+
+    @property
+    def name(self) -> str:
+        """Who answers, for traces and reports. Holds no secret."""
+        ...
+
+    def ask(self, question: Question) -> Answer:
+        """The answer, read and checked; one that cannot be used says so in its ``fault``.
+
+        Raises:
+            ModelUnavailableError: The model stayed away for longer than the configured patience.
+        """
+        ...
+
+
+class AsyncChatModel(Protocol):
+    """The same for programs that wait for many answers at once."""
+
+    @property
+    def name(self) -> str:
+        """Who answers."""
+        ...
+
+    async def ask(self, question: Question) -> Answer:
+        """The answer, as `ChatModel.ask` gives it."""
+        ...
+
+
+class Similarity(Protocol):
+    """Tells how well a text fits a picture."""
+
+    def similarity(self, picture: Picture, text: str) -> float:
+        """From 0 (not at all) to 1; comparable only between answers of the same model."""
         ...
 
 

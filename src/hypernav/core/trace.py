@@ -68,6 +68,7 @@ class Exchange(_Record):
         tokens_in: Prompt tokens, 0 where there is no model.
         tokens_out: Answer tokens.
         seconds: How long it took.
+        remarks: What was odd about the answer ("1 box inverted", "fell back to geometric").
     """
 
     kind: str
@@ -80,6 +81,7 @@ class Exchange(_Record):
     tokens_in: int = 0
     tokens_out: int = 0
     seconds: float = 0.0
+    remarks: list[str] = Field(default_factory=list)
 
 
 class StepTrace(_Record):

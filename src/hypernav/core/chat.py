@@ -1,0 +1,118 @@
+"""What is asked of a model that reads pictures and writes text, and what it answers."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from jaxtyping import UInt8
+from pydantic import BaseModel
+
+from hypernav.core.errors import (
+    ConfigError,
+    InvalidAnswerError,
+    RefusalError,
+    UnparsableAnswerError,
+)
+
+Picture = UInt8[np.ndarray, "height width 3"]
+
+
+@dataclass(frozen=True, eq=False)
+class Question:
+    """One question to a chat model.
+
+    Attributes:
+        kind: What it is for ("ground", "choose block", "verify", …); the ledger counts by it.
+        text: The prompt.
+        images: Pictures that the text speaks of, in order. They are sent pixel for pixel.
+        allowed: The only possible answers; empty for an open question.
+        form: The JSON that the answer must be, as a pydantic model; None for an open question.
+        max_tokens: The longest answer.
+    """
+
+    kind: str
+    text: str
+    images: tuple[Picture, ...] = ()
+    allowed: tuple[str, ...] = ()
+    form: type[BaseModel] | None = None
+    max_tokens: int = 256
+
+    def __post_init__(self) -> None:
+        """Reject a question that cannot be answered."""
+        if self.allowed and self.form is not None:
+            raise ConfigError("a question has either allowed answers or a form, not both")
+        if len(set(self.allowed)) != len(self.allowed) or not all(map(str.strip, self.allowed)):
+            raise ConfigError(f"allowed answers must be distinct and not blank: {self.allowed}")
+        if self.max_tokens < 1:
+            raise ConfigError(f"max_tokens must be at least 1, got {self.max_tokens}")
+
+
+@dataclass(frozen=True)
+class Usage:
+    """Tokens of one exchange, as the server counts them; 0 where it does not say.
+
+    Attributes:
+        tokens_in: Prompt, pictures included.
+        tokens_out: Answer, hidden reasoning included.
+    """
+
+    tokens_in: int = 0
+    tokens_out: int = 0
+
+
+class Fault(StrEnum):
+    """Why an answer cannot be used."""
+
+    REFUSED = "refused"
+    UNPARSABLE = "unparsable"
+    INVALID = "invalid"
+
+
+_FAULT_ERRORS = {
+    Fault.REFUSED: RefusalError,
+    Fault.UNPARSABLE: UnparsableAnswerError,
+    Fault.INVALID: InvalidAnswerError,
+}
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a chat model said.
+
+    Attributes:
+        text: Its words, untouched.
+        model: Who said it.
+        value: One of the allowed answers, or an instance of the form, or the text of an open
+            question; None if there is a fault.
+        usage: Tokens.
+        seconds: From asking to knowing, waits between attempts included.
+        probabilities: How likely each allowed answer was, where the model tells; sums to 1.
+        attempts: How often it was asked until it answered.
+        fault: Why the text cannot be used; None if it can.
+        detail: The fault in words.
+    """
+
+    text: str
+    model: str
+    value: Any = None
+    usage: Usage = Usage()
+    seconds: float = 0.0
+    probabilities: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    attempts: int = 1
+    fault: Fault | None = None
+    detail: str = ""
+
+    def require(self) -> Any:
+        """The value.
+
+        Raises:
+            RefusalError: The model declined.
+            UnparsableAnswerError: The text is not of the kind that was asked for.
+            InvalidAnswerError: It is of that kind, but none of the possible answers.
+        """
+        if self.fault is not None:
+            raise _FAULT_ERRORS[self.fault](f"{self.model}: {self.detail}")
+        return self.value
