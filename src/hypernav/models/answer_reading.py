@@ -1,0 +1,146 @@
+"""Reading what a model said: one of the allowed answers, a form, or a fault.
+
+Several servers accept a constraint and silently ignore it (``transformers serve`` logs a warning
+and goes on, Ollama's cloud drops JSON schemas), so every answer is checked here, always.
+"""
+
+import json
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from hypernav.core.chat import Answer, Fault, Question, Usage
+
+_THINKING = re.compile(r"<think>.*?(?:</think>|\Z)", re.DOTALL)
+_FENCE = re.compile(r"```[a-zA-Z]*\s*(.*?)(?:```|\Z)", re.DOTALL)
+_REFUSAL = re.compile(
+    r"\s*(?:i['’]?m (?:very )?sorry|sorry\b|i (?:can ?not|can['’]t|am unable|'m unable|won['’]t)\b"
+    r"|as an ai\b|unfortunately,? i (?:can ?not|can['’]t))",
+    re.IGNORECASE,
+)
+_SHORT = 80
+
+
+def read_answer(
+    question: Question,
+    text: str,
+    *,
+    model: str,
+    usage: Usage | None = None,
+    seconds: float = 0.0,
+    attempts: int = 1,
+    probabilities: Mapping[str, float] | None = None,
+    refused: bool = False,
+) -> Answer:
+    """Check a model's words against what was asked.
+
+    Args:
+        question: What was asked.
+        text: What the model said.
+        model: Its name.
+        usage: Tokens.
+        seconds: How long it took.
+        attempts: How often it was asked.
+        probabilities: Of the allowed answers.
+        refused: The server itself says that the model declined.
+    """
+    answer = Answer(
+        text=text,
+        model=model,
+        usage=usage or Usage(),
+        seconds=seconds,
+        attempts=attempts,
+        probabilities=probabilities or {},
+    )
+    said = without_thinking(text)
+    if refused:
+        return _faulty(answer, Fault.REFUSED, f"declined: {shortened(said) or 'no reason given'}")
+    if not said:
+        return _faulty(answer, Fault.UNPARSABLE, "the answer is empty")
+    if question.allowed:
+        return _read_allowed(answer, said, question.allowed)
+    if question.form is not None:
+        return _read_form(answer, said, question.form)
+    return replace(answer, value=said)
+
+
+def without_thinking(text: str) -> str:
+    """The answer proper, without the reasoning that some models put before it."""
+    return _THINKING.sub("", text).strip()
+
+
+def shortened(text: str, length: int = _SHORT) -> str:
+    """For messages: one line of limited length."""
+    line = " ".join(text.split())
+    return line if len(line) <= length else line[: length - 1] + "…"
+
+
+def _faulty(answer: Answer, fault: Fault, detail: str) -> Answer:
+    return replace(answer, fault=fault, detail=detail)
+
+
+def _read_allowed(answer: Answer, said: str, allowed: tuple[str, ...]) -> Answer:
+    by_key = {_key(label): label for label in allowed}
+    bare = _unwrapped(said)
+    if _key(bare) in by_key:
+        return replace(answer, value=by_key[_key(bare)])
+    words = [_key(word) for word in bare.split()]
+    mentioned = {by_key[word] for word in words if word in by_key}
+    if len(mentioned) == 1 and len(bare) <= _SHORT:
+        return replace(answer, value=mentioned.pop())
+    if words and words[0] in by_key and len(mentioned) == 1:
+        return replace(answer, value=by_key[words[0]])
+    if _REFUSAL.match(said):
+        return _faulty(answer, Fault.REFUSED, f"declined: {shortened(said)}")
+    expected = ", ".join(allowed)
+    if len(words) == 1:
+        return _faulty(answer, Fault.INVALID, f"'{shortened(bare)}' is none of: {expected}")
+    return _faulty(
+        answer, Fault.UNPARSABLE, f"'{shortened(bare)}' does not name exactly one of: {expected}"
+    )
+
+
+def _key(text: str) -> str:
+    return text.strip(" \t\r\n.,:;!?\"'`*()[]{}#").casefold()
+
+
+def _unwrapped(said: str) -> str:
+    """The text without a code fence and without the JSON object that carries one answer."""
+    fenced = _FENCE.search(said)
+    inner = fenced[1].strip() if fenced else said
+    value = _json_in(inner)
+    if isinstance(value, dict) and len(value) == 1:
+        value = next(iter(value.values()))
+    if isinstance(value, str | int) and not isinstance(value, bool):
+        return str(value)
+    return inner
+
+
+def _json_in(text: str) -> Any:
+    try:
+        return json.loads(text)
+    except (ValueError, RecursionError):
+        return None
+
+
+def _read_form(answer: Answer, said: str, form: type[BaseModel]) -> Answer:
+    fenced = _FENCE.search(said)
+    body = fenced[1] if fenced else said
+    begin, end = body.find("{"), body.rfind("}")
+    if begin < 0 or end < begin:
+        fault = Fault.REFUSED if _REFUSAL.match(said) else Fault.UNPARSABLE
+        return _faulty(answer, fault, f"no JSON object in '{shortened(said)}'")
+    try:
+        return replace(answer, value=form.model_validate_json(body[begin : end + 1]))
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        broken = first["type"] == "json_invalid"
+        where = ".".join(map(str, first["loc"])) or form.__name__
+        return _faulty(
+            answer,
+            Fault.UNPARSABLE if broken else Fault.INVALID,
+            f"{where}: {first['msg']} in '{shortened(body)}'",
+        )
