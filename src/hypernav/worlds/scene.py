@@ -4,11 +4,20 @@ The scene frame is z up, metres. A glTF file (y up) becomes ``(x, -z, y)``.
 """
 
 from dataclasses import dataclass
+from enum import IntEnum
 
 import numpy as np
-from jaxtyping import Float32, Int32, UInt8
+from jaxtyping import Bool, Float32, Int32, UInt8
 
 from hypernav.core.labels import ObjectLabel
+
+
+class Wrap(IntEnum):
+    """What a texture shows beyond its edges."""
+
+    REPEAT = 0
+    MIRROR = 1
+    CLAMP = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,12 +27,18 @@ class Material:
     Attributes:
         name: For people.
         color: sRGB, 0 to 1; multiplies the texture.
-        texture: sRGB picture, row 0 at v = 1 as glTF stores it upside up; None for a plain colour.
+        texture: sRGB picture, first row at the top (v = 1); None for a plain colour.
+        wrap: Beyond the texture's edges, along u and along v.
+        opaque: Texels where the surface exists, for leaves and lace; None where all of it does.
+        unlit: Drawn in its own colour whatever the light: screens, lamps, scans.
     """
 
     name: str
     color: tuple[float, float, float]
     texture: UInt8[np.ndarray, "height width 3"] | None = None
+    wrap: tuple[Wrap, Wrap] = (Wrap.REPEAT, Wrap.REPEAT)
+    opaque: Bool[np.ndarray, "height width"] | None = None
+    unlit: bool = False
 
 
 @dataclass(frozen=True)
@@ -54,7 +69,7 @@ class Scene:
         vertices: Metres, scene frame.
         faces: Vertex numbers of every triangle, counter-clockwise seen from outside.
         uv: Texture coordinates of every corner (v upwards).
-        colors: Colour of every corner, multiplies the material; white where the file has none.
+        colors: sRGB colour of every corner, multiplies the material; white where the file has none.
         normals: Unit normal of every corner, for smooth shading; None shades every face flat.
         face_material: Number in ``materials``.
         face_instance: Number in ``instances``.

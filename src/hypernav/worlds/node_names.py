@@ -1,0 +1,74 @@
+"""What the name of a node in a 3-D file says: ``SM_OfficeChair2`` is an office chair.
+
+Exporters, asset shops and modelling tools decorate names with counters, prefixes and levels of
+detail; this module takes them off again.
+"""
+
+import re
+
+_WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
+_FILE_SUFFIX = re.compile(
+    r"\.(?:fbx|obj|dae|gltf|glb|blend|stl|ply|usdz?|cleaner.*)\b", re.IGNORECASE
+)
+_PREFIXES = frozenset(
+    {"sm", "sk", "bp", "st", "geo", "grp", "mesh", "prop", "model", "obj", "asset"}
+)
+_TAILS = frozenset(
+    """
+    mesh geo geometry lod low lowpoly high highpoly poly model prop asset copy instance inst grp
+    group mat material default primitive node obj object
+    """.split()  # noqa: SIM905
+)
+_MEANINGLESS = frozenset(
+    """
+    mesh node object objects geometry scene root group primitive default untitled cube plane
+    sphere cylinder cone torus circle curve empty model world sketchfab collada armature material
+    entity instance polygon polysurface surface shape component layer part static prefab
+    """.split()  # noqa: SIM905
+)
+_STRUCTURAL = frozenset(
+    """
+    wall walls floor floors flooring ceiling ceilings roof ground room house building apartment
+    doorframe doorway baseboard baseboards skirting moulding molding column pillar beam
+    stairs staircase railing structure shell architecture
+    """.split()  # noqa: SIM905
+)
+_STRUCTURAL_PAIRS = frozenset(
+    {"door frame", "window frame", "skirting board", "crown molding", "door jamb", "wall panel"}
+)
+
+
+def words_of(name: str) -> tuple[str, ...]:
+    """The words in a node's name, lower case, without what tools add.
+
+    ``Bed_01_001`` gives ``("bed",)``, ``dining-table.003`` gives ``("dining", "table")``,
+    ``TVCabinet`` gives ``("tv", "cabinet")``.
+    """
+    words = [word.lower() for word in _WORD.findall(_FILE_SUFFIX.sub(" ", name))]
+    words = [word for word in words if not word.isdigit()]
+    while len(words) > 1 and (words[-1] in _TAILS or len(words[-1]) == 1):
+        words.pop()
+    while len(words) > 1 and words[0] in _PREFIXES:
+        words.pop(0)
+    return tuple(words)
+
+
+def is_meaningful(name: str) -> bool:
+    """Whether a name says what a thing is, unlike ``Object_4``, ``Cube.003`` or ``RootNode``."""
+    words = words_of(name)
+    return any(len(word) > 1 and word not in _MEANINGLESS for word in words)
+
+
+def is_structural(name: str) -> bool:
+    """Whether a name means the building itself: ``RoomWall_01`` does, ``wall clock`` does not."""
+    words = words_of(name)
+    if not words:
+        return False
+    return words[-1] in _STRUCTURAL or " ".join(words[-2:]) in _STRUCTURAL_PAIRS
+
+
+def category_of(name: str) -> str | None:
+    """What a thing with this name is, or None for the building and for names that say nothing."""
+    if not is_meaningful(name) or is_structural(name):
+        return None
+    return " ".join(words_of(name))
