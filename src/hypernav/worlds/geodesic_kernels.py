@@ -1,0 +1,300 @@
+"""Any-angle shortest paths on a grid of free and blocked cells (numba kernels).
+
+The free space is the union of the closed free cells; a path may touch blocked cells and run along
+them, but not pass between two that touch only at a corner. A shortest path bends only at corners
+of blocked cells, and these are vertices of the lattice. So Dijkstra's algorithm runs over the
+lattice, and every vertex remembers its *root*: the target or bend from which it is seen in a
+straight line (the idea of Theta*, Nash et al. 2007, with roots kept to true bends).
+
+Coordinates are integers in units of 1 / `UNITS` of a cell, so that lines of sight are exact.
+Roots are numbered: first the targets, then the vertices.
+"""
+
+import numpy as np
+from numba import njit
+
+UNITS = 1024
+
+
+@njit(cache=True, nogil=True)
+def _along_line(free, line, low, high, vertical):
+    """Whether one can walk on a lattice line, from `low` to `high` across it."""
+    left_open = True
+    right_open = True
+    for k in range(low // UNITS, (high - 1) // UNITS + 1):
+        if vertical:
+            left, right = free[k, line - 1], free[k, line]
+        else:
+            left, right = free[line - 1, k], free[line, k]
+        left_open = left and left_open
+        right_open = right and right_open
+        if not (left_open or right_open):
+            # One side closed here and the other before; both may be open again only from a cell
+            # that is free on both sides, and there is none between them.
+            return False
+        if left and right:
+            left_open = True
+            right_open = True
+    return True
+
+
+@njit(cache=True, nogil=True)
+def line_of_sight(free, x0, y0, x1, y1):
+    """Whether the straight line between two points stays in the free space.
+
+    `free` has a blocked border, so that every cell beside a point exists.
+    """
+    dx, dy = abs(x1 - x0), abs(y1 - y0)
+    if dx == 0 and x0 % UNITS == 0:
+        return dy == 0 or _along_line(free, x0 // UNITS, min(y0, y1), max(y0, y1), True)
+    if dy == 0 and y0 % UNITS == 0:
+        return dx == 0 or _along_line(free, y0 // UNITS, min(x0, x1), max(x0, x1), False)
+    # The cells whose inside the line passes, in order from its start.
+    if x1 > x0 or dx == 0:
+        step_x, column, last_column = 1, x0 // UNITS, (x1 - 1) // UNITS
+        to_x = (column + 1) * UNITS - x0
+    else:
+        step_x, column, last_column = -1, (x0 - 1) // UNITS, x1 // UNITS
+        to_x = x0 - column * UNITS
+    if y1 > y0 or dy == 0:
+        step_y, row, last_row = 1, y0 // UNITS, (y1 - 1) // UNITS
+        to_y = (row + 1) * UNITS - y0
+    else:
+        step_y, row, last_row = -1, (y0 - 1) // UNITS, y1 // UNITS
+        to_y = y0 - row * UNITS
+    if dx == 0:
+        last_column = column
+    if dy == 0:
+        last_row = row
+    # The next border is crossed at to_x / dx or to_y / dy of the line; compared crosswise.
+    at_x, at_y = to_x * dy, to_y * dx
+    if dx == 0:
+        at_x = np.int64(2) ** 62
+    if dy == 0:
+        at_y = np.int64(2) ** 62
+    while True:
+        if not free[row, column]:
+            return False
+        if row == last_row and column == last_column:
+            return True
+        if at_x < at_y:
+            column += step_x
+            at_x += UNITS * dy
+        elif at_y < at_x:
+            row += step_y
+            at_y += UNITS * dx
+        else:
+            if not free[row, column + step_x] and not free[row + step_y, column]:
+                return False
+            column += step_x
+            row += step_y
+            at_x += UNITS * dy
+            at_y += UNITS * dx
+
+
+@njit(cache=True, nogil=True)
+def _push(keys, items, size, key, item):
+    k = size
+    while k > 0:
+        parent = (k - 1) >> 1
+        if keys[parent] <= key:
+            break
+        keys[k], items[k] = keys[parent], items[parent]
+        k = parent
+    keys[k], items[k] = key, item
+
+
+@njit(cache=True, nogil=True)
+def _pop(keys, items, size):
+    """Remove the smallest; the caller has read entry 0 and counts `size` down itself."""
+    key, item = keys[size - 1], items[size - 1]
+    size -= 1
+    k = 0
+    while True:
+        child = 2 * k + 1
+        if child >= size:
+            break
+        if child + 1 < size and keys[child + 1] < keys[child]:
+            child += 1
+        if keys[child] >= key:
+            break
+        keys[k], items[k] = keys[child], items[child]
+        k = child
+    if size > 0:
+        keys[k], items[k] = key, item
+
+
+@njit(cache=True, nogil=True)
+def _doubled(array):
+    longer = np.empty(array.size * 2, dtype=array.dtype)
+    for k in range(array.size):
+        longer[k] = array[k]
+    return longer
+
+
+@njit(cache=True, nogil=True)
+def usable_vertices(free):
+    """Vertices that a path may pass: beside a free cell, and not between two diagonal ones."""
+    rows, columns = free.shape
+    usable = np.zeros((rows + 1, columns + 1), dtype=np.bool_)
+    for i in range(1, rows):
+        for j in range(1, columns):
+            a, b, c, d = free[i - 1, j - 1], free[i - 1, j], free[i, j - 1], free[i, j]
+            pinched = (a and d and not b and not c) or (b and c and not a and not d)
+            usable[i, j] = (a or b or c or d) and not pinched
+    return usable
+
+
+@njit(cache=True, nogil=True)
+def _root_position(root, targets, width):
+    if root < targets.shape[0]:
+        return targets[root, 0], targets[root, 1]
+    vertex = root - targets.shape[0]
+    return (vertex % width) * UNITS, (vertex // width) * UNITS
+
+
+@njit(cache=True, nogil=True)
+def _length(x0, y0, x1, y1):
+    return np.sqrt(np.float64((x1 - x0) ** 2 + (y1 - y0) ** 2))
+
+
+@njit(cache=True, nogil=True)
+def _one_step(free, i, j, di, dj):
+    """Whether one can walk from a vertex to the next one, along an edge or across a cell."""
+    if di == 0:
+        column = min(j, j + dj)
+        return free[i - 1, column] or free[i, column]
+    if dj == 0:
+        row = min(i, i + di)
+        return free[row, j - 1] or free[row, j]
+    return free[min(i, i + di), min(j, j + dj)]
+
+
+@njit(cache=True, nogil=True)
+def propagate(free, usable, targets, goal_x, goal_y):
+    """Distance of every vertex to the nearest target, and its root.
+
+    With a goal (`goal_x` not negative) the search is directed to it, as in A*, and ends when it
+    is decided; other vertices then have upper bounds.
+
+    Args:
+        free: Free cells, with a blocked border.
+        usable: From `usable_vertices`.
+        targets: Points ``(x, y)`` in free cells.
+        goal_x: In free space, or -1.
+        goal_y: In free space, or -1.
+
+    Returns:
+        Distances (units; infinite where no path leads) and roots (-1 there).
+    """
+    height, width = usable.shape
+    count = targets.shape[0]
+    best = np.full(height * width, np.inf)
+    root = np.full(height * width, -1, dtype=np.int32)
+    keys = np.empty(1024, dtype=np.float64)
+    items = np.empty(1024, dtype=np.int32)
+    size = np.int64(0)
+    directed = goal_x >= 0
+    bound = np.inf
+    for t in range(count):
+        column, row = targets[t, 0] // UNITS, targets[t, 1] // UNITS
+        for i in range(row, row + 2):
+            for j in range(column, column + 2):
+                vertex = i * width + j
+                d = _length(targets[t, 0], targets[t, 1], j * UNITS, i * UNITS)
+                if usable[i, j] and free[row, column] and d < best[vertex]:
+                    best[vertex], root[vertex] = d, t
+                    if size == keys.size:
+                        keys, items = _doubled(keys), _doubled(items)
+                    if directed:
+                        d += _length(j * UNITS, i * UNITS, goal_x, goal_y)
+                    _push(keys, items, size, d, vertex)
+                    size += 1
+    while size > 0:
+        key, v = keys[0], items[0]
+        _pop(keys, items, size)
+        size -= 1
+        i, j = v // width, v % width
+        own = best[v]
+        if directed:
+            to_goal = _length(j * UNITS, i * UNITS, goal_x, goal_y)
+            own += to_goal
+            if key >= bound:
+                break
+            if 0 <= i - goal_y // UNITS <= 1 and 0 <= j - goal_x // UNITS <= 1:
+                bound = min(bound, own)  # A corner of the goal's cell surely sees it.
+        if key > own + 1e-6:
+            continue
+        root_x, root_y = _root_position(root[v], targets, width)
+        root_best = best[v] - _length(root_x, root_y, j * UNITS, i * UNITS)
+        for di in range(-1, 2):
+            for dj in range(-1, 2):
+                ni, nj = i + di, j + dj
+                if not usable[ni, nj]:
+                    continue
+                n = ni * width + nj
+                x, y = nj * UNITS, ni * UNITS
+                new = root_best + _length(root_x, root_y, x, y)
+                if new >= best[n] - 1e-3:
+                    continue
+                new_root = root[v]
+                if not line_of_sight(free, root_x, root_y, x, y):
+                    # Bend at this vertex. If it is no corner, then a better root will follow.
+                    new = best[v] + _length(j * UNITS, i * UNITS, x, y)
+                    new_root = count + v
+                    if new >= best[n] - 1e-3 or not _one_step(free, i, j, di, dj):
+                        continue
+                best[n], root[n] = new, new_root
+                if size == keys.size:
+                    keys, items = _doubled(keys), _doubled(items)
+                if directed:
+                    new += _length(x, y, goal_x, goal_y)
+                _push(keys, items, size, new, n)
+                size += 1
+    return best, root
+
+
+@njit(cache=True, nogil=True)
+def first_bend(free, usable, targets, cell_start, best, root, x, y):
+    """Distance from a point to the nearest target, and where to go first.
+
+    Args:
+        free: As for `propagate`.
+        usable: As for `propagate`.
+        targets: As for `propagate`, sorted by cell.
+        cell_start: First target of every cell, and the number of targets at the end.
+        best: From `propagate`.
+        root: From `propagate`.
+        x: In a free cell.
+        y: In a free cell.
+
+    Returns:
+        Distance in units (infinite if no path leads to a target) and the root that is headed for.
+    """
+    width = usable.shape[1]
+    count = targets.shape[0]
+    row, column = y // UNITS, x // UNITS
+    shortest = np.inf
+    towards = -1
+    # A target may lie so close by that no vertex has it for its root.
+    for i in range(max(row - 2, 0), min(row + 3, free.shape[0])):
+        first = i * free.shape[1] + max(column - 2, 0)
+        last = i * free.shape[1] + min(column + 2, free.shape[1] - 1)
+        for t in range(cell_start[first], cell_start[last + 1]):
+            d = _length(x, y, targets[t, 0], targets[t, 1])
+            if d < shortest and line_of_sight(free, x, y, targets[t, 0], targets[t, 1]):
+                shortest, towards = d, t
+    for i in range(max(row - 1, 0), min(row + 3, usable.shape[0])):
+        for j in range(max(column - 1, 0), min(column + 3, width)):
+            v = i * width + j
+            if root[v] < 0:
+                continue
+            at_x, at_y = j * UNITS, i * UNITS
+            root_x, root_y = _root_position(root[v], targets, width)
+            d = best[v] - _length(root_x, root_y, at_x, at_y) + _length(root_x, root_y, x, y)
+            if d < shortest and line_of_sight(free, root_x, root_y, x, y):
+                shortest, towards = d, root[v]
+            d = best[v] + _length(at_x, at_y, x, y)
+            if d < shortest and line_of_sight(free, at_x, at_y, x, y):
+                shortest, towards = d, count + v
+    return shortest, towards
