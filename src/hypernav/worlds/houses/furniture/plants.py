@@ -1,0 +1,251 @@
+"""Plants in pots."""
+
+import math
+
+import numpy as np
+
+from hypernav.worlds.houses.dice import Dice
+from hypernav.worlds.houses.kit.mesh import Finish, Mesh, join
+from hypernav.worlds.houses.kit.model import Bench, Model
+from hypernav.worlds.houses.kit.solids import cushion
+from hypernav.worlds.houses.kit.surfaces import ball, lathe, rod, sheet, tube
+from hypernav.worlds.houses.palette import CERAMIC, TERRACOTTA, Taste, plastic
+
+_SOIL = Finish("soil", (1.0, 1.0, 1.0), 0.2)
+_BARK = Finish("wood", (0.45, 0.34, 0.24), 0.3)
+_GREENS = ((0.2, 0.43, 0.16), (0.27, 0.5, 0.2), (0.16, 0.36, 0.17), (0.38, 0.56, 0.25))
+
+
+def green(dice: Dice, texture: str = "leaf") -> Finish:
+    """The colour of one plant's leaves."""
+    r, g, b = dice.choice(_GREENS)
+    lift = dice.uniform(0.95, 1.2)
+    return Finish(texture, (r * lift, g * lift, b * lift), 1.0, "green", "")
+
+
+def pot(bench: Bench, dice: Dice, taste: Taste, radius: float, high: float) -> Finish:
+    """A pot with earth, standing on z = 0; gives back its finish."""
+    finish = dice.choice(
+        (
+            TERRACOTTA,
+            CERAMIC,
+            Finish("concrete", (0.6, 0.6, 0.58), 0.8, "gray", "stone"),
+            Finish("wicker", (0.74, 0.58, 0.38), 0.2, "light brown", "wicker"),
+            Finish("", plastic(taste.accent).color, 1.0, taste.accent, "ceramic"),
+            Finish("", (0.12, 0.12, 0.13), 1.0, "black", "ceramic"),
+        )
+    )
+    base = radius * dice.uniform(0.68, 0.9)
+    rim = 0.03 if finish is TERRACOTTA else 0.012
+    profile = [(0.0, 0.0), (base, 0.0), (radius * 0.97, high - rim * 1.5), (radius * 1.05, high - rim * 1.5),
+               (radius * 1.06, high), (radius * 0.95, high), (radius * 0.92, high - 0.04)]
+    bench.add(finish, lathe(profile, sides=24))
+    bench.add(_SOIL, lathe([(0.0, high - 0.025), (radius * 0.94, high - 0.03)][::-1], sides=20))
+    return finish
+
+
+def blade(
+    length: float, wide: float, droop: float, *, lift_deg: float, turn_deg: float, fold: float = 0.25,
+    steps: int = 7, shape: str = "oval",
+) -> Mesh:
+    """One leaf from the origin: it rises at an angle and then bows down under its weight.
+
+    Args:
+        length: Metres along the rib.
+        wide: Greatest width.
+        droop: How much it bows over its length, degrees.
+        lift_deg: Angle of its beginning above the horizon.
+        turn_deg: Direction in plan.
+        fold: Depth of the valley along the rib, as a share of the half width.
+        steps: Segments along the rib.
+        shape: "oval", "sword" or "heart".
+    """
+    t = np.linspace(0.0, 1.0, steps + 1)
+    angle = np.radians(lift_deg - droop * t)
+    step = length / steps
+    out = np.concatenate([[0.0], np.cumsum(np.cos(angle[:-1]) * step)])
+    up = np.concatenate([[0.0], np.cumsum(np.sin(angle[:-1]) * step)])
+    if shape == "sword":
+        half = wide / 2 * np.minimum(1.0, 0.55 + 1.6 * t) * np.clip((1.0 - t) * 2.2, 0.02, 1.0) ** 0.6
+    elif shape == "heart":
+        half = wide / 2 * np.clip(np.sin(np.pi * np.clip(t * 0.94 + 0.06, 0, 1) ** 0.6), 0.03, 1.0)
+    else:
+        half = wide / 2 * np.clip(np.sin(np.pi * t**0.85), 0.03, 1.0)
+    across = np.array([-1.0, 0.0, 1.0])[:, None]
+    normal_out, normal_up = -np.sin(angle), np.cos(angle)
+    dip = np.abs(across) * half * fold
+    x = out + dip * normal_out
+    z = up + dip * normal_up
+    y = across * half + 0.0 * t
+    grid = np.stack([x + 0 * y, y, z + 0 * y], axis=-1)
+    mesh = sheet(grid[::-1], fit=True)
+    return mesh.turned(turn_deg)
+
+
+def _spread(dice: Dice, count: int) -> list[float]:
+    """Directions that go round by the golden angle, as leaves do."""
+    start = dice.uniform(0.0, 360.0)
+    return [start + 137.5 * k + dice.uniform(-18.0, 18.0) for k in range(count)]
+
+
+def rosette(dice: Dice, count: int, length: float, wide: float, shape: str = "oval") -> Mesh:
+    """Leaves on stalks out of one point: outer ones low, inner ones upright."""
+    leaves = []
+    for k, turn in enumerate(_spread(dice, count)):
+        lift = 32.0 + 50.0 * k / count + dice.uniform(-8, 8)
+        size = dice.uniform(0.75, 1.1)
+        leaves.append(blade(length * size, wide * size, dice.uniform(50, 95), lift_deg=lift, turn_deg=turn, shape=shape))
+    return join(leaves)
+
+
+def snake_plant(dice: Dice, taste: Taste) -> Model:
+    """Upright swords."""
+    bench = Bench()
+    radius, high = dice.uniform(0.12, 0.16), dice.uniform(0.22, 0.3)
+    finish = pot(bench, dice, taste, radius, high)
+    leaves = []
+    for turn in _spread(dice, dice.integer(14, 20)):
+        off = dice.uniform(0.1, 0.75) * radius
+        c, s = math.cos(math.radians(turn)), math.sin(math.radians(turn))
+        long = dice.uniform(0.4, 0.72)
+        leaf = blade(long, dice.uniform(0.055, 0.08), dice.uniform(-4, 12), lift_deg=dice.uniform(74, 88),
+                     turn_deg=turn, fold=0.35, shape="sword")
+        leaves.append(leaf.moved(c * off, s * off, high - 0.03))
+    bench.add(green(dice, "striped leaf"), join(leaves))
+    return _named(bench, finish, "snake plant")
+
+
+def _named(bench: Bench, pot_finish: Finish, species: str) -> Model:
+    return bench.model("potted plant", "plant", species, attributes=("green", f"in a {pot_finish.hue} pot"))
+
+
+def leafy_plant(dice: Dice, taste: Taste) -> Model:
+    """A rosette of broad leaves, like a peace lily or a fern."""
+    bench = Bench()
+    radius, high = dice.uniform(0.13, 0.18), dice.uniform(0.22, 0.34)
+    finish = pot(bench, dice, taste, radius, high)
+    kind = dice.choice(("peace lily", "fern", "rubber plant"))
+    foliage = green(dice)
+    if kind == "fern":
+        bench.add(foliage, rosette(dice, 46, 0.42, 0.055, "sword").moved(0, 0, high - 0.03))
+    elif kind == "peace lily":
+        bench.add(foliage, rosette(dice, 30, 0.48, 0.14).moved(0, 0, high - 0.03))
+    else:
+        bench.add(_BARK, rod((0, 0, high - 0.03), (0.02, 0.01, high + 0.6), 0.012, end_radius=0.007))
+        leaves = [blade(dice.uniform(0.2, 0.27), 0.11, 40, lift_deg=50, turn_deg=turn).moved(0, 0, high + 0.05 + 0.028 * k)
+                  for k, turn in enumerate(_spread(dice, 21))]
+        bench.add(foliage, join(leaves))
+    return _named(bench, finish, kind)
+
+
+def monstera(dice: Dice, taste: Taste) -> Model:
+    """Long stalks with large heart-shaped leaves."""
+    bench = Bench()
+    radius, high = dice.uniform(0.15, 0.19), dice.uniform(0.28, 0.36)
+    finish = pot(bench, dice, taste, radius, high)
+    stalks, leaves = [], []
+    count = dice.integer(14, 19)
+    for k, turn in enumerate(_spread(dice, count)):
+        c, s = math.cos(math.radians(turn)), math.sin(math.radians(turn))
+        out, up = dice.uniform(0.1, 0.26), 0.2 + 0.5 * k / count
+        tip = (c * out, s * out, high + up)
+        stalks.append(tube([(c * 0.03, s * 0.03, high - 0.03), (c * out * 0.5, s * out * 0.5, high + up * 0.65), tip], 0.006, sides=5))
+        size = dice.uniform(0.24, 0.33)
+        leaves.append(blade(size, size * 0.85, dice.uniform(30, 70), lift_deg=dice.uniform(0, 30), turn_deg=turn,
+                            fold=0.12, shape="heart").moved(*tip))
+    foliage = green(dice)
+    bench.add(foliage.tinted(0.9), join(stalks))
+    bench.add(foliage, join(leaves))
+    return _named(bench, finish, "monstera")
+
+
+def indoor_tree(dice: Dice, taste: Taste) -> Model:
+    """A small tree: a fig with many small leaves, or a palm with fronds."""
+    bench = Bench()
+    radius, high = dice.uniform(0.16, 0.2), dice.uniform(0.28, 0.36)
+    finish = pot(bench, dice, taste, radius, high)
+    foliage = green(dice)
+    if dice.chance(0.5):
+        trunk = dice.uniform(0.3, 0.45)
+        bench.add(_BARK, tube([(0, 0, high - 0.03), (0.02, 0.01, high + trunk * 0.5), (0, 0, high + trunk + 0.3)],
+                              [0.02, 0.017, 0.01]))
+        leaves = []
+        crown = high + trunk + 0.32
+        for turn in _spread(dice, 190):
+            rise = dice.uniform(-1.0, 1.0)
+            reach = math.sqrt(max(1.0 - rise * rise, 0.0)) * dice.uniform(0.55, 1.0) * 0.3
+            c, s = math.cos(math.radians(turn)), math.sin(math.radians(turn))
+            leaves.append(blade(dice.uniform(0.09, 0.13), 0.05, 40, lift_deg=dice.uniform(-25, 50), turn_deg=turn, steps=3)
+                          .moved(c * reach, s * reach, crown + rise * 0.34))
+        bench.add(foliage, join(leaves))
+        return _named(bench, finish, "ficus")
+    fronds = []
+    for turn in _spread(dice, 11):
+        lift, long = dice.uniform(60, 86), dice.uniform(0.75, 1.0)
+        fronds.append(_frond(long, lift, dice.uniform(60, 100)).turned(turn).moved(0, 0, high - 0.02))
+    bench.add(foliage, join(fronds))
+    return _named(bench, finish, "palm")
+
+
+def _frond(length: float, lift: float, droop: float) -> Mesh:
+    """A palm leaf: a bowed rib with narrow leaflets on both sides."""
+    steps = 12
+    step = length / steps
+    x, z = 0.0, 0.0
+    path, leaflets = [(0.0, 0.0, 0.0)], []
+    for k in range(steps):
+        a = math.radians(lift - droop * k / steps)
+        x, z = x + math.cos(a) * step, z + math.sin(a) * step
+        path.append((x, 0.0, z))
+        if k > 2:
+            size = 0.3 * math.sin(math.pi * (k + 1) / (steps + 2)) + 0.06
+            for side in (-1.0, 1.0):
+                leaflets.append(blade(size, 0.032, 45, lift_deg=math.degrees(a) * 0.4 + 5, turn_deg=side * 58,
+                                      shape="sword", steps=3).moved(x, 0, z))
+    return join([tube(path, 0.006, sides=5, capped=False), *leaflets])
+
+
+def small_plant(dice: Dice, taste: Taste) -> Model:
+    """A little plant for tables and sills."""
+    bench = Bench()
+    radius, high = dice.uniform(0.055, 0.075), dice.uniform(0.09, 0.12)
+    finish = pot(bench, dice, taste, radius, high)
+    kind = dice.choice(("succulent", "cactus", "herb"))
+    if kind == "cactus":
+        bench.add(green(dice, ""), ball(0.07, 0.07, 0.16, at=(0, 0, high + 0.05), sides=12),
+                  ball(0.035, 0.035, 0.07, at=(0.04, 0, high + 0.07), sides=8))
+    else:
+        count, long, wide = (26, 0.09, 0.035) if kind == "succulent" else (34, 0.14, 0.04)
+        bench.add(green(dice), rosette(dice, count, long, wide).moved(0, 0, high - 0.02))
+    return _named(bench, finish, kind)
+
+
+def flower_vase(dice: Dice, taste: Taste) -> Model:
+    """A vase with cut flowers."""
+    bench = Bench()
+    glaze = Finish("", plastic(dice.choice((taste.accent, "white", "blue", "teal"))).color, 1.0, "", "ceramic")
+    high = dice.uniform(0.18, 0.26)
+    bench.add(glaze, lathe([(0.0, 0.0), (0.045, 0.0), (0.07, high * 0.35), (0.06, high * 0.7), (0.03, high * 0.9),
+                            (0.042, high), (0.03, high - 0.01)], sides=20, crease_deg=60))
+    ink = dice.choice(((0.85, 0.2, 0.25), (0.95, 0.75, 0.2), (0.9, 0.55, 0.7), (0.95, 0.93, 0.88), (0.6, 0.35, 0.7)))
+    stems, heads = [], []
+    for turn in _spread(dice, 9):
+        c, s = math.cos(math.radians(turn)), math.sin(math.radians(turn))
+        out, up = dice.uniform(0.03, 0.12), dice.uniform(0.12, 0.24)
+        stems.append(rod((0, 0, high - 0.05), (c * out, s * out, high + up), 0.003, sides=5))
+        heads.append(ball(0.05, 0.05, 0.035, at=(c * out, s * out, high + up), sides=8))
+        stems.append(blade(0.1, 0.035, 30, lift_deg=50, turn_deg=turn + 40, steps=3).moved(c * out * 0.4, s * out * 0.4, high + up * 0.3))
+    bench.add(green(dice, ""), join(stems))
+    bench.add(Finish("", ink), join(heads))
+    return bench.model("vase", "flower vase", "vase with flowers", main=glaze)
+
+
+def hedge_box(dice: Dice, taste: Taste) -> Model:
+    """A long planter with dense green, for balconies."""
+    bench = Bench()
+    finish = taste.furniture_wood(dice)
+    bench.add(finish, cushion(0.8, 0.26, 0.3, radius=0.01))
+    foliage = green(dice)
+    for k in range(5):
+        bench.add(foliage, rosette(dice, 26, 0.2, 0.05).moved((k - 2) * 0.15, 0, 0.28))
+    return bench.model("potted plant", "plant", "planter", attributes=("green",))
