@@ -1,0 +1,29 @@
+"""How long a video dwells on each step, so that a person can follow."""
+
+from collections.abc import Sequence
+
+from hypernav.core.trace import Exchange, StepTrace
+
+FRAMES_PER_SECOND = 6
+ENDING_FRAMES = 4 * FRAMES_PER_SECOND
+_AT_A_STEP = 1
+_AT_A_DECISION = 6
+
+
+def decisions(step: StepTrace) -> list[Exchange]:
+    """The questions of a step that changed where the robot goes."""
+    return [exchange for exchange in step.exchanges if exchange.kind != "ground"]
+
+
+def frames_of(step: StepTrace) -> int:
+    """How many frames a step stays: a second for a decision or an event, else a sixth of one."""
+    return _AT_A_DECISION if decisions(step) or step.events else _AT_A_STEP
+
+
+def start_times(steps: Sequence[StepTrace]) -> list[float]:
+    """When each step appears in the video, seconds from its start."""
+    times, frame = [], 0
+    for step in steps:
+        times.append(frame / FRAMES_PER_SECOND)
+        frame += frames_of(step)
+    return times

@@ -1,0 +1,143 @@
+"""Plain words for what the trace says in the program's own."""
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from hypernav.core.trace import DetectionRecord, Exchange, Mode
+
+Tone = Literal["good", "bad", "neutral"]
+
+MODES: dict[Mode, str] = {
+    Mode.LOOK_AROUND: "Looking around",
+    Mode.EXPLORE: "Exploring",
+    Mode.APPROACH: "Going to the goal",
+    Mode.VERIFY: "Checking",
+    Mode.STOP: "Stopped",
+}
+
+MODES_EXPLAINED: dict[Mode, str] = {
+    Mode.LOOK_AROUND: "It turns on the spot to see what is near.",
+    Mode.EXPLORE: "It has not seen the goal and drives to a promising part of the map.",
+    Mode.APPROACH: "It believes to see the goal and drives there.",
+    Mode.VERIFY: "It stands before the goal and looks once more.",
+    Mode.STOP: "It has ended its search.",
+}
+
+QUESTIONS: dict[str, str] = {
+    "ground": "Is it in the picture?",
+    "choose block": "Where to look next?",
+    "verify": "Is it really there?",
+}
+
+_SHORT_QUESTION = 160
+_ASKED = re.compile(r"[^.!?:]*\?")
+
+_PARTS_WITHOUT_MODEL: dict[str, str] = {
+    "ground truth": "ground truth labels from the simulator (no model)",
+    "geometric": "geometric rule (no model)",
+}
+
+
+def part_in_use(name: str) -> str:
+    """Who looks or decides, said so that nobody takes ground truth for a model."""
+    return _PARTS_WITHOUT_MODEL.get(name.replace("-", " ").replace("_", " ").strip().lower(), name)
+
+
+def quoted(goal: str) -> str:
+    """The goal between quotation marks."""
+    return f"“{goal.strip()}”"
+
+
+def question_words(exchange: Exchange) -> str:
+    """What was asked, in a few words."""
+    return QUESTIONS.get(exchange.kind, exchange.kind.capitalize())
+
+
+def gist(question: str) -> str:
+    """The question itself, out of a long prompt: its last sentence that ends in a question mark.
+
+    A short question, and one without a question mark, stays as it is.
+    """
+    text = " ".join(question.split())
+    if len(text) <= _SHORT_QUESTION:
+        return text
+    asked = _ASKED.findall(text)
+    return asked[-1].strip() if asked else text
+
+
+def seen_words(detections: list[DetectionRecord]) -> str:
+    """What the camera shows of the goal, in one short line."""
+    if not detections:
+        return "goal not in view"
+    accepted = [detection for detection in detections if detection.accepted]
+    if accepted:
+        best = max(accepted, key=lambda detection: detection.score)
+        return f"sees {quoted(best.label)}, {best.score:.0%} sure"
+    best = max(detections, key=lambda detection: detection.score)
+    why = f": {best.reason}" if best.reason else ""
+    return f"{quoted(best.label)} not accepted{why}"
+
+
+@dataclass(frozen=True)
+class Headline:
+    """How an episode ended, in a few words.
+
+    Attributes:
+        text: For the top of a page.
+        tone: Its colour.
+        detail: One sentence more; may be empty.
+    """
+
+    text: str
+    tone: Tone
+    detail: str = ""
+
+
+def sentence(text: str) -> str:
+    """The text with a capital at its start."""
+    return text[:1].upper() + text[1:]
+
+
+_ENDINGS: dict[str, tuple[str, str]] = {
+    "not_found": ("Did not find {goal}", "The robot ended its search without it."),
+    "wrong_place": ("Stopped, but not at {goal}", "The robot believed to be there."),
+    "unreachable": ("No way to {goal}", "No path leads to where the goal is."),
+    "model_unavailable": (
+        "Stopped: the model did not answer",
+        "This is an outage, not a failure of the search, and counts as neither.",
+    ),
+    "interrupted": ("Interrupted while looking for {goal}", "Someone stopped the run."),
+}
+_OUTAGES = frozenset({"model_unavailable", "interrupted"})
+
+
+def headline(result: Mapping[str, Any]) -> Headline:
+    """Say how an episode ended.
+
+    Args:
+        result: What `result.json` holds; missing entries are allowed.
+    """
+    goal = quoted(str(result.get("goal", "the goal")))
+    outcome, success = str(result.get("outcome", "")), result.get("success")
+    if success or (outcome == "found" and success is None):
+        return Headline(f"Found {goal}", "good")
+    if outcome == "found":
+        outcome = "wrong_place"
+    text, detail = _ENDINGS.get(outcome, (f"Ended: {outcome.replace('_', ' ') or 'unknown'}", ""))
+    tone: Tone = "neutral" if outcome in _OUTAGES else "bad"
+    return Headline(text.replace("{goal}", goal), tone, detail)
+
+
+def number(value: object, digits: int = 2, unit: str = "") -> str:
+    """A number for people; a dash for what is missing, an infinity sign for what has no end."""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if not isinstance(value, int | float) or math.isnan(value):
+        return "–"
+    if math.isinf(value):
+        return "∞"
+    written = str(value) if isinstance(value, int) else f"{value:.{digits}f}"
+    return f"{written} {unit}".rstrip()
