@@ -7,18 +7,17 @@ so the same pose gives the same bytes.
 
 import os
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any
 
 import numpy as np
-from jaxtyping import Float32, Int32
+from jaxtyping import Int32
 from pydantic import Field
 
 from hypernav.core.camera import PinholeCamera
 from hypernav.core.config import RoomConfig
-from hypernav.core.errors import MissingExtraError
 from hypernav.core.geometry import Transform
 from hypernav.core.protocols import RenderedView
 from hypernav.worlds.light import LightGrid
+from hypernav.worlds.rays import RayCaster
 from hypernav.worlds.scene import Scene
 from hypernav.worlds.shading_kernels import (
     FLAG_CUTOUT,
@@ -58,7 +57,11 @@ class RenderConfig(RoomConfig):
 
 
 class EmbreeRenderer:
-    """Draws a scene; satisfies `hypernav.core.protocols.Renderer`."""
+    """Draws a scene; satisfies `hypernav.core.protocols.Renderer`.
+
+    Attributes:
+        rays: The scene as rays see it, to share with whoever asks what is visible.
+    """
 
     def __init__(self, scene: Scene, config: RenderConfig | None = None) -> None:
         """Prepare triangles, textures and light.
@@ -71,12 +74,12 @@ class EmbreeRenderer:
             MissingExtraError: The package embreex is not installed.
         """
         self._config = config or RenderConfig()
-        self._caster = _build_caster(scene)
+        self.rays = RayCaster(scene)
         self._pool = ThreadPoolExecutor(self._config.threads or _cores())
         self._surfaces = _surfaces(scene, self._config)
         corners = scene.vertices[scene.faces.ravel()].astype(np.float64)
         self._grid = LightGrid(
-            corners.min(axis=0), corners.max(axis=0), self._config.light_cell_m, self._distances
+            corners.min(axis=0), corners.max(axis=0), self._config.light_cell_m, self.rays.distances
         )
         self._light = Light(
             self._grid.nodes,
@@ -144,35 +147,8 @@ class EmbreeRenderer:
         shape = (*faces[rows].shape, 3)
         origins, directions = np.empty(shape, np.float32), np.empty(shape, np.float32)
         fill_rays(view, 0.5, rows.start + 0.5, origins, directions)
-        hits = self._caster.run(origins.reshape(-1, 3), directions.reshape(-1, 3))
+        hits = self.rays.faces(origins.reshape(-1, 3), directions.reshape(-1, 3))
         faces[rows] = hits.reshape(shape[:2])
-
-    def _distances(
-        self,
-        origins: Float32[np.ndarray, "rays 3"],
-        directions: Float32[np.ndarray, "rays 3"],
-        reach_m: float,
-    ) -> Float32[np.ndarray, "rays"]:
-        reach = np.full(len(origins), reach_m, dtype=np.float32)
-        return self._caster.run(origins, directions, reach, query="DISTANCE")
-
-
-def _build_caster(scene: Scene) -> Any:
-    """Embree's search tree over all triangles."""
-    try:
-        from embreex.mesh_construction import TriangleMesh
-        from embreex.rtcore_scene import EmbreeScene
-    except ModuleNotFoundError as error:
-        raise MissingExtraError(
-            "the simulator needs the package 'embreex', which is not installed (it has no build "
-            "for Linux on ARM); everything but the simulator works without it; "
-            "elsewhere try: pip install embreex"
-        ) from error
-    caster = EmbreeScene(robust=True)
-    TriangleMesh(caster, scene.vertices, scene.faces)
-    # The tree is built on the first use, which must not happen in two threads at once.
-    caster.run(np.zeros((1, 3), np.float32), np.ones((1, 3), np.float32))
-    return caster
 
 
 def _surfaces(scene: Scene, config: RenderConfig) -> Surfaces:
