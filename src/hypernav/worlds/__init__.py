@@ -4,9 +4,13 @@ from hypernav.worlds.embodiment import ActionConfig, CameraConfig, RobotConfig
 from hypernav.worlds.geodesic import DistanceField
 from hypernav.worlds.goal_regions import GoalRegion, GoalRegions
 from hypernav.worlds.loading import load_scene
+from hypernav.worlds.noise import NoiseConfig
 from hypernav.worlds.rays import RayCaster
+from hypernav.worlds.referee import Referee
 from hypernav.worlds.renderer import EmbreeRenderer, RenderConfig
 from hypernav.worlds.scene import Instance, Material, Scene, Wrap
+from hypernav.worlds.simulation import SimulatedWorld, SimulationConfig
+from hypernav.worlds.starts import random_start
 from hypernav.worlds.viewpoints import view_points
 from hypernav.worlds.walkable import WalkableGrid
 
@@ -19,12 +23,17 @@ __all__ = [
     "GoalRegions",
     "Instance",
     "Material",
+    "NoiseConfig",
     "RayCaster",
+    "Referee",
     "RenderConfig",
     "RobotConfig",
     "Scene",
+    "SimulatedWorld",
+    "SimulationConfig",
     "WalkableGrid",
     "Wrap",
     "load_scene",
+    "random_start",
     "view_points",
 ]

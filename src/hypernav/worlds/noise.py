@@ -1,0 +1,111 @@
+"""What is wrong with real sensors and motors. Everything is off by default."""
+
+import math
+
+import cv2
+import numpy as np
+from jaxtyping import Float32
+from pydantic import Field
+
+from hypernav.core.config import RoomConfig
+from hypernav.core.geometry import Pose2
+
+
+class NoiseConfig(RoomConfig):
+    """Kinds and sizes of noise; 0 switches a kind off.
+
+    Realistic values for a RealSense or Kinect on a small robot: ``depth_sigma_m=0.002``,
+    ``depth_edge_px=1``, ``forward_sigma=0.02``, ``turn_sigma_deg=1.0``, ``odometry_sigma=0.01``,
+    ``odometry_turn_sigma_deg=0.5``.
+
+    Attributes:
+        depth_sigma_m: Standard deviation of depth at 1 m; it grows with the square of the distance,
+            as for every sensor that triangulates.
+        depth_edge_px: So many pixels on both sides of a depth edge have no return.
+        depth_edge_jump: What makes an edge: neighbouring depths differ by more than this share.
+        forward_sigma: Standard deviation of a forward step, as a share of its length.
+        turn_sigma_deg: Standard deviation of a turn.
+        odometry_sigma: Standard deviation of the reported motion, as a share of its length. The
+            errors add up: the reported pose drifts from the true one.
+        odometry_turn_sigma_deg: Standard deviation of the reported rotation of an action that turns
+            the robot.
+    """
+
+    depth_sigma_m: float = Field(default=0.0, ge=0.0)
+    depth_edge_px: int = Field(default=0, ge=0)
+    depth_edge_jump: float = Field(default=0.1, gt=0.0)
+    forward_sigma: float = Field(default=0.0, ge=0.0)
+    turn_sigma_deg: float = Field(default=0.0, ge=0.0)
+    odometry_sigma: float = Field(default=0.0, ge=0.0)
+    odometry_turn_sigma_deg: float = Field(default=0.0, ge=0.0)
+
+    @property
+    def is_off(self) -> bool:
+        """Whether nothing is random."""
+        return not (
+            self.depth_sigma_m
+            or self.depth_edge_px
+            or self.forward_sigma
+            or self.turn_sigma_deg
+            or self.odometry_sigma
+            or self.odometry_turn_sigma_deg
+        )
+
+
+def noisy_depth(
+    depth: Float32[np.ndarray, "height width"], config: NoiseConfig, rng: np.random.Generator
+) -> Float32[np.ndarray, "height width"]:
+    """Depth as an imperfect sensor sees it.
+
+    Args:
+        depth: Metres, 0 where there is no return.
+        config: What is wrong with the sensor.
+        rng: Source of the noise.
+
+    Returns:
+        A new image (or the same one if the sensor is perfect); never negative.
+    """
+    if config.depth_sigma_m > 0.0:
+        noise = rng.standard_normal(depth.shape, dtype=np.float32)
+        noise *= np.float32(config.depth_sigma_m) * depth * depth
+        depth = np.maximum(depth + noise, np.float32(0.0))
+    if config.depth_edge_px > 0:
+        kernel = np.ones((3, 3), dtype=np.uint8)
+        jump = cv2.dilate(depth, kernel) - cv2.erode(depth, kernel)
+        edge = (jump > config.depth_edge_jump * depth).astype(np.uint8)
+        if config.depth_edge_px > 1:
+            edge = cv2.dilate(edge, kernel, iterations=config.depth_edge_px - 1)
+        depth = np.where(edge > 0, np.float32(0.0), depth)
+    return depth
+
+
+def noisy_forward(length_m: float, config: NoiseConfig, rng: np.random.Generator) -> float:
+    """How far the robot really tries to go; never backwards."""
+    if config.forward_sigma == 0.0:
+        return length_m
+    return max(0.0, length_m * (1.0 + config.forward_sigma * float(rng.standard_normal())))
+
+
+def noisy_turn(angle: float, config: NoiseConfig, rng: np.random.Generator) -> float:
+    """How far the robot really turns, radians."""
+    if config.turn_sigma_deg == 0.0:
+        return angle
+    return angle + math.radians(config.turn_sigma_deg) * float(rng.standard_normal())
+
+
+def reported_motion(motion: Pose2, config: NoiseConfig, rng: np.random.Generator) -> Pose2:
+    """What odometry reports of a motion.
+
+    Args:
+        motion: The true new pose in the frame of the pose before.
+        config: What is wrong with the odometry.
+        rng: Source of the noise.
+    """
+    x, y, yaw = motion.x, motion.y, motion.yaw
+    length = math.hypot(x, y)
+    if config.odometry_sigma > 0.0 and length > 0.0:
+        dx, dy = config.odometry_sigma * length * rng.standard_normal(2)
+        x, y = x + float(dx), y + float(dy)
+    if config.odometry_turn_sigma_deg > 0.0 and (yaw != 0.0 or length > 0.0):
+        yaw += math.radians(config.odometry_turn_sigma_deg) * float(rng.standard_normal())
+    return Pose2(x, y, yaw)

@@ -1,0 +1,59 @@
+"""Who measures an episode: knows where the goal is, watches the path, never tells the agent."""
+
+import math
+
+from hypernav.core.metrics import EpisodeMetrics, measure
+from hypernav.worlds.goal_regions import GoalRegion
+
+SUCCESS_DISTANCE_M = 0.1
+"""Habitat's: a STOP this near to a view point (geodesic) is a success."""
+
+
+class Referee:
+    """Measures one episode as habitat-lab does.
+
+    Attributes:
+        region: Where the goal counts as reached.
+        shortest_path_m: Geodesic distance from the start to the nearest view point.
+        path_length_m: Sum of the displacements in space so far.
+        distance_to_goal_m: Geodesic distance from here to the nearest view point.
+    """
+
+    def __init__(self, region: GoalRegion, start: tuple[float, float, float]) -> None:
+        """Begin an episode.
+
+        Args:
+            region: Of the goal.
+            start: Where the robot stands, scene frame, metres.
+        """
+        self.region = region
+        self.shortest_path_m = region.distance(start[0], start[1])
+        self.distance_to_goal_m = self.shortest_path_m
+        self.path_length_m = 0.0
+        self._position = start
+
+    def watch(self, position: tuple[float, float, float]) -> None:
+        """Note where the robot is after an action, scene frame, metres."""
+        if position == self._position:
+            return
+        self.path_length_m += math.dist(self._position, position)
+        self.distance_to_goal_m = self.region.distance(position[0], position[1])
+        self._position = position
+
+    def measure(
+        self, *, stopped: bool, success_distance_m: float = SUCCESS_DISTANCE_M
+    ) -> EpisodeMetrics:
+        """The measures so far.
+
+        Args:
+            stopped: Whether the robot has said that it is there. To count a time-out near the goal
+                as a success as well, some publications pass True at the end in any case.
+            success_distance_m: How near counts; ask several times to score several protocols.
+        """
+        return measure(
+            stopped=stopped,
+            distance_to_goal_m=self.distance_to_goal_m,
+            shortest_path_m=self.shortest_path_m,
+            path_length_m=self.path_length_m,
+            success_distance_m=success_distance_m,
+        )

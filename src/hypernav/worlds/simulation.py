@@ -1,0 +1,287 @@
+"""A robot in a scene: takes actions, yields observations."""
+
+import math
+
+import numpy as np
+from jaxtyping import Float32
+from pydantic import Field
+
+from hypernav.core.actions import Action
+from hypernav.core.config import RoomConfig
+from hypernav.core.errors import StartError, WorldError
+from hypernav.core.geometry import Pose2, Transform, wrap_angle
+from hypernav.core.observation import LabelledPixels, Observation
+from hypernav.core.protocols import RenderedView, Renderer
+from hypernav.worlds.embodiment import ActionConfig, CameraConfig, RobotConfig
+from hypernav.worlds.goal_regions import GoalRegions
+from hypernav.worlds.noise import (
+    NoiseConfig,
+    noisy_depth,
+    noisy_forward,
+    noisy_turn,
+    reported_motion,
+)
+from hypernav.worlds.rays import RayCaster
+from hypernav.worlds.renderer import EmbreeRenderer
+from hypernav.worlds.scene import Scene
+from hypernav.worlds.storeys import CELL_M
+from hypernav.worlds.walkable import WalkableGrid
+
+
+class SimulationConfig(RoomConfig):
+    """The robot, its senses and its surroundings.
+
+    Attributes:
+        robot: Its body.
+        camera: What it sees with.
+        actions: What its actions do.
+        noise: What is imperfect; nothing by default.
+        labels: Whether observations carry ground-truth labels.
+        cell_m: Side of the walkable surface's cells.
+        floor_z: Height of the storey's floor; None takes the largest storey.
+    """
+
+    robot: RobotConfig = RobotConfig()
+    camera: CameraConfig = CameraConfig()
+    actions: ActionConfig = ActionConfig()
+    noise: NoiseConfig = NoiseConfig()
+    labels: bool = True
+    cell_m: float = Field(default=CELL_M, gt=0.0)
+    floor_z: float | None = None
+
+
+class SimulatedWorld:
+    """A robot in a scene.
+
+    Poses and positions of this class are true ones in the scene's frame. What an agent gets is in
+    the ``map`` frame, which starts at the start pose (x forward, y left, z up from the floor), with
+    the robot's pose as odometry reports it.
+
+    Attributes:
+        scene: Where the robot is.
+        config: What the robot is.
+        walkable: Where it can stand.
+        regions: Where goals count as reached.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        config: SimulationConfig | None = None,
+        *,
+        renderer: Renderer | None = None,
+        walkable: WalkableGrid | None = None,
+    ) -> None:
+        """Put a robot into a scene; `reset` places it.
+
+        Args:
+            scene: Where the robot is.
+            config: What the robot is.
+            renderer: Draws the scene; by default Embree does.
+            walkable: Where the robot can stand; by default computed from the scene.
+
+        Raises:
+            SceneError: The robot fits nowhere.
+            MissingExtraError: Embree is not installed.
+        """
+        self.scene = scene
+        self.config = config or SimulationConfig()
+        self.walkable = walkable or WalkableGrid.from_scene(
+            scene, self.config.robot, cell_m=self.config.cell_m, floor_z=self.config.floor_z
+        )
+        self._renderer = renderer or EmbreeRenderer(scene)
+        if isinstance(self._renderer, EmbreeRenderer):
+            rays = self._renderer.rays
+        else:
+            rays = RayCaster(scene)
+        self.regions = GoalRegions(
+            scene, self.walkable, rays, eye_height_m=self.config.camera.height_m
+        )
+        self._camera = self.config.camera.intrinsics
+        self._labels = {i.id: i.label for i in scene.instances if i.label is not None}
+        self._rng: np.random.Generator | None = None
+        self._start: Pose2 | None = None
+        self._pose = Pose2(0.0, 0.0, 0.0)
+        self._reported = Pose2(0.0, 0.0, 0.0)
+        self._observation: Observation | None = None
+        self._stopped = False
+        self._path_length_m = 0.0
+        self._collided = False
+
+    def reset(self, start: Pose2, rng: np.random.Generator | None = None) -> Observation:
+        """Place the robot.
+
+        Args:
+            start: In the scene's frame.
+            rng: Source of all noise; needed only if noise is switched on.
+
+        Returns:
+            The first observation; its robot pose is the origin of the ``map`` frame.
+
+        Raises:
+            StartError: The robot can't stand there.
+            WorldError: Noise is switched on and there is no generator for it.
+        """
+        if not self.config.noise.is_off and rng is None:
+            raise WorldError("noise is switched on; pass reset a numpy.random.Generator for it")
+        check_start(self.walkable, start)
+        self._rng = rng
+        self._start = start
+        self._pose = start
+        self._reported = Pose2(0.0, 0.0, 0.0)
+        self._stopped = False
+        self._path_length_m = 0.0
+        self._collided = False
+        self._observation = self._look()
+        return self._observation
+
+    def step(self, action: Action) -> Observation:
+        """Do something and look.
+
+        After STOP the robot sees what it saw before, and the episode is over.
+
+        Raises:
+            WorldError: Before the first `reset`, or after STOP.
+        """
+        if self._observation is None:
+            raise WorldError("step before reset: place the robot first")
+        if self._stopped:
+            raise WorldError("step after STOP: the episode is over, reset the world")
+        self._collided = False
+        if action == Action.STOP:
+            self._stopped = True
+            return self._observation
+        self._move(action)
+        self._observation = self._look()
+        return self._observation
+
+    @property
+    def observation(self) -> Observation:
+        """The latest observation.
+
+        Raises:
+            WorldError: Before the first `reset`.
+        """
+        if self._observation is None:
+            raise WorldError("no observation before reset: place the robot first")
+        return self._observation
+
+    @property
+    def pose(self) -> Pose2:
+        """The true pose, scene frame."""
+        return self._pose
+
+    @property
+    def position(self) -> tuple[float, float, float]:
+        """The true place on the floor, scene frame, metres."""
+        return (self._pose.x, self._pose.y, self._height)
+
+    @property
+    def stopped(self) -> bool:
+        """Whether the robot has said that it is there."""
+        return self._stopped
+
+    @property
+    def collided(self) -> bool:
+        """Whether something was in the way of the latest action."""
+        return self._collided
+
+    @property
+    def path_length_m(self) -> float:
+        """Sum of the true displacements in space since the reset, as Habitat counts it."""
+        return self._path_length_m
+
+    @property
+    def map_to_scene(self) -> Transform:
+        """From the ``map`` frame of this episode to the scene's.
+
+        Raises:
+            WorldError: Before the first `reset`.
+        """
+        if self._start is None:
+            raise WorldError("the map frame starts at the start pose; place the robot first")
+        return self._start.to_transform(self.walkable.height_at(*self._start.xy))
+
+    @property
+    def _height(self) -> float:
+        return self.walkable.height_at(self._pose.x, self._pose.y)
+
+    def _generator(self) -> np.random.Generator:
+        """The source of noise; an unused one where all noise is off."""
+        return self._rng if self._rng is not None else np.random.default_rng(0)
+
+    def _move(self, action: Action) -> None:
+        noise, rng = self.config.noise, self._generator()
+        before, place = self._pose, self.position
+        if action == Action.MOVE_FORWARD:
+            length = noisy_forward(self.config.actions.forward_m, noise, rng)
+            dx, dy = length * math.cos(before.yaw), length * math.sin(before.yaw)
+            x, y = self.walkable.step(
+                before.x, before.y, dx, dy, sliding=self.config.actions.sliding
+            )
+            self._collided = math.hypot(x - before.x - dx, y - before.y - dy) > 1e-6
+            self._pose = Pose2(x, y, before.yaw)
+            self._path_length_m += math.dist(place, self.position)
+        else:
+            angle = math.radians(self.config.actions.turn_angle_deg)
+            turn = noisy_turn(angle if action == Action.TURN_LEFT else -angle, noise, rng)
+            self._pose = Pose2(before.x, before.y, wrap_angle(before.yaw + turn))
+        self._reported = _moved(
+            self._reported, reported_motion(_motion(before, self._pose), noise, rng)
+        )
+
+    def _look(self) -> Observation:
+        camera_to_base = self.config.camera.camera_to_base
+        view = self._renderer.render(
+            self._camera, self._pose.to_transform(self._height) @ camera_to_base
+        )
+        above_start = self._height - float(self.map_to_scene.translation[2])
+        truth = LabelledPixels(view.instance_ids, self._labels) if self.config.labels else None
+        return Observation(
+            rgb=view.rgb,
+            depth=self._sensed(view),
+            camera=self._camera,
+            camera_to_map=self._reported.to_transform(above_start) @ camera_to_base,
+            robot=self._reported,
+            truth=truth,
+        )
+
+    def _sensed(self, view: RenderedView) -> Float32[np.ndarray, "height width"]:
+        """Depth as the sensor gives it: noisy, and 0 outside its range."""
+        camera, noise = self.config.camera, self.config.noise
+        depth = view.depth
+        if noise.depth_sigma_m > 0.0 or noise.depth_edge_px > 0:
+            depth = noisy_depth(depth, noise, self._generator())
+        in_range = (depth >= camera.min_depth_m) & (depth <= camera.max_depth_m)
+        return np.where(in_range, depth, np.float32(0.0))
+
+
+def check_start(walkable: WalkableGrid, start: Pose2) -> None:
+    """Make sure that the robot can stand at a pose.
+
+    Raises:
+        StartError: It can't; the message names the nearest place where it can.
+    """
+    if not walkable.is_standable(start.x, start.y):
+        x, y = walkable.nearest_standable(start.x, start.y)
+        raise StartError(
+            f"the robot can't stand at ({start.x:.2f}, {start.y:.2f}): it is inside or too close "
+            f"to an obstacle, or off the floor; the nearest place is ({x:.2f}, {y:.2f})"
+        )
+
+
+def _motion(before: Pose2, after: Pose2) -> Pose2:
+    """The pose after in the frame of the pose before."""
+    dx, dy = after.x - before.x, after.y - before.y
+    c, s = math.cos(before.yaw), math.sin(before.yaw)
+    return Pose2(c * dx + s * dy, c * dy - s * dx, wrap_angle(after.yaw - before.yaw))
+
+
+def _moved(pose: Pose2, motion: Pose2) -> Pose2:
+    """A pose after a motion in its own frame."""
+    c, s = math.cos(pose.yaw), math.sin(pose.yaw)
+    return Pose2(
+        pose.x + c * motion.x - s * motion.y,
+        pose.y + s * motion.x + c * motion.y,
+        wrap_angle(pose.yaw + motion.yaw),
+    )
