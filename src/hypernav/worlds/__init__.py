@@ -1,6 +1,7 @@
 """Whatever yields observations and takes actions: scenes, renderer, walkable surface, houses."""
 
 from hypernav.worlds.embodiment import ActionConfig, CameraConfig, RobotConfig
+from hypernav.worlds.env import ObjectNavConfig, ObjectNavEnv, register_env
 from hypernav.worlds.geodesic import DistanceField
 from hypernav.worlds.goal_regions import GoalRegion, GoalRegions
 from hypernav.worlds.loading import load_scene
@@ -24,6 +25,8 @@ __all__ = [
     "Instance",
     "Material",
     "NoiseConfig",
+    "ObjectNavConfig",
+    "ObjectNavEnv",
     "RayCaster",
     "Referee",
     "RenderConfig",
@@ -35,5 +38,8 @@ __all__ = [
     "Wrap",
     "load_scene",
     "random_start",
+    "register_env",
     "view_points",
 ]
+
+register_env()
