@@ -1,7 +1,9 @@
 """Video, pictures and pages out of a trace."""
 
 from hypernav.show.maps import draw_map, draw_overview, draw_result, write_map_png
+from hypernav.show.page import write_page
 from hypernav.show.painter import MapPainter
+from hypernav.show.site import page_environment
 from hypernav.show.video import EpisodeVideo
 from hypernav.show.view import MapView
 
@@ -12,5 +14,7 @@ __all__ = [
     "draw_map",
     "draw_overview",
     "draw_result",
+    "page_environment",
     "write_map_png",
+    "write_page",
 ]

@@ -117,7 +117,7 @@ def final_view(grid: OccupancyGrid, steps: Sequence[StepTrace], size: int) -> Ma
 
 
 def draw_result(
-    grid: OccupancyGrid, steps: Sequence[StepTrace], *, size: int = _MAP_SIZE
+    grid: OccupancyGrid, steps: Sequence[StepTrace], *, size: int = _MAP_SIZE, robot: bool = True
 ) -> UInt8[np.ndarray, "_ _ 3"]:
     """Draw the map at the end of an episode, with the whole trajectory.
 
@@ -125,12 +125,13 @@ def draw_result(
         grid: The last map.
         steps: The whole trace; may be empty.
         size: Side of the picture, pixels.
+        robot: Whether to draw the robot where it stopped.
     """
     last = steps[-1] if steps else None
     return draw_map(
         grid,
         view=final_view(grid, steps, size),
-        robot=Pose2(*last.pose) if last else None,
+        robot=Pose2(*last.pose) if last and robot else None,
         trajectory=[step.pose[:2] for step in steps],
         start=steps[0].pose[:2] if steps else None,
         goal_area=last.goal_area if last else (),

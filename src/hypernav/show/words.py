@@ -32,6 +32,17 @@ QUESTIONS: dict[str, str] = {
     "verify": "Is it really there?",
 }
 
+MODULES: dict[str, str] = {
+    "render": "simulating the camera",
+    "world": "simulating the world",
+    "map": "drawing the map",
+    "local": "looking for the goal",
+    "global": "choosing where to look",
+    "plan": "planning the way",
+    "verify": "looking once more",
+    "show": "filming",
+}
+
 _SHORT_QUESTION = 160
 _ASKED = re.compile(r"[^.!?:]*\?")
 
@@ -43,7 +54,16 @@ _PARTS_WITHOUT_MODEL: dict[str, str] = {
 
 def part_in_use(name: str) -> str:
     """Who looks or decides, said so that nobody takes ground truth for a model."""
-    return _PARTS_WITHOUT_MODEL.get(name.replace("-", " ").replace("_", " ").strip().lower(), name)
+    return _PARTS_WITHOUT_MODEL.get(_spaced(name), name)
+
+
+def is_ground_truth(detector: str) -> bool:
+    """Whether a detector is given the answers by the simulator."""
+    return _spaced(detector) == "ground truth"
+
+
+def _spaced(name: str) -> str:
+    return name.replace("-", " ").replace("_", " ").strip().lower()
 
 
 def quoted(goal: str) -> str:
@@ -131,6 +151,16 @@ def headline(result: Mapping[str, Any]) -> Headline:
     return Headline(text.replace("{goal}", goal), tone, detail)
 
 
+def duration(seconds: float) -> str:
+    """A time span for people: "12 ms", "3.4 s", "2 min 5 s"."""
+    if seconds < 0.9995:
+        return f"{seconds * 1000:.0f} ms" if seconds >= 0.0095 else f"{seconds * 1000:.1f} ms"
+    if seconds < 59.95:
+        return f"{seconds:.1f} s"
+    minutes, rest = divmod(round(seconds), 60)
+    return f"{minutes} min {rest} s"
+
+
 def number(value: object, digits: int = 2, unit: str = "") -> str:
     """A number for people; a dash for what is missing, an infinity sign for what has no end."""
     if isinstance(value, bool):
@@ -140,4 +170,4 @@ def number(value: object, digits: int = 2, unit: str = "") -> str:
     if math.isinf(value):
         return "∞"
     written = str(value) if isinstance(value, int) else f"{value:.{digits}f}"
-    return f"{written} {unit}".rstrip()
+    return f"{written}\u00a0{unit}" if unit else written

@@ -1,0 +1,92 @@
+"use strict";
+(() => {
+  const player = JSON.parse(document.getElementById("player").textContent);
+  const video = document.getElementById("video");
+  const slider = document.getElementById("slider");
+  const now = document.getElementById("now");
+  const robot = document.getElementById("robot");
+  const destination = document.getElementById("destination");
+  const rows = [...document.querySelectorAll(".moment")];
+  if (!slider) return;
+
+  // A blob can be sought everywhere; some browsers cannot seek in a data address.
+  if (video && video.src.startsWith("data:")) {
+    const bytes = Uint8Array.from(atob(video.src.split(",")[1]), (c) => c.charCodeAt(0));
+    video.src = URL.createObjectURL(new Blob([bytes], { type: "video/mp4" }));
+  }
+
+  const placeAt = (time) => {
+    let low = 0;
+    let high = player.times.length;
+    while (high - low > 1) {
+      const middle = (low + high) >> 1;
+      if (player.times[middle] <= time + 1e-3) low = middle;
+      else high = middle;
+    }
+    return low;
+  };
+
+  const show = (place) => {
+    const reason = player.reasons[place];
+    now.textContent =
+      `Step ${player.steps[place]} · ${player.modes[place]}` + (reason ? ` · ${reason}` : "");
+    slider.value = place;
+    slider.setAttribute("aria-valuetext", now.textContent);
+    if (robot && player.robots.length) {
+      const [u, v, angle] = player.robots[place];
+      robot.setAttribute("transform", `translate(${u} ${v}) rotate(${angle})`);
+      const at = player.destinations[place];
+      destination.setAttribute("visibility", at ? "visible" : "hidden");
+      if (at) destination.setAttribute("transform", `translate(${at[0]} ${at[1]})`);
+    }
+    let current = null;
+    for (const row of rows) if (Number(row.dataset.place) <= place) current = row;
+    for (const row of rows) row.classList.toggle("current", row === current);
+  };
+
+  const seek = (place) => {
+    if (video) video.currentTime = player.times[place] + 0.02;
+    show(place);
+  };
+
+  slider.addEventListener("input", () => {
+    if (video) video.pause();
+    seek(Number(slider.value));
+  });
+  for (const button of document.querySelectorAll("button[data-place]")) {
+    button.addEventListener("click", () => {
+      seek(Number(button.dataset.place));
+      if (video) video.scrollIntoView({ behavior: "smooth", block: "center" });
+    });
+  }
+  if (video) {
+    // The browser's own controls would cover the answers at the bottom of the film.
+    const play = document.getElementById("play");
+    const toggle = () => (video.paused ? video.play() : video.pause());
+    const label = () => { play.textContent = video.paused ? "Play" : "Pause"; };
+    video.controls = false;
+    document.getElementById("controls").hidden = false;
+    play.addEventListener("click", toggle);
+    video.addEventListener("click", () => { if (!document.fullscreenElement) toggle(); });
+    for (const event of ["play", "pause", "ended"]) video.addEventListener(event, label);
+    const speed = document.getElementById("speed");
+    speed.addEventListener("change", () => { video.playbackRate = Number(speed.value); });
+    const full = document.getElementById("full");
+    full.hidden = !document.fullscreenEnabled;
+    full.addEventListener("click", () => video.requestFullscreen());
+    document.addEventListener("fullscreenchange", () => {
+      video.controls = document.fullscreenElement === video;
+    });
+
+    // Until somebody starts the film, the map shows where the robot ended.
+    const follow = () => {
+      if (video.currentTime > 0 || !video.paused) show(placeAt(video.currentTime));
+    };
+    for (const event of ["timeupdate", "seeked"]) video.addEventListener(event, follow);
+    if ("requestVideoFrameCallback" in video) {
+      const each = () => { follow(); video.requestVideoFrameCallback(each); };
+      video.requestVideoFrameCallback(each);
+    }
+  }
+  now.textContent = "Drag along the band, or choose a step below, to move through the episode.";
+})();
