@@ -1,1 +1,7 @@
-"""A* on the inflated map and the waypoint follower."""
+"""A* on the inflated map, steering, and the navigator that puts them together."""
+
+from hypernav.planning.config import PlanningConfig
+from hypernav.planning.navigator import Navigator
+from hypernav.planning.planner import Path, Planner
+
+__all__ = ["Navigator", "Path", "Planner", "PlanningConfig"]

@@ -1,0 +1,115 @@
+"""The files that an episode leaves behind."""
+
+import json
+import math
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from hypernav.core.grid import OccupancyGrid
+from hypernav.core.observation import Observation
+from hypernav.core.trace import StepTrace
+from hypernav.mapping import save_ros_map
+from hypernav.show import EpisodeVideo, write_map_png, write_page
+
+
+class EpisodeRecorder:
+    """Writes trace and video while the episode runs, maps, result and page when it ends.
+
+    What was recorded survives an interruption: the trace is flushed step by step, and leaving the
+    ``with`` block finishes the video in any case.
+
+    ============================ =====================================================
+    ``trace.jsonl``              one `StepTrace` a line
+    ``trajectory.tum``           ``step x y z qx qy qz qw`` in the ``map`` frame
+    ``episode.mp4``              what the robot saw, knew and decided
+    ``map.png``                  the final map with the whole way
+    ``map.pgm``, ``map.yaml``    the final map for ROS
+    ``result.json``              the numbers
+    ``index.html``               all of it on one page
+    ============================ =====================================================
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        *,
+        goal: str,
+        agent: str,
+        detector: str,
+        reasoner: str,
+        step_limit: int,
+    ) -> None:
+        """Open the files.
+
+        Args:
+            folder: Made if missing; files of an earlier run in it are replaced.
+            goal: What to find.
+            agent: Who searches.
+            detector: Who sees, in words.
+            reasoner: Who chooses where to look, in words.
+            step_limit: The most steps that the episode may take.
+        """
+        folder.mkdir(parents=True, exist_ok=True)
+        self.folder = folder
+        self.steps: list[StepTrace] = []
+        self._grid: OccupancyGrid | None = None
+        self._trace = (folder / "trace.jsonl").open("w", encoding="utf-8")
+        self._video = EpisodeVideo(
+            folder / "episode.mp4",
+            goal,
+            agent,
+            detector=detector,
+            reasoner=reasoner,
+            step_limit=step_limit,
+        )
+
+    def __enter__(self) -> Self:
+        """Start recording."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Close trace and video."""
+        self._trace.close()
+        self._video.close()
+
+    def add(self, observation: Observation, step: StepTrace, grid: OccupancyGrid) -> None:
+        """Record a step: what the agent saw, what it did, and its map."""
+        self.steps.append(step)
+        self._grid = grid
+        self._trace.write(step.model_dump_json() + "\n")
+        self._trace.flush()
+        self._video.add(observation, step, grid)
+
+    def finish(self, result: dict[str, Any]) -> None:
+        """Write all that is known only at the end.
+
+        Args:
+            result: The content of ``result.json``; lengths that are infinite become null.
+        """
+        self._video.finish(result)
+        self._video.close()
+        result = {key: _finite(value) for key, value in result.items()}
+        text = json.dumps(result, indent=2, ensure_ascii=False, allow_nan=False)
+        (self.folder / "result.json").write_text(text + "\n", encoding="utf-8")
+        lines = [_tum_line(step) for step in self.steps]
+        (self.folder / "trajectory.tum").write_text("".join(lines), encoding="utf-8")
+        if self._grid is not None:
+            save_ros_map(self._grid.cropped(), self.folder)
+            write_map_png(self.folder / "map.png", self._grid, self.steps)
+        write_page(self.folder, result, self.steps)
+
+
+def _finite(value: Any) -> Any:
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _tum_line(step: StepTrace) -> str:
+    x, y, yaw = step.pose
+    qz, qw = math.sin(yaw / 2.0), math.cos(yaw / 2.0)
+    return f"{step.step} {x:.6f} {y:.6f} 0 0 0 {qz:.9f} {qw:.9f}\n"

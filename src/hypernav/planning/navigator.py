@@ -1,0 +1,121 @@
+"""Driving to a destination, one action at a time."""
+
+import numpy as np
+from jaxtyping import Float64
+
+from hypernav.core.actions import Action
+from hypernav.core.geometry import Pose2
+from hypernav.core.grid import OccupancyGrid
+from hypernav.planning.config import PlanningConfig
+from hypernav.planning.planner import Path, Planner, is_blocked
+from hypernav.planning.steering import steer_by_rollout, steer_to_waypoint
+from hypernav.planning.terrain import Terrain
+
+_MOVED_SHARE = 0.6
+"""A step shorter than this share of what was ordered has bumped into something."""
+
+
+class Navigator:
+    """Plans, keeps the plan while it holds, follows it, and notices bumps."""
+
+    def __init__(self, config: PlanningConfig) -> None:
+        """Create it."""
+        self._config = config
+        self._planner = Planner(config)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget path and last action."""
+        self._path: Path | None = None
+        self._age = 0
+        self._targets: Float64[np.ndarray, "n 2"] = np.zeros((0, 2))
+        self._arrived = False
+        self._last: tuple[Pose2, Action] | None = None
+
+    @property
+    def path(self) -> Path | None:
+        """The way that is being followed."""
+        return self._path
+
+    @property
+    def arrived(self) -> bool:
+        """Whether the latest `towards` gave no action because the way is done."""
+        return self._arrived
+
+    def towards(
+        self, grid: OccupancyGrid, robot: Pose2, targets: Float64[np.ndarray, "n 2"]
+    ) -> Action | None:
+        """The next action on the way to a destination.
+
+        Args:
+            grid: The map.
+            robot: Where the robot is.
+            targets: Points of the destination, metres.
+
+        Returns:
+            The action. None if there is no way, or if no step brings the robot nearer; `arrived`
+            tells which.
+        """
+        terrain = Terrain.of(grid, self._config)
+        fresh = self._renew_path(terrain, robot, targets)
+        action = self._steer(robot, terrain)
+        if action is None and self._path is not None and not fresh:
+            self._path = self._planner.plan_on(terrain, robot.xy, targets)
+            self._age = 0
+            action = self._steer(robot, terrain)
+        self._arrived = action is None and self._path is not None
+        self._age += 1
+        return action
+
+    def note_action(self, robot: Pose2, action: Action) -> None:
+        """Remember what the robot was ordered to do, to notice a bump in the next step."""
+        self._last = (robot, action)
+
+    def bumped_points(self, robot: Pose2) -> Float64[np.ndarray, "n 2"]:
+        """Where something unseen must be, since the last step forward was cut short.
+
+        Returns:
+            Points right before the robot, metres; none if it moved as ordered.
+        """
+        if self._last is None or self._last[1] is not Action.MOVE_FORWARD:
+            return np.zeros((0, 2))
+        moved = self._last[0].distance_to(*robot.xy)
+        if moved >= _MOVED_SHARE * self._config.forward_m:
+            return np.zeros((0, 2))
+        angles = robot.yaw + np.radians([-20.0, 0.0, 20.0])
+        return np.array(robot.xy) + self._config.inflation_m * np.stack(
+            [np.cos(angles), np.sin(angles)], axis=1
+        )
+
+    def remaining(self, robot: Pose2) -> list[tuple[float, float]]:
+        """The way still to go, from the robot on, metres; empty without a path."""
+        if self._path is None:
+            return []
+        corners = list(self._path.waypoints)
+        nearest = min(range(len(corners)), key=lambda i: robot.distance_to(*corners[i]))
+        ahead = corners[nearest + 1 :] or corners[-1:]
+        return [robot.xy, *((round(x, 3), round(y, 3)) for x, y in ahead)]
+
+    def _renew_path(
+        self, terrain: Terrain, robot: Pose2, targets: Float64[np.ndarray, "n 2"]
+    ) -> bool:
+        """Plan again if the destination is new, the plan is old, or the path is blocked."""
+        moved_on = not np.array_equal(targets, self._targets)
+        if (
+            self._path is not None
+            and not moved_on
+            and self._age < self._config.replan_every_steps
+            and not is_blocked(self._path, terrain)
+        ):
+            return False
+        self._targets = targets
+        self._path = self._planner.plan_on(terrain, robot.xy, targets)
+        self._age = 0
+        return True
+
+    def _steer(self, robot: Pose2, terrain: Terrain) -> Action | None:
+        if self._path is None:
+            return None
+        if self._config.steering == "waypoint":
+            return steer_to_waypoint(self._config, robot, self._path)
+        return steer_by_rollout(self._config, robot, self._path, terrain)
