@@ -1,0 +1,149 @@
+"""Episode files: read, checked at the door, written."""
+
+import gzip
+import json
+import zlib
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from hypernav.core.errors import EpisodeError
+from hypernav.datasets.episodes import EpisodeDataset
+
+_GZIP_MAGIC = b"\x1f\x8b"
+_SUFFIXES = (".json.gz", ".json")
+_TRIED_TYPES = ("int", "float", "constrained-float", "str")
+"""Pydantic's names for the alternatives of a field that may have several types."""
+
+
+def read_episodes(path: Path | str) -> EpisodeDataset:
+    """Open an episode file in Habitat's ObjectNav format.
+
+    Args:
+        path: A ``.json.gz`` or ``.json`` file of one scene or of several.
+
+    Raises:
+        EpisodeError: The file is missing or broken, or an episode lacks something; the message
+            names the episode and the field.
+    """
+    path = Path(path)
+    text = _unpacked(path)
+    try:
+        dataset = EpisodeDataset.model_validate_json(text)
+    except ValidationError as error:
+        raise EpisodeError(f"{path}: {_in_words(error, text)}") from error
+    for episode in dataset.episodes:
+        try:
+            dataset.goals_of(episode)
+        except EpisodeError as error:
+            raise EpisodeError(f"{path}: {error}") from error
+    return dataset
+
+
+def write_episodes(dataset: EpisodeDataset, path: Path | str) -> None:
+    """Write an episode file; the same data gives the same bytes.
+
+    Args:
+        dataset: What was read, changed or made.
+        path: Ends in ``.json.gz`` (compressed) or ``.json``.
+
+    Raises:
+        EpisodeError: The name has another ending.
+    """
+    path = Path(path)
+    if not path.name.endswith(_SUFFIXES):
+        raise EpisodeError(f"{path}: an episode file ends in .json.gz or .json")
+    text = json.dumps(dataset.model_dump(mode="json", exclude_unset=True), allow_nan=False)
+    data = text.encode()
+    if path.name.endswith(".gz"):
+        data = gzip.compress(data, mtime=0)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(data)
+
+
+def episode_files(path: Path | str) -> tuple[Path, ...]:
+    """The files of a split that hold episodes.
+
+    Habitat keeps a split as ``val/val.json.gz`` (often without episodes) with one file for each
+    scene in ``val/content/``.
+
+    Args:
+        path: The folder ``val``, or one file.
+
+    Returns:
+        The files in ``content``, sorted, if there are any; else the one file.
+
+    Raises:
+        EpisodeError: There is no such file or no episode file in the folder.
+    """
+    path = Path(path)
+    folder = path if path.is_dir() else path.parent
+    content = sorted(p for p in (folder / "content").glob("*.json*") if p.name.endswith(_SUFFIXES))
+    if content and (path.is_dir() or path.name.split(".")[0] == folder.name):
+        return tuple(content)
+    if path.is_file():
+        return (path,)
+    here = sorted(p for p in path.glob("*.json*") if p.name.endswith(_SUFFIXES))
+    if not here:
+        raise EpisodeError(f"{path}: no episode file (.json.gz) here; check the path")
+    return tuple(here)
+
+
+def _unpacked(path: Path) -> bytes:
+    try:
+        data = path.read_bytes()
+    except FileNotFoundError as error:
+        raise EpisodeError(f"{path}: no such episode file; check the path") from error
+    except OSError as error:
+        raise EpisodeError(f"{path}: cannot be read ({error.strerror or error})") from error
+    if not data.startswith(_GZIP_MAGIC):
+        return data
+    try:
+        return gzip.decompress(data)
+    except (gzip.BadGzipFile, EOFError, zlib.error) as error:
+        raise EpisodeError(f"{path}: broken gzip data ({error}); download it again") from error
+
+
+def _in_words(error: ValidationError, text: bytes) -> str:
+    """What is wrong first, with the name of the episode or goal that has it."""
+    first = error.errors(include_url=False)[0]
+    place = first["loc"]
+    if first["type"] == "json_invalid":
+        return f"not valid JSON ({first['msg']}); download it again"
+    what = first["msg"][0].lower() + first["msg"][1:]
+    if place and place[-1] in _TRIED_TYPES:
+        kind = (
+            "a whole number or text" if "str" in _alternatives(error, place) else "a finite number"
+        )
+        what = f"expected {kind}, got {first['input']!r}"
+    if len(place) < 2:
+        return f"{_field(place) or 'the file'}: {what}"
+    if place[0] == "episodes":
+        name = f"episode {_episode_id(json.loads(text), place[1])}"
+        return f"{name}, field '{_field(place[2:])}': {what}" if place[2:] else f"{name}: {what}"
+    if len(place) >= 3:
+        return f"goal {place[2]} of '{place[1]}', field '{_field(place[3:])}': {what}"
+    return f"{place[0]} '{place[1]}': {what}"
+
+
+def _alternatives(error: ValidationError, place: tuple[int | str, ...]) -> set[int | str]:
+    """The types that were tried at a place."""
+    return {other["loc"][-1] for other in error.errors() if other["loc"][:-1] == place[:-1]}
+
+
+def _episode_id(content: Any, number: int | str) -> str:
+    episode = content["episodes"][int(number)]
+    own = episode.get("episode_id") if isinstance(episode, dict) else None
+    return str(own) if own is not None else f"number {number} (it has no episode_id)"
+
+
+def _field(place: tuple[int | str, ...]) -> str:
+    """A field's name as people write it; without pydantic's names of the types that it tried."""
+    name = ""
+    for part in place:
+        if isinstance(part, int):
+            name += f"[{part}]"
+        elif part not in _TRIED_TYPES:
+            name += f".{part}" if name else part
+    return name
