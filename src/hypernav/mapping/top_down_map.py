@@ -1,0 +1,308 @@
+"""The map that the robot draws as it goes."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float, Float32, Float64, UInt8, UInt32
+
+from hypernav.core.camera import PinholeCamera
+from hypernav.core.errors import MapError
+from hypernav.core.geometry import Transform
+from hypernav.core.grid import OccupancyGrid
+from hypernav.core.observation import Observation
+from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.integrate_kernels import FREE, OCCUPIED, integrate_frame
+
+
+class _Arrays(NamedTuple):
+    """What the map consists of; see `integrate_kernels`."""
+
+    evidence: UInt8[np.ndarray, "rows columns layers"]
+    raised: UInt32[np.ndarray, "rows columns"]
+    seen: UInt8[np.ndarray, "rows columns"]
+    bumps: UInt8[np.ndarray, "rows columns"]
+    cells: UInt8[np.ndarray, "rows columns"]
+
+
+class _Window(NamedTuple):
+    """The cells that a frame can reach: row and column in the map, size."""
+
+    row: int
+    column: int
+    rows: int
+    columns: int
+
+
+class TopDownMap:
+    """Unknown, free and occupied cells around the robot, in the ``map`` frame.
+
+    The floor is the plane ``z = 0``. Behind the cells stand voxels: every cell is a column of
+    voxels over the height band, each with its own evidence. Points raise a voxel's evidence; a ray
+    that passes through a voxel lowers it. So a look over a low table does not clear the table, and
+    a table that is carried away disappears.
+
+    The map has no fixed size: it is enlarged by chunks of cells, in all directions, aligned to the
+    ``map`` frame.
+    """
+
+    def __init__(self, config: MappingConfig) -> None:
+        """Begin with an empty map.
+
+        Args:
+            config: How the map is drawn.
+        """
+        self.config = config
+        self._first_row = 0
+        self._first_column = 0
+        self._arrays = _empty_arrays(0, 0, config.layers)
+        self._sizes = (config.cell_size_m, config.voxel_height_m, config.obstacle_min_height_m)
+        self._weights = (
+            config.min_points,
+            config.hit_weight,
+            config.pass_weight,
+            config.occupied_evidence,
+            config.max_evidence,
+        )
+        self._margins = (config.pass_margin_m, config.pass_margin_ratio)
+        layers = np.arange(config.layers) + 0.5
+        self._heights = np.concatenate(
+            [
+                [config.obstacle_min_height_m / 2.0],
+                config.obstacle_min_height_m + layers * config.voxel_height_m,
+            ]
+        )
+        self._counts = np.zeros(0, dtype=np.uint16)
+        self._touched = np.zeros(0, dtype=np.int32)
+
+    @property
+    def grid(self) -> OccupancyGrid:
+        """The allocated area: a read-only view of the map itself, not a copy.
+
+        It changes with the next `integrate`, and it is left behind when the map grows; ask again
+        after every frame.
+        """
+        cells = self._arrays.cells.view()
+        cells.flags.writeable = False
+        size = self.config.cell_size_m
+        return OccupancyGrid(cells, size, (self._first_column * size, self._first_row * size))
+
+    def integrate(self, observation: Observation) -> None:
+        """Add what one frame shows.
+
+        Depth that is 0, NaN, infinite or at and beyond the sensor's limits says nothing. What is
+        seen occupied in this frame is not cleared by it.
+
+        Args:
+            observation: The frame, with camera and poses in the ``map`` frame.
+
+        Raises:
+            MapError: A pose is not finite, or so far away that the map would grow beyond
+                `MappingConfig.max_side_m`.
+        """
+        pose = observation.camera_to_map
+        robot = observation.robot
+        if not (np.isfinite(pose.matrix).all() and math.isfinite(robot.x + robot.y + robot.yaw)):
+            raise MapError(
+                f"the poses of an observation must be finite, got robot {robot} "
+                f"and camera at {pose.translation}"
+            )
+        config = self.config
+        low, high = _reach(observation.camera, pose, config.max_depth_m)
+        here = np.array(robot.xy)
+        self._grow(
+            np.minimum(low, here - config.robot_radius_m),
+            np.maximum(high, here + config.robot_radius_m),
+        )
+        window = self._window(low, high)
+        self._reserve(window, observation.depth.size)
+        camera, size = observation.camera, config.cell_size_m
+        integrate_frame(
+            np.require(observation.depth, np.float32, ["C", "W"]),
+            self._rays(observation, window),
+            (
+                *(float(number) for number in (camera.fx, camera.fy, camera.cx, camera.cy)),
+                config.min_depth_m,
+                config.max_depth_m,
+            ),
+            tuple(pose.inverse().matrix[:3].ravel().tolist()),
+            self._heights,
+            tuple(window),
+            self._corner_of(window),
+            (
+                robot.y / size - self._first_row,
+                robot.x / size - self._first_column,
+                # Half a cell less: a wall or bump right beside the robot is no part of its place.
+                max(config.robot_radius_m / size - 0.5, 0.5),
+            ),
+            self._sizes,
+            self._weights,
+            self._margins,
+            self._counts,
+            self._touched,
+            tuple(self._arrays),
+        )
+
+    def mark_occupied(self, points_xy: Float[np.ndarray, "n 2"]) -> None:
+        """Remember places that the robot bumped into.
+
+        Such a cell stays occupied whatever the camera says, until the robot stands on it or has had
+        a clear view of it in `MappingConfig.bump_persistence` frames.
+
+        Args:
+            points_xy: Metres, ``map`` frame. May lie outside the map so far.
+
+        Raises:
+            MapError: A point is not finite, or too far away.
+        """
+        if len(points_xy) == 0:
+            return
+        if not np.isfinite(points_xy).all():
+            raise MapError(f"bumped points must be finite, got {points_xy.tolist()}")
+        self._grow(
+            points_xy.min(axis=0).astype(np.float64), points_xy.max(axis=0).astype(np.float64)
+        )
+        for row, column in self.grid.cells_of(points_xy):
+            self._arrays.bumps[row, column] = self.config.bump_persistence
+            self._arrays.cells[row, column] = OCCUPIED
+
+    def merge(self, other: "TopDownMap") -> None:
+        """Add what another map of the same frame knows; `other` is left as it is.
+
+        Evidence is joined by its maximum, so the order of merges does not matter, and merging a map
+        twice changes nothing. What either map holds for occupied stays occupied.
+
+        Raises:
+            MapError: The maps were drawn with different configurations.
+        """
+        if other.config != self.config:
+            raise MapError("maps can be merged only if they were drawn with the same configuration")
+        rows, columns = other._arrays.cells.shape
+        if rows == 0 or columns == 0:
+            return
+        self._allocate(
+            other._first_row,
+            other._first_column,
+            other._first_row + rows,
+            other._first_column + columns,
+        )
+        row = other._first_row - self._first_row
+        column = other._first_column - self._first_column
+        part = _Arrays(
+            *(array[row : row + rows, column : column + columns] for array in self._arrays)
+        )
+        np.maximum(part.evidence, other._arrays.evidence, out=part.evidence)
+        np.maximum(part.seen, other._arrays.seen, out=part.seen)
+        np.maximum(part.bumps, other._arrays.bumps, out=part.bumps)
+        occupied = (part.evidence >= self.config.occupied_evidence).any(axis=2) | (part.bumps > 0)
+        weight = np.uint32(1) << np.arange(self.config.layers, dtype=np.uint32)
+        part.raised[:] = ((part.evidence > 0) * weight).sum(axis=2, dtype=np.uint32)
+        part.cells[:] = np.where(occupied, OCCUPIED, part.seen * np.uint8(FREE))
+
+    def _grow(self, low: Float64[np.ndarray, "2"], high: Float64[np.ndarray, "2"]) -> None:
+        """Make the map hold all points between two corners."""
+        size = self.config.cell_size_m
+        first = np.floor(low / size)
+        last = np.floor(high / size)
+        allocated = self._arrays.cells.shape
+        if allocated[0] > 0:
+            first = np.minimum(first, [self._first_column, self._first_row])
+            last = np.maximum(
+                last,
+                [self._first_column + allocated[1] - 1, self._first_row + allocated[0] - 1],
+            )
+        side = float((last - first).max() + 1) * size
+        if side > self.config.max_side_m + 2 * self.config.chunk_cells * size:
+            raise MapError(
+                f"the map would become {side:.0f} m wide, at most {self.config.max_side_m:g} m are "
+                f"allowed; is a pose wrong? (points from {low} to {high}; see max_side_m)"
+            )
+        self._allocate(int(first[1]), int(first[0]), int(last[1]) + 1, int(last[0]) + 1)
+
+    def _allocate(self, row: int, column: int, row_end: int, column_end: int) -> None:
+        """Make the map hold these cells (numbered from the frame's origin), in whole chunks."""
+        rows, columns = self._arrays.cells.shape
+        if rows > 0:
+            row, column = min(row, self._first_row), min(column, self._first_column)
+            row_end = max(row_end, self._first_row + rows)
+            column_end = max(column_end, self._first_column + columns)
+        chunk = self.config.chunk_cells
+        row, column = row // chunk * chunk, column // chunk * chunk
+        new_rows = -(-(row_end - row) // chunk) * chunk
+        new_columns = -(-(column_end - column) // chunk) * chunk
+        if (new_rows, new_columns) == (rows, columns):
+            return
+        grown = _empty_arrays(new_rows, new_columns, self.config.layers)
+        i, j = self._first_row - row, self._first_column - column
+        for new, old in zip(grown, self._arrays, strict=True):
+            new[i : i + rows, j : j + columns] = old
+        self._arrays, self._first_row, self._first_column = grown, row, column
+
+    def _window(self, low: Float64[np.ndarray, "2"], high: Float64[np.ndarray, "2"]) -> _Window:
+        """The cells between two corners, which the map holds."""
+        size = self.config.cell_size_m
+        column, row = (int(c) for c in np.floor(low / size))
+        last_column, last_row = (int(c) for c in np.floor(high / size))
+        return _Window(
+            row=row - self._first_row,
+            column=column - self._first_column,
+            rows=last_row - row + 1,
+            columns=last_column - column + 1,
+        )
+
+    def _corner_of(self, window: _Window) -> tuple[float, float]:
+        """Lower left corner, metres."""
+        size = self.config.cell_size_m
+        return (
+            (self._first_column + window.column) * size,
+            (self._first_row + window.row) * size,
+        )
+
+    def _reserve(self, window: _Window, pixels: int) -> None:
+        """Have scratch memory for a frame."""
+        voxels = window.rows * window.columns * self.config.layers
+        if self._counts.size < voxels:
+            self._counts = np.zeros(voxels, dtype=np.uint16)
+        if self._touched.size < pixels:
+            self._touched = np.zeros(pixels, dtype=np.int32)
+
+    def _rays(
+        self, observation: Observation, window: _Window
+    ) -> tuple[
+        Float32[np.ndarray, "3"], Float32[np.ndarray, "width 3"], Float32[np.ndarray, "height 3"]
+    ]:
+        """Camera, and what a metre of depth adds per pixel column and row, in voxels."""
+        config = self.config
+        camera, pose = observation.camera, observation.camera_to_map
+        per_voxel = 1.0 / np.array([config.cell_size_m, config.cell_size_m, config.voxel_height_m])
+        corner = np.array([*self._corner_of(window), config.obstacle_min_height_m])
+        x = (np.arange(camera.width) + 0.5 - camera.cx) / camera.fx
+        y = (np.arange(camera.height) + 0.5 - camera.cy) / camera.fy
+        across = x[:, None] * (pose.rotation[:, 0] * per_voxel)
+        down = y[:, None] * (pose.rotation[:, 1] * per_voxel) + pose.rotation[:, 2] * per_voxel
+        start = (pose.translation - corner) * per_voxel
+        return start.astype(np.float32), across.astype(np.float32), down.astype(np.float32)
+
+
+def _empty_arrays(rows: int, columns: int, layers: int) -> _Arrays:
+    """Zeros: memory that the system hands out only when it is written to."""
+    return _Arrays(
+        evidence=np.zeros((rows, columns, layers), dtype=np.uint8),
+        raised=np.zeros((rows, columns), dtype=np.uint32),
+        seen=np.zeros((rows, columns), dtype=np.uint8),
+        bumps=np.zeros((rows, columns), dtype=np.uint8),
+        cells=np.zeros((rows, columns), dtype=np.uint8),
+    )
+
+
+def _reach(
+    camera: PinholeCamera, camera_to_map: Transform, max_depth_m: float
+) -> tuple[Float64[np.ndarray, "2"], Float64[np.ndarray, "2"]]:
+    """Corners of the box, seen from above, around all that a camera can measure, metres."""
+    x = np.array([0.0, camera.width, 0.0, camera.width])
+    y = np.array([0.0, 0.0, camera.height, camera.height])
+    rays = np.stack([(x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy, np.ones(4)], axis=1)
+    points = np.concatenate([np.zeros((1, 3)), rays * max_depth_m])
+    flat = camera_to_map.apply(points)[:, :2]
+    # Compiled arithmetic is single precision; a hair's breadth keeps its rounding inside the box.
+    return flat.min(axis=0) - 1e-3, flat.max(axis=0) + 1e-3
