@@ -33,7 +33,7 @@ def write_page(
     folder: Path,
     result: Mapping[str, Any],
     steps: Sequence[StepTrace],
-    grid: OccupancyGrid | None = None,
+    grid: OccupancyGrid | None,
     *,
     video: Path | None = None,
     embed_limit_bytes: int = EMBED_LIMIT_BYTES,
@@ -44,7 +44,7 @@ def write_page(
         folder: Where to write; made if missing.
         result: What ``result.json`` holds; missing entries show as a dash.
         steps: The trace; may be empty.
-        grid: The last map, if there is one.
+        grid: The last map; None if there is none.
         video: The episode's video; by default ``episode.mp4`` in the folder, if it exists.
         embed_limit_bytes: A larger video is not put into the page, which then refers to the file.
 
@@ -56,9 +56,10 @@ def write_page(
         video = folder / "episode.mp4"
     template = page_environment().get_template("episode.html.j2")
     page = template.render(
-        result=result,
         headline=words.headline(result),
         summary=_summary(result),
+        facts=_facts(result),
+        told_truth=words.is_ground_truth(str(result.get("detector"))),
         video=_video_source(folder, video, embed_limit_bytes) if video is not None else "",
         map=_map(grid, steps) if grid is not None else None,
         figures=_figures(result, steps),
@@ -104,13 +105,14 @@ def _band(phase: story.Phase, total: int) -> dict[str, Any]:
 
 def _player_data(steps: Sequence[StepTrace], grid: OccupancyGrid | None) -> dict[str, Any]:
     """What the page's script needs to keep video, timeline and map together."""
-    view = final_view(grid, steps, _MAP_SIZE) if grid is not None else None
     robots, destinations = [], []
-    for step in steps if view is not None else ():
-        u, v = view.pixel_of(step.pose[0], step.pose[1])
-        robots.append([round(u, 1), round(v, 1), round(-math.degrees(step.pose[2]), 1)])
-        at = view.pixel_of(*step.destination) if step.destination is not None else None
-        destinations.append([round(at[0], 1), round(at[1], 1)] if at is not None else None)
+    if grid is not None:
+        view = final_view(grid, steps, _MAP_SIZE)
+        for step in steps:
+            u, v = view.pixel_of(step.pose[0], step.pose[1])
+            robots.append([round(u, 1), round(v, 1), round(-math.degrees(step.pose[2]), 1)])
+            at = view.pixel_of(*step.destination) if step.destination is not None else None
+            destinations.append([round(at[0], 1), round(at[1], 1)] if at is not None else None)
     return {
         "times": [round(time, 3) for time in pacing.start_times(steps)],
         "steps": [step.step + 1 for step in steps],
@@ -134,6 +136,21 @@ def _summary(result: Mapping[str, Any]) -> str:
     if isinstance(shortest, int | float) and math.isfinite(shortest):
         text += f" Someone who knew the way would have walked {words.number(shortest, 1, 'm')}."
     return text
+
+
+def _facts(result: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Who searched, with what, and where."""
+
+    def told(name: str) -> str:
+        return str(result.get(name) or "–")
+
+    preset = f", {told('preset')} settings" if result.get("preset") else ""
+    return [
+        ("Agent", told("agent") + preset),
+        ("Sees with", words.part_in_use(told("detector"))),
+        ("Decides with", words.part_in_use(told("reasoner"))),
+        ("Scene", told("scene")),
+    ]
 
 
 def _figures(result: Mapping[str, Any], steps: Sequence[StepTrace]) -> list[_Figure]:

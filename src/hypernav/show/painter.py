@@ -2,13 +2,14 @@
 
 import math
 from collections.abc import Collection, Iterable, Sequence
-from typing import Protocol
 
 import numpy as np
 from jaxtyping import Float64, UInt8
 
 from hypernav.core.geometry import Pose2
 from hypernav.core.grid import OccupancyGrid
+from hypernav.core.overview import Block
+from hypernav.core.trace import BlockRecord
 from hypernav.show import palette, strokes
 from hypernav.show.lettering import draw_text, text_width
 from hypernav.show.numbering import Disc, Square, number_size, place_number
@@ -18,34 +19,14 @@ from hypernav.show.view import MapView
 _SHADES_OF_TIME = 24
 _SCALE_BARS_M = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0)
 # Tip, left wing, notch, right wing, as shares of the arrow's radius; x is ahead.
-_ARROW = np.array([[1.0, 0.0], [-0.8, 0.68], [-0.42, 0.0], [-0.8, -0.68]])
+_ARROW = np.array([[1.0, 0.0], [-0.76, 0.64], [-0.38, 0.0], [-0.76, -0.64]])
 
 XY = tuple[float, float]
 """A point in the ``map`` frame, metres."""
 
 
-class NumberedSquare(Protocol):
-    """A block: `hypernav.core.overview.Block` and `hypernav.core.trace.BlockRecord` are."""
-
-    @property
-    def number(self) -> int:
-        """The label."""
-        ...
-
-    @property
-    def x_min(self) -> float:
-        """Lower left corner, metres."""
-        ...
-
-    @property
-    def y_min(self) -> float:
-        """Lower left corner, metres."""
-        ...
-
-    @property
-    def size_m(self) -> float:
-        """Side length."""
-        ...
+NumberedSquare = Block | BlockRecord
+"""A block, from an overview or from a trace."""
 
 
 class MapPainter:

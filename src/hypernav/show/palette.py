@@ -18,7 +18,7 @@ TRAJECTORY_OLD: Rgb = (158, 202, 232)
 TRAJECTORY_NEW: Rgb = (0, 96, 160)
 ROBOT: Rgb = (213, 94, 0)
 PATH: Rgb = (125, 60, 152)
-GOAL: Rgb = (0, 138, 100)
+GOAL: Rgb = (0, 128, 92)
 CHOSEN: Rgb = (230, 159, 0)
 BLOCK: Rgb = (116, 128, 144)
 EXCLUDED: Rgb = (150, 158, 168)
@@ -37,13 +37,13 @@ MODES: dict[Mode, Rgb] = {
     Mode.EXPLORE: (0, 96, 160),
     Mode.APPROACH: (230, 159, 0),
     Mode.VERIFY: (160, 84, 134),
-    Mode.STOP: (0, 138, 100),
+    Mode.STOP: (0, 128, 92),
 }
 
 SERIES: tuple[Rgb, ...] = (
     (0, 96, 160),
     (230, 159, 0),
-    (0, 138, 100),
+    (0, 128, 92),
     (160, 84, 134),
     (86, 180, 233),
     (213, 94, 0),

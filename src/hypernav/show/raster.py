@@ -1,5 +1,7 @@
 """The ground of every map picture: unknown, free and occupied cells as colours."""
 
+import math
+
 import cv2
 import numpy as np
 from jaxtyping import Int64, UInt8
@@ -43,19 +45,23 @@ def rasterise(grid: OccupancyGrid, view: MapView) -> UInt8[np.ndarray, "_ _ 3"]:
     Returns:
         RGB, ``view.size`` squared.
     """
-    samples = view.size * _SUPERSAMPLING
+    pixel_m = view.side_m / view.size
+    factor = max(math.ceil(pixel_m / grid.resolution_m), 1)
+    # Averaging would bleach a wall that is thinner than a pixel.
+    samples = view.size * (_SUPERSAMPLING if factor == 1 else 1)
+    cells, side_m = _thinned(grid, factor)
     middles = (np.arange(samples) + 0.5) / samples * view.side_m
-    cells, side_m = _thinned(grid, int(view.side_m / samples / grid.resolution_m))
     columns = np.floor((view.left_m + middles - grid.origin[0]) / side_m).astype(np.int64)
     rows = np.floor((view.top_m - middles - grid.origin[1]) / side_m).astype(np.int64)
     shade = cv2.LUT(_looked_up(cells, rows, columns), _SHADES)
-    shade = cv2.resize(shade, (view.size, view.size), interpolation=cv2.INTER_AREA)
+    if samples != view.size:
+        shade = cv2.resize(shade, (view.size, view.size), interpolation=cv2.INTER_AREA)
     return cv2.LUT(cv2.cvtColor(shade, cv2.COLOR_GRAY2RGB), _COLORS)
 
 
 def _thinned(grid: OccupancyGrid, factor: int) -> tuple[UInt8[np.ndarray, "_ _"], float]:
     """The cells, with each square of ``factor`` a side brought down to one, and their side."""
-    if factor <= 1:
+    if factor == 1:
         return grid.cells, grid.resolution_m
     rows, columns = (-(-side // factor) for side in grid.cells.shape)
     padded = np.zeros((rows * factor, columns * factor), dtype=np.uint8)

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 import av
 import numpy as np
@@ -125,7 +125,7 @@ class EpisodeVideo:
         self._grid: OccupancyGrid | None = None
         self._closed = False
 
-    def __enter__(self) -> Self:
+    def __enter__(self) -> "EpisodeVideo":
         """Start filming."""
         return self
 

@@ -1,7 +1,6 @@
 """Plain words for what the trace says in the program's own."""
 
 import math
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -44,7 +43,6 @@ MODULES: dict[str, str] = {
 }
 
 _SHORT_QUESTION = 160
-_ASKED = re.compile(r"[^.!?:]*\?")
 
 _PARTS_WITHOUT_MODEL: dict[str, str] = {
     "ground truth": "ground truth labels from the simulator (no model)",
@@ -84,8 +82,11 @@ def gist(question: str) -> str:
     text = " ".join(question.split())
     if len(text) <= _SHORT_QUESTION:
         return text
-    asked = _ASKED.findall(text)
-    return asked[-1].strip() if asked else text
+    end = text.rfind("?")
+    if end < 0:
+        return text
+    start = max(text.rfind(mark, 0, end) for mark in ".!?:")
+    return text[start + 1 : end + 1].strip()
 
 
 def seen_words(detections: list[DetectionRecord]) -> str:
