@@ -160,6 +160,24 @@ def sees_through(depth, lens, pose, x, y, h, sizes, margins):
 
 
 @njit(nogil=True)
+def in_sight(width, lens, pose, x, y, low, high):
+    """Whether any of a cell's column, from height `low` to `high`, may lie in the picture."""
+    left, right = 0, 0
+    for h in (low, high):
+        z = pose[8] * x + pose[9] * y + pose[10] * h + pose[11]
+        if z <= 0.0:
+            continue
+        u = lens[0] * (pose[0] * x + pose[1] * y + pose[2] * h + pose[3]) + lens[2] * z
+        if u < 0.0:
+            left += 1
+        elif u >= width * z:
+            right += 1
+        elif z < lens[5]:
+            return True
+    return left == 1 and right == 1
+
+
+@njit(nogil=True)
 def sweep_window(depth, lens, pose, heights, window, sizes, weights, margins, counts, arrays):
     """Free what the frame sees to be free, cell by cell of the window.
 
@@ -181,11 +199,14 @@ def sweep_window(depth, lens, pose, heights, window, sizes, weights, margins, co
     evidence, raised, seen, bumps, cells = arrays
     row0, column0, rows, columns, x0, y0 = window
     layers = evidence.shape[2]
+    top = sizes[2] + layers * sizes[1]
     for i in range(rows):
         y = y0 + (i + 0.5) * sizes[0]
         row = row0 + i
         for j in range(columns):
             x = x0 + (j + 0.5) * sizes[0]
+            if not in_sight(depth.shape[1], lens, pose, x, y, 0.0, top):
+                continue
             column = column0 + j
             changed = False
             floor = sees_floor(depth, lens, pose, x, y, heights)
