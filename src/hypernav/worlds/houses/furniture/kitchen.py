@@ -11,7 +11,6 @@ from hypernav.worlds.houses.palette import (
     BLACK_GLASS,
     BLACK_METAL,
     CHROME,
-    GLOW,
     STEEL,
     WHITE_METAL,
     Taste,
@@ -224,35 +223,3 @@ def range_hood(dice: Dice, taste: Taste) -> Model:
     taper.positions[upper, 1] = taper.positions[upper, 1] * 0.52 - 0.1
     bench.add(body, taper.moved(0, 0, 0.05))
     return bench.model("range hood", "extractor hood", "cooker hood", main=body)
-
-
-def pendant(dice: Dice, taste: Taste) -> Model:
-    """A lamp on a cord, hanging from z = 0."""
-    bench = Bench()
-    shade = dice.choice((BLACK_METAL, WHITE_METAL, taste.metal, plastic(taste.accent)))
-    drop = 0.62
-    bench.add(BLACK_METAL, rod((0, 0, -drop), (0, 0, 0), 0.004, sides=6), cylinder(0.05, 0.025, at=(0, 0, -0.025)))
-    bench.add(shade, lathe([(0.2, -drop - 0.16), (0.19, -drop - 0.12), (0.12, -drop - 0.03), (0.04, -drop), (0.0, -drop)], crease_deg=80))
-    bench.add(GLOW, lathe([(0.0, -drop - 0.15), (0.06, -drop - 0.13), (0.06, -drop - 0.08), (0.0, -drop - 0.04)]))
-    return bench.model("ceiling lamp", "pendant lamp", "pendant light", "lamp", main=shade)
-
-
-def wine_rack(dice: Dice, taste: Taste) -> Model:
-    """Bottles lying in a wooden lattice."""
-    bench = Bench()
-    frame = taste.furniture_wood(dice)
-    for k in range(4):
-        z = 0.02 + k * 0.17
-        for y in (-0.1, 0.1):
-            bench.add(frame, box(0.56, 0.02, 0.03, at=(0, y, z)))
-        for j in range(4):
-            if k < 3 and dice.chance(0.7):
-                glass = Finish("", dice.choice(((0.1, 0.2, 0.1), (0.18, 0.06, 0.07), (0.12, 0.12, 0.1))))
-                bottle = lathe([(0, -0.14), (0.037, -0.14), (0.037, 0.04), (0.014, 0.09), (0.014, 0.15), (0, 0.15)], sides=12)
-                bench.add(glass, bottle.turned(90, "x").moved((j - 1.5) * 0.13, 0, z + 0.068))
-    for sx in (-1.0, 1.0):
-        for y in (-0.1, 0.1):
-            bench.add(frame, box(0.03, 0.02, 0.6, at=(sx * 0.27, y, 0)).swapped_uv())
-    return bench.model("wine rack", "bottle rack", main=frame)
-
-

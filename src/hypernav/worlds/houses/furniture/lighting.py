@@ -107,3 +107,14 @@ def wall_lamp(dice: Dice, taste: Taste) -> Model:
     wall = lathe([(0.075, 0.08), (0.055, 0.22)], sides=20)
     bench.add(_LIT, wall.moved(0, 0.02, 0.0))
     return bench.model("wall lamp", "sconce", "lamp", main=metal)
+
+
+def pendant(dice: Dice, taste: Taste) -> Model:
+    """A lamp on a cord, hanging from z = 0."""
+    bench = Bench()
+    shade = dice.choice((BLACK_METAL, WHITE_METAL, taste.metal, plastic(taste.accent)))
+    drop = 0.62
+    bench.add(BLACK_METAL, rod((0, 0, -drop), (0, 0, 0), 0.004, sides=6), cylinder(0.05, 0.025, at=(0, 0, -0.025)))
+    bench.add(shade, lathe([(0.2, -drop - 0.16), (0.19, -drop - 0.12), (0.12, -drop - 0.03), (0.04, -drop), (0.0, -drop)], crease_deg=80))
+    bench.add(GLOW, lathe([(0.0, -drop - 0.15), (0.06, -drop - 0.13), (0.06, -drop - 0.08), (0.0, -drop - 0.04)]))
+    return bench.model("ceiling lamp", "pendant lamp", "pendant light", "lamp", main=shade)

@@ -253,3 +253,22 @@ def metal_shelf(dice: Dice, taste: Taste) -> Model:
                 bench.add(stuff, box(w, deep - 0.1, h, at=(x + w / 2, 0, z + 0.025), bevel=0.004))
             x += w + 0.03
     return bench.model("storage rack", "metal shelf", "shelving unit", "shelf", attributes=("black", "metal"))
+
+
+def wine_rack(dice: Dice, taste: Taste) -> Model:
+    """Bottles lying in a wooden lattice."""
+    bench = Bench()
+    frame = taste.furniture_wood(dice)
+    for k in range(4):
+        z = 0.02 + k * 0.17
+        for y in (-0.1, 0.1):
+            bench.add(frame, box(0.56, 0.02, 0.03, at=(0, y, z)))
+        for j in range(4):
+            if k < 3 and dice.chance(0.7):
+                glass = Finish("", dice.choice(((0.1, 0.2, 0.1), (0.18, 0.06, 0.07), (0.12, 0.12, 0.1))))
+                bottle = lathe([(0, -0.14), (0.037, -0.14), (0.037, 0.04), (0.014, 0.09), (0.014, 0.15), (0, 0.15)], sides=12)
+                bench.add(glass, bottle.turned(90, "x").moved((j - 1.5) * 0.13, 0, z + 0.068))
+    for sx in (-1.0, 1.0):
+        for y in (-0.1, 0.1):
+            bench.add(frame, box(0.03, 0.02, 0.6, at=(sx * 0.27, y, 0)).swapped_uv())
+    return bench.model("wine rack", "bottle rack", main=frame)

@@ -1,0 +1,152 @@
+"""Bedrooms and offices."""
+
+from hypernav.worlds.houses.assembly import Placed
+from hypernav.worlds.houses.furnish.dressing import scatter
+from hypernav.worlds.houses.furnish.living import place_plants, put_rug
+from hypernav.worlds.houses.furnish.site import SIDES, Site, Spot, turned_point
+from hypernav.worlds.houses.furniture import (
+    beds,
+    belongings,
+    chairs,
+    electronics,
+    leisure,
+    lighting,
+    plants,
+    screens,
+    small,
+    sofas,
+    storage,
+    tables,
+    textiles,
+)
+
+
+def furnish_bedroom(site: Site, *, first: bool) -> None:
+    """A bed with its head to the wall, nightstands, a wardrobe, and what fits.
+
+    Args:
+        site: The room.
+        first: Whether this is the main bedroom; others may be children's or guest rooms.
+    """
+    dice, taste = site.dice, site.taste
+    child = not first and dice.chance(0.5)
+    bed = _place_bed(site, double=first or (not child and dice.chance(0.5)), child=child)
+    if bed is not None:
+        _beside_bed(site, bed)
+    site.at_wall(storage.wardrobe(dice, taste), front=0.55, access=True, where="corner")
+    if child:
+        for maker in dice.shuffled((leisure.toy_box, leisure.dollhouse, leisure.teddy_bear, leisure.toy_blocks, leisure.toy_car, leisure.football))[:3]:
+            site.at_wall(maker(dice, taste), where="corner")
+    if dice.chance(0.6 if child else 0.35):
+        place_desk(site)
+    for maker, chance in dice.shuffled(
+        ((storage.dresser, 0.55), (tables.dressing_table, 0.25), (storage.bookshelf, 0.3), (storage.tv_stand, 0.3))
+    ):
+        if not dice.chance(chance):
+            continue
+        base = site.at_wall(maker(dice, taste), front=0.45, access=True)
+        if maker is storage.tv_stand and base is not None:
+            site.on_top(base, screens.tv(dice, taste), facing=0.0, where=(0.5, 0.4))
+        scatter(site, base, (lighting.table_lamp, small.photo_frame, plants.small_plant, small.clock, electronics.hair_dryer, textiles.folded_blanket), 2)
+    for maker, chance in dice.shuffled(
+        (
+            (sofas.armchair, 0.2), (chairs.bench_seat, 0.1), (belongings.laundry_basket, 0.3), (belongings.backpack, 0.25),
+            (belongings.suitcase, 0.25), (leisure.guitar, 0.12), (lighting.floor_lamp, 0.25), (belongings.handbag, 0.15),
+            (sofas.bean_bag, 0.15), (leisure.treadmill, 0.08), (leisure.exercise_bike, 0.07), (leisure.dumbbells, 0.12),
+            (beds.crib, 0.1), (leisure.easel, 0.06), (electronics.fan, 0.15), (electronics.air_purifier, 0.15),
+            (textiles.rolled_mat, 0.1), (belongings.shoes, 0.2), (chairs.ottoman, 0.15), (leisure.exercise_ball, 0.08),
+        )
+    ):
+        if dice.chance(chance):
+            site.at_wall(maker(dice, taste), where="corner" if dice.chance(0.5) else "any")
+    if dice.chance(0.55):
+        place_plants(site, 1)
+
+
+def _place_bed(site: Site, *, double: bool, child: bool) -> Placed | None:
+    dice, taste = site.dice, site.taste
+    choices = [beds.double_bed, beds.single_bed] if double else [beds.single_bed]
+    if child and dice.chance(0.35) and site.height > 2.4:
+        choices = [beds.bunk_bed, beds.single_bed]
+    for maker in choices:
+        model = maker(dice, taste)
+        wide = model.width > 1.3
+        walls = sorted(SIDES, key=lambda s: len(site.wall_openings(s)) + dice.unit())
+        for side in walls:
+            piece = site.at_wall(model, sides=(side,), where="middle" if wide else "corner", access=False)
+            if piece is not None:
+                return piece
+    return None
+
+
+def _beside_bed(site: Site, bed: Placed) -> None:
+    dice, taste = site.dice, site.taste
+    model = bed.model
+    stand = tables.nightstand(dice, taste)
+    lamp = lighting.table_lamp(dice, taste)
+    for s in dice.shuffled((-1.0, 1.0)):
+        x = s * (model.width / 2 + stand.width / 2 + 0.035)
+        y = -model.depth / 2 + stand.depth / 2 + 0.01
+        dx, dy = turned_point(x, y, bed.yaw_deg)
+        spot = Spot(bed.x + dx, bed.y + dy, bed.yaw_deg)
+        if not site.fits(stand, spot):
+            continue
+        piece = site.put(stand, spot)
+        site.on_top(piece, lamp, facing=0.0, where=(0.5, 0.3))
+        scatter(site, piece, (small.books, small.clock, electronics.phone, small.cup), 1)
+    if dice.chance(0.6):
+        rug = textiles.rug(dice, taste) if dice.chance(0.5) else textiles.small_rug(dice, taste)
+        dx, dy = turned_point(0.0, model.depth / 2 - 0.2, bed.yaw_deg)
+        put_rug(site, rug, Spot(bed.x + dx, bed.y + dy, bed.yaw_deg))
+
+
+def place_desk(site: Site) -> Placed | None:
+    """A desk at a wall with its chair, a computer and a lamp."""
+    dice, taste = site.dice, site.taste
+    model = tables.desk(dice, taste)
+    piece = site.at_wall(model, front=0.75, access=True, keep=False)
+    if piece is None:
+        return None
+    seat = chairs.office_chair(dice, taste)
+    for off in (0.12, 0.2, 0.32):
+        dx, dy = turned_point(0.0, model.depth / 2 + off + 0.05, piece.yaw_deg)
+        spot = Spot(piece.x + dx, piece.y + dy, piece.yaw_deg + 180.0)
+        if seat.depth / 2 - off < 0.2 and site.fits(seat, spot, over=[site.solid_of(piece)]):
+            site.put(seat, spot)
+            break
+    if dice.chance(0.5):
+        site.on_top(piece, screens.laptop(dice, taste), facing=0.0, where=(0.5, 0.5))
+    else:
+        site.on_top(piece, screens.monitor(dice, taste), facing=0.0, where=(0.5, 0.1))
+        site.on_top(piece, screens.keyboard(dice, taste), facing=0.0, where=(0.5, 0.85))
+    site.on_top(piece, lighting.desk_lamp(dice, taste), facing=0.0, where=(dice.choice((0.03, 0.97)), 0.2))
+    scatter(site, piece, (small.books, small.cup, small.pen_cup, plants.small_plant, small.photo_frame, electronics.phone), dice.integer(1, 3))
+    return piece
+
+
+def furnish_office(site: Site) -> None:
+    """A desk, shelves, a printer, a seat."""
+    dice, taste = site.dice, site.taste
+    place_desk(site)
+    base = site.at_wall(storage.filing_cabinet(dice, taste), front=0.4, where="corner")
+    if base is not None and dice.chance(0.7):
+        site.on_top(base, electronics.printer(dice, taste), facing=0.0)
+    site.at_wall(storage.bookshelf(dice, taste), front=0.4, access=True)
+    if dice.chance(0.4):
+        site.at_wall(storage.bookshelf(dice, taste), front=0.4, access=True)
+    for maker, chance in dice.shuffled(
+        (
+            (sofas.armchair, 0.45), (small.trash_can, 0.6), (lighting.floor_lamp, 0.35), (leisure.guitar, 0.2), (leisure.piano, 0.12),
+            (leisure.treadmill, 0.12), (leisure.exercise_bike, 0.1), (sofas.bean_bag, 0.12), (belongings.backpack, 0.3),
+            (leisure.easel, 0.12), (electronics.fan, 0.2), (electronics.sewing_machine, 0.0), (leisure.dumbbells, 0.15),
+        )
+    ):
+        if dice.chance(chance):
+            site.at_wall(maker(dice, taste), where="corner" if dice.chance(0.5) else "any")
+    if dice.chance(0.4):
+        side = site.at_wall(tables.console_table(dice, taste), front=0.4)
+        scatter(site, side, (electronics.printer, small.globe, leisure.chess, electronics.radio, plants.small_plant), 2)
+    place_plants(site, 1)
+    if dice.chance(0.4):
+        x, y = site.inner.centre
+        put_rug(site, textiles.rug(dice, taste), Spot(x, y, 0.0))

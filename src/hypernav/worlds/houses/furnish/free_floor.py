@@ -1,0 +1,103 @@
+"""What is left of a room's floor to walk on, while furniture comes in piece by piece."""
+
+import math
+
+import numpy as np
+from jaxtyping import Bool
+from scipy.ndimage import distance_transform_edt, label
+
+from hypernav.worlds.houses.plan.shapes import FloorPlan, Rect
+
+_CELL_M = 0.05
+_MARGIN_M = 0.6
+STANDING_M = 0.19
+"""Radius of a robot that may stand wherever it fits: all such places must be one connected part."""
+
+WALKING_M = 0.375
+"""Half of the clear width of the ways between doors and to the furniture."""
+
+Point = tuple[float, float]
+
+
+class FreeFloor:
+    """Two rasters of one room: where a slim robot may stand, and where there is width to walk."""
+
+    def __init__(self, plan: FloorPlan, number: int) -> None:
+        """The empty room.
+
+        Args:
+            plan: Of the house.
+            number: Of the room.
+        """
+        inner = plan.rooms[number].inner
+        self._origin = (inner.x0 - _MARGIN_M, inner.y0 - _MARGIN_M)
+        columns = math.ceil((inner.width + 2 * _MARGIN_M) / _CELL_M)
+        rows = math.ceil((inner.depth + 2 * _MARGIN_M) / _CELL_M)
+        floor = np.zeros((rows, columns), dtype=bool)
+        floor[self._cells(inner)] = True
+        self._anchors: list[Point] = []
+        for opening in plan.openings_of(number):
+            if opening.is_way:
+                floor[self._cells(opening.strip(-_MARGIN_M, _MARGIN_M))] = True
+                upper = opening.rooms[1] == number
+                self._anchors.append(opening.strip(0.5, 0.52).centre if upper else opening.strip(-0.52, -0.5).centre)
+        clearance = np.asarray(distance_transform_edt(floor)) * _CELL_M
+        self._standing = clearance > STANDING_M
+        self._walking = clearance > WALKING_M
+        # Cells in the doors' throats belong to the neighbours as well; ways end before them.
+        room = np.zeros_like(floor)
+        room[self._cells(inner)] = True
+        self._standing &= room
+        self._walking &= room
+
+    def _cells(self, rect: Rect) -> tuple[slice, slice]:
+        x, y = self._origin
+        return (
+            slice(max(round((rect.y0 - y) / _CELL_M), 0), max(round((rect.y1 - y) / _CELL_M), 0)),
+            slice(max(round((rect.x0 - x) / _CELL_M), 0), max(round((rect.x1 - x) / _CELL_M), 0)),
+        )
+
+    def _cell(self, point: Point) -> tuple[int, int]:
+        return (
+            math.floor((point[1] - self._origin[1]) / _CELL_M),
+            math.floor((point[0] - self._origin[0]) / _CELL_M),
+        )
+
+    def allows(self, rects: list[Rect], anchors: list[Point]) -> bool:
+        """Whether everything stays connected if these rectangles are taken.
+
+        Args:
+            rects: Footprints of new furniture.
+            anchors: Places that must be reached with full walking width from now on.
+        """
+        standing, walking = self._without(rects)
+        parts, count = label(standing)
+        if count > 1:
+            sizes = np.bincount(parts.ravel())[1:]
+            if int(sizes.sum() - sizes.max()) > 2:
+                return False
+        wanted = [*self._anchors, *anchors]
+        if not wanted:
+            return True
+        parts, _ = label(walking)
+        numbers = set()
+        for point in wanted:
+            row, column = self._cell(point)
+            if not (0 <= row < parts.shape[0] and 0 <= column < parts.shape[1]):
+                return False
+            numbers.add(int(parts[row, column]))
+        return len(numbers) == 1 and 0 not in numbers
+
+    def take(self, rects: list[Rect], anchors: list[Point]) -> None:
+        """Occupy the floor for good."""
+        self._standing, self._walking = self._without(rects)
+        self._anchors += anchors
+
+    def _without(
+        self, rects: list[Rect]
+    ) -> tuple[Bool[np.ndarray, "rows columns"], Bool[np.ndarray, "rows columns"]]:
+        standing, walking = self._standing.copy(), self._walking.copy()
+        for rect in rects:
+            standing[self._cells(rect.grown(STANDING_M))] = False
+            walking[self._cells(rect.grown(WALKING_M - 0.02))] = False
+        return standing, walking

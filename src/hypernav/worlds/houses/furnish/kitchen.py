@@ -1,0 +1,188 @@
+"""Kitchens: a row of fitted units along one wall, perhaps around a corner."""
+
+from collections.abc import Callable
+
+from hypernav.worlds.houses.assembly import Placed
+from hypernav.worlds.houses.furnish.dressing import scatter
+from hypernav.worlds.houses.furnish.living import place_dining, place_plants
+from hypernav.worlds.houses.furnish.site import SIDES, Site, Spot
+from hypernav.worlds.houses.furniture import (
+    belongings,
+    chairs,
+    electronics,
+    kitchen,
+    plants,
+    small,
+    storage,
+    tables,
+)
+from hypernav.worlds.houses.kit.model import Model
+
+_ON_COUNTER = (
+    electronics.microwave, electronics.toaster, electronics.kettle, electronics.coffee_machine, electronics.blender,
+    small.knife_block, small.fruit_bowl, small.bottle, small.cutting_board, small.paper_towels, plants.small_plant, small.cup,
+)
+
+
+def furnish_kitchen(site: Site, *, table: bool, island: bool = True) -> None:
+    """Units, appliances, a table if nobody else has one, a bin, a plant.
+
+    Args:
+        site: The room.
+        table: Whether a dining table belongs here.
+        island: Whether a free-standing worktop may.
+    """
+    dice, taste = site.dice, site.taste
+    place_units(site)
+    if table and min(site.inner.width, site.inner.depth) > 2.4:
+        place_dining(site, seats=dice.choice((2, 4)))
+    elif island and min(site.inner.width, site.inner.depth) > 3.2 and dice.chance(0.7):
+        _island(site)
+    for maker, chance in dice.shuffled(((small.trash_can, 0.8), (storage.wine_rack, 0.25), (chairs.stool, 0.2), (small.broom, 0.15))):
+        if dice.chance(chance):
+            site.at_wall(maker(dice, taste), where="corner")
+    if dice.chance(0.5):
+        place_plants(site, 1)
+
+
+def _island(site: Site) -> None:
+    dice, taste = site.dice, site.taste
+    model = tables.kitchen_island(dice, taste)
+    x, y = site.inner.centre
+    for yaw in dice.shuffled((0.0, 90.0, 180.0, -90.0)):
+        spot = Spot(x, y, yaw)
+        if site.fits(model, spot, access=True):
+            piece = site.put(model, spot)
+            scatter(site, piece, (small.fruit_bowl, plants.flower_vase, small.bottle), 2)
+            return
+
+
+def place_units(site: Site, shortest: float = 2.2) -> bool:
+    """Fitted units along the wall that has most room for them; False if there is none."""
+    best: tuple[float, str, float, float] | None = None
+    for side in site.dice.shuffled(SIDES):
+        for start, end in _runs(site, side):
+            length = min(end - start, 4.3)
+            score = length + 0.3 * site.dice.unit()
+            if length >= shortest and (best is None or score > best[0]):
+                best = (score, side, start, end)
+    if best is None:
+        return False
+    _, side, start, end = best
+    _fill_row(site, side, start, end)
+    return True
+
+
+def _runs(site: Site, side: str) -> list[tuple[float, float]]:
+    """Stretches of a wall where a worktop can stand."""
+    start, end, _ = site.wall_line(side)
+    probe = kitchen_probe()
+    step = 0.05
+    runs: list[tuple[float, float]] = []
+    t, begin = start + probe.width / 2 + 0.005, None
+    while t <= end - probe.width / 2:
+        free = site.fits(probe, site.spot_at_wall(probe, side, round(t, 3)), front=0.9)
+        if free and begin is None:
+            begin = t - probe.width / 2
+        if not free and begin is not None:
+            runs.append((begin, t - step + probe.width / 2))
+            begin = None
+        t += step
+    if begin is not None:
+        runs.append((begin, t - step + probe.width / 2))
+    return runs
+
+
+def kitchen_probe() -> Model:
+    """An invisible unit, to feel for room."""
+    return Model((), "probe", low=(-0.05, -0.3, 0.0), high=(0.05, 0.3, 0.94))
+
+
+def _fill_row(site: Site, side: str, start: float, end: float) -> None:
+    """Fridge at one end, then sink, dishwasher, oven and cabinets, with wall units above."""
+    dice, taste = site.dice, site.taste
+    top = kitchen.worktop(dice, taste)
+    fridge = kitchen.refrigerator(dice, taste)
+    pieces: list[Callable[[], Model]] = [
+        lambda: kitchen.kitchen_sink(dice, taste, top), lambda: kitchen.oven(dice, taste),
+    ]
+    length = end - start
+    left = length - fridge.width - 0.8 - 0.6 - 0.08
+    if left > 0.62 and dice.chance(0.7):
+        pieces.append(lambda: kitchen.dishwasher(dice, taste))
+        left -= 0.6
+    cabinets = []
+    while left > 0.42 and len(cabinets) < 3:
+        wide = min(dice.choice((0.4, 0.5, 0.6, 0.8)), round(left - 0.02, 2))
+        cabinets.append(wide)
+        left -= wide
+    for wide in cabinets:
+        pieces.append(lambda wide=wide: kitchen.kitchen_cabinet(dice, taste, wide, top))
+    models = dice.shuffled([make() for make in pieces])
+    fridge_first = dice.chance(0.5)
+    row = [fridge, *models] if fridge_first else [*models, fridge]
+    total = sum(m.width for m in row) + 0.002 * len(row)
+    at = start + 0.01 if fridge_first else max(end - total - 0.01, start + 0.01)
+    # The side walls decide which way "along" runs for whoever faces the row.
+    for model in row:
+        spot = site.spot_at_wall(model, side, at + model.width / 2)
+        at += model.width + 0.002
+        if not _free(site, model, spot):
+            continue
+        piece = site.put(model, spot)
+        _above(site, side, piece, fridge)
+        _on_counter(site, piece)
+    _reserve_front(site, side, start, end)
+
+
+def _free(site: Site, model: Model, spot: Spot) -> bool:
+    return site.fits(model, spot, tight=True)
+
+
+def _reserve_front(site: Site, side: str, start: float, end: float) -> None:
+    probe = Model((), "probe", low=(-(end - start) / 2, -0.3, 0.0), high=((end - start) / 2, 0.3, 0.9))
+    spot = site.spot_at_wall(probe, side, (start + end) / 2)
+    site.reserve(site.front_zone(probe, spot, 0.85))
+
+
+def _above(site: Site, side: str, piece: Placed, fridge: Model) -> None:
+    dice, taste = site.dice, site.taste
+    if piece.model is fridge:
+        return
+    along = piece.x if side in ("south", "north") else piece.y
+    if piece.model.category == "oven":
+        hood = kitchen.range_hood(dice, taste)
+        spot = site.spot_at_wall(hood, side, along, 0.004, 1.6)
+        if site.fits(hood, spot, in_clear=True, tight=True):
+            site.put(hood, spot)
+        return
+    unit = kitchen.wall_cabinet(dice, taste, round(piece.model.width - 0.004, 3))
+    spot = site.spot_at_wall(unit, side, along, 0.004, 1.45)
+    if dice.chance(0.9) and site.fits(unit, spot, in_clear=True, tight=True):
+        site.put(unit, spot)
+
+
+def _on_counter(site: Site, piece: Placed) -> None:
+    if piece.model.category == "oven":
+        if site.dice.chance(0.7):
+            site.on_top(piece, small.pot(site.dice, site.taste))
+        return
+    if piece.model.category in ("kitchen cabinet", "dishwasher"):
+        used = {p.model.category for p in site.placed}
+        makers = [m for m in _ON_COUNTER if m.__name__.replace("_", " ") not in used]
+        scatter(site, piece, makers, site.dice.integer(1, 3))
+
+
+def furnish_laundry(site: Site) -> None:
+    """Washing machine and dryer side by side, then racks and baskets."""
+    dice, taste = site.dice, site.taste
+    washer = site.at_wall(electronics.washing_machine(dice, taste), front=0.7, access=True, where="corner")
+    scatter(site, washer, (small.detergent,), 1)
+    dryer = site.at_wall(electronics.clothes_dryer(dice, taste), front=0.7, access=True, where="corner")
+    scatter(site, dryer, (small.detergent, small.basket), 1)
+    for maker, chance in (
+        (belongings.laundry_basket, 0.9), (belongings.ironing_board, 0.5), (belongings.drying_rack, 0.5), (storage.metal_shelf, 0.4),
+        (small.bucket, 0.5), (small.broom, 0.5), (electronics.vacuum_cleaner, 0.3),
+    ):
+        if dice.chance(chance):
+            site.at_wall(maker(dice, taste), where="corner" if dice.chance(0.5) else "any")

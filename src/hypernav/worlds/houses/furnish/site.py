@@ -1,0 +1,290 @@
+"""One room while it is being furnished: what stands where, and what may still come in."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from hypernav.worlds.houses.assembly import Placed
+from hypernav.worlds.houses.dice import Dice
+from hypernav.worlds.houses.furnish.free_floor import FreeFloor, Point
+from hypernav.worlds.houses.kit.mesh import rotation_matrix
+from hypernav.worlds.houses.kit.model import Model, Top
+from hypernav.worlds.houses.palette import Taste
+from hypernav.worlds.houses.plan.doors import approach, leaf_rect
+from hypernav.worlds.houses.plan.shapes import FloorPlan, Opening, Rect
+
+GAP_M = 0.02
+_HEAD_M = 1.05
+_SKIRTING_M = 0.018
+SIDES = ("south", "east", "north", "west")
+_YAW = {"south": 0.0, "east": 90.0, "north": 180.0, "west": -90.0}
+OPPOSITE = {"south": "north", "north": "south", "east": "west", "west": "east"}
+
+
+@dataclass(frozen=True)
+class Solid:
+    """The space that something takes."""
+
+    rect: Rect
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Spot:
+    """A place that a model could take: its middle and its turn."""
+
+    x: float
+    y: float
+    yaw_deg: float
+    z: float = 0.0
+
+
+def footprint(model: Model, spot: Spot) -> Rect:
+    """The rectangle on the floor that a model covers at a spot."""
+    quarter = round(spot.yaw_deg / 90.0)
+    if abs(spot.yaw_deg - 90.0 * quarter) < 1e-9:
+        w, d = (model.width, model.depth) if quarter % 2 == 0 else (model.depth, model.width)
+    else:
+        # A circle around it holds for every other angle.
+        w = d = 0.93 * (model.width**2 + model.depth**2) ** 0.5
+    return Rect(spot.x - w / 2, spot.y - d / 2, spot.x + w / 2, spot.y + d / 2)
+
+
+class Site:
+    """A room, its free floor and walls, and everything placed so far."""
+
+    def __init__(self, plan: FloorPlan, number: int, dice: Dice, taste: Taste) -> None:
+        """An empty room.
+
+        Args:
+            plan: Of the house.
+            number: Of the room.
+            dice: Chance for this room.
+            taste: Of this room.
+        """
+        self.plan, self.number, self.dice, self.taste = plan, number, dice, taste
+        self.room = plan.rooms[number]
+        self.inner = self.room.inner
+        self.height = plan.height
+        self.openings = plan.openings_of(number)
+        self.placed: list[Placed] = []
+        self.solids: list[Solid] = []
+        self._clear: list[Rect] = []
+        self._floor = FreeFloor(plan, number)
+        for opening in self.openings:
+            if opening.is_way or opening.kind == "entrance":
+                self._clear.append(approach(opening, margin=0.02))
+            leaf = leaf_rect(opening) if opening.leaf_room == number else None
+            if leaf is not None:
+                self.solids.append(Solid(leaf.grown(0.05), 0.0, 2.1))
+                self._floor.take([leaf], [])
+
+    # Walls
+
+    def wall_line(self, side: str) -> tuple[float, float, float]:
+        """``(start, end, plane)`` of a wall, inside the room."""
+        i = self.inner
+        return {
+            "south": (i.x0, i.x1, i.y0), "north": (i.x0, i.x1, i.y1),
+            "west": (i.y0, i.y1, i.x0), "east": (i.y0, i.y1, i.x1),
+        }[side]
+
+    def wall_openings(self, side: str) -> list[Opening]:
+        """Doors and windows in a wall."""
+        along = "x" if side in ("south", "north") else "y"
+        _, _, plane = self.wall_line(side)
+        return [o for o in self.openings if o.along == along and abs(o.at - plane) < 0.3]
+
+    def spot_at_wall(self, model: Model, side: str, t: float, gap: float = _SKIRTING_M, z: float = 0.0) -> Spot:
+        """Back to a wall, its middle at ``t`` along it."""
+        _, _, plane = self.wall_line(side)
+        off = model.depth / 2 + gap
+        yaw = _YAW[side]
+        return {
+            "south": Spot(t, plane + off, yaw, z), "north": Spot(t, plane - off, yaw, z),
+            "west": Spot(plane + off, t, yaw, z), "east": Spot(plane - off, t, yaw, z),
+        }[side]
+
+    # Tests
+
+    def fits(
+        self, model: Model, spot: Spot, *, front: float = 0.0, access: bool = False, over: Sequence[Solid] = (),
+        in_clear: bool = False, tight: bool = False,
+    ) -> bool:
+        """Whether a model can stand at a spot.
+
+        Args:
+            model: What.
+            spot: Where.
+            front: Depth of floor before it that must be free of other furniture.
+            access: Whether its front must be reached with full walking width.
+            over: Solids that it may overlap, for chairs under tables.
+            in_clear: Whether it may stand in ways that are kept clear, for what is flat or high.
+            tight: Whether it may touch its neighbours, for fitted units.
+        """
+        rect = footprint(model, spot)
+        low, high = spot.z + model.low[2], spot.z + model.height
+        if not self.inner.grown(-0.004).holds(rect) or high > self.height - 0.01 and low >= 0.0 and spot.z == 0.0:
+            return False
+        if not in_clear and low < 1.95 and any(rect.overlaps(c) for c in self._clear):
+            return False
+        if self._covers_opening(rect, low, high):
+            return False
+        for solid in self.solids:
+            if solid not in over and low < solid.high - 1e-4 and solid.low < high - 1e-4 and rect.overlaps(solid.rect, 0.0 if tight else GAP_M):
+                return False
+        if front > 0.0:
+            zone = self.front_zone(model, spot, front)
+            if any(s.low < 1.0 and s.high > 0.1 and zone.overlaps(s.rect) and s not in over for s in self.solids):
+                return False
+        if low >= _HEAD_M or high < 0.08:
+            return True
+        return self._floor.allows([rect], [self._before(model, spot)] if access else [])
+
+    def _covers_opening(self, rect: Rect, low: float, high: float) -> bool:
+        for opening in self.openings:
+            reach = 0.17 if opening.bottom > 0 else 0.35
+            if high > opening.bottom - 0.04 and low < opening.top and rect.overlaps(opening.strip(-reach, reach, 0.06)):
+                return True
+        return False
+
+    def front_zone(self, model: Model, spot: Spot, deep: float) -> Rect:
+        """The floor before a model."""
+        r = footprint(model, spot)
+        quarter = round(spot.yaw_deg / 90.0) % 4
+        return (Rect(r.x0, r.y1, r.x1, r.y1 + deep), Rect(r.x0 - deep, r.y0, r.x0, r.y1),
+                Rect(r.x0, r.y0 - deep, r.x1, r.y0), Rect(r.x1, r.y0, r.x1 + deep, r.y1))[quarter]
+
+    def _before(self, model: Model, spot: Spot) -> Point:
+        zone = self.front_zone(model, spot, 0.84)
+        return zone.centre
+
+    def is_taken(self, model: Model, spot: Spot) -> bool:
+        """Whether something else is already in the space of a model at a spot."""
+        rect = footprint(model, spot)
+        low, high = spot.z + model.low[2], spot.z + model.height
+        return any(low < s.high - 1e-4 and s.low < high - 1e-4 and rect.overlaps(s.rect, 0.01) for s in self.solids)
+
+    def reserve(self, zone: Rect) -> None:
+        """Keep a piece of floor free from now on."""
+        self._clear.append(zone)
+
+    # Placing
+
+    def put(self, model: Model, spot: Spot, *, front: float = 0.0, access: bool = False, on: bool = False) -> Placed:
+        """Place a model for good; no test is made."""
+        rect = footprint(model, spot)
+        low, high = spot.z + model.low[2], spot.z + model.height
+        piece = Placed(model, spot.x, spot.y, spot.z, spot.yaw_deg, self.room.name)
+        self.placed.append(piece)
+        if on:
+            return piece
+        self.solids.append(Solid(rect, low, high))
+        if low < _HEAD_M and high >= 0.08:
+            self._floor.take([rect], [self._before(model, spot)] if access else [])
+        if front > 0.0:
+            self._clear.append(self.front_zone(model, spot, front))
+        return piece
+
+    def solid_of(self, piece: Placed) -> Solid:
+        """The space that a placed model takes."""
+        rect = footprint(piece.model, Spot(piece.x, piece.y, piece.yaw_deg))
+        return next(s for s in self.solids if s.rect == rect and abs(s.low - piece.z - piece.model.low[2]) < 1e-9)
+
+    def at_wall(
+        self, model: Model, *, sides: Sequence[str] = SIDES, front: float = 0.0, access: bool = False,
+        where: str = "any", gap: float = _SKIRTING_M, z: float = 0.0, keep: bool = True,
+    ) -> Placed | None:
+        """Place a model with its back to some wall, if it fits anywhere.
+
+        Args:
+            model: What.
+            sides: Walls to try, in random order.
+            front: Depth of floor before it that must be and stay free.
+            access: Whether its front must be reached with full walking width.
+            where: "any", "corner" (corners first), "middle" (middles first).
+            gap: To the wall.
+            z: Height, for what hangs.
+            keep: Whether the front zone stays reserved.
+        """
+        for side in self.dice.shuffled(sides):
+            start, end, _ = self.wall_line(side)
+            half = model.width / 2 + 0.02
+            for t in self._positions(start + half, end - half, where):
+                spot = self.spot_at_wall(model, side, t, gap, z)
+                if self.fits(model, spot, front=front, access=access):
+                    return self.put(model, spot, front=front if keep else 0.0, access=access)
+        return None
+
+    def _positions(self, low: float, high: float, where: str) -> list[float]:
+        if high < low:
+            return []
+        count = max(int((high - low) / 0.15), 1)
+        grid = [round(low + (high - low) * k / count, 3) for k in range(count + 1)]
+        if where == "corner":
+            return sorted(grid, key=lambda t: min(t - low, high - t))[:8]
+        if where == "middle":
+            return sorted(grid, key=lambda t: abs(t - (low + high) / 2))
+        return self.dice.shuffled(grid)[:10]
+
+    def on_wall(self, model: Model, *, sides: Sequence[str], z: float, near: Placed | None = None) -> Placed | None:
+        """Hang a model, above ``near`` if that is given and stands at a wall."""
+        if near is not None:
+            side = next(s for s in SIDES if (_YAW[s] - near.yaw_deg) % 360.0 == 0.0)
+            t = near.x if side in ("south", "north") else near.y
+            spot = self.spot_at_wall(model, side, t, 0.004, z)
+            return self.put(model, spot) if self.fits(model, spot, in_clear=True) else None
+        for side in self.dice.shuffled(sides):
+            start, end, _ = self.wall_line(side)
+            half = model.width / 2 + 0.1
+            for t in self._positions(start + half, end - half, "any"):
+                spot = self.spot_at_wall(model, side, t, 0.004, z)
+                if self.fits(model, spot, in_clear=True):
+                    return self.put(model, spot)
+        return None
+
+    def on_top(self, base: Placed, model: Model, *, facing: float | None = None, where: tuple[float, float] | None = None) -> Placed | None:
+        """Stand a small thing on a surface of another.
+
+        Args:
+            base: What carries it.
+            model: The small thing.
+            facing: Its turn relative to the base's, degrees; random small turns if None.
+            where: Place on the surface from (0, 0) to (1, 1); random if None.
+        """
+        for top in self.dice.shuffled(base.model.tops):
+            if model.height > top.clearance_m:
+                continue
+            for _ in range(8 if where is None else 1):
+                turn = facing if facing is not None else float(self.dice.choice((0, 0, 0, 90, 180, 270)))
+                spot = self._top_spot(base, model, top, turn, where)
+                if spot is None:
+                    continue
+                rect = footprint(model, spot)
+                low, high = spot.z, spot.z + model.height
+                if any(low < s.high - 1e-4 and s.low < high - 1e-4 and rect.overlaps(s.rect, 0.012) for s in self.solids):
+                    continue
+                if self._covers_opening(rect, low, high):
+                    continue
+                self.solids.append(Solid(rect, low, high))
+                return self.put(model, spot, on=True)
+        return None
+
+    def _top_spot(
+        self, base: Placed, model: Model, top: Top, turn: float, where: tuple[float, float] | None
+    ) -> Spot | None:
+        quarter = round(turn / 90.0)
+        w, d = (model.width, model.depth) if quarter % 2 == 0 else (model.depth, model.width)
+        room_x, room_y = top.x_max - top.x_min - w, top.y_max - top.y_min - d
+        if room_x < -1e-6 or room_y < -1e-6:
+            return None
+        fx, fy = where if where is not None else (self.dice.unit(), self.dice.unit())
+        x, y = top.x_min + w / 2 + fx * room_x, top.y_min + d / 2 + fy * room_y
+        px, py = turned_point(x, y, base.yaw_deg)
+        return Spot(base.x + px, base.y + py, base.yaw_deg + turn, base.z + top.z + 0.001)
+
+
+def turned_point(x: float, y: float, yaw_deg: float) -> Point:
+    """A point of a model's frame after the model's turn; exact for quarter turns."""
+    r = rotation_matrix(yaw_deg)
+    return float(x * r[0, 0] + y * r[0, 1]), float(x * r[1, 0] + y * r[1, 1])
