@@ -4,9 +4,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float64, Int32, Int64
+from jaxtyping import Bool, Float64, Int32, Int64, UInt8
 
-from hypernav.worlds.geodesic_kernels import UNITS, first_bend, propagate, usable_vertices
+from hypernav.worlds.geodesic_kernels import UNITS, first_bend, propagate, vertex_kinds
 
 _NOWHERE = -1
 
@@ -17,13 +17,13 @@ class FreeSpace:
 
     Attributes:
         free: Free cells with one blocked cell all around.
-        usable: Lattice points that a path may pass.
+        kinds: What the lattice points are, see `geodesic_kernels.vertex_kinds`.
         cell_m: Side of a cell.
         origin: Lower left corner of the first cell inside the border, metres.
     """
 
     free: Bool[np.ndarray, "rows columns"]
-    usable: Bool[np.ndarray, "vertex_rows vertex_columns"]
+    kinds: UInt8[np.ndarray, "vertex_rows vertex_columns"]
     cell_m: float
     origin: tuple[float, float]
 
@@ -33,7 +33,7 @@ class FreeSpace:
     ) -> "FreeSpace":
         """Prepare a grid; everything outside it is blocked."""
         padded = np.pad(free, 1)
-        return FreeSpace(padded, usable_vertices(padded), cell_m, origin)
+        return FreeSpace(padded, vertex_kinds(padded), cell_m, origin)
 
     def units(self, points: Float64[np.ndarray, "n 2"]) -> Int64[np.ndarray, "n 2"]:
         """Lattice coordinates of points, well inside their cells; may lie outside the grid."""
@@ -84,7 +84,7 @@ class FreeSpace:
         order = np.argsort(cells, kind="stable")
         units, cells = np.ascontiguousarray(units[order]), cells[order]
         cell_start = np.searchsorted(cells, np.arange(self.free.size + 1))
-        best, root = propagate(self.free, self.usable, units, *goal)
+        best, root = propagate(self.free, self.kinds, units, *goal)
         return DistanceField(self, units, cell_start, best, root)
 
 
@@ -118,7 +118,7 @@ class DistanceField:
         if root < 0:
             return []
         points = [(x, y)]
-        width = self.space.usable.shape[1]
+        width = self.space.kinds.shape[1]
         while root >= len(self.targets):
             vertex = root - len(self.targets)
             points.append(self.space.metres(vertex % width * UNITS, vertex // width * UNITS))
@@ -132,7 +132,7 @@ class DistanceField:
             return math.inf, -1
         distance, root = first_bend(
             self.space.free,
-            self.space.usable,
+            self.space.kinds,
             self.targets,
             self.cell_start,
             self.best,

@@ -14,6 +14,11 @@ import numpy as np
 from numba import njit
 
 UNITS = 1024
+CLOSED, OPEN, CORNER = 0, 1, 2
+
+_REACH = 4
+"""A bend or target shows itself to all vertices within so many cells, not only to the next ones:
+the region that it is the root of may begin in a gap between vertices."""
 
 
 @njit(cache=True, nogil=True)
@@ -93,7 +98,18 @@ def line_of_sight(free, x0, y0, x1, y1):
 
 
 @njit(cache=True, nogil=True)
+def _doubled(array):
+    longer = np.empty(array.size * 2, dtype=array.dtype)
+    for k in range(array.size):
+        longer[k] = array[k]
+    return longer
+
+
+@njit(cache=True, nogil=True)
 def _push(keys, items, size, key, item):
+    """Add to a binary heap; returns its arrays, which may be new ones."""
+    if size == keys.size:
+        keys, items = _doubled(keys), _doubled(items)
     k = size
     while k > 0:
         parent = (k - 1) >> 1
@@ -102,6 +118,7 @@ def _push(keys, items, size, key, item):
         keys[k], items[k] = keys[parent], items[parent]
         k = parent
     keys[k], items[k] = key, item
+    return keys, items
 
 
 @njit(cache=True, nogil=True)
@@ -125,24 +142,23 @@ def _pop(keys, items, size):
 
 
 @njit(cache=True, nogil=True)
-def _doubled(array):
-    longer = np.empty(array.size * 2, dtype=array.dtype)
-    for k in range(array.size):
-        longer[k] = array[k]
-    return longer
+def vertex_kinds(free):
+    """What every vertex is: `CLOSED`, `OPEN` or `CORNER`; `free` has a blocked border.
 
-
-@njit(cache=True, nogil=True)
-def usable_vertices(free):
-    """Vertices that a path may pass: beside a free cell, and not between two diagonal ones."""
+    A vertex is closed if no cell at it is free, or only two that lie diagonally. It is a corner,
+    where a path may bend, if just one cell at it is blocked.
+    """
     rows, columns = free.shape
-    usable = np.zeros((rows + 1, columns + 1), dtype=np.bool_)
+    kinds = np.zeros((rows + 1, columns + 1), dtype=np.uint8)
     for i in range(1, rows):
         for j in range(1, columns):
             a, b, c, d = free[i - 1, j - 1], free[i - 1, j], free[i, j - 1], free[i, j]
             pinched = (a and d and not b and not c) or (b and c and not a and not d)
-            usable[i, j] = (a or b or c or d) and not pinched
-    return usable
+            if a + b + c + d == 3:
+                kinds[i, j] = CORNER
+            elif (a or b or c or d) and not pinched:
+                kinds[i, j] = OPEN
+    return kinds
 
 
 @njit(cache=True, nogil=True)
@@ -171,7 +187,66 @@ def _one_step(free, i, j, di, dj):
 
 
 @njit(cache=True, nogil=True)
-def propagate(free, usable, targets, goal_x, goal_y):
+def _bend_between(free, kinds, best, root_x, root_y, via_x, via_y, x, y):
+    """The last bend of a taut path from a root to a point that it doesn't see.
+
+    The path leads through a place beside the point that the root does see; pulled tight, it bends
+    at corners inside the thin triangle of the three. From the point, the last one is the corner
+    farthest to the side of that place.
+
+    Returns:
+        The vertex, or -1 if there is none that the point sees.
+    """
+    height, width = kinds.shape
+    found_i, found_j = -1, -1
+    found_x, found_y = root_x - x, root_y - y
+    # Cross products have the sign of this one on the side of the seen place.
+    side = (root_x - x) * (via_y - y) - (root_y - y) * (via_x - x)
+    if side == 0:
+        return -1
+    along_x = abs(x - root_x) >= abs(y - root_y)
+    if along_x:
+        low, high = min(root_x, x, via_x), max(root_x, x, via_x)
+    else:
+        low, high = min(root_y, y, via_y), max(root_y, y, via_y)
+    for a in range(-(-low // UNITS), high // UNITS + 1):
+        # Where the triangle's sides cross this lattice line.
+        first, last = np.inf, -np.inf
+        for k in range(3):
+            if k == 0:
+                x0, y0, x1, y1 = root_x, root_y, x, y
+            elif k == 1:
+                x0, y0, x1, y1 = root_x, root_y, via_x, via_y
+            else:
+                x0, y0, x1, y1 = via_x, via_y, x, y
+            if not along_x:
+                x0, y0, x1, y1 = y0, x0, y1, x1
+            at = a * UNITS
+            if min(x0, x1) <= at <= max(x0, x1):
+                if x0 == x1:
+                    first, last = min(first, y0, y1), max(last, y0, y1)
+                else:
+                    cross = y0 + (y1 - y0) * ((at - x0) / (x1 - x0))
+                    first, last = min(first, cross), max(last, cross)
+        if first > last:
+            continue
+        for b in range(int(np.ceil(first / UNITS - 1e-9)), int(np.floor(last / UNITS + 1e-9)) + 1):
+            i, j = (b, a) if along_x else (a, b)
+            if not (0 <= i < height and 0 <= j < width and kinds[i, j] == CORNER):
+                continue
+            if not np.isfinite(best[i * width + j]):
+                continue
+            to_x, to_y = j * UNITS - x, i * UNITS - y
+            cross = found_x * to_y - found_y * to_x
+            if (cross > 0) == (side > 0) and cross != 0:
+                found_i, found_j, found_x, found_y = i, j, to_x, to_y
+    if found_i < 0 or not line_of_sight(free, found_j * UNITS, found_i * UNITS, x, y):
+        return -1
+    return found_i * width + found_j
+
+
+@njit(cache=True, nogil=True)
+def propagate(free, kinds, targets, goal_x, goal_y):
     """Distance of every vertex to the nearest target, and its root.
 
     With a goal (`goal_x` not negative) the search is directed to it, as in A*, and ends when it
@@ -179,7 +254,7 @@ def propagate(free, usable, targets, goal_x, goal_y):
 
     Args:
         free: Free cells, with a blocked border.
-        usable: From `usable_vertices`.
+        kinds: From `vertex_kinds`.
         targets: Points ``(x, y)`` in free cells.
         goal_x: In free space, or -1.
         goal_y: In free space, or -1.
@@ -187,80 +262,85 @@ def propagate(free, usable, targets, goal_x, goal_y):
     Returns:
         Distances (units; infinite where no path leads) and roots (-1 there).
     """
-    height, width = usable.shape
+    height, width = kinds.shape
     count = targets.shape[0]
     best = np.full(height * width, np.inf)
     root = np.full(height * width, -1, dtype=np.int32)
     keys = np.empty(1024, dtype=np.float64)
-    items = np.empty(1024, dtype=np.int32)
-    size = np.int64(0)
+    items = np.empty(1024, dtype=np.int64)
+    size = 0
     directed = goal_x >= 0
     bound = np.inf
-    for t in range(count):
-        column, row = targets[t, 0] // UNITS, targets[t, 1] // UNITS
-        for i in range(row, row + 2):
-            for j in range(column, column + 2):
-                vertex = i * width + j
-                d = _length(targets[t, 0], targets[t, 1], j * UNITS, i * UNITS)
-                if usable[i, j] and free[row, column] and d < best[vertex]:
-                    best[vertex], root[vertex] = d, t
-                    if size == keys.size:
-                        keys, items = _doubled(keys), _doubled(items)
-                    if directed:
-                        d += _length(j * UNITS, i * UNITS, goal_x, goal_y)
-                    _push(keys, items, size, d, vertex)
-                    size += 1
-    while size > 0:
-        key, v = keys[0], items[0]
-        _pop(keys, items, size)
-        size -= 1
-        i, j = v // width, v % width
-        own = best[v]
-        if directed:
-            to_goal = _length(j * UNITS, i * UNITS, goal_x, goal_y)
-            own += to_goal
-            if key >= bound:
+    # First the targets show themselves, then the vertices in order of their distance.
+    turn = 0
+    while turn < count or size > 0:
+        if turn < count:
+            v = np.int64(-1)
+            from_x, from_y = targets[turn, 0], targets[turn, 1]
+            j, i = from_x // UNITS, from_y // UNITS
+            own, reach, own_root = 0.0, _REACH, turn
+            root_x, root_y, root_best = from_x, from_y, 0.0
+            turn += 1
+        else:
+            key, v = keys[0], items[0]
+            _pop(keys, items, size)
+            size -= 1
+            i, j = v // width, v % width
+            from_x, from_y = j * UNITS, i * UNITS
+            own = best[v]
+            to_goal = _length(from_x, from_y, goal_x, goal_y) if directed else 0.0
+            # The vertices along the best way lie beside it, so their ways are a little longer.
+            if key >= bound + 2 * UNITS:
                 break
-            if 0 <= i - goal_y // UNITS <= 1 and 0 <= j - goal_x // UNITS <= 1:
-                bound = min(bound, own)  # A corner of the goal's cell surely sees it.
-        if key > own + 1e-6:
-            continue
-        root_x, root_y = _root_position(root[v], targets, width)
-        root_best = best[v] - _length(root_x, root_y, j * UNITS, i * UNITS)
-        for di in range(-1, 2):
-            for dj in range(-1, 2):
-                ni, nj = i + di, j + dj
-                if not usable[ni, nj]:
+            if directed and 0 <= i - goal_y // UNITS <= 1 and 0 <= j - goal_x // UNITS <= 1:
+                bound = min(bound, own + to_goal)  # A corner of the goal's cell surely sees it.
+            if key > own + to_goal + 1e-6:
+                continue
+            reach = _REACH if kinds[i, j] == CORNER else 1
+            own_root = count + v
+            root_x, root_y = _root_position(root[v], targets, width)
+            root_best = own - _length(root_x, root_y, from_x, from_y)
+        for ni in range(max(i - reach, 0), min(i + reach + 1, height)):
+            for nj in range(max(j - reach, 0), min(j + reach + 1, width)):
+                if kinds[ni, nj] == CLOSED:
                     continue
                 n = ni * width + nj
                 x, y = nj * UNITS, ni * UNITS
                 new = root_best + _length(root_x, root_y, x, y)
                 if new >= best[n] - 1e-3:
                     continue
-                new_root = root[v]
-                if not line_of_sight(free, root_x, root_y, x, y):
-                    # Bend at this vertex. If it is no corner, then a better root will follow.
-                    new = best[v] + _length(j * UNITS, i * UNITS, x, y)
-                    new_root = count + v
-                    if new >= best[n] - 1e-3 or not _one_step(free, i, j, di, dj):
+                if v < 0 or abs(ni - i) > 1 or abs(nj - j) > 1:
+                    new, new_root = own + _length(from_x, from_y, x, y), own_root
+                    if new >= best[n] - 1e-3 or not line_of_sight(free, from_x, from_y, x, y):
+                        continue
+                elif line_of_sight(free, root_x, root_y, x, y):
+                    new_root = root[v]
+                else:
+                    if not _one_step(free, i, j, ni - i, nj - j):
+                        continue
+                    bend = _bend_between(free, kinds, best, root_x, root_y, from_x, from_y, x, y)
+                    if bend < 0:
+                        bend = v
+                    new_root = count + bend
+                    bend_x, bend_y = _root_position(new_root, targets, width)
+                    new = best[bend] + _length(bend_x, bend_y, x, y)
+                    if new >= best[n] - 1e-3:
                         continue
                 best[n], root[n] = new, new_root
-                if size == keys.size:
-                    keys, items = _doubled(keys), _doubled(items)
                 if directed:
                     new += _length(x, y, goal_x, goal_y)
-                _push(keys, items, size, new, n)
+                keys, items = _push(keys, items, size, new, n)
                 size += 1
     return best, root
 
 
 @njit(cache=True, nogil=True)
-def first_bend(free, usable, targets, cell_start, best, root, x, y):
+def first_bend(free, kinds, targets, cell_start, best, root, x, y):
     """Distance from a point to the nearest target, and where to go first.
 
     Args:
         free: As for `propagate`.
-        usable: As for `propagate`.
+        kinds: As for `propagate`.
         targets: As for `propagate`, sorted by cell.
         cell_start: First target of every cell, and the number of targets at the end.
         best: From `propagate`.
@@ -271,7 +351,7 @@ def first_bend(free, usable, targets, cell_start, best, root, x, y):
     Returns:
         Distance in units (infinite if no path leads to a target) and the root that is headed for.
     """
-    width = usable.shape[1]
+    height, width = kinds.shape
     count = targets.shape[0]
     row, column = y // UNITS, x // UNITS
     shortest = np.inf
@@ -284,17 +364,30 @@ def first_bend(free, usable, targets, cell_start, best, root, x, y):
             d = _length(x, y, targets[t, 0], targets[t, 1])
             if d < shortest and line_of_sight(free, x, y, targets[t, 0], targets[t, 1]):
                 shortest, towards = d, t
-    for i in range(max(row - 1, 0), min(row + 3, usable.shape[0])):
-        for j in range(max(column - 1, 0), min(column + 3, width)):
+    for i in range(max(row - _REACH, 0), min(row + 2 + _REACH, height)):
+        for j in range(max(column - _REACH, 0), min(column + 2 + _REACH, width)):
             v = i * width + j
             if root[v] < 0:
                 continue
             at_x, at_y = j * UNITS, i * UNITS
+            beside = 0 <= i - row <= 1 and 0 <= j - column <= 1
+            if beside or kinds[i, j] == CORNER:
+                d = best[v] + _length(at_x, at_y, x, y)
+                if d < shortest and line_of_sight(free, at_x, at_y, x, y):
+                    shortest, towards = d, count + v
+            if not (-1 <= i - row <= 2 and -1 <= j - column <= 2):
+                continue
             root_x, root_y = _root_position(root[v], targets, width)
             d = best[v] - _length(root_x, root_y, at_x, at_y) + _length(root_x, root_y, x, y)
-            if d < shortest and line_of_sight(free, root_x, root_y, x, y):
+            if d >= shortest:
+                continue
+            if line_of_sight(free, root_x, root_y, x, y):
                 shortest, towards = d, root[v]
-            d = best[v] + _length(at_x, at_y, x, y)
-            if d < shortest and line_of_sight(free, at_x, at_y, x, y):
-                shortest, towards = d, count + v
+            elif beside:
+                bend = _bend_between(free, kinds, best, root_x, root_y, at_x, at_y, x, y)
+                if bend >= 0:
+                    bend_x, bend_y = _root_position(count + bend, targets, width)
+                    d = best[bend] + _length(bend_x, bend_y, x, y)
+                    if d < shortest:
+                        shortest, towards = d, count + bend
     return shortest, towards
