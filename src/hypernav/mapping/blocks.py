@@ -1,12 +1,13 @@
 """The explored map in numbered squares."""
 
 import numpy as np
+from jaxtyping import Int64
 
 from hypernav.core.geometry import Pose2
 from hypernav.core.grid import OccupancyGrid
 from hypernav.core.overview import Block
 from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.frontiers import look_out
+from hypernav.mapping.distance_kernels import nearest_open_cell
 from hypernav.mapping.reach import Reach
 
 
@@ -25,11 +26,7 @@ def divide_into_blocks(
     """
     reach = Reach.of(grid, robot, config)
     side = config.block_size_m
-    origin, size = reach.grid.origin, reach.grid.resolution_m
-    rows, columns = reach.grid.cells.shape
-    # Whole squares of the frame: cell edges are rounded to the square that holds their middle.
-    row_square = np.floor((origin[1] + (np.arange(rows) + 0.5) * size) / side).astype(int)
-    column_square = np.floor((origin[0] + (np.arange(columns) + 0.5) * size) / side).astype(int)
+    row_square, column_square = _squares(reach.grid, side)
     blocks: list[Block] = []
     for square_y in range(row_square[-1], row_square[0] - 1, -1):
         for square_x in range(column_square[0], column_square[-1] + 1):
@@ -40,7 +37,17 @@ def divide_into_blocks(
     return tuple(blocks)
 
 
-def _slice(squares: np.ndarray, square: int) -> slice:
+def _squares(
+    grid: OccupancyGrid, side: float
+) -> tuple[Int64[np.ndarray, "rows"], Int64[np.ndarray, "columns"]]:
+    """Number of the square that holds the middle of every row, and of every column, of cells."""
+    rows, columns = grid.cells.shape
+    y = grid.origin[1] + (np.arange(rows) + 0.5) * grid.resolution_m
+    x = grid.origin[0] + (np.arange(columns) + 0.5) * grid.resolution_m
+    return np.floor(y / side).astype(np.int64), np.floor(x / side).astype(np.int64)
+
+
+def _slice(squares: Int64[np.ndarray, "n"], square: int) -> slice:
     first, last = np.searchsorted(squares, [square, square + 1])
     return slice(int(first), int(last))
 
@@ -53,26 +60,31 @@ def _block(
     y_min: float,
     config: MappingConfig,
 ) -> Block | None:
-    can_stand = np.isfinite(reach.travel_m[window])
-    if can_stand.sum() * reach.grid.resolution_m**2 < config.block_min_area_m2:
+    """The block of a window of the map; None if the robot finds too little floor there."""
+    reachable = np.ascontiguousarray(reach.reachable[window])
+    size = reach.grid.resolution_m
+    if np.count_nonzero(reachable) * size**2 < config.block_min_area_m2:
         return None
-    top, left = window[0].start, window[1].start
-    frontier = reach.frontier[window]
-    if frontier.any():
-        cells = np.argwhere(frontier)
-        middle = reach.closest_to(*cells.mean(axis=0), frontier)
-        row, column = look_out(reach, int(middle[0]) + top, int(middle[1]) + left)
+    bottom, left = window[0].start, window[1].start
+    frontier = np.ascontiguousarray(reach.frontier[window]).view(np.uint8)
+    rows, columns = np.nonzero(frontier)
+    far = max(frontier.shape)
+    if rows.size:
+        middle = (round(float(rows.mean())), round(float(columns.mean())))
+        row, column = nearest_open_cell(frontier, *middle, far)
+        row, column = reach.look_out(row + bottom, column + left)
     else:
-        middle = np.array(can_stand.shape) / 2.0 - 0.5
-        nearest = reach.closest_to(*middle, can_stand)
-        row, column = int(nearest[0]) + top, int(nearest[1]) + left
+        row, column = nearest_open_cell(
+            reachable, frontier.shape[0] // 2, frontier.shape[1] // 2, far
+        )
+        row, column = row + bottom, column + left
     return Block(
         number=number,
         x_min=x_min,
         y_min=y_min,
         size_m=config.block_size_m,
-        free_cells=int(reach.grid.free[window].sum()),
-        frontier_cells=int(frontier.sum()),
+        free_cells=int(np.count_nonzero(reach.grid.free[window])),
+        frontier_cells=int(rows.size),
         destination=reach.grid.centre_of(row, column),
         travel_m=float(reach.travel_m[row, column]),
     )

@@ -30,6 +30,12 @@ class Frontier:
     destination: tuple[float, float]
     travel_m: float
 
+    @property
+    def centroid(self) -> tuple[float, float]:
+        """Mean of its points, metres; need not lie on it."""
+        x, y = self.points.mean(axis=0)
+        return (float(x), float(y))
+
 
 def find_frontiers(grid: OccupancyGrid, robot: Pose2, config: MappingConfig) -> list[Frontier]:
     """All frontiers that the robot can reach, in the order of their lowest, leftmost cells.
@@ -40,37 +46,29 @@ def find_frontiers(grid: OccupancyGrid, robot: Pose2, config: MappingConfig) -> 
         config: Smallest size and clearance.
     """
     reach = Reach.of(grid, robot, config)
-    count, parts, stats, middles = cv2.connectedComponentsWithStats(
-        reach.frontier.astype(np.uint8), connectivity=8
+    _, parts = cv2.connectedComponents(reach.frontier.view(np.uint8), connectivity=8)
+    cells = np.argwhere(reach.frontier)
+    _, first, part, sizes = np.unique(
+        parts[cells[:, 0], cells[:, 1]],
+        return_index=True,
+        return_inverse=True,
+        return_counts=True,
     )
-    frontiers = []
-    for part in range(1, count):
-        left, bottom, width, height, cells = stats[part]
-        if cells * grid.resolution_m < config.frontier_min_size_m:
-            continue
-        window = (slice(bottom, bottom + height), slice(left, left + width))
-        inside = parts[window] == part
-        corner = np.array([bottom, left])
-        middle = reach.closest_to(middles[part][1] - bottom, middles[part][0] - left, inside)
-        frontiers.append(_frontier(reach, np.argwhere(inside) + corner, middle + corner))
-    return frontiers
+    groups = np.split(cells[np.argsort(part, kind="stable")], np.cumsum(sizes)[:-1])
+    return [
+        _frontier(reach, groups[i])
+        for i in np.argsort(first)
+        if sizes[i] * grid.resolution_m >= config.frontier_min_size_m
+    ]
 
 
-def _frontier(
-    reach: Reach, cells: Int64[np.ndarray, "n 2"], middle: Int64[np.ndarray, "2"]
-) -> Frontier:
-    destination = look_out(reach, int(middle[0]), int(middle[1]))
+def _frontier(reach: Reach, cells: Int64[np.ndarray, "n 2"]) -> Frontier:
+    away = ((cells - cells.mean(axis=0)) ** 2).sum(axis=1)
+    row, column = cells[int(away.argmin())]
+    destination = reach.look_out(int(row), int(column))
     return Frontier(
         points=reach.grid.centres_of(cells),
         size_m=len(cells) * reach.grid.resolution_m,
         destination=reach.grid.centre_of(*destination),
         travel_m=float(reach.travel_m[destination]),
     )
-
-
-def look_out(reach: Reach, row: int, column: int, within: int = 8) -> tuple[int, int]:
-    """The reachable cell nearest to a frontier cell."""
-    top, left = max(row - within, 0), max(column - within, 0)
-    around = np.isfinite(reach.travel_m[top : row + within + 1, left : column + within + 1])
-    nearest = reach.closest_to(row - top, column - left, around)
-    return int(nearest[0]) + top, int(nearest[1]) + left

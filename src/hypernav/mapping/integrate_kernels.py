@@ -92,14 +92,14 @@ def add_hits(counts, touched, n, window, weights, arrays):
 
 
 @njit(nogil=True)
-def state_of(voxels, bump, seen, enough):
-    """What a cell is, from the evidence of its voxels and the other two things known about it."""
-    if bump > 0:
+def state_of(evidence, seen, bumps, row, column, enough):
+    """What a cell is, from all that is known about it."""
+    if bumps[row, column] > 0:
         return OCCUPIED
-    for k in range(voxels.shape[0]):
-        if voxels[k] >= enough:
+    for k in range(evidence.shape[2]):
+        if evidence[row, column, k] >= enough:
             return OCCUPIED
-    return FREE if seen > 0 else UNKNOWN
+    return FREE if seen[row, column] > 0 else UNKNOWN
 
 
 @njit(nogil=True)
@@ -229,9 +229,7 @@ def sweep_window(depth, lens, pose, heights, window, sizes, weights, margins, co
                         raised[row, column] &= ~bit
                     changed = True
             if changed:
-                cells[row, column] = state_of(
-                    evidence[row, column], bumps[row, column], seen[row, column], weights[3]
-                )
+                cells[row, column] = state_of(evidence, seen, bumps, row, column, weights[3])
 
 
 @njit(nogil=True)
@@ -243,7 +241,8 @@ def free_footprint(robot, arrays):
     for i in range(max(int(row) - reach, 0), min(int(row) + reach + 1, cells.shape[0])):
         for j in range(max(int(column) - reach, 0), min(int(column) + reach + 1, cells.shape[1])):
             if (i + 0.5 - row) ** 2 + (j + 0.5 - column) ** 2 <= radius**2:
-                evidence[i, j, :] = 0
+                for k in range(evidence.shape[2]):
+                    evidence[i, j, k] = 0
                 raised[i, j] = 0
                 bumps[i, j] = 0
                 seen[i, j] = 1

@@ -1,15 +1,19 @@
 """What the robot can reach over the known map, and how far that is."""
 
+import math
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
-from jaxtyping import Bool, Float32
+from jaxtyping import Bool, Float32, UInt8
 
 from hypernav.core.geometry import Pose2
-from hypernav.core.grid import OccupancyGrid
+from hypernav.core.grid import Cell, OccupancyGrid
 from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.travel_kernels import FARTHEST, travel_tenths
+from hypernav.mapping.distance_kernels import nearest_open_cell, travel_cells
+from hypernav.mapping.inflation import inflate
+
+_START_WITHIN_M = 1.0
+"""How far away an open cell may be for a robot that stands inside an inflated obstacle."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,60 +24,52 @@ class Reach:
         grid: The cropped map.
         travel_m: Length of the way to every cell over free floor, keeping clear of obstacles;
             infinite where none leads.
+        reachable: 1 where `travel_m` is finite.
         frontier: Free cells that touch the unknown and can be looked into from a reachable cell.
-        near_m: For every cell the shortest way to a reachable cell next to it.
+        look_within: Rows and columns from a frontier cell that hold such a reachable cell.
     """
 
     grid: OccupancyGrid
     travel_m: Float32[np.ndarray, "rows columns"]
+    reachable: UInt8[np.ndarray, "rows columns"]
     frontier: Bool[np.ndarray, "rows columns"]
-    near_m: Float32[np.ndarray, "rows columns"]
+    look_within: int
 
     @staticmethod
     def of(grid: OccupancyGrid, robot: Pose2, config: MappingConfig) -> "Reach":
-        """Look at a map from the robot's place."""
+        """Look at a map from the robot's place.
+
+        Args:
+            grid: The map.
+            robot: Where the robot is. If that is no reachable place itself, the nearest one counts.
+            config: Gives the clearance.
+        """
         grid = grid.cropped()
-        free = grid.free
-        closed = cv2.dilate(
-            grid.occupied.astype(np.uint8), _disc(config.clearance_m, grid.resolution_m)
+        size = grid.resolution_m
+        free = grid.cells == Cell.FREE
+        closed = inflate(grid.cells == Cell.OCCUPIED, config.clearance_m, size)
+        is_open = (free & (closed == 0)).view(np.uint8)
+        row, column = nearest_open_cell(
+            is_open, *grid.cell_of(*robot.xy), math.ceil(_START_WITHIN_M / size)
         )
-        is_open = free & (closed == 0)
-        start = _nearest_open(is_open, grid.cell_of(*robot.xy))
-        travel = np.full(free.shape, np.inf, dtype=np.float32)
-        if start is not None:
-            tenths = travel_tenths(is_open, *start)
-            reached = tenths < FARTHEST
-            travel[reached] = tenths[reached] * np.float32(grid.resolution_m / 10.0)
-        margin = _disc(config.clearance_m + grid.resolution_m, grid.resolution_m)
-        near = cv2.erode(travel, margin, borderValue=np.inf)
-        unknown = cv2.dilate((~grid.explored).astype(np.uint8), _CROSS) > 0
-        return Reach(grid, travel, free & unknown & np.isfinite(near), near)
+        if row < 0:
+            travel_m = np.full(free.shape, np.inf, dtype=np.float32)
+        else:
+            travel_m = travel_cells(is_open, row, column)
+            travel_m *= np.float32(size)
+        reachable = np.isfinite(travel_m).view(np.uint8)
+        # A frontier beside an obstacle is seen from a clearance away, and one cell for diagonals.
+        look_m = config.clearance_m + size
+        in_view = inflate(reachable, look_m, size) > 0
+        beside_unknown = inflate(grid.cells == Cell.UNKNOWN, size, size) > 0
+        return Reach(
+            grid=grid,
+            travel_m=travel_m,
+            reachable=reachable,
+            frontier=free & beside_unknown & in_view,
+            look_within=math.ceil(look_m / size),
+        )
 
-    def closest_to(self, row: float, column: float, among: Bool[np.ndarray, "r c"]) -> np.ndarray:
-        """The cell ``[row, column]`` of a non-empty set that is nearest to a place."""
-        cells = np.argwhere(among)
-        away = ((cells - np.array([row, column])) ** 2).sum(axis=1)
-        return cells[int(away.argmin())]
-
-
-_CROSS = np.array([[0, 1, 0], [1, 1, 1], [0, 1, 0]], dtype=np.uint8)
-
-
-def _disc(radius_m: float, cell_m: float) -> np.ndarray:
-    reach = int(np.ceil(radius_m / cell_m - 1e-9))
-    offsets = np.arange(-reach, reach + 1)
-    squared = offsets[:, None] ** 2 + offsets[None, :] ** 2
-    return (squared <= (radius_m / cell_m) ** 2 + 1e-9).astype(np.uint8)
-
-
-def _nearest_open(
-    is_open: Bool[np.ndarray, "rows columns"], cell: tuple[int, int], within: int = 20
-) -> tuple[int, int] | None:
-    row, column = cell
-    top, left = max(row - within, 0), max(column - within, 0)
-    around = np.argwhere(is_open[top : row + within + 1, left : column + within + 1])
-    if len(around) == 0:
-        return None
-    cells = around + np.array([top, left])
-    nearest = cells[int(((cells - np.array(cell)) ** 2).sum(axis=1).argmin())]
-    return int(nearest[0]), int(nearest[1])
+    def look_out(self, row: int, column: int) -> tuple[int, int]:
+        """The reachable cell nearest to a frontier cell."""
+        return nearest_open_cell(self.reachable, row, column, self.look_within)

@@ -56,6 +56,7 @@ class TopDownMap:
         self._first_row = 0
         self._first_column = 0
         self._arrays = _empty_arrays(0, 0, config.layers)
+        self._allocate(0, 0, 1, 1)
         self._sizes = (config.cell_size_m, config.voxel_height_m, config.obstacle_min_height_m)
         self._weights = (
             config.min_points,
@@ -202,8 +203,9 @@ class TopDownMap:
     def _grow(self, low: Float64[np.ndarray, "2"], high: Float64[np.ndarray, "2"]) -> None:
         """Make the map hold all points between two corners."""
         size = self.config.cell_size_m
-        first = np.floor(low / size)
-        last = np.floor(high / size)
+        # One cell more on each side: what is explored never touches the edge of the grid.
+        first = np.floor(low / size) - 1
+        last = np.floor(high / size) + 1
         allocated = self._arrays.cells.shape
         if allocated[0] > 0:
             first = np.minimum(first, [self._first_column, self._first_row])

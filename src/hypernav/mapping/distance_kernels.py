@@ -1,0 +1,95 @@
+"""Distances over open floor, compiled."""
+
+import math
+
+import numpy as np
+from numba import njit
+
+SQRT2 = math.sqrt(2.0)
+
+
+@njit(cache=True, nogil=True)
+def travel_cells(is_open, start_row, start_column):
+    """Length of the shortest 8-connected way from a cell to every other, in cells.
+
+    Dijkstra with three lists instead of a heap: no step is shorter than one cell, so all waiting
+    cells whose distance lies in the same unit interval are final at once (Denardo and Fox, 1979).
+    Ways never cut the corner of a closed cell.
+
+    Args:
+        is_open: uint8 (rows, columns), not 0 where the robot may be.
+        start_row: Of an open cell.
+        start_column: Of an open cell.
+
+    Returns:
+        float32, infinite where no way leads.
+    """
+    rows, columns = is_open.shape
+    width = columns + 2
+    # A closed rim around the map spares all tests for its edge.
+    walkable = np.zeros(width * (rows + 2), dtype=np.uint8)
+    for row in range(rows):
+        first = (row + 1) * width + 1
+        for column in range(columns):
+            walkable[first + column] = is_open[row, column]
+    distance = np.full(walkable.size, np.float32(np.inf), dtype=np.float32)
+    waiting = np.empty((3, walkable.size), dtype=np.int32)
+    counts = np.zeros(3, dtype=np.int64)
+    start = (start_row + 1) * width + start_column + 1
+    distance[start] = 0.0
+    waiting[0, 0], counts[0] = start, 1
+    # Four straight steps, and to the left of each of them the side of a diagonal one.
+    steps = np.array([1, -1, width, -width])
+    sides = np.array([width, -width, -1, 1])
+    level = 0
+    while counts[0] + counts[1] + counts[2] > 0:
+        now = level % 3
+        for i in range(counts[now]):
+            cell = waiting[now, i]
+            here = distance[cell]
+            # A cell may wait in a later list too, from before its distance shrank.
+            if int(here) != level:
+                continue
+            for k in range(4):
+                straight = cell + steps[k]
+                if walkable[straight] == 0:
+                    continue
+                side = sides[k]
+                for diagonal in range(2):
+                    if diagonal and (walkable[cell + side] == 0 or walkable[straight + side] == 0):
+                        continue
+                    other = straight + side * diagonal
+                    there = here + np.float32(SQRT2 if diagonal else 1.0)
+                    if there < distance[other]:
+                        bucket = int(there) % 3
+                        if not distance[other] < int(there) + 1:
+                            waiting[bucket, counts[bucket]] = other
+                            counts[bucket] += 1
+                        distance[other] = there
+        counts[now] = 0
+        level += 1
+    inner = distance.reshape(rows + 2, width)[1:-1, 1:-1]
+    return inner.copy()
+
+
+@njit(cache=True, nogil=True)
+def nearest_open_cell(is_open, row, column, within):
+    """The open cell nearest to a cell (which may lie outside), and (-1, -1) if none is near.
+
+    Args:
+        is_open: uint8 (rows, columns), not 0 where open.
+        row: Of the cell.
+        column: Of the cell.
+        within: Rows and columns to look at on each side.
+
+    Returns:
+        Row and column; among equally near ones the lowest, leftmost.
+    """
+    rows, columns = is_open.shape
+    best, best_row, best_column = 2 * (within + 1) ** 2, -1, -1
+    for r in range(max(row - within, 0), min(row + within + 1, rows)):
+        for c in range(max(column - within, 0), min(column + within + 1, columns)):
+            away = (r - row) ** 2 + (c - column) ** 2
+            if is_open[r, c] and away < best:
+                best, best_row, best_column = away, r, c
+    return best_row, best_column
