@@ -85,9 +85,12 @@ class PresenceCheck(Protocol):
 class ChatModel(Protocol):
     """A model that looks at pictures and answers in words. Safe to share between threads."""
 
-    @property
-    def name(self) -> str:
-        """Who answers, for traces and reports. Holds no secret."""
+    def identify(self) -> str:
+        """The model's name, found out if need be. Holds no secret.
+
+        Raises:
+            ModelUnavailableError: It cannot be found out within the configured patience.
+        """
         ...
 
     def ask(self, question: Question) -> Answer:
@@ -102,9 +105,8 @@ class ChatModel(Protocol):
 class AsyncChatModel(Protocol):
     """The same for programs that wait for many answers at once."""
 
-    @property
-    def name(self) -> str:
-        """Who answers."""
+    async def identify(self) -> str:
+        """The model's name, as `ChatModel.identify` gives it."""
         ...
 
     async def ask(self, question: Question) -> Answer:

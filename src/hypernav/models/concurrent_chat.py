@@ -20,10 +20,9 @@ class ConcurrentChat:
         self._model = model
         self._pool = ThreadPoolExecutor(concurrency, thread_name_prefix="hypernav-chat")
 
-    @property
-    def name(self) -> str:
+    def identify(self) -> str:
         """The model's name."""
-        return self._model.name
+        return self._model.identify()
 
     def ask(self, question: Question) -> Answer:
         """Ask and wait."""
@@ -58,10 +57,9 @@ class AsyncChat:
         """Ask through a shared model, whose bound holds here too."""
         self._shared = shared
 
-    @property
-    def name(self) -> str:
+    async def identify(self) -> str:
         """The model's name."""
-        return self._shared.name
+        return await asyncio.to_thread(self._shared.identify)
 
     async def ask(self, question: Question) -> Answer:
         """Ask and wait without blocking the event loop."""

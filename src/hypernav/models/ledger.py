@@ -124,10 +124,9 @@ class LedgerChat:
         self._model = model
         self.ledger = ledger
 
-    @property
-    def name(self) -> str:
+    def identify(self) -> str:
         """The model's name."""
-        return self._model.name
+        return self._model.identify()
 
     def ask(self, question: Question) -> Answer:
         """Ask the model and count."""

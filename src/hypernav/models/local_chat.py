@@ -44,10 +44,9 @@ class LocalChat:
         self._model = model.to(self.device).eval()
         self._lock = threading.Lock()
 
-    @property
-    def name(self) -> str:
+    def identify(self) -> str:
         """The path or id."""
-        return f"local:{self._path}"
+        return self._path
 
     def ask(self, question: Question) -> Answer:
         """Answer a question.
@@ -67,12 +66,12 @@ class LocalChat:
                     text, tokens_out = self._generate(inputs, question.max_tokens)
         except self._torch.OutOfMemoryError as error:
             raise ModelUnavailableError(
-                f"{self.name}: {self.device} ran out of memory; use a smaller model or a server"
+                f"{self._path}: {self.device} ran out of memory; use a smaller model or a server"
             ) from error
         return read_answer(
             question,
             text,
-            model=self.name,
+            model=self._path,
             usage=Usage(int(inputs["input_ids"].shape[1]), tokens_out),
             seconds=time.monotonic() - begin,
             probabilities=chances,

@@ -79,11 +79,13 @@ class OpenAiChat:
         """Of the API."""
         return self._door.url
 
-    @property
-    def name(self) -> str:
-        """The model's name, or the URL as long as it is not known."""
-        known = self._server
-        return known.model if known else self._wanted or f"openai:{self._door.url}"
+    def identify(self) -> str:
+        """The model's name on the server.
+
+        Raises:
+            ModelUnavailableError: It was not named and the server cannot be asked.
+        """
+        return self._wanted or self.server().model
 
     @property
     def dropped(self) -> tuple[str, ...]:
@@ -98,7 +100,7 @@ class OpenAiChat:
         """
         with self._lock:
             if self._server is None:
-                self._server, _ = self._patience.call(self._probe, who=self.name)
+                self._server, _ = self._patience.call(self._probe, who=self._who())
             return self._server
 
     def ask(self, question: Question) -> Answer:
@@ -112,7 +114,7 @@ class OpenAiChat:
         server = self.server()
         try:
             reply, attempts = self._patience.call(
-                lambda limit_s: self._attempt(server, question, limit_s), who=self.name
+                lambda limit_s: self._attempt(server, question, limit_s), who=self._who()
             )
         except ModelRejectedError as error:
             raise with_suggestion(error, server, self.url) from error
@@ -126,6 +128,9 @@ class OpenAiChat:
             probabilities=reply.probabilities,
             refused=reply.refused,
         )
+
+    def _who(self) -> str:
+        return f"openai:{self.url}" + (f"#{self._wanted}" if self._wanted else "")
 
     def _probe(self, limit_s: float) -> Server:
         return probe(self._door, self._wanted, self.config, limit_s=min(limit_s, _PROBE_LIMIT_S))

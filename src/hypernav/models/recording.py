@@ -97,17 +97,16 @@ class RecordingChat:
         except OSError as error:
             raise RecordingError(f"cannot record to {self.path}: {error.strerror}") from error
 
-    @property
-    def name(self) -> str:
+    def identify(self) -> str:
         """The model's name."""
-        return self._model.name
+        return self._model.identify()
 
     def ask(self, question: Question) -> Answer:
         """Ask the model and write down both."""
         try:
             answer = self._model.ask(question)
         except ModelUnavailableError as error:
-            self._write(question, _RecordedAnswer(model=self.name, unavailable=str(error)))
+            self._write(question, _RecordedAnswer(model="", unavailable=str(error)))
             raise
         recorded = _RecordedAnswer(
             text=answer.text,
@@ -126,18 +125,13 @@ class RecordingChat:
         """End the recording; what was recorded is on disk already."""
         with self._lock:
             if not self._file.closed:
-                self._begin()
                 self._file.close()
-
-    def _begin(self) -> None:
-        """Write the header, now that the model's name is known."""
-        if self._file.tell() == 0:
-            self._file.write(_Header(model=self.name).model_dump_json() + "\n")
 
     def _write(self, question: Question, answer: _RecordedAnswer) -> None:
         line = _Exchange(question=_RecordedQuestion.of(question), answer=answer).model_dump_json()
         with self._lock:
-            self._begin()
+            if self._file.tell() == 0:
+                self._file.write(_Header(model=answer.model).model_dump_json() + "\n")
             self._file.write(line + "\n")
             self._file.flush()
 
@@ -159,8 +153,7 @@ class ReplayChat:
         for exchange in exchanges:
             self._answers[exchange.question.key].append(exchange.answer)
 
-    @property
-    def name(self) -> str:
+    def identify(self) -> str:
         """The recorded model's name."""
         return self._header.model
 

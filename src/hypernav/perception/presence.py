@@ -1,0 +1,84 @@
+"""Looking once more, at the goal, before the robot declares success (paper: Stop)."""
+
+from typing import Literal
+
+from hypernav.core.chat import Question
+from hypernav.core.config import RoomConfig
+from hypernav.core.goal import Goal
+from hypernav.core.observation import Observation
+from hypernav.core.protocols import ChatModel
+from hypernav.core.trace import Exchange, ExchangeLog
+
+_PROMPT = "Is there a {goal} in this picture? Answer yes or no."
+
+
+class PresenceConfig(RoomConfig):
+    """How the last question is asked.
+
+    Attributes:
+        prompt: The question; ``{goal}`` is filled in.
+        unsure: What an answer that is neither counts as. "yes" trusts the detector.
+        min_probability: Of "yes", where the model tells probabilities.
+    """
+
+    prompt: str = _PROMPT
+    unsure: Literal["yes", "no"] = "yes"
+    min_probability: float = 0.5
+
+
+class VlmPresenceCheck:
+    """Asks a vision-language model whether the goal is really in the picture."""
+
+    def __init__(
+        self, chat: ChatModel, log: ExchangeLog, config: PresenceConfig | None = None
+    ) -> None:
+        """Create the check.
+
+        Args:
+            chat: Who is asked.
+            log: Where every question and answer is written for the trace.
+            config: How it is asked.
+        """
+        self._chat = chat
+        self._log = log
+        self._config = config or PresenceConfig()
+        self.unsure = 0
+        """Answers so far that were neither yes nor no."""
+
+    def is_present(self, observation: Observation, goal: Goal) -> bool:
+        """Ask yes or no.
+
+        Raises:
+            ModelUnavailableError: The model stayed away for longer than the configured patience.
+        """
+        question = Question(
+            kind="verify",
+            text=self._config.prompt.replace("{goal}", goal.text.strip()),
+            images=(observation.rgb,),
+            allowed=("yes", "no"),
+            max_tokens=8,
+        )
+        answer = self._chat.ask(question)
+        remarks = []
+        if answer.fault is not None:
+            self.unsure += 1
+            remarks = [f"{answer.detail}; taken for {self._config.unsure}"]
+            present = self._config.unsure == "yes"
+        elif "yes" in answer.probabilities:
+            present = answer.probabilities["yes"] >= self._config.min_probability
+        else:
+            present = answer.value == "yes"
+        self._log.record(
+            Exchange(
+                kind=question.kind,
+                asked=answer.model,
+                question=question.text,
+                answer=answer.text,
+                probabilities={key: round(p, 6) for key, p in answer.probabilities.items()},
+                tokens_in=answer.usage.tokens_in,
+                tokens_out=answer.usage.tokens_out,
+                seconds=answer.seconds,
+                remarks=remarks,
+            )
+        )
+        return present
