@@ -80,8 +80,9 @@ class OccupancyGrid:
 
     def cropped(self, margin_m: float = 0.5) -> "OccupancyGrid":
         """The explored part with a margin around it; at least one cell."""
-        rows = np.flatnonzero(self.explored.any(axis=1))
-        columns = np.flatnonzero(self.explored.any(axis=0))
+        # Unknown is 0, so a maximum tells; it is many times faster than building a mask.
+        rows = np.flatnonzero(self.cells.max(axis=1, initial=Cell.UNKNOWN))
+        columns = np.flatnonzero(self.cells.max(axis=0, initial=Cell.UNKNOWN))
         if rows.size == 0:
             return OccupancyGrid(self.cells[:1, :1], self.resolution_m, self.origin)
         margin = int(np.ceil(margin_m / self.resolution_m))

@@ -47,12 +47,10 @@ def find_frontiers(grid: OccupancyGrid, robot: Pose2, config: MappingConfig) -> 
     """
     reach = Reach.of(grid, robot, config)
     _, parts = cv2.connectedComponents(reach.frontier.view(np.uint8), connectivity=8)
-    cells = np.argwhere(reach.frontier)
+    flat = np.flatnonzero(reach.frontier)
+    cells = np.stack(np.divmod(flat, reach.frontier.shape[1]), axis=1)
     _, first, part, sizes = np.unique(
-        parts[cells[:, 0], cells[:, 1]],
-        return_index=True,
-        return_inverse=True,
-        return_counts=True,
+        parts.ravel()[flat], return_index=True, return_inverse=True, return_counts=True
     )
     groups = np.split(cells[np.argsort(part, kind="stable")], np.cumsum(sizes)[:-1])
     return [
