@@ -1,7 +1,7 @@
+from bisect import bisect_right
 from collections.abc import Callable
-from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import av
 import numpy as np
@@ -20,11 +20,31 @@ from hypernav.show.video import EpisodeVideo
 MakeStep = Callable[..., StepTrace]
 
 
-def read(path: Path) -> tuple[av.VideoCodecContext, Fraction, list[np.ndarray]]:
+class Film(NamedTuple):
+    codec: av.VideoCodecContext
+    length_s: float
+    pictures: list[np.ndarray]
+    times: list[float]
+
+    def at(self, time: float) -> np.ndarray:
+        """What a player shows at a time."""
+        return self.pictures[bisect_right(self.times, time + 1e-6) - 1]
+
+    @property
+    def frames(self) -> int:
+        return round(self.length_s * FRAMES_PER_SECOND)
+
+
+def read(path: Path) -> Film:
     with av.open(str(path)) as container:
         stream = container.streams.video[0]
-        frames = [frame.to_ndarray(format="rgb24") for frame in container.decode(stream)]
-        return stream.codec_context, stream.average_rate, frames
+        frames = list(container.decode(stream))
+        return Film(
+            codec=stream.codec_context,
+            length_s=float(stream.duration * stream.time_base),
+            pictures=[frame.to_ndarray(format="rgb24") for frame in frames],
+            times=[frame.time for frame in frames],
+        )
 
 
 def film(
@@ -52,11 +72,11 @@ def test_the_video_is_what_browsers_play(
 ) -> None:
     steps = [make_step(n) for n in range(7)]
     path = film(tmp_path / "new" / "episode.mp4", steps, observation, room, result)
-    codec, rate, frames = read(path)
-    assert (codec.name, codec.pix_fmt) == ("h264", "yuv420p")
-    assert rate == FRAMES_PER_SECOND
-    assert len(frames) == sum(frames_of(step) for step in steps) + ENDING_FRAMES
-    assert all(frame.shape == (720, 1280, 3) for frame in frames)
+    video = read(path)
+    assert (video.codec.name, video.codec.pix_fmt) == ("h264", "yuv420p")
+    assert video.frames == sum(frames_of(step) for step in steps) + ENDING_FRAMES
+    assert video.times[: len(steps)] == pytest.approx(start_times(steps), abs=1e-3)
+    assert all(picture.shape == (720, 1280, 3) for picture in video.pictures)
     content = path.read_bytes()
     assert content.index(b"moov") < content.index(b"mdat"), "the index comes first"
 
@@ -66,12 +86,12 @@ def test_times_in_the_video_are_those_that_the_page_seeks_to(
 ) -> None:
     modes = [Mode.LOOK_AROUND, Mode.EXPLORE, Mode.EXPLORE, Mode.APPROACH, Mode.STOP]
     steps = [make_step(n, mode=mode) for n, mode in enumerate(modes)]
-    _, _, frames = read(film(tmp_path / "episode.mp4", steps, observation, room, None))
+    video = read(film(tmp_path / "episode.mp4", steps, observation, room, None))
     times = start_times(steps)
     assert times == sorted(times)
-    assert len(frames) == sum(frames_of(step) for step in steps)
+    assert video.frames == sum(frames_of(step) for step in steps)
     for mode, time in zip(modes, times, strict=True):
-        chip = frames[round(time * FRAMES_PER_SECOND)][16:30, 690:698].reshape(-1, 3)
+        chip = video.at(time)[16:30, 690:698].reshape(-1, 3)
         assert np.median(chip, axis=0) == pytest.approx(np.array(palette.MODES[mode]), abs=14)
 
 
@@ -97,18 +117,18 @@ def test_an_interrupted_film_plays_up_to_its_last_step(
 
     with pytest.raises(KeyboardInterrupt):
         interrupted()
-    assert len(read(path)[2]) == 2
+    assert read(path).frames == 2
 
 
 def test_a_film_without_a_step_opens(result: dict[str, Any], tmp_path: Path) -> None:
     with EpisodeVideo(tmp_path / "nothing.mp4", "bed", "hypernav"):
         pass
-    assert len(read(tmp_path / "nothing.mp4")[2]) == 1
+    assert read(tmp_path / "nothing.mp4").frames == 1
     with EpisodeVideo(tmp_path / "card.mp4", "bed", "hypernav") as video:
         video.finish(result)
         video.close()
         video.close()
-    assert len(read(tmp_path / "card.mp4")[2]) == ENDING_FRAMES
+    assert read(tmp_path / "card.mp4").frames == ENDING_FRAMES
 
 
 @pytest.mark.parametrize(
@@ -133,7 +153,7 @@ def test_any_text_fits_into_the_frame(
     detections = [sighting.model_copy(update={"label": text, "accepted": False, "reason": text})]
     step = make_step(2, reason=text, exchanges=exchanges, detections=detections)
     path = film(tmp_path / "a.mp4", [step], observation, room, {"outcome": "not_found"}, goal=text)
-    assert len(read(path)[2]) == frames_of(step) + ENDING_FRAMES
+    assert read(path).frames == frames_of(step) + ENDING_FRAMES
 
 
 def test_an_accepted_detection_is_outlined_where_it_is(sighting: DetectionRecord) -> None:
@@ -166,4 +186,4 @@ def test_a_camera_of_another_size_can_be_filmed(
         camera_to_map=Transform.identity(),
         robot=Pose2(0.0, 0.0, 0.0),
     )
-    assert len(read(film(tmp_path / "w.mp4", [make_step(0)], wide, room, None))[2]) == 1
+    assert read(film(tmp_path / "w.mp4", [make_step(0)], wide, room, None)).frames == 1

@@ -40,6 +40,7 @@ def test_ground_truth_is_called_by_its_name_however_it_is_spelt() -> None:
         assert words.is_ground_truth(name)
         assert "ground truth labels" in words.part_in_use(name)
         assert "no model" in words.part_in_use(name)
+    assert words.is_ground_truth("ground-truth labels of the simulator")
     assert "no model" in words.part_in_use("geometric")
     assert not words.is_ground_truth("yolox:ground.onnx")
     assert words.part_in_use("yolox:nano.onnx") == "yolox:nano.onnx"

@@ -57,7 +57,7 @@ def part_in_use(name: str) -> str:
 
 def is_ground_truth(detector: str) -> bool:
     """Whether a detector is given the answers by the simulator."""
-    return _spaced(detector) == "ground truth"
+    return _spaced(detector).startswith("ground truth")
 
 
 def _spaced(name: str) -> str:
@@ -123,7 +123,10 @@ def sentence(text: str) -> str:
 
 
 _ENDINGS: dict[str, tuple[str, str]] = {
-    "not_found": ("Did not find {goal}", "The robot ended its search without it."),
+    "not_found": (
+        "Did not find {goal}",
+        "It was not where the robot looked, or the robot did not recognise it.",
+    ),
     "wrong_place": ("Stopped, but not at {goal}", "The robot believed to be there."),
     "unreachable": ("No way to {goal}", "No path leads to where the goal is."),
     "model_unavailable": (
