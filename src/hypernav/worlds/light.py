@@ -17,13 +17,13 @@ import numpy as np
 from jaxtyping import Float32, Float64, Int64, UInt8
 
 from hypernav.worlds.light_kernels import gather_light
-from hypernav.worlds.shading_kernels import NODE_KNOWN, NODE_WANTED
 
 _RAYS = 64
 _REACH_M = 1.5
-_FLOOR = 0.15
+_FLOOR = 0.0
 _MAX_NODES = 8_000_000
-_BATCH = 1024
+_BATCH = 512
+_STATE = 7
 
 CastDistances = Callable[
     [Float32[np.ndarray, "rays 3"], Float32[np.ndarray, "rays 3"], float],
@@ -36,7 +36,7 @@ class LightGrid:
     """The nodes around a scene.
 
     Attributes:
-        nodes: Bytes 0 to 5 light from +x, -x, +y, -y, +z, -z; byte 7 the state.
+        nodes: Bytes 0 to 5 light from +x, -x, +y, -y, +z, -z; byte 7 is 1 where known.
         origin: Place of node (0, 0, 0), scene frame, metres.
         cell_m: Distance of nodes.
     """
@@ -71,23 +71,32 @@ class LightGrid:
         self._directions = _even_directions(_RAYS)
         self._sky = _sky_light(self._directions)
 
-    def bake_wanted(self, pool: ThreadPoolExecutor) -> None:
-        """Compute all nodes that a kernel has marked."""
+    def bake(self, cells: Int64[np.ndarray, "cells"], pool: ThreadPoolExecutor) -> None:
+        """Compute the unknown ones of the eight nodes around each cell.
+
+        Args:
+            cells: Numbers of the cells' lowest nodes.
+            pool: Threads to use.
+        """
+        _, rows, columns = self.nodes.shape[:3]
+        corners = [z * rows * columns + y * columns + x for z, y, x in np.ndindex(2, 2, 2)]
         flat = self.nodes.reshape(-1, 8)
-        wanted = np.flatnonzero(flat[:, 7] == NODE_WANTED)
-        batches = [wanted[start : start + _BATCH] for start in range(0, len(wanted), _BATCH)]
-        for numbers, light in zip(batches, pool.map(self._light_at, batches), strict=True):
-            flat[numbers, :6] = light
-            flat[numbers, 7] = NODE_KNOWN
+        numbers = np.unique(cells[:, None] + np.array(corners, dtype=np.int64))
+        numbers = numbers[flat[numbers, _STATE] == 0]
+        batches = [numbers[start : start + _BATCH] for start in range(0, len(numbers), _BATCH)]
+        for batch, light in zip(batches, pool.map(self._light_at, batches), strict=True):
+            flat[batch, :6] = light
+            flat[batch, _STATE] = 1
 
     def _light_at(self, numbers: Int64[np.ndarray, "n"]) -> UInt8[np.ndarray, "n 6"]:
         z, y, x = np.unravel_index(numbers, self.nodes.shape[:3])
         places = (np.stack([x, y, z], axis=1) * self.cell_m + self.origin).astype(np.float32)
-        origins = np.repeat(places, len(self._directions), axis=0)
-        directions = np.tile(self._directions, (len(places), 1))
+        # All places along one direction, then the next: neighbouring rays take similar ways.
+        origins = np.tile(places, (len(self._directions), 1))
+        directions = np.repeat(self._directions, len(places), axis=0)
         distances = self._cast(origins, directions, _REACH_M)
         light = np.empty((len(places), 6), dtype=np.uint8)
-        shape = (len(places), len(self._directions))
+        shape = (len(self._directions), len(places))
         gather_light(distances.reshape(shape), self._directions, self._sky, _REACH_M, _FLOOR, light)
         return light
 

@@ -27,7 +27,8 @@ class RayCaster:
                 "build for Linux on ARM); everything but the simulator works without it; "
                 "elsewhere try: pip install embreex"
             ) from error
-        self._tree: Any = EmbreeScene(robust=True)
+        # Embree's robust mode costs a fifth more and shows the same instance in every pixel.
+        self._tree: Any = EmbreeScene()
         self._face_instance = scene.face_instance
         TriangleMesh(self._tree, scene.vertices, scene.faces)
         # The tree is built on the first use, which must not happen in two threads at once.
