@@ -20,6 +20,7 @@ from hypernav.perception.nearest_frontier import NearestFrontierExplorer
 from hypernav.perception.overview import BlockExplorer, OverviewConfig
 from hypernav.planning import Navigator, PlanningConfig
 from hypernav.worlds import Scene, SimulationConfig, load_scene
+from hypernav.worlds.houses import BUILTIN_HOUSE, build_house
 
 AgentName = Literal["hypernav", "frontier"]
 PresetName = Literal["default", "paper"]
@@ -65,19 +66,36 @@ def preset(name: PresetName) -> HyPerNavConfig:
     )
 
 
+_REASONER_WORDS: dict[AgentName, str] = {
+    "hypernav": "geometric (no model)",
+    "frontier": "nearest frontier (no model)",
+}
+
+
 @dataclass(frozen=True)
 class AgentParts:
     """An agent, and who in it sees and thinks, in words for people.
 
     Attributes:
         agent: Ready for `reset`.
-        detector: Who sees the goal.
-        reasoner: Who chooses where to look.
+        detector: What sees the goal.
+        detector_words: The same in words.
+        reasoner_words: Who chooses where to look, in words.
     """
 
     agent: SearchAgent
-    detector: str
-    reasoner: str
+    detector: Detector
+    detector_words: str
+    reasoner_words: str
+
+    def check_goal(self, goal: Goal) -> None:
+        """Refuse a goal that a detector with fixed classes can never see.
+
+        Raises:
+            GoalError: It cannot; the message names the nearest classes.
+        """
+        if isinstance(self.detector, YoloxDetector):
+            self.detector.check_goal(goal)
 
 
 def build_agent(
@@ -96,18 +114,31 @@ def build_agent(
         MissingExtraError: It needs a package that is not installed.
     """
     log = ExchangeLog()
-    seer, seer_name = build_detector(detector)
+    seer, seer_words = build_detector(detector)
+    search = build_search(config, seer, log, agent=agent)
+    return AgentParts(search, seer, seer_words, _REASONER_WORDS[agent])
+
+
+def build_search(
+    config: HyPerNavConfig, detector: Detector, log: ExchangeLog, *, agent: AgentName = "hypernav"
+) -> SearchAgent:
+    """An agent around any detector, for example one of your own.
+
+    Args:
+        config: Values of the method.
+        detector: Sees the goal.
+        log: Where detector and reasoner write what they were asked.
+        agent: How it explores.
+    """
     if agent == "hypernav":
         reasoner = GeometricReasoner(log, config.geometric)
         explorer = BlockExplorer(reasoner, config.overview, config.mapping)
-        reasoner_name = "geometric (no model)"
     else:
         explorer = NearestFrontierExplorer(log, config.mapping)
-        reasoner_name = "nearest frontier (no model)"
-    search = SearchAgent(
+    return SearchAgent(
         world_map=TopDownMap(config.mapping),
         local=LocalPerception(
-            seer, DepthCutSegmenter(), config.local, cell_size_m=config.mapping.cell_size_m
+            detector, DepthCutSegmenter(), config.local, cell_size_m=config.mapping.cell_size_m
         ),
         explorer=explorer,
         navigator=Navigator(config.planning),
@@ -115,7 +146,6 @@ def build_agent(
         log=log,
         config=config.search,
     )
-    return AgentParts(search, seer_name, reasoner_name)
 
 
 def build_detector(spec: str) -> tuple[Detector, str]:
@@ -133,16 +163,6 @@ def build_detector(spec: str) -> tuple[Detector, str]:
     raise ConfigError(f"unknown detector '{spec}'; use ground-truth or yolox:PATH.onnx")
 
 
-def check_goal(detector: Detector, goal: Goal) -> None:
-    """Refuse a goal that a detector with fixed classes can never see.
-
-    Raises:
-        GoalError: It cannot; the message names the nearest classes.
-    """
-    if isinstance(detector, YoloxDetector):
-        detector.check_goal(goal)
-
-
 def build_scene(spec: str) -> Scene:
     """A scene by name.
 
@@ -152,4 +172,6 @@ def build_scene(spec: str) -> Scene:
     Raises:
         SceneError: The file cannot be used.
     """
+    if spec == "builtin":
+        return build_house(BUILTIN_HOUSE)
     return load_scene(Path(spec))

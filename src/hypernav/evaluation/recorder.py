@@ -4,11 +4,11 @@ import json
 import math
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 from hypernav.core.grid import OccupancyGrid
-from hypernav.core.observation import Observation
 from hypernav.core.trace import StepTrace
+from hypernav.evaluation.episode import EpisodeStep
 from hypernav.mapping import save_ros_map
 from hypernav.show import EpisodeVideo, write_map_png, write_page
 
@@ -64,7 +64,7 @@ class EpisodeRecorder:
             step_limit=step_limit,
         )
 
-    def __enter__(self) -> Self:
+    def __enter__(self) -> "EpisodeRecorder":
         """Start recording."""
         return self
 
@@ -78,13 +78,14 @@ class EpisodeRecorder:
         self._trace.close()
         self._video.close()
 
-    def add(self, observation: Observation, step: StepTrace, grid: OccupancyGrid) -> None:
-        """Record a step: what the agent saw, what it did, and its map."""
-        self.steps.append(step)
-        self._grid = grid
-        self._trace.write(step.model_dump_json() + "\n")
+    def add(self, step: EpisodeStep) -> None:
+        """Record a step: what the agent saw, what it did, and its map if it has one."""
+        self.steps.append(step.trace)
+        self._trace.write(step.trace.model_dump_json() + "\n")
         self._trace.flush()
-        self._video.add(observation, step, grid)
+        if step.grid is not None:
+            self._grid = step.grid
+            self._video.add(step.observation, step.trace, step.grid)
 
     def finish(self, result: dict[str, Any]) -> None:
         """Write all that is known only at the end.
@@ -102,7 +103,7 @@ class EpisodeRecorder:
         if self._grid is not None:
             save_ros_map(self._grid.cropped(), self.folder)
             write_map_png(self.folder / "map.png", self._grid, self.steps)
-        write_page(self.folder, result, self.steps)
+        write_page(self.folder, result, self.steps, self._grid)
 
 
 def _finite(value: Any) -> Any:

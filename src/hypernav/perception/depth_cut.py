@@ -89,7 +89,7 @@ class DepthCutSegmenter:
         cv2.grabCut(
             np.ascontiguousarray(rgb),
             labels,
-            None,
+            (0, 0, 0, 0),  # unused: the mask says where the thing is
             np.zeros((1, 65)),
             np.zeros((1, 65)),
             self._config.iterations,

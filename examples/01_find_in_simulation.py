@@ -1,0 +1,31 @@
+"""Search for a bed in the built-in house and print what the agent thinks.
+
+Run: python examples/01_find_in_simulation.py [GOAL]
+"""
+
+import sys
+
+import numpy as np
+
+from hypernav.build import build_agent, build_scene, preset
+from hypernav.core.goal import Goal
+from hypernav.evaluation import Episode
+from hypernav.worlds import SimulatedWorld, random_start
+
+
+def main() -> None:
+    goal = Goal(sys.argv[1] if len(sys.argv) > 1 else "bed")
+    config = preset("default")
+    world = SimulatedWorld(build_scene("builtin"), config.world)
+    start = random_start(world.walkable, np.random.default_rng(0), world.regions.of(goal))
+
+    episode = Episode(build_agent(config).agent, world, goal, start)
+    for step in episode:
+        print(f"{step.trace.step:3d}  {step.trace.mode:12s} {step.trace.reason}")
+
+    result = episode.result()
+    print(f"{result.outcome}: SPL {result.metrics.spl:.2f} in {result.steps} steps")
+
+
+if __name__ == "__main__":
+    main()

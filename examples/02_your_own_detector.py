@@ -1,0 +1,53 @@
+"""Plug in a detector of your own: anything with a `detect` method.
+
+This one finds red things by their colour. A box is all that it says; the segmenter finds the
+pixels in the box, and the rest of the agent turns them into a place on the map.
+
+Run: python examples/02_your_own_detector.py
+"""
+
+import cv2
+import numpy as np
+
+from hypernav.build import build_scene, build_search, preset
+from hypernav.core.boxes import Box, Detection
+from hypernav.core.goal import Goal
+from hypernav.core.observation import Observation
+from hypernav.core.trace import ExchangeLog
+from hypernav.evaluation import Episode
+from hypernav.worlds import SimulatedWorld, random_start
+
+
+class RedThings:
+    """Sees everything that is strongly red, whatever the goal."""
+
+    def detect(self, observation: Observation, goal: Goal) -> list[Detection]:
+        hue, saturation, value = cv2.split(cv2.cvtColor(observation.rgb, cv2.COLOR_RGB2HSV))
+        red = ((hue < 8) | (hue > 172)) & (saturation > 140) & (value > 60)
+        count, _, stats, _ = cv2.connectedComponentsWithStats(red.astype(np.uint8))
+        detections = []
+        for left, top, width, height, area in stats[1:count].tolist():
+            if area > 600:
+                box = Box(left, top, left + width, top + height)
+                detections.append(Detection(box, area / (width * height), "something red"))
+        return sorted(detections, key=lambda detection: -detection.box.area)
+
+
+def main() -> None:
+    goal = Goal("something red")
+    config = preset("default")
+    world = SimulatedWorld(build_scene("builtin"), config.world)
+    start = random_start(world.walkable, np.random.default_rng(3))
+
+    agent = build_search(config, RedThings(), ExchangeLog())
+    episode = Episode(agent, world, goal, start, max_steps=120)
+    for step in episode:
+        for detection in step.trace.detections:
+            print(f"{step.trace.step:3d}  {detection.label} at {detection.box}")
+    # No object of the house is called "something red", so the referee can't call this a success;
+    # the outcome says where the agent stopped.
+    print(episode.result().outcome)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,59 @@
+"""Write an agent of your own: two methods, `reset` and `act`.
+
+This one bounces around like an early robot vacuum, and uses the detector of this package to see
+when it has arrived. It runs in the same episode loop, under the same referee.
+
+Run: python examples/03_your_own_agent.py
+"""
+
+import numpy as np
+
+from hypernav.build import build_scene, preset
+from hypernav.core.actions import Action
+from hypernav.core.goal import Goal
+from hypernav.core.observation import Observation
+from hypernav.evaluation import Episode
+from hypernav.perception.ground_truth import GroundTruthDetector
+from hypernav.worlds import SimulatedWorld, random_start
+
+
+class Bouncer:
+    """Goes straight until something is near, then turns by a random angle."""
+
+    def __init__(self, rng: np.random.Generator) -> None:
+        self._rng = rng
+        self._detector = GroundTruthDetector()
+
+    def reset(self, goal: Goal) -> None:
+        self._goal = goal
+        self._turns = 0
+
+    def act(self, observation: Observation) -> Action:
+        for detection in self._detector.detect(observation, self._goal):
+            assert detection.mask is not None
+            depth = observation.depth[detection.mask]
+            if (depth > 0).any() and np.median(depth[depth > 0]) < 1.2:
+                return Action.STOP
+        middle = observation.depth[200:400, 240:400]
+        if self._turns == 0 and (middle[middle > 0].min(initial=9.0) < 0.9):
+            self._turns = int(self._rng.integers(2, 8))
+        if self._turns > 0:
+            self._turns -= 1
+            return Action.TURN_LEFT
+        return Action.MOVE_FORWARD
+
+
+def main() -> None:
+    rng = np.random.default_rng(0)
+    goal = Goal("sofa")
+    world = SimulatedWorld(build_scene("builtin"), preset("default").world)
+    start = random_start(world.walkable, rng, world.regions.of(goal))
+
+    episode = Episode(Bouncer(rng), world, goal, start, max_steps=150)
+    steps = sum(1 for _ in episode)
+    result = episode.result()
+    print(f"{result.outcome} after {steps} steps, {result.metrics.distance_to_goal_m:.1f} m away")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,119 @@
+import math
+
+import pytest
+
+from hypernav.agents.search import GAVE_UP
+from hypernav.build import build_search
+from hypernav.core.actions import Action
+from hypernav.core.errors import WorldError
+from hypernav.core.geometry import Pose2
+from hypernav.core.goal import Goal
+from hypernav.core.protocols import Agent, ExplainsItself
+from hypernav.core.trace import ExchangeLog, Mode, without_timings
+from hypernav.evaluation import Episode, Outcome
+from hypernav.perception.ground_truth import GroundTruthDetector
+from small_worlds import small_config, two_rooms
+
+START = Pose2(2.5, 1.0, math.pi / 2)
+
+
+def search(agent="hypernav", name="default", detector=None, **sections):
+    config = small_config(name, **sections)
+    return build_search(config, detector or GroundTruthDetector(20), ExchangeLog(), agent=agent)
+
+
+def run(agent, goal, start=START, **options):
+    episode = Episode(agent, two_rooms(), Goal(goal), start, **options)
+    return [step.trace for step in episode], episode.result()
+
+
+@pytest.mark.parametrize("preset", ["default", "paper"])
+@pytest.mark.parametrize("agent", ["hypernav", "frontier"])
+def test_it_finds_the_bed_in_the_next_room(agent, preset):
+    steps, result = run(search(agent, preset), "bed")
+    assert result.outcome is Outcome.FOUND
+    assert result.metrics.spl > 0.3
+    assert steps[-1].action is Action.STOP
+
+
+def test_agents_keep_the_contract():
+    assert isinstance(search(), Agent)
+    assert isinstance(search(), ExplainsItself)
+
+
+def test_the_same_search_leaves_the_same_trace():
+    agent = search()
+    runs = [run(agent, "bed")[0] for _ in range(2)]
+    first, second = ([without_timings(s.model_dump(mode="json")) for s in r] for r in runs)
+    assert first == second
+
+
+def test_a_goal_that_is_not_there_is_given_up_when_all_is_explored():
+    steps, result = run(search(), "piano")
+    assert result.outcome is Outcome.NOT_FOUND
+    assert GAVE_UP in steps[-1].events
+    assert not result.metrics.success
+    assert result.steps < 200
+
+
+def test_the_step_limit_ends_a_search():
+    steps, result = run(search(), "bed", max_steps=5)
+    assert len(steps) == result.steps == 5
+    assert result.outcome is Outcome.NOT_FOUND
+
+
+def test_local_perception_beats_global_perception():
+    steps, _ = run(search(), "bed")
+    seen = next(i for i, step in enumerate(steps) if step.goal_area)
+    assert all(step.mode in (Mode.APPROACH, Mode.VERIFY, Mode.STOP) for step in steps[seen:])
+    assert all(step.mode in (Mode.EXPLORE, Mode.LOOK_AROUND) for step in steps[:seen])
+
+
+def test_it_looks_around_first_and_only_if_asked_to():
+    steps, _ = run(search(), "piano", max_steps=14)
+    assert [step.mode for step in steps[:12]] == [Mode.LOOK_AROUND] * 12
+    assert steps[12].mode is Mode.EXPLORE
+    steps, _ = run(search(name="paper"), "piano", max_steps=1)
+    assert steps[0].mode is Mode.EXPLORE
+
+
+def test_every_map_question_is_in_the_trace():
+    steps, _ = run(search(), "bed")
+    asked = [step for step in steps if step.exchanges]
+    assert asked
+    for step in asked:
+        assert step.exchanges[-1].kind == "choose block"
+        assert step.exchanges[-1].chosen in {block.number for block in step.blocks}
+
+
+class Denies:
+    """A presence check that never believes it."""
+
+    def __init__(self):
+        self.asked = 0
+
+    def is_present(self, observation, goal):
+        self.asked += 1
+        return False
+
+
+def test_a_goal_area_that_is_denied_is_rejected_and_the_search_goes_on():
+    agent = search()
+    agent._presence = denies = Denies()
+    steps, result = run(agent, "sofa", max_steps=150)
+    events = [event for step in steps for event in step.events]
+    assert denies.asked == events.count("goal area rejected") >= 1
+    assert "goal reached" not in events
+    assert result.outcome is Outcome.NOT_FOUND
+
+
+def test_the_endurance_limit_ends_a_destination():
+    steps, _ = run(search(search={"endurance_steps": 3, "drop_explored": False}), "piano")
+    assert "endurance exceeded" in {event for step in steps for event in step.events}
+
+
+def test_an_agent_that_has_not_acted_has_no_trace():
+    agent = search()
+    agent.reset(Goal("bed"))
+    with pytest.raises(WorldError, match=r"reset\(goal\), then act"):
+        _ = agent.last_step

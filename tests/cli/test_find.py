@@ -1,0 +1,118 @@
+import json
+import subprocess
+import sys
+
+import pytest
+import trimesh
+
+from box_scenes import room_boxes
+from hypernav.cli.main import main
+
+SMALL = ("--set", "world.camera.width=160", "world.camera.height=120")
+
+
+@pytest.fixture(scope="module")
+def glb(tmp_path_factory):
+    """A room with a bed as a GLB whose nodes carry the names."""
+    scene = trimesh.Scene()
+    boxes = [*room_boxes(6.0, 4.0), ("bed", (4.0, 0.1, 0.0), (5.9, 1.7, 0.5))]
+    to_gltf = [[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]]
+    for number, (name, low, high) in enumerate(boxes):
+        mesh = trimesh.creation.box(bounds=[low, high])
+        mesh.apply_transform(to_gltf)
+        scene.add_geometry(mesh, node_name=f"{name or 'wall'}_{number:02d}")
+    path = tmp_path_factory.mktemp("scene") / "room.glb"
+    scene.export(path)
+    return path
+
+
+def hypernav(*arguments):
+    """Run the command; returns its exit status."""
+    with pytest.raises(SystemExit) as stop:
+        main([str(argument) for argument in arguments])
+    return stop.value.code
+
+
+def test_found_is_exit_status_0_and_leaves_the_numbers(glb, tmp_path, capsys):
+    status = hypernav("find", "bed", "--scene", glb, "--out", tmp_path, *SMALL)
+    result = json.loads((tmp_path / "result.json").read_text())
+    assert status == 0
+    assert (result["outcome"], result["success"]) == ("found", True)
+    assert {
+        "goal", "scene", "agent", "preset", "detector", "reasoner", "spl", "soft_spl", "steps",
+        "path_length_m", "shortest_path_m", "distance_to_goal_m", "model_calls", "seconds",
+        "config",
+    } <= set(result)  # fmt: skip
+    assert result["config"]["world"]["camera"]["width"] == 160
+    assert str(tmp_path / "index.html") in capsys.readouterr().err.replace("\n", "")
+
+
+def test_not_found_is_exit_status_1(glb, tmp_path):
+    status = hypernav("find", "piano", "--scene", glb, "--out", tmp_path, "--quiet", *SMALL)
+    assert status == 1
+    assert json.loads((tmp_path / "result.json").read_text())["outcome"] == "not_found"
+
+
+def test_quiet_says_nothing(glb, tmp_path, capsys):
+    hypernav("find", "bed", "--scene", glb, "--out", tmp_path, "--quiet", "--max-steps", 2, *SMALL)
+    said = capsys.readouterr()
+    assert said.out == said.err == ""
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["find", "bed", "--scene", "nowhere.glb"], "nowhere.glb"),
+        (["find", "bed", "--detector", "magic"], "unknown detector 'magic'"),
+        (["find", "bed", "--detector", "yolox:nowhere.onnx"], "nowhere.onnx"),
+        (["find", ""], "goal is empty"),
+        (["find", "bed", "--max-steps", "0"], "at least one step"),
+        (["find", "bed", "--seed", "-1"], "a seed is 0 or more"),
+        (["find", "bed", "--set", "search.endurence_steps=3"], "did you mean 'endurance_steps'"),
+        (["find", "bed", "--config", "nowhere.yaml"], "nowhere.yaml"),
+        (["find", "bed", "--agnt", "frontier"], "--agent"),
+        (["find", "bed", "--agent", "fast"], "hypernav', 'frontier"),
+        (["find", "bed", "--start", "1", "2"], "--start"),
+        (["fnd", "bed"], "find"),
+        (["find"], "required"),
+    ],
+)
+def test_bad_input_is_one_line_with_the_remedy(arguments, words, capsys):
+    assert hypernav(*arguments) == 2
+    said = capsys.readouterr().err
+    assert words in said
+    assert said.count("\n") == 1
+    assert said.startswith("hypernav: ")
+
+
+def test_a_start_inside_a_wall_names_a_better_one(glb, tmp_path, capsys):
+    status = hypernav(
+        "find", "bed", "--scene", glb, "--out", tmp_path, "--start", -1, 0, 0, "--quiet"
+    )
+    assert status == 2
+    assert "nearest place is" in capsys.readouterr().err
+
+
+def test_help_names_every_option(capsys):
+    assert hypernav("find", "--help") == 0
+    said = capsys.readouterr().out
+    for option in ("--scene", "--agent", "--preset", "--detector", "--start", "--seed", "--out"):
+        assert option in said
+
+
+@pytest.mark.slow
+def test_two_processes_write_the_same_trace(glb, tmp_path):
+    traces = []
+    for name in ("a", "b"):
+        command = [sys.executable, "-c", "from hypernav.cli.main import main; main()", "find"]
+        options = ["bed", "--scene", str(glb), "--out", str(tmp_path / name), "--seed", "7"]
+        subprocess.run([*command, *options, *SMALL], check=True, capture_output=True)
+        lines = (tmp_path / name / "trace.jsonl").read_text().splitlines()
+        traces.append([_timeless(json.loads(line)) for line in lines])
+    assert traces[0] == traces[1]
+
+
+def _timeless(step):
+    from hypernav.core.trace import without_timings
+
+    return without_timings(step)

@@ -1,0 +1,34 @@
+"""Small simulated worlds that episodes run in within seconds."""
+
+from functools import cache
+
+from box_scenes import room_boxes, scene_of
+from hypernav.build import HyPerNavConfig, preset
+from hypernav.worlds import SimulatedWorld
+
+_CAMERA = {"width": 160, "height": 120}
+
+
+def small_config(name="default", **sections) -> HyPerNavConfig:
+    """A preset with a small camera, so that an episode takes a second."""
+    config = preset(name).model_dump()
+    config["world"]["camera"] |= _CAMERA
+    for section, values in sections.items():
+        config[section] |= values
+    return HyPerNavConfig.model_validate(config)
+
+
+@cache
+def two_rooms() -> SimulatedWorld:
+    """A living room with a sofa, and behind a wall with a door a bedroom with a bed.
+
+    The living room spans x 0 to 5, the bedroom x 5 to 9; the door is at y 2.6 to 3.6.
+    """
+    boxes = [
+        *room_boxes(9.0, 4.0),
+        (None, (4.95, 0.0, 0.0), (5.05, 2.6, 2.5)),
+        (None, (4.95, 3.6, 0.0), (5.05, 4.0, 2.5)),
+        ("sofa", (0.1, 1.2, 0.0), (0.9, 2.8, 0.7)),
+        ("bed", (7.0, 0.1, 0.0), (8.9, 1.7, 0.5)),
+    ]
+    return SimulatedWorld(scene_of(*boxes, name="two rooms"), small_config().world)
