@@ -1,6 +1,7 @@
 """The ground of every map picture: unknown, free and occupied cells as colours."""
 
 import math
+from functools import reduce
 
 import cv2
 import numpy as np
@@ -67,8 +68,11 @@ def _thinned(grid: OccupancyGrid, factor: int) -> tuple[UInt8[np.ndarray, "_ _"]
     padded = np.zeros((rows * factor, columns * factor), dtype=np.uint8)
     padded[: grid.cells.shape[0], : grid.cells.shape[1]] = grid.cells
     # The largest value of a square wins: occupied over free over unknown.
-    squares = padded.reshape(rows, factor, columns, factor)
-    return squares.max(axis=1).max(axis=2), grid.resolution_m * factor
+    for _ in range(2):
+        # Whole slices against each other are many times faster than a maximum along an axis.
+        slices = [padded[k::factor] for k in range(factor)]
+        padded = reduce(np.maximum, slices).T
+    return padded, grid.resolution_m * factor
 
 
 def _looked_up(
