@@ -65,18 +65,19 @@ def noisy_depth(
     Returns:
         A new image (or the same one if the sensor is perfect); never negative.
     """
+    sensed = depth
     if config.depth_sigma_m > 0.0:
         noise = rng.standard_normal(depth.shape, dtype=np.float32)
         noise *= np.float32(config.depth_sigma_m) * depth * depth
-        depth = np.maximum(depth + noise, np.float32(0.0))
+        sensed = np.maximum(depth + noise, np.float32(0.0))
     if config.depth_edge_px > 0:
         kernel = np.ones((3, 3), dtype=np.uint8)
         jump = cv2.dilate(depth, kernel) - cv2.erode(depth, kernel)
         edge = (jump > config.depth_edge_jump * depth).astype(np.uint8)
         if config.depth_edge_px > 1:
             edge = cv2.dilate(edge, kernel, iterations=config.depth_edge_px - 1)
-        depth = np.where(edge > 0, np.float32(0.0), depth)
-    return depth
+        sensed = np.where(edge > 0, np.float32(0.0), sensed)
+    return sensed
 
 
 def noisy_forward(length_m: float, config: NoiseConfig, rng: np.random.Generator) -> float:
