@@ -134,6 +134,14 @@ def test_a_number_stands_in_the_middle_when_no_robot_is_near() -> None:
     assert place_number(Square(10, 20, 40), 15, 10, Disc(300, 300, 20)) == (30, 40)
 
 
+def test_a_number_avoids_the_destination_where_it_can_and_the_robot_always() -> None:
+    square, robot = Square(0, 0, 100), Disc(80, 50, 15)
+    u, v = place_number(square, 20, 12, robot, Disc(50, 50, 13))
+    assert max(abs(u - 50) - 10, 0) + max(abs(v - 50) - 6, 0) >= 13
+    crowded = place_number(square, 20, 12, robot, Disc(50, 50, 200))
+    assert crowded == place_number(square, 20, 12, robot)
+
+
 def test_the_overview_shows_the_whole_arrow_among_sixty_numbers(room: OccupancyGrid) -> None:
     blocks = grid_of_blocks(0.4, 10, 6)
     for x, y in ((0.2, -1.3), (1.0, -0.6), (2.05, 0.15)):

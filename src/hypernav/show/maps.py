@@ -63,7 +63,14 @@ def draw_map(
     if start is not None:
         painter.start(*start)
     painter.path(path)
-    painter.numbers(blocks, chosen=chosen, excluded=excluded, robot=robot, opacity=block_opacity)
+    painter.numbers(
+        blocks,
+        chosen=chosen,
+        excluded=excluded,
+        robot=robot,
+        destination=destination,
+        opacity=block_opacity,
+    )
     if destination is not None:
         painter.destination(*destination)
     painter.scale_bar()

@@ -35,32 +35,33 @@ class Disc(NamedTuple):
 
 
 def place_number(
-    square: Square, width: float, height: float, keep_clear: Disc | None
+    square: Square, width: float, height: float, robot: Disc | None, mark: Disc | None = None
 ) -> tuple[float, float]:
-    """The middle of a number: as near to the middle of its square as the robot lets it.
+    """The middle of a number: as near to the middle of its square as robot and mark let it.
 
-    Where the square is too small to hold both, the number is moved out of the square, straight
-    away from the robot.
+    Where the square is too small, the number rather touches the mark than the robot; where it
+    cannot hold number and robot, the number is moved out of it, straight away from the robot.
 
     Args:
         square: The block.
         width: Of the written number.
         height: Of the written number.
-        keep_clear: Where the robot is drawn.
+        robot: Where the robot is drawn.
+        mark: Where the mark of the destination is drawn.
 
     Returns:
         ``(u, v)``.
     """
     middle = (square.left + square.side / 2.0, square.top + square.side / 2.0)
-    if keep_clear is None or _apart(middle, width, height, keep_clear):
-        return middle
     reach_u = max(square.side - width, 0.0) / 2.0
     reach_v = max(square.side - height, 0.0) / 2.0
-    for place_u, place_v in _PLACES:
-        at = (middle[0] + place_u * reach_u, middle[1] + place_v * reach_v)
-        if _apart(at, width, height, keep_clear):
-            return at
-    return _moved_away(middle, width, height, keep_clear)
+    for obstacles in ((robot, mark), (robot,)):
+        discs = [disc for disc in obstacles if disc is not None]
+        for place_u, place_v in _PLACES:
+            at = (middle[0] + place_u * reach_u, middle[1] + place_v * reach_v)
+            if all(_apart(at, width, height, disc) for disc in discs):
+                return at
+    return _moved_away(middle, width, height, robot) if robot is not None else middle
 
 
 def _apart(at: tuple[float, float], width: float, height: float, disc: Disc) -> bool:

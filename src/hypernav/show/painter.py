@@ -89,16 +89,18 @@ class MapPainter:
         chosen: int | None = None,
         excluded: Collection[int] = (),
         robot: Pose2 | None = None,
+        destination: XY | None = None,
         opacity: float = 1.0,
     ) -> None:
-        """Write the numbers of blocks, clear of where the robot's arrow is drawn."""
+        """Write the numbers of blocks, clear of the robot's arrow and the destination's mark."""
         squares = [self._square(block) for block in blocks]
         size = number_size(squares, self.view.size)
-        keep_clear = self._arrow_disc(robot) if robot is not None else None
+        arrow = self._arrow_disc(robot) if robot is not None else None
+        mark = self._mark_disc(*destination) if destination is not None else None
         for block, square in zip(blocks, squares, strict=True):
             text, bold = str(block.number), block.number not in excluded
             width = text_width(text, size, bold=bold) + 4.0
-            at = place_number(square, width, size, keep_clear)
+            at = place_number(square, width, size, arrow, mark)
             color = palette.INK if bold else palette.BLOCK
             draw_text(
                 self.picture,
@@ -140,7 +142,8 @@ class MapPainter:
 
     def destination(self, x: float, y: float) -> None:
         """Mark where the robot is going: a ring with a cross."""
-        at, radius = self.view.pixel_of(x, y), max(10.0 * self._unit, 6.0)
+        mark = self._mark_disc(x, y)
+        at, radius = (mark.u, mark.v), mark.radius - 3.0 * self._unit
         arm = 0.62 * radius
         for color, width in ((palette.FREE, 6.0), (palette.PATH, 3.0)):
             strokes.ring(self.picture, at, radius, color, width * self._unit)
@@ -204,6 +207,9 @@ class MapPainter:
 
     def _arrow_disc(self, pose: Pose2) -> Disc:
         return Disc(*self.view.pixel_of(pose.x, pose.y), max(17.0 * self._unit, 10.0))
+
+    def _mark_disc(self, x: float, y: float) -> Disc:
+        return Disc(*self.view.pixel_of(x, y), max(13.0 * self._unit, 8.0))
 
 
 def draw_arrow(
