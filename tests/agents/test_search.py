@@ -19,7 +19,7 @@ START = Pose2(2.5, 1.0, math.pi / 2)
 
 def search(agent="hypernav", name="default", detector=None, **sections):
     config = small_config(name, **sections)
-    return build_search(config, detector or GroundTruthDetector(20), ExchangeLog(), agent=agent)
+    return build_search(config, detector or GroundTruthDetector(), ExchangeLog(), agent=agent)
 
 
 def run(agent, goal, start=START, **options):

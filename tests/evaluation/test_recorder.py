@@ -15,7 +15,7 @@ from small_worlds import small_config, two_rooms
 
 
 def episode():
-    agent = build_search(small_config(), GroundTruthDetector(20), ExchangeLog())
+    agent = build_search(small_config(), GroundTruthDetector(), ExchangeLog())
     return Episode(agent, two_rooms(), Goal("bed"), Pose2(2.5, 1.0, 0.0), max_steps=16)
 
 

@@ -28,8 +28,9 @@ def test_what_is_not_asked_for_is_not_seen():
 
 def test_what_is_too_small_is_overlooked():
     observation = thing_before_wall(box=(60, 40, 64, 44))
-    assert GroundTruthDetector(min_pixels=17).detect(observation, Goal("bed")) == []
-    assert GroundTruthDetector(min_pixels=16).detect(observation, Goal("bed"))
+    share = 16 / (160 * 120)
+    assert GroundTruthDetector(share * 1.01).detect(observation, Goal("bed")) == []
+    assert GroundTruthDetector(share).detect(observation, Goal("bed"))
 
 
 def test_a_world_without_labels_is_an_error_that_names_the_remedy():

@@ -22,13 +22,14 @@ class GroundTruthDetector:
     Its detections carry their masks, so no segmenter is asked.
     """
 
-    def __init__(self, min_pixels: int = 150) -> None:
+    def __init__(self, min_area_share: float = 0.0005) -> None:
         """Create the detector.
 
         Args:
-            min_pixels: Smaller things are overlooked, as a real detector would.
+            min_area_share: Things that fill less of the picture are overlooked, as a real detector
+                would; the default is a patch of 12×12 pixels in 640×480.
         """
-        self._min_pixels = min_pixels
+        self._min_area_share = min_area_share
 
     def detect(self, observation: Observation, goal: Goal) -> list[Detection]:
         """Visible instances that satisfy the goal, largest first.
@@ -43,7 +44,8 @@ class GroundTruthDetector:
                 "none; choose a real detector, for example --detector yolox:PATH.onnx"
             )
         pixels = np.bincount(truth.ids.ravel() + 1)[1:]
-        visible = [int(i) for i in np.flatnonzero(pixels >= self._min_pixels) if i in truth.labels]
+        enough = self._min_area_share * truth.ids.size
+        visible = [int(i) for i in np.flatnonzero(pixels >= enough) if i in truth.labels]
         wanted = [i for i in visible if _satisfies(truth.labels[i], goal)]
         wanted.sort(key=lambda i: (-int(pixels[i]), i))
         return [self._detection(truth.ids == i, truth.labels[i]) for i in wanted]
