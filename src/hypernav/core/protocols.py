@@ -82,6 +82,7 @@ class PresenceCheck(Protocol):
         ...
 
 
+@runtime_checkable
 class ChatModel(Protocol):
     """A model that looks at pictures and answers in words. Safe to share between threads."""
 
@@ -102,6 +103,7 @@ class ChatModel(Protocol):
         ...
 
 
+@runtime_checkable
 class AsyncChatModel(Protocol):
     """The same for programs that wait for many answers at once."""
 
@@ -114,6 +116,7 @@ class AsyncChatModel(Protocol):
         ...
 
 
+@runtime_checkable
 class Similarity(Protocol):
     """Tells how well a text fits a picture."""
 

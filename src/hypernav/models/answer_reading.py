@@ -21,6 +21,10 @@ _REFUSAL = re.compile(
     r"|as an ai\b|unfortunately,? i (?:can ?not|can['’]t))",
     re.IGNORECASE,
 )
+# "Answer: block 3" says 3, but "I would not go to 3" does not.
+_LEAD = re.compile(
+    r"^\W*(?:(?:the|my|final|answer|choice|block|number|is)\b[\s:#*]*)+", re.IGNORECASE
+)
 _SHORT = 80
 
 
@@ -47,6 +51,8 @@ def read_answer(
         probabilities: Of the allowed answers.
         refused: The server itself says that the model declined.
     """
+    # Half a surrogate pair, which JSON can carry, could not be written to any file.
+    text = text.encode("utf-16", "surrogatepass").decode("utf-16", "replace")
     answer = Answer(
         text=text,
         model=model,
@@ -87,10 +93,8 @@ def _read_allowed(answer: Answer, said: str, allowed: tuple[str, ...]) -> Answer
     bare = _unwrapped(said)
     if _key(bare) in by_key:
         return replace(answer, value=by_key[_key(bare)])
-    words = [_key(word) for word in bare.split()]
+    words = [_key(word) for word in _LEAD.sub("", bare, count=1).split()]
     mentioned = {by_key[word] for word in words if word in by_key}
-    if len(mentioned) == 1 and len(bare) <= _SHORT:
-        return replace(answer, value=mentioned.pop())
     if words and words[0] in by_key and len(mentioned) == 1:
         return replace(answer, value=by_key[words[0]])
     if _REFUSAL.match(said):

@@ -87,13 +87,11 @@ class RecordingChat:
         self._model = model
         self.path = Path(path)
         self._lock = threading.Lock()
+        if self.path.exists():
+            raise RecordingError(f"{self.path} exists already; delete it or record to another file")
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
             self._file = self.path.open("x", encoding="utf-8")
-        except FileExistsError as error:
-            raise RecordingError(
-                f"{self.path} exists already; delete it or record to another file"
-            ) from error
         except OSError as error:
             raise RecordingError(f"cannot record to {self.path}: {error.strerror}") from error
 
@@ -205,10 +203,11 @@ class ReplayChat:
 
 def _read(path: Path) -> tuple[_Header, list[_Exchange]]:
     try:
-        lines = path.read_text(encoding="utf-8").splitlines()
+        # Not `splitlines`: an answer may hold other line ends, which JSON does not escape.
+        lines = path.read_text(encoding="utf-8").removesuffix("\n").split("\n")
     except (OSError, UnicodeDecodeError) as error:
         raise RecordingError(f"cannot read the recording {path}: {error}") from error
-    if not lines:
+    if lines == [""]:
         raise RecordingError(f"the recording {path} is empty")
     number = 1
     try:

@@ -18,6 +18,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 import cv2
+import numpy as np
+from jaxtyping import UInt8
 
 from hypernav.core.boxes import Box
 from hypernav.core.chat import Picture
@@ -54,7 +56,7 @@ class VlmFamily:
     rows_first: bool = False
     box_key: str = "bbox_2d"
 
-    def prepared(self, picture: Picture) -> Picture:
+    def prepared(self, picture: Picture) -> UInt8[np.ndarray, "sent_height sent_width 3"]:
         """The picture as it is sent."""
         height, width = picture.shape[:2]
         new_width, new_height = self.sent_size(width, height)
