@@ -31,13 +31,14 @@ _CORNER_KEYS = (
     ("xmin", "ymin", "xmax", "ymax"),
     ("left", "top", "right", "bottom"),
 )
-_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,4})?"
+_NUMBER = r"[-+]?(?:\d{1,20}(?:\.\d{0,20})?|\.\d{1,20})(?:[eE][-+]?\d{1,4})?"
 _PAIR = rf"\(\s*({_NUMBER})\s*,\s*({_NUMBER})\s*\)"
 _MARKUP = re.compile(
     rf"(?:<\|object_ref_start\|>(?P<label>.{{0,200}}?)<\|object_ref_end\|>\s*)?"
     rf"(?:<\|box_start\|>)?\s*{_PAIR}\s*,\s*{_PAIR}",
     re.DOTALL,
 )
+_OPENING = re.compile(r"[\[{]")
 _FLAT_OBJECT = re.compile(r"\{[^{}]{0,2000}\}")
 
 
@@ -192,7 +193,7 @@ def _json_values(text: str) -> list[Any]:
     values: list[Any] = []
     place = 0
     for _ in range(_MOST_ATTEMPTS):
-        begin = re.compile(r"[\[{]").search(text, place)
+        begin = _OPENING.search(text, place)
         if begin is None:
             break
         try:
