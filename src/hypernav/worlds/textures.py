@@ -37,16 +37,16 @@ class TextureSet(NamedTuple):
     """All textures of a scene, ready for the shading kernel.
 
     Attributes:
+        of_material: Texture of every material, -1 where it has none.
         texels: ``red | green << 8 | blue << 16 | opacity << 24``, all levels one after the other.
         levels: ``(first texel, width, height)`` of every texture and level.
         level_count: Levels of every texture.
-        of_material: Texture of every material, -1 where it has none.
     """
 
+    of_material: Int32[np.ndarray, "materials"]
     texels: UInt32[np.ndarray, "texels"]
     levels: Int64[np.ndarray, "textures levels 3"]
     level_count: Int32[np.ndarray, "textures"]
-    of_material: Int32[np.ndarray, "materials"]
 
 
 def collect_textures(materials: Sequence[Material], budget_mb: float) -> TextureSet:
@@ -130,4 +130,4 @@ def _pack(pyramids: list[list[np.ndarray]], of_material: Int32[np.ndarray, "m"])
             start += level.size
     flat = [level.ravel() for levels in pyramids for level in levels]
     texels = np.concatenate(flat) if flat else np.zeros(1, dtype=np.uint32)
-    return TextureSet(texels, table, counts, of_material)
+    return TextureSet(of_material, texels, table, counts)

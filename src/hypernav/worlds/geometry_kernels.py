@@ -1,0 +1,193 @@
+"""Where rays end on triangles, and how the surface lies there. Compiled.
+
+First of three passes from rays to colours (then `paint_kernels`, `light_kernels`). Each goes over a
+flat list of rays and takes plain arrays: a tuple of arrays would be copied for every call of an
+inner function. The passes talk through `surface`, one row of float32 per ray, whose columns are
+named here. Neighbouring rays mostly hit the same triangle, so what holds for the whole triangle is
+computed when the triangle changes.
+"""
+
+# The values of a triangle are set when it changes, which is the case at the first one.
+# pyright: reportPossiblyUnboundVariable=false
+
+import math
+
+from numba import njit
+
+NORMAL = 0  # 3 columns, towards the camera
+POINT = 3  # 3 columns, scene frame
+FACING = 6  # cosine between the normal and the way back to the camera
+WEIGHT = 7  # 2 columns: of the triangle's second and third corner
+UV = 9  # 2 columns
+UV_RIGHT = 11  # 2 columns: change of uv to the next pixel on the right
+UV_DOWN = 13  # 2 columns: to the next pixel below
+SURFACE_COLUMNS = 15
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def fill_rays(camera, cx, cy, first_row, origins, directions):
+    """Rays through the centres of the pixels of some rows; 1 long along the optical axis.
+
+    Args:
+        camera: Rows: position; optical axis; change of direction to the next pixel right; to the
+            next pixel down; float64 [4, 3], scene frame.
+        cx: Column of the principal point, pixels.
+        cy: Row of the principal point, pixels.
+        first_row: Of the image, that the first row of rays belongs to.
+        origins: Filled, float32 [rows, columns, 3].
+        directions: Filled, float32 [rows, columns, 3].
+    """
+    for row in range(directions.shape[0]):
+        y = first_row + row + 0.5 - cy
+        for column in range(directions.shape[1]):
+            x = column + 0.5 - cx
+            for axis in range(3):
+                origins[row, column, axis] = camera[0, axis]
+                directions[row, column, axis] = (
+                    camera[1, axis] + x * camera[2, axis] + y * camera[3, axis]
+                )
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def fill_rays_around(camera, cx, cy, width, pixels, offsets, origins, directions):
+    """Several rays through each of some pixels, beside their centres.
+
+    Args:
+        camera: As for `fill_rays`.
+        cx: Column of the principal point, pixels.
+        cy: Row of the principal point, pixels.
+        width: Of the image.
+        pixels: Numbers of the pixels, row by row, int64 [pixels].
+        offsets: From the centre, ``(right, down)`` in pixels, float64 [offsets, 2].
+        origins: Filled, float32 [pixels * offsets, 3].
+        directions: Filled, float32 [pixels * offsets, 3].
+    """
+    ray = 0
+    for pixel in pixels:
+        for offset in range(offsets.shape[0]):
+            x = pixel % width + 0.5 + offsets[offset, 0] - cx
+            y = pixel // width + 0.5 + offsets[offset, 1] - cy
+            for axis in range(3):
+                origins[ray, axis] = camera[0, axis]
+                directions[ray, axis] = camera[1, axis] + x * camera[2, axis] + y * camera[3, axis]
+            ray += 1
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def locate(
+    hits, directions, camera, vertices, faces, normals, uv, face_instance, depth, ids, surface
+):
+    """First pass: where on the triangles the rays end, and how the surface lies there.
+
+    Args:
+        hits: Triangle of every ray, -1 for none, int32 [rays].
+        directions: Scene frame, 1 long along the optical axis, float32 [rays, 3].
+        camera: As for `fill_rays`.
+        vertices: See `Scene`.
+        faces: See `Scene`.
+        normals: See `Scene`; shape [0, 0, 3] where there are none.
+        uv: See `Scene`.
+        face_instance: See `Scene`.
+        depth: Filled, 0 where nothing is hit, float32 [rays].
+        ids: Filled, -1 where nothing is hit, int32 [rays].
+        surface: Filled where a triangle is hit, float32 [rays, SURFACE_COLUMNS].
+    """
+    ox, oy, oz = camera[0, 0], camera[0, 1], camera[0, 2]
+    zx, zy, zz = camera[1, 0], camera[1, 1], camera[1, 2]
+    rx, ry, rz = camera[2, 0], camera[2, 1], camera[2, 2]
+    lx, ly, lz = camera[3, 0], camera[3, 1], camera[3, 2]
+    last = -1
+    for ray in range(hits.shape[0]):
+        face = hits[ray]
+        if face < 0:
+            depth[ray] = 0.0
+            ids[ray] = -1
+            continue
+        if face != last:  # what holds for the whole triangle; the next ray mostly hits it again
+            last = face
+            instance = face_instance[face]
+            i, j, k = faces[face, 0], faces[face, 1], faces[face, 2]
+            # Corners as seen from the camera, edges from the first corner, normal (not unit).
+            ax, ay, az = vertices[i, 0] - ox, vertices[i, 1] - oy, vertices[i, 2] - oz
+            bx, by, bz = vertices[j, 0] - ox, vertices[j, 1] - oy, vertices[j, 2] - oz
+            cx, cy, cz = vertices[k, 0] - ox, vertices[k, 1] - oy, vertices[k, 2] - oz
+            ex, ey, ez = bx - ax, by - ay, bz - az
+            fx, fy, fz = cx - ax, cy - ay, cz - az
+            nx, ny, nz = ey * fz - ez * fy, ez * fx - ex * fz, ex * fy - ey * fx
+            plane = nx * ax + ny * ay + nz * az
+            da, db = zx * ax + zy * ay + zz * az, zx * bx + zy * by + zz * bz
+            dc = zx * cx + zy * cy + zz * cz
+            nearest, farthest = min(da, db, dc), max(da, db, dc)
+            # A corner's weight is linear in space: one gradient gives its value and its change.
+            square = max(nx * nx + ny * ny + nz * nz, 1e-60)
+            mx, my, mz = nx / square, ny / square, nz / square
+            gx, gy, gz = fy * mz - fz * my, fz * mx - fx * mz, fx * my - fy * mx
+            hx, hy, hz = my * ez - mz * ey, mz * ex - mx * ez, mx * ey - my * ex
+            g0, h0 = gx * ax + gy * ay + gz * az, hx * ax + hy * ay + hz * az
+            au, av = uv[face, 0, 0], uv[face, 0, 1]
+            eu, ev = uv[face, 1, 0] - au, uv[face, 1, 1] - av
+            fu, fv = uv[face, 2, 0] - au, uv[face, 2, 1] - av
+            # Change of texture coordinates in space, and of the normal's side along the pixels.
+            ux, uy, uz = gx * eu + hx * fu, gy * eu + hy * fu, gz * eu + hz * fu
+            vx, vy, vz = gx * ev + hx * fv, gy * ev + hy * fv, gz * ev + hz * fv
+            right, down = nx * rx + ny * ry + nz * rz, nx * lx + ny * ly + nz * lz
+            length = math.sqrt(square)
+            kx, ky, kz = nx / length, ny / length, nz / length
+            smooth = False
+            for corner in range(normals.shape[1]):
+                sx, sy, sz = (
+                    normals[face, corner, 0],
+                    normals[face, corner, 1],
+                    normals[face, corner, 2],
+                )
+                smooth |= abs(sx * kx + sy * ky + sz * kz) < 0.9999
+        dx, dy, dz = directions[ray, 0], directions[ray, 1], directions[ray, 2]
+        along = 1.0 / (nx * dx + ny * dy + nz * dz)
+        way = plane * along
+        # Of a needle seen edge-on the plane is ill defined, but depth lies between its corners'.
+        if not way >= nearest:  # "not" catches what is no number as well
+            way = nearest
+        way = min(way, farthest)
+        depth[ray] = way
+        ids[ray] = instance
+        px, py, pz = way * dx, way * dy, way * dz
+        surface[ray, POINT] = px + ox
+        surface[ray, POINT + 1] = py + oy
+        surface[ray, POINT + 2] = pz + oz
+        second = min(max(px * gx + py * gy + pz * gz - g0, 0.0), 1.0)
+        third = min(max(px * hx + py * hy + pz * hz - h0, 0.0), 1.0 - second)
+        surface[ray, WEIGHT] = second
+        surface[ray, WEIGHT + 1] = third
+        surface[ray, UV] = au + second * eu + third * fu
+        surface[ray, UV + 1] = av + second * ev + third * fv
+        slide = right * along
+        sx, sy, sz = way * (rx - slide * dx), way * (ry - slide * dy), way * (rz - slide * dz)
+        surface[ray, UV_RIGHT] = sx * ux + sy * uy + sz * uz
+        surface[ray, UV_RIGHT + 1] = sx * vx + sy * vy + sz * vz
+        slide = down * along
+        sx, sy, sz = way * (lx - slide * dx), way * (ly - slide * dy), way * (lz - slide * dz)
+        surface[ray, UV_DOWN] = sx * ux + sy * uy + sz * uz
+        surface[ray, UV_DOWN + 1] = sx * vx + sy * vy + sz * vz
+
+        # The normal, unit length and turned to the side that is seen.
+        side = -1.0 if along > 0.0 else 1.0
+        mx, my, mz = kx * side, ky * side, kz * side
+        if smooth:
+            first = 1.0 - second - third
+            a, b, c = normals[face, 0, 0], normals[face, 1, 0], normals[face, 2, 0]
+            sx = first * a + second * b + third * c
+            a, b, c = normals[face, 0, 1], normals[face, 1, 1], normals[face, 2, 1]
+            sy = first * a + second * b + third * c
+            a, b, c = normals[face, 0, 2], normals[face, 1, 2], normals[face, 2, 2]
+            sz = first * a + second * b + third * c
+            square = sx * sx + sy * sy + sz * sz
+            if square > 1e-12:
+                scale = 1.0 / math.sqrt(square)
+                if sx * mx + sy * my + sz * mz < 0.0:
+                    scale = -scale
+                mx, my, mz = sx * scale, sy * scale, sz * scale
+        surface[ray, NORMAL] = mx
+        surface[ray, NORMAL + 1] = my
+        surface[ray, NORMAL + 2] = mz
+        facing = -(mx * dx + my * dy + mz * dz) / math.sqrt(dx * dx + dy * dy + dz * dz)
+        surface[ray, FACING] = max(facing, 0.0)
