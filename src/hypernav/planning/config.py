@@ -18,24 +18,27 @@ class PlanningConfig(RoomConfig):
         unknown_cost: Factor on ways through unknown cells; 0 forbids them.
         targets: Of the destination's cells, go to the "nearest-straight" (paper) or to the
             "nearest-by-path".
+        max_gap_m: A destination that cannot be entered (it lies on a table) is gone to if a
+            reachable place is this near; else there is no path.
         replan_every_steps: A path is kept this long unless it is blocked (paper: 10).
         steering: "waypoint": turn if the next waypoint is too far off, else go (paper).
-            "rollout": of all headings, take the one whose step leaves the shortest way to go
-            without touching an inflated obstacle.
+            "lattice": search the sequence of turns and steps that leads on best without touching
+            an inflated obstacle, and do its first.
         heading_tolerance_deg: For "waypoint" (paper: 15).
         waypoint_tolerance_m: A waypoint counts as passed within this distance.
         forward_m: Length of a step.
         turn_angle_deg: Of a turn.
     """
 
-    inflation_m: float = Field(0.22, ge=0.0)
-    comfort_m: float = Field(0.20, ge=0.0)
-    comfort_cost: float = Field(1.0, ge=0.0)
-    unknown_cost: float = Field(3.0, ge=0.0)
+    inflation_m: float = Field(default=0.22, ge=0.0)
+    comfort_m: float = Field(default=0.20, ge=0.0)
+    comfort_cost: float = Field(default=1.0, ge=0.0)
+    unknown_cost: float = Field(default=3.0, ge=0.0)
     targets: Literal["nearest-straight", "nearest-by-path"] = "nearest-by-path"
-    replan_every_steps: int = Field(10, ge=1)
-    steering: Literal["waypoint", "rollout"] = "rollout"
-    heading_tolerance_deg: float = Field(15.0, gt=0.0)
-    waypoint_tolerance_m: float = Field(0.25, gt=0.0)
-    forward_m: float = Field(0.5, gt=0.0)
-    turn_angle_deg: float = Field(30.0, gt=0.0, le=180.0)
+    max_gap_m: float = Field(default=1.0, ge=0.0)
+    replan_every_steps: int = Field(default=10, ge=1)
+    steering: Literal["waypoint", "lattice"] = "lattice"
+    heading_tolerance_deg: float = Field(default=15.0, gt=0.0)
+    waypoint_tolerance_m: float = Field(default=0.25, gt=0.0)
+    forward_m: float = Field(default=0.5, gt=0.0)
+    turn_angle_deg: float = Field(default=30.0, gt=0.0, le=180.0)

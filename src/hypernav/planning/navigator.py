@@ -7,8 +7,8 @@ from hypernav.core.actions import Action
 from hypernav.core.geometry import Pose2
 from hypernav.core.grid import OccupancyGrid
 from hypernav.planning.config import PlanningConfig
+from hypernav.planning.follower import PathFollower
 from hypernav.planning.planner import Path, Planner, is_blocked
-from hypernav.planning.steering import steer_by_rollout, steer_to_waypoint
 from hypernav.planning.terrain import Terrain
 
 _MOVED_SHARE = 0.6
@@ -22,25 +22,25 @@ class Navigator:
         """Create it."""
         self._config = config
         self._planner = Planner(config)
+        self._follower = PathFollower(config)
         self.reset()
 
     def reset(self) -> None:
         """Forget path and last action."""
-        self._path: Path | None = None
+        self._follower.follow(None)
         self._age = 0
         self._targets: Float64[np.ndarray, "n 2"] = np.zeros((0, 2))
-        self._arrived = False
         self._last: tuple[Pose2, Action] | None = None
 
     @property
     def path(self) -> Path | None:
         """The way that is being followed."""
-        return self._path
+        return self._follower.path
 
     @property
     def arrived(self) -> bool:
         """Whether the latest `towards` gave no action because the way is done."""
-        return self._arrived
+        return self._follower.arrived
 
     def towards(
         self, grid: OccupancyGrid, robot: Pose2, targets: Float64[np.ndarray, "n 2"]
@@ -58,12 +58,10 @@ class Navigator:
         """
         terrain = Terrain.of(grid, self._config)
         fresh = self._renew_path(terrain, robot, targets)
-        action = self._steer(robot, terrain)
-        if action is None and self._path is not None and not fresh:
-            self._path = self._planner.plan_on(terrain, robot.xy, targets)
-            self._age = 0
-            action = self._steer(robot, terrain)
-        self._arrived = action is None and self._path is not None
+        action = self._follower.next_action(robot, terrain)
+        if action is None and self.path is not None and not fresh:
+            self._plan(terrain, robot, targets)
+            action = self._follower.next_action(robot, terrain)
         self._age += 1
         return action
 
@@ -89,33 +87,24 @@ class Navigator:
 
     def remaining(self, robot: Pose2) -> list[tuple[float, float]]:
         """The way still to go, from the robot on, metres; empty without a path."""
-        if self._path is None:
-            return []
-        corners = list(self._path.waypoints)
-        nearest = min(range(len(corners)), key=lambda i: robot.distance_to(*corners[i]))
-        ahead = corners[nearest + 1 :] or corners[-1:]
-        return [robot.xy, *((round(x, 3), round(y, 3)) for x, y in ahead)]
+        points = self._follower.remaining(robot)
+        return [*points[:1], *((round(x, 3), round(y, 3)) for x, y in points[1:])]
 
     def _renew_path(
         self, terrain: Terrain, robot: Pose2, targets: Float64[np.ndarray, "n 2"]
     ) -> bool:
         """Plan again if the destination is new, the plan is old, or the path is blocked."""
-        moved_on = not np.array_equal(targets, self._targets)
         if (
-            self._path is not None
-            and not moved_on
+            self.path is not None
+            and np.array_equal(targets, self._targets)
             and self._age < self._config.replan_every_steps
-            and not is_blocked(self._path, terrain)
+            and not is_blocked(self._follower.remaining(robot), terrain)
         ):
             return False
-        self._targets = targets
-        self._path = self._planner.plan_on(terrain, robot.xy, targets)
-        self._age = 0
+        self._plan(terrain, robot, targets)
         return True
 
-    def _steer(self, robot: Pose2, terrain: Terrain) -> Action | None:
-        if self._path is None:
-            return None
-        if self._config.steering == "waypoint":
-            return steer_to_waypoint(self._config, robot, self._path)
-        return steer_by_rollout(self._config, robot, self._path, terrain)
+    def _plan(self, terrain: Terrain, robot: Pose2, targets: Float64[np.ndarray, "n 2"]) -> None:
+        self._targets = targets
+        self._follower.follow(self._planner.plan_on(terrain, robot.xy, targets))
+        self._age = 0

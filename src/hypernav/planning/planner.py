@@ -5,11 +5,12 @@ from itertools import pairwise
 
 import cv2
 import numpy as np
-from jaxtyping import Bool, Float64
+from jaxtyping import Float64, UInt8
 
 from hypernav.core.grid import OccupancyGrid
-from hypernav.planning.astar_kernels import astar, dearest_on_line, pull_string
 from hypernav.planning.config import PlanningConfig
+from hypernav.planning.motion_kernels import cost_of_line, pull_string
+from hypernav.planning.search import astar
 from hypernav.planning.terrain import Terrain
 
 
@@ -53,16 +54,17 @@ class Planner:
     ) -> Path | None:
         """The cheapest way to a destination.
 
-        A start inside an inflated obstacle moves to the nearest open cell. Where no cell of the
-        destination can be reached, the way leads to the reachable cell nearest to it.
+        A start inside an inflated obstacle moves to the nearest open cell; then the first leg is
+        the way out. A destination that cannot be entered moves to the reachable cell nearest to it,
+        at most `PlanningConfig.max_gap_m` away.
 
         Args:
             grid: The map.
             start: ``(x, y)``, metres.
-            targets: Points ``(x, y)`` of the destination, metres.
+            targets: Points ``(x, y)`` of the destination, metres; at least one.
 
         Returns:
-            The way, or None if the robot is walled in.
+            The way; None if there is none.
         """
         return self.plan_on(Terrain.of(grid, self._config), start, targets)
 
@@ -76,31 +78,43 @@ class Planner:
         if self._config.targets == "nearest-straight":
             offsets = ((targets - np.array(start)) ** 2).sum(axis=1)
             targets = targets[[int(offsets.argmin())]]
-        first = terrain.nearest_open(*terrain.grid.cell_of(*start))
+        here = terrain.grid.cell_of(*start)
+        first = terrain.nearest_open(*here)
         if first is None:
             return None
         goal, gap_m = _reachable_goal(terrain, first, targets)
-        cells, _ = astar(terrain.costs, *first, goal)
+        if gap_m > self._config.max_gap_m:
+            return None
+        cells, _ = astar(terrain.costs, first, goal)
         if len(cells) == 0:
             return None
-        corners = cells[pull_string(terrain.costs, cells)]
+        inside = first == here
+        place = terrain.continuous(*start) if inside else (first[0] + 0.5, first[1] + 0.5)
+        corners = cells[pull_string(terrain.costs, cells, *place)]
         points = [(float(x), float(y)) for x, y in terrain.grid.centres_of(corners)]
-        return Path((start, *(points[1:] or points)), gap_m)
+        return Path((start, *(points[1:] if inside and len(points) > 1 else points)), gap_m)
 
 
-def is_blocked(path: Path, terrain: Terrain) -> bool:
-    """Whether the map now shows an obstacle on a path, its first leg aside."""
-    corners = [terrain.continuous(*point) for point in path.waypoints[1:]]
-    return any(np.isinf(dearest_on_line(terrain.costs, *a, *b)) for a, b in pairwise(corners))
+def is_blocked(points: tuple[tuple[float, float], ...], terrain: Terrain) -> bool:
+    """Whether the map shows an obstacle on a polyline.
+
+    Args:
+        points: Its corners, metres. If the first lies inside an inflated obstacle, the first leg is
+            the way out of it and is not looked at.
+        terrain: The inflated map.
+    """
+    places = [terrain.continuous(*point) for point in points]
+    if np.isinf(cost_of_line(terrain.costs, *places[0], *places[0])):
+        places = places[1:]
+    return any(np.isinf(cost_of_line(terrain.costs, *a, *b)) for a, b in pairwise(places))
 
 
 def _reachable_goal(
     terrain: Terrain, first: tuple[int, int], targets: Float64[np.ndarray, "n 2"]
-) -> tuple[Bool[np.ndarray, "rows columns"], float]:
-    """Cells to go to, and how far from the destination they are."""
-    is_open = (terrain.costs > 0).astype(np.uint8)
+) -> tuple[UInt8[np.ndarray, "rows columns"], float]:
+    """Cells to go to (1), and how far from the destination they are, metres."""
     # Diagonal steps need both neighbours, so what is 8-reachable is 4-connected.
-    _, parts = cv2.connectedComponents(is_open, connectivity=4)
+    _, parts = cv2.connectedComponents(terrain.is_open, connectivity=4)
     reachable = parts == parts[first]
     wanted = np.zeros(reachable.shape, dtype=bool)
     cells = terrain.grid.cells_of(targets)
@@ -108,16 +122,14 @@ def _reachable_goal(
     wanted[cells[inside, 0], cells[inside, 1]] = True
     goal = wanted & reachable
     if goal.any():
-        return goal, 0.0
-    size = terrain.grid.resolution_m
-    if wanted.any():
-        away = cv2.distanceTransform((~wanted).astype(np.uint8), cv2.DIST_L2, 5)
+        return goal.view(np.uint8), 0.0
+    if inside.any():
+        away = cv2.distanceTransform((~wanted).view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
     else:  # beyond the explored map: the reachable cell nearest to the first target
         rows, columns = np.indices(reachable.shape)
         row, column = terrain.continuous(*targets[0])
         away = np.hypot(rows + 0.5 - row, columns + 0.5 - column)
     away = np.where(reachable, away, np.inf)
     nearest = np.unravel_index(int(away.argmin()), away.shape)
-    goal = np.zeros_like(wanted)
     goal[nearest] = True
-    return goal, float(away[nearest]) * size
+    return goal.view(np.uint8), float(away[nearest]) * terrain.grid.resolution_m

@@ -1,0 +1,225 @@
+"""From a path to the next discrete action."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+from jaxtyping import Float32
+
+from hypernav.core.actions import Action
+from hypernav.core.geometry import Pose2, wrap_angle
+from hypernav.planning.config import PlanningConfig
+from hypernav.planning.motion_kernels import plan_actions
+from hypernav.planning.planner import Path, is_blocked
+from hypernav.planning.search import costs_to_go
+from hypernav.planning.terrain import Terrain
+
+_TURN_COST_M = 0.05
+"""What a turn weighs against a longer way: enough to keep the robot from zigzagging."""
+_LEAST_GAIN_M = 0.05
+"""Actions that bring the robot less far are not worth taking."""
+_HORIZON_M = 2.0
+"""How far ahead actions are searched: beyond the next door."""
+_SIDEWAYS_M = 1.5
+"""How much longer than its present way the robot's way may become on the way."""
+_SAME_PLACE_M = 0.02
+_SAME_HEADING_RAD = 0.02
+_ANGLE_SLACK = 1e-9
+"""A bearing of exactly the tolerance must not turn into a turn by rounding."""
+_ACTIONS = (Action.MOVE_FORWARD, Action.TURN_LEFT, Action.TURN_RIGHT)
+
+
+class PathFollower:
+    """Follows one path at a time; knows how far along it the robot is."""
+
+    def __init__(self, config: PlanningConfig) -> None:
+        """Begin without a path.
+
+        Args:
+            config: Steering, tolerances, step and turn.
+        """
+        self._config = config
+        self._path: Path | None = None
+        self.follow(None)
+
+    def follow(self, path: Path | None) -> None:
+        """Take a new path, or drop the present one."""
+        end = None if self._path is None else self._path.end
+        self._path = path
+        self._next = 1
+        self._arrived = False
+        if path is None or end is None or math.dist(path.end, end) > self._tolerance:
+            self._plan: list[Action] = []
+
+    @property
+    def path(self) -> Path | None:
+        """The path that is being followed."""
+        return self._path
+
+    @property
+    def arrived(self) -> bool:
+        """Whether the latest `next_action` found the robot at the end of the path."""
+        return self._arrived
+
+    def remaining(self, robot: Pose2) -> tuple[tuple[float, float], ...]:
+        """The way still to go, from the robot over the waypoints that it has not passed, metres."""
+        if self._path is None:
+            return ()
+        self._pass_waypoints(self._path, robot)
+        return (robot.xy, *self._path.waypoints[self._next :])
+
+    def next_action(self, robot: Pose2, terrain: Terrain | None = None) -> Action | None:
+        """What to do now.
+
+        Args:
+            robot: Where the robot is.
+            terrain: The inflated map, for ``steering: lattice``. Without it the robot steers to the
+                next waypoint whatever the configuration says.
+
+        Returns:
+            A turn or a step. None if there is no path, if the robot is at its end (`arrived`), or
+            if no step brings it nearer.
+        """
+        self._arrived = False
+        if self._path is None:
+            return None
+        self._pass_waypoints(self._path, robot)
+        if self._config.steering == "lattice" and terrain is not None:
+            action = self._by_lattice(self._path, robot, terrain)
+        else:
+            action = self._to_waypoint(self._path, robot)
+        # A step may end up to half its length away from where it should.
+        self._arrived = action is None and (
+            robot.distance_to(*self._path.end) <= max(self._tolerance, self._config.forward_m)
+        )
+        return action
+
+    @property
+    def _tolerance(self) -> float:
+        return self._config.waypoint_tolerance_m
+
+    def _pass_waypoints(self, path: Path, robot: Pose2) -> None:
+        """Go on to the next waypoint when one is near, or when the robot is beyond it.
+
+        Steps are long, so a waypoint is often stepped over. It never comes back.
+        """
+        legs = list(pairwise(path.waypoints))[self._next :]
+        for corner, following in legs:
+            ahead, beside = _along(corner, following, robot)
+            near = robot.distance_to(*corner) <= self._tolerance
+            if not near and not (ahead > 0.0 and abs(beside) <= self._tolerance):
+                break
+            self._next += 1
+
+    def _to_waypoint(self, path: Path, robot: Pose2) -> Action | None:
+        """The paper's follower: turn if the next waypoint is too far off, else go."""
+        aim = path.waypoints[min(self._next, len(path.waypoints) - 1)]
+        if self._next >= len(path.waypoints) - 1:
+            off = robot.distance_to(*path.end)
+            before = path.waypoints[-2] if len(path.waypoints) > 1 else robot.xy
+            overshot = off <= self._config.forward_m and _along(before, path.end, robot)[0] > (
+                math.dist(before, path.end)
+            )
+            if off <= self._tolerance or overshot:
+                return None
+        return self._turn_or_go(robot.bearing_to(*aim))
+
+    def _turn_or_go(self, bearing: float) -> Action:
+        if abs(bearing) <= math.radians(self._config.heading_tolerance_deg) + _ANGLE_SLACK:
+            return Action.MOVE_FORWARD
+        return Action.TURN_LEFT if bearing > 0.0 else Action.TURN_RIGHT
+
+    def _by_lattice(self, path: Path, robot: Pose2, terrain: Terrain) -> Action | None:
+        """The next of the actions that lead on best, searched some steps ahead.
+
+        They are carried out to their end, where less is left to go than before. To choose anew
+        after every action could go in circles.
+        """
+        if not (self._plan and self._goes_as_planned(robot, terrain)):
+            actions = self._search_actions(path, robot, terrain)
+            if actions is None:
+                return self._to_waypoint(path, robot)
+            self._plan = actions
+        if not self._plan:
+            return None
+        action = self._plan.pop(0)
+        self._expected = self._after(robot, action)
+        return action
+
+    def _goes_as_planned(self, robot: Pose2, terrain: Terrain) -> bool:
+        """Whether the robot is where its plan has it, and the plan's next step is still open."""
+        expected = self._expected
+        if expected.distance_to(*robot.xy) > _SAME_PLACE_M:
+            return False
+        if abs(wrap_angle(expected.yaw - robot.yaw)) > _SAME_HEADING_RAD:
+            return False
+        pose = robot
+        for action in self._plan:
+            before, pose = pose, self._after(pose, action)
+            if action is Action.MOVE_FORWARD:
+                return not is_blocked((before.xy, pose.xy), terrain)
+        return True
+
+    def _after(self, robot: Pose2, action: Action) -> Pose2:
+        """Where an action leads, if nothing is in the way."""
+        if action is Action.MOVE_FORWARD:
+            step = self._config.forward_m
+            return Pose2(
+                robot.x + step * math.cos(robot.yaw),
+                robot.y + step * math.sin(robot.yaw),
+                robot.yaw,
+            )
+        turn = math.radians(self._config.turn_angle_deg)
+        return Pose2(robot.x, robot.y, robot.yaw + (turn if action is Action.TURN_LEFT else -turn))
+
+    def _search_actions(self, path: Path, robot: Pose2, terrain: Terrain) -> list[Action] | None:
+        """Actions that lead on; empty if none does, None if the search cannot be made here."""
+        size = terrain.grid.resolution_m
+        here, end = terrain.grid.cell_of(*robot.xy), terrain.grid.cell_of(*path.end)
+        if not (terrain.grid.inside(*here) and terrain.grid.inside(*end)):
+            return None
+        costs = _freed_around(terrain.costs, here)
+        to_go = costs_to_go(costs, end, here, _SIDEWAYS_M / size)
+        if np.isinf(to_go[here]):
+            return None
+        turns = round(360.0 / self._config.turn_angle_deg)
+        headings = robot.yaw + np.arange(turns) * math.radians(self._config.turn_angle_deg)
+        actions, left = plan_actions(
+            costs,
+            to_go,
+            *terrain.continuous(*robot.xy),
+            np.sin(headings),
+            np.cos(headings),
+            self._config.forward_m / size,
+            _TURN_COST_M / size,
+            self._tolerance / size,
+            _HORIZON_M / size,
+        )
+        if left > to_go[here] - _LEAST_GAIN_M / size:
+            return []
+        return [_ACTIONS[action] for action in actions]
+
+
+def _along(
+    start: tuple[float, float], end: tuple[float, float], robot: Pose2
+) -> tuple[float, float]:
+    """How far the robot is along a line, and how far to its left, metres."""
+    length = math.dist(start, end) or 1.0
+    dx, dy = (end[0] - start[0]) / length, (end[1] - start[1]) / length
+    x, y = robot.x - start[0], robot.y - start[1]
+    return (x * dx + y * dy, y * dx - x * dy)
+
+
+def _freed_around(
+    costs: Float32[np.ndarray, "rows columns"], here: tuple[int, int], reach: int = 3
+) -> Float32[np.ndarray, "rows columns"]:
+    """The same costs, with a way out where the robot itself stands in an inflated obstacle."""
+    row, column = here
+    if costs[row, column] > 0:
+        return costs
+    costs = costs.copy()
+    around = costs[
+        max(row - reach, 0) : row + reach + 1, max(column - reach, 0) : column + reach + 1
+    ]
+    around[around <= 0] = 1.0
+    return costs
