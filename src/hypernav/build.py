@@ -67,8 +67,8 @@ def preset(name: PresetName) -> HyPerNavConfig:
 
 
 _REASONER_WORDS: dict[AgentName, str] = {
-    "hypernav": "geometric (no model)",
-    "frontier": "nearest frontier (no model)",
+    "hypernav": "geometric",
+    "frontier": "nearest frontier",
 }
 
 
@@ -156,7 +156,7 @@ def build_detector(spec: str) -> tuple[Detector, str]:
     """
     kind, _, place = spec.partition(":")
     if spec == "ground-truth":
-        return GroundTruthDetector(), "ground-truth labels of the simulator"
+        return GroundTruthDetector(), "ground truth"
     if kind == "yolox" and place:
         detector = YoloxDetector(Path(place))
         return detector, f"YOLOX ({Path(place).name})"

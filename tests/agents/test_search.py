@@ -37,8 +37,10 @@ def test_it_finds_the_bed_in_the_next_room(agent, preset):
 
 
 def test_agents_keep_the_contract():
-    assert isinstance(search(), Agent)
-    assert isinstance(search(), ExplainsItself)
+    agent = search()
+    assert isinstance(agent, Agent)
+    run(agent, "bed", max_steps=1)
+    assert isinstance(agent, ExplainsItself)
 
 
 def test_the_same_search_leaves_the_same_trace():

@@ -18,7 +18,7 @@ def block(number, frontier_cells, travel_m):
 
 
 def choose(*blocks, excluded=(), log=None):
-    overview = Overview(np.zeros((8, 8, 3), np.uint8), blocks, Pose2(0.0, 0.0, 0.0))
+    overview = Overview(lambda: np.zeros((8, 8, 3), np.uint8), blocks, Pose2(0.0, 0.0, 0.0))
     reasoner = GeometricReasoner(log or ExchangeLog())
     return reasoner.choose(overview, GOAL, frozenset(excluded))
 

@@ -22,7 +22,7 @@ def overview(count: int = 12) -> Overview:
     blocks = tuple(
         Block(n, float(n), 0.0, 2.0, 100, 10 + n, (n + 1.0, 1.0), 3.0) for n in range(1, count + 1)
     )
-    return Overview(np.zeros((64, 64, 3), np.uint8), blocks, Pose2(0.0, 0.0, 0.0))
+    return Overview(lambda: np.zeros((64, 64, 3), np.uint8), blocks, Pose2(0.0, 0.0, 0.0))
 
 
 def reasoner(

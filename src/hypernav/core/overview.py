@@ -1,6 +1,8 @@
 """The map as a question: numbered blocks, the picture of them, and the answer."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import UInt8
@@ -38,14 +40,19 @@ class Overview:
     """What a reasoner may know when it chooses a block.
 
     Attributes:
-        picture: Map, numbered blocks, robot arrow and trajectory, drawn for a model and for people.
+        draw: Makes the picture, which not every reasoner looks at.
         blocks: In order of their numbers.
         robot: Where the robot is, ``map`` frame.
     """
 
-    picture: UInt8[np.ndarray, "height width 3"]
+    draw: Callable[[], UInt8[np.ndarray, "height width 3"]]
     blocks: tuple[Block, ...]
     robot: Pose2
+
+    @cached_property
+    def picture(self) -> UInt8[np.ndarray, "height width 3"]:
+        """Map, numbered blocks, robot arrow and trajectory, drawn for a model and for people."""
+        return self.draw()
 
     def block(self, number: int) -> Block:
         """The block with this number."""

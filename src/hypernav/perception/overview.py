@@ -64,8 +64,10 @@ class BlockExplorer:
     ) -> Destination | None:
         """Ask until a block is named that was not visited; None if there is none."""
         blocks = divide_into_blocks(grid, robot, self._mapping)
-        picture = draw_overview(grid, blocks, robot, trajectory, size=self._config.picture_px)
-        overview = Overview(picture, blocks, robot)
+        size = self._config.picture_px
+        overview = Overview(
+            lambda: draw_overview(grid, blocks, robot, trajectory, size=size), blocks, robot
+        )
         excluded: frozenset[int] = frozenset()
         for _ in range(self._config.max_questions):
             choice = self._reasoner.choose(overview, self._goal, excluded)

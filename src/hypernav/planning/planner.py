@@ -120,6 +120,9 @@ def _reachable_goal(
     cells = terrain.grid.cells_of(targets)
     inside = ((cells >= 0) & (cells < np.array(reachable.shape))).all(axis=1)
     wanted[cells[inside, 0], cells[inside, 1]] = True
+    # A way may lead through the unknown, but never ends there: a goal area reaches into the wall
+    # that it hangs on, and what lies behind that wall is no way to it.
+    reachable &= terrain.grid.explored
     goal = wanted & reachable
     if goal.any():
         return goal.view(np.uint8), 0.0
