@@ -98,19 +98,14 @@ def compact(
             material = finishes.setdefault(finish, len(finishes))
             c, s = rotation[0, 0], rotation[1, 0]
             p, n = mesh.positions, mesh.normals
-            positions.append(
-                np.stack(
-                    [
-                        p[:, 0] * c - p[:, 1] * s + piece.x,
-                        p[:, 0] * s + p[:, 1] * c + piece.y,
-                        p[:, 2] + piece.z,
-                    ],
-                    axis=1,
-                )
-            )
-            normals.append(
-                np.stack([n[:, 0] * c - n[:, 1] * s, n[:, 0] * s + n[:, 1] * c, n[:, 2]], axis=1)
-            )
+            moved, turned = np.empty_like(p), np.empty_like(n)
+            moved[:, 0] = p[:, 0] * c - p[:, 1] * s + piece.x
+            moved[:, 1] = p[:, 0] * s + p[:, 1] * c + piece.y
+            moved[:, 2] = p[:, 2] + piece.z
+            turned[:, 0], turned[:, 1] = n[:, 0] * c - n[:, 1] * s, n[:, 0] * s + n[:, 1] * c
+            turned[:, 2] = n[:, 2]
+            positions.append(moved)
+            normals.append(turned)
             uv.append(mesh.uv / finish.tile_m)
             faces.append(mesh.faces + start)
             materials.append(np.full(len(mesh.faces), material, dtype=np.uint16))

@@ -23,18 +23,18 @@ def furnish_bathroom(site: Site, *, with_washer: bool) -> None:
         with_washer: Whether a washing machine belongs here.
     """
     dice, taste = site.dice, site.taste
-    big = site.inner.area > 4.6
-    tub = site.at_wall(bathroom.bathtub(dice, taste), where="corner", gap=0.006) if big and dice.chance(0.65) else None
-    site_toilet = site.at_wall(bathroom.toilet(dice, taste), front=0.6, access=True, where="any")
+    big = site.inner.area > 4.4
+    tub = site.at_wall(bathroom.bathtub(dice, taste), where="corner", gap=0.012) if big and dice.chance(0.6) else None
+    if tub is None:
+        site.at_wall(bathroom.shower(dice, taste), where="corner", front=0.5, access=True)
+    site_toilet = site.at_wall(bathroom.toilet(dice, taste), front=0.55, access=True, where=dice.choice(("any", "corner")))
     basin = None
     for _ in range(3):
-        basin = site.at_wall(bathroom.bathroom_sink(dice, taste), front=0.6, access=True)
+        basin = site.at_wall(bathroom.bathroom_sink(dice, taste), front=0.55, access=True)
         if basin is not None:
             break
     if tub is not None:
         _curtain(site, tub)
-    else:
-        site.at_wall(bathroom.shower(dice, taste), where="corner", gap=0.02, front=0.55, access=True)
     if basin is not None:
         mirror = walls.mirror(dice, taste)
         site.on_wall(mirror, sides=SIDES, z=1.15, near=basin)

@@ -104,7 +104,7 @@ def place_desk(site: Site) -> Placed | None:
     """A desk at a wall with its chair, a computer and a lamp."""
     dice, taste = site.dice, site.taste
     model = tables.desk(dice, taste)
-    piece = site.at_wall(model, front=0.75, access=True, keep=False)
+    piece = site.at_wall(model, front=0.75, keep=False)
     if piece is None:
         return None
     seat = chairs.office_chair(dice, taste)

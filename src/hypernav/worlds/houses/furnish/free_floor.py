@@ -2,9 +2,10 @@
 
 import math
 
+import cv2
 import numpy as np
 from jaxtyping import Bool
-from scipy.ndimage import distance_transform_edt, label
+from scipy.ndimage import distance_transform_edt
 
 from hypernav.worlds.houses.plan.shapes import FloorPlan, Rect
 
@@ -71,15 +72,14 @@ class FreeFloor:
             anchors: Places that must be reached with full walking width from now on.
         """
         standing, walking = self._without(rects)
-        parts, count = label(standing)
-        if count > 1:
-            sizes = np.bincount(parts.ravel())[1:]
-            if int(sizes.sum() - sizes.max()) > 2:
-                return False
+        _, _, stats, _ = cv2.connectedComponentsWithStats(standing.view(np.uint8), connectivity=4)
+        sizes = stats[1:, cv2.CC_STAT_AREA]
+        if len(sizes) > 1 and int(sizes.sum() - sizes.max()) > 2:
+            return False
         wanted = [*self._anchors, *anchors]
         if not wanted:
             return True
-        parts, _ = label(walking)
+        _, parts = cv2.connectedComponents(walking.view(np.uint8), connectivity=4)
         numbers = set()
         for point in wanted:
             row, column = self._cell(point)

@@ -1,7 +1,5 @@
 """Kitchens: a row of fitted units along one wall, perhaps around a corner."""
 
-from collections.abc import Callable
-
 from hypernav.worlds.houses.assembly import Placed
 from hypernav.worlds.houses.furnish.dressing import scatter
 from hypernav.worlds.houses.furnish.living import place_dining, place_plants
@@ -81,7 +79,7 @@ def _runs(site: Site, side: str) -> list[tuple[float, float]]:
     runs: list[tuple[float, float]] = []
     t, begin = start + probe.width / 2 + 0.005, None
     while t <= end - probe.width / 2:
-        free = site.fits(probe, site.spot_at_wall(probe, side, round(t, 3)), front=0.9)
+        free = site.fits(probe, site.spot_at_wall(probe, side, round(t, 3)), front=0.9, floor=False)
         if free and begin is None:
             begin = t - probe.width / 2
         if not free and begin is not None:
@@ -103,40 +101,46 @@ def _fill_row(site: Site, side: str, start: float, end: float) -> None:
     dice, taste = site.dice, site.taste
     top = kitchen.worktop(dice, taste)
     fridge = kitchen.refrigerator(dice, taste)
-    pieces: list[Callable[[], Model]] = [
-        lambda: kitchen.kitchen_sink(dice, taste, top), lambda: kitchen.oven(dice, taste),
-    ]
-    length = end - start
-    left = length - fridge.width - 0.8 - 0.6 - 0.08
+    units = [kitchen.kitchen_sink(dice, taste, top), kitchen.oven(dice, taste)]
+    left = end - start - fridge.width - 0.8 - 0.6 - 0.08
     if left > 0.62 and dice.chance(0.7):
-        pieces.append(lambda: kitchen.dishwasher(dice, taste))
+        units.append(kitchen.dishwasher(dice, taste))
         left -= 0.6
-    cabinets = []
-    while left > 0.42 and len(cabinets) < 3:
-        wide = min(dice.choice((0.4, 0.5, 0.6, 0.8)), round(left - 0.02, 2))
-        cabinets.append(wide)
-        left -= wide
-    for wide in cabinets:
-        pieces.append(lambda wide=wide: kitchen.kitchen_cabinet(dice, taste, wide, top))
-    models = dice.shuffled([make() for make in pieces])
-    fridge_first = dice.chance(0.5)
-    row = [fridge, *models] if fridge_first else [*models, fridge]
-    total = sum(m.width for m in row) + 0.002 * len(row)
-    at = start + 0.01 if fridge_first else max(end - total - 0.01, start + 0.01)
-    # The side walls decide which way "along" runs for whoever faces the row.
-    for model in row:
-        spot = site.spot_at_wall(model, side, at + model.width / 2)
-        at += model.width + 0.002
-        if not _free(site, model, spot):
-            continue
+    for _ in range(3):
+        if left > 0.42:
+            wide = min(dice.choice((0.4, 0.5, 0.6, 0.8)), round(left - 0.02, 2))
+            units.append(kitchen.kitchen_cabinet(dice, taste, wide, top))
+            left -= wide
+    best: list[tuple[Model, Spot]] = []
+    for attempt in range(10):
+        order = dice.shuffled(units)
+        row = _row(site, side, [fridge, *order] if attempt % 2 else [*order, fridge], start, end, low=attempt % 4 < 2)
+        if len(row) > len(best):
+            best = row
+        if len(row) == len(units) + 1:
+            break
+    for model, spot in best:
         piece = site.put(model, spot)
         _above(site, side, piece, fridge)
         _on_counter(site, piece)
     _reserve_front(site, side, start, end)
+    if all(model is not fridge for model, _ in best):
+        site.at_wall(fridge, front=0.7, access=True, where="corner")
 
 
-def _free(site: Site, model: Model, spot: Spot) -> bool:
-    return site.fits(model, spot, tight=True)
+def _row(
+    site: Site, side: str, models: list[Model], start: float, end: float, *, low: bool
+) -> list[tuple[Model, Spot]]:
+    """Where the units of a row would stand, from one end of the stretch; without those that can't."""
+    total = sum(m.width for m in models) + 0.002 * len(models)
+    at = start + 0.01 if low else max(end - total - 0.01, start + 0.01)
+    result = []
+    for model in models:
+        spot = site.spot_at_wall(model, side, at + model.width / 2)
+        at += model.width + 0.002
+        if at < end + 0.01 and site.fits(model, spot, tight=True):
+            result.append((model, spot))
+    return result
 
 
 def _reserve_front(site: Site, side: str, start: float, end: float) -> None:

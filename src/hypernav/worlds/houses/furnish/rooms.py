@@ -13,18 +13,48 @@ from hypernav.worlds.houses.plan.shapes import FloorPlan
 _PICTURES = {"living room": 3, "bedroom": 2, "hall": 2, "dining room": 2, "office": 2, "kitchen": 1}
 
 
+_NEEDED: dict[str, tuple[tuple[str, ...], ...]] = {
+    "living room": (("sofa",), ("tv",), ("coffee table",)),
+    "kitchen": (("refrigerator",), ("oven",), ("sink",)),
+    "bathroom": (("toilet",), ("sink",), ("bathtub", "shower")),
+    "bedroom": (("bed",), ("wardrobe", "dresser")),
+    "dining room": (("dining table",), ("chair",)),
+    "office": (("desk",), ("chair",)),
+    "laundry": (("washing machine",),),
+}
+"""What a room is not that room without: one of each group."""
+
+_ATTEMPTS = 5
+
+
 def furnish_rooms(plan: FloorPlan, taste: Taste, dice: Dice) -> list[Placed]:
     """Everything that stands, lies and hangs in the rooms."""
     kinds = [room.kind for room in plan.rooms]
     pieces: list[Placed] = []
     for number, room in enumerate(plan.rooms):
         own = dice.fork("room", number)
-        site = Site(plan, number, own, vary(taste, own.fork("taste")))
-        _furnish(site, kinds)
+        site = _best_site(plan, number, own, vary(taste, own.fork("taste")), kinds)
         if not room.is_outside:
             _dress(site)
         pieces += site.placed
     return pieces
+
+
+def _best_site(plan: FloorPlan, number: int, dice: Dice, taste: Taste, kinds: Sequence[str]) -> Site:
+    """A room furnished anew until nothing that it needs is missing, or the best of a few tries."""
+    needed = _NEEDED.get(plan.rooms[number].kind, ())
+    best: tuple[int, Site] | None = None
+    for attempt in range(_ATTEMPTS):
+        site = Site(plan, number, dice.fork("attempt", attempt), taste)
+        _furnish(site, kinds)
+        there = {p.model.category for p in site.placed}
+        score = sum(any(name in there for name in group) for group in needed)
+        if best is None or score > best[0]:
+            best = (score, site)
+        if score == len(needed):
+            break
+    assert best is not None
+    return best[1]
 
 
 def _furnish(site: Site, kinds: Sequence[str]) -> None:

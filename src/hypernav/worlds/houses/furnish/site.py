@@ -109,7 +109,7 @@ class Site:
 
     def fits(
         self, model: Model, spot: Spot, *, front: float = 0.0, access: bool = False, over: Sequence[Solid] = (),
-        in_clear: bool = False, tight: bool = False,
+        in_clear: bool = False, tight: bool = False, floor: bool = True,
     ) -> bool:
         """Whether a model can stand at a spot.
 
@@ -120,6 +120,7 @@ class Site:
             access: Whether its front must be reached with full walking width.
             over: Solids that it may overlap, for chairs under tables.
             in_clear: Whether it may stand in ways that are kept clear, for what is flat or high.
+            floor: Whether the floor must stay connected.
             tight: Whether it may touch its neighbours, for fitted units.
         """
         rect = footprint(model, spot)
@@ -137,7 +138,7 @@ class Site:
             zone = self.front_zone(model, spot, front)
             if any(s.low < 1.0 and s.high > 0.1 and zone.overlaps(s.rect) and s not in over for s in self.solids):
                 return False
-        if low >= _HEAD_M or high < 0.08:
+        if low >= _HEAD_M or high < 0.08 or not floor:
             return True
         return self._floor.allows([rect], [self._before(model, spot)] if access else [])
 

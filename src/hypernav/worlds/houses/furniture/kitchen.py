@@ -192,7 +192,7 @@ def kitchen_sink(dice: Dice, taste: Taste, top: Finish | None = None) -> Model:
         bench.add(STEEL, rod((a[0] + x0, a[1], COUNTER_M), (b[0] + x0, b[1], COUNTER_M), 0.006, sides=6))
     bench.add(STEEL, box(0.3, 0.4, 0.008, at=(0.24, 0, COUNTER_M), bevel=0.003),
               *[box(0.26, 0.012, 0.006, at=(0.24, (k - 3) * 0.05, COUNTER_M + 0.008)) for k in range(7)])
-    bench.add(CHROME, tap(0.3, 0.2).moved(x0, -0.24, COUNTER_M))
+    bench.add(CHROME, tap(0.2, 0.18).moved(x0, -0.24, COUNTER_M))
     return bench.model("sink", "kitchen sink", main=STEEL)
 
 

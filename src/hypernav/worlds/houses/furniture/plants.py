@@ -1,14 +1,16 @@
 """Plants in pots."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
+from jaxtyping import Float64
 
 from hypernav.worlds.houses.dice import Dice
-from hypernav.worlds.houses.kit.mesh import Finish, Mesh, join
+from hypernav.worlds.houses.kit.mesh import Finish, Mesh, Vector, join, unit_vectors
 from hypernav.worlds.houses.kit.model import Bench, Model
-from hypernav.worlds.houses.kit.solids import cushion
-from hypernav.worlds.houses.kit.surfaces import ball, lathe, rod, sheet, tube
+from hypernav.worlds.houses.kit.solids import cushion, grid_faces
+from hypernav.worlds.houses.kit.surfaces import ball, cross, lathe, rod, tube
 from hypernav.worlds.houses.palette import CERAMIC, TERRACOTTA, Taste, plastic
 
 _SOIL = Finish("soil", (1.0, 1.0, 1.0), 0.2)
@@ -44,11 +46,19 @@ def pot(bench: Bench, dice: Dice, taste: Taste, radius: float, high: float) -> F
     return finish
 
 
-def blade(
-    length: float, wide: float, droop: float, *, lift_deg: float, turn_deg: float, fold: float = 0.25,
-    steps: int = 7, shape: str = "oval",
+def leaves(
+    length: Sequence[float],
+    wide: Sequence[float],
+    droop: Sequence[float],
+    lift_deg: Sequence[float],
+    turn_deg: Sequence[float],
+    at: Sequence[Vector],
+    *,
+    fold: float = 0.25,
+    steps: int = 7,
+    shape: str = "oval",
 ) -> Mesh:
-    """One leaf from the origin: it rises at an angle and then bows down under its weight.
+    """Many leaves: each rises at an angle and then bows down under its weight.
 
     Args:
         length: Metres along the rib.
@@ -56,30 +66,52 @@ def blade(
         droop: How much it bows over its length, degrees.
         lift_deg: Angle of its beginning above the horizon.
         turn_deg: Direction in plan.
+        at: Where it begins.
         fold: Depth of the valley along the rib, as a share of the half width.
         steps: Segments along the rib.
         shape: "oval", "sword" or "heart".
     """
+    n = len(length)
     t = np.linspace(0.0, 1.0, steps + 1)
-    angle = np.radians(lift_deg - droop * t)
-    step = length / steps
-    out = np.concatenate([[0.0], np.cumsum(np.cos(angle[:-1]) * step)])
-    up = np.concatenate([[0.0], np.cumsum(np.sin(angle[:-1]) * step)])
+    angle = np.radians(np.array(lift_deg)[:, None] - np.array(droop)[:, None] * t)
+    step = np.array(length)[:, None] / steps
+    c, s = np.cos(angle), np.sin(angle)
+    start = np.zeros((n, 1))
+    out = np.concatenate([start, np.cumsum(c[:, :-1] * step, axis=1)], axis=1)
+    up = np.concatenate([start, np.cumsum(s[:, :-1] * step, axis=1)], axis=1)
+    half = np.array(wide)[:, None] / 2.0 * _outline(shape, t)
+    turn = np.radians(np.array(turn_deg))[:, None]
+    ct, st = np.cos(turn), np.sin(turn)
+    places = np.array(at)
+    points = np.empty((n, steps + 1, 3, 3))
+    for k, across in enumerate((1.0, 0.0, -1.0)):
+        dip = abs(across) * half * fold
+        x, y = out - dip * s, across * half
+        points[:, :, k, 0] = x * ct - y * st + places[:, 0:1]
+        points[:, :, k, 1] = x * st + y * ct + places[:, 1:2]
+        points[:, :, k, 2] = up + dip * c + places[:, 2:3]
+    slope_t = np.empty_like(points)
+    slope_t[:, 1:-1] = points[:, 2:] - points[:, :-2]
+    slope_t[:, 0], slope_t[:, -1] = points[:, 1] - points[:, 0], points[:, -1] - points[:, -2]
+    slope_a = np.empty_like(points)
+    slope_a[:, :, 1] = points[:, :, 0] - points[:, :, 2]
+    slope_a[:, :, 0] = points[:, :, 0] - points[:, :, 1]
+    slope_a[:, :, 2] = points[:, :, 1] - points[:, :, 2]
+    normals = unit_vectors(cross(slope_t, slope_a))
+    uv = np.empty((n, steps + 1, 3, 2))
+    uv[..., 0], uv[..., 1] = np.array([1.0, 0.5, 0.0]), t[None, :, None]
+    each = (steps + 1) * 3
+    faces = grid_faces(steps + 1, 3)[:, ::-1][None] + (np.arange(n) * each)[:, None, None]
+    return Mesh(points.reshape(-1, 3), normals.reshape(-1, 3), uv.reshape(-1, 2), faces.reshape(-1, 3))
+
+
+def _outline(shape: str, t: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n"]:
+    """Half width along the rib, as a share of the greatest."""
     if shape == "sword":
-        half = wide / 2 * np.minimum(1.0, 0.55 + 1.6 * t) * np.clip((1.0 - t) * 2.2, 0.02, 1.0) ** 0.6
-    elif shape == "heart":
-        half = wide / 2 * np.clip(np.sin(np.pi * np.clip(t * 0.94 + 0.06, 0, 1) ** 0.6), 0.03, 1.0)
-    else:
-        half = wide / 2 * np.clip(np.sin(np.pi * t**0.85), 0.03, 1.0)
-    across = np.array([-1.0, 0.0, 1.0])[:, None]
-    normal_out, normal_up = -np.sin(angle), np.cos(angle)
-    dip = np.abs(across) * half * fold
-    x = out + dip * normal_out
-    z = up + dip * normal_up
-    y = across * half + 0.0 * t
-    grid = np.stack([x + 0 * y, y, z + 0 * y], axis=-1)
-    mesh = sheet(grid[::-1], fit=True)
-    return mesh.turned(turn_deg)
+        return np.minimum(1.0, 0.55 + 1.6 * t) * np.clip((1.0 - t) * 2.2, 0.02, 1.0) ** 0.6
+    if shape == "heart":
+        return np.clip(np.sin(np.pi * (t * 0.94 + 0.06) ** 0.6), 0.03, 1.0)
+    return np.clip(np.sin(np.pi * t**0.85), 0.03, 1.0)
 
 
 def _spread(dice: Dice, count: int) -> list[float]:
@@ -88,14 +120,15 @@ def _spread(dice: Dice, count: int) -> list[float]:
     return [start + 137.5 * k + dice.uniform(-18.0, 18.0) for k in range(count)]
 
 
-def rosette(dice: Dice, count: int, length: float, wide: float, shape: str = "oval") -> Mesh:
+def rosette(
+    dice: Dice, count: int, length: float, wide: float, shape: str = "oval", at: Vector = (0.0, 0.0, 0.0)
+) -> Mesh:
     """Leaves on stalks out of one point: outer ones low, inner ones upright."""
-    leaves = []
-    for k, turn in enumerate(_spread(dice, count)):
-        lift = 32.0 + 50.0 * k / count + dice.uniform(-8, 8)
-        size = dice.uniform(0.75, 1.1)
-        leaves.append(blade(length * size, wide * size, dice.uniform(50, 95), lift_deg=lift, turn_deg=turn, shape=shape))
-    return join(leaves)
+    turns = _spread(dice, count)
+    lifts = [32.0 + 50.0 * k / count + dice.uniform(-8, 8) for k in range(count)]
+    sizes = [dice.uniform(0.75, 1.1) for _ in range(count)]
+    droops = [dice.uniform(50, 95) for _ in range(count)]
+    return leaves([length * s for s in sizes], [wide * s for s in sizes], droops, lifts, turns, [at] * count, shape=shape)
 
 
 def snake_plant(dice: Dice, taste: Taste) -> Model:
@@ -103,16 +136,18 @@ def snake_plant(dice: Dice, taste: Taste) -> Model:
     bench = Bench()
     radius, high = dice.uniform(0.12, 0.16), dice.uniform(0.22, 0.3)
     finish = pot(bench, dice, taste, radius, high)
-    leaves = []
-    for turn in _spread(dice, dice.integer(14, 20)):
-        off = dice.uniform(0.1, 0.75) * radius
-        c, s = math.cos(math.radians(turn)), math.sin(math.radians(turn))
-        long = dice.uniform(0.4, 0.72)
-        leaf = blade(long, dice.uniform(0.055, 0.08), dice.uniform(-4, 12), lift_deg=dice.uniform(74, 88),
-                     turn_deg=turn, fold=0.35, shape="sword")
-        leaves.append(leaf.moved(c * off, s * off, high - 0.03))
-    bench.add(green(dice, "striped leaf"), join(leaves))
+    turns = _spread(dice, dice.integer(14, 20))
+    roots = [_polar(turn, dice.uniform(0.1, 0.75) * radius, high - 0.03) for turn in turns]
+    swords = leaves(
+        [dice.uniform(0.4, 0.72) for _ in turns], [dice.uniform(0.055, 0.08) for _ in turns],
+        [dice.uniform(-4, 12) for _ in turns], [dice.uniform(74, 88) for _ in turns], turns, roots, fold=0.35, shape="sword",
+    )
+    bench.add(green(dice, "striped leaf"), swords)
     return _named(bench, finish, "snake plant")
+
+
+def _polar(turn_deg: float, reach: float, z: float) -> Vector:
+    return (math.cos(math.radians(turn_deg)) * reach, math.sin(math.radians(turn_deg)) * reach, z)
 
 
 def _named(bench: Bench, pot_finish: Finish, species: str) -> Model:
@@ -127,14 +162,14 @@ def leafy_plant(dice: Dice, taste: Taste) -> Model:
     kind = dice.choice(("peace lily", "fern", "rubber plant"))
     foliage = green(dice)
     if kind == "fern":
-        bench.add(foliage, rosette(dice, 46, 0.42, 0.055, "sword").moved(0, 0, high - 0.03))
+        bench.add(foliage, rosette(dice, 46, 0.42, 0.055, "sword", (0, 0, high - 0.03)))
     elif kind == "peace lily":
-        bench.add(foliage, rosette(dice, 30, 0.48, 0.14).moved(0, 0, high - 0.03))
+        bench.add(foliage, rosette(dice, 30, 0.48, 0.14, "oval", (0, 0, high - 0.03)))
     else:
         bench.add(_BARK, rod((0, 0, high - 0.03), (0.02, 0.01, high + 0.6), 0.012, end_radius=0.007))
-        leaves = [blade(dice.uniform(0.2, 0.27), 0.11, 40, lift_deg=50, turn_deg=turn).moved(0, 0, high + 0.05 + 0.028 * k)
-                  for k, turn in enumerate(_spread(dice, 21))]
-        bench.add(foliage, join(leaves))
+        turns = _spread(dice, 21)
+        stem = [(0.0, 0.0, high + 0.05 + 0.028 * k) for k in range(21)]
+        bench.add(foliage, leaves([dice.uniform(0.2, 0.27) for _ in turns], [0.11] * 21, [40.0] * 21, [50.0] * 21, turns, stem))
     return _named(bench, finish, kind)
 
 
@@ -143,19 +178,18 @@ def monstera(dice: Dice, taste: Taste) -> Model:
     bench = Bench()
     radius, high = dice.uniform(0.15, 0.19), dice.uniform(0.28, 0.36)
     finish = pot(bench, dice, taste, radius, high)
-    stalks, leaves = [], []
-    count = dice.integer(14, 19)
-    for k, turn in enumerate(_spread(dice, count)):
-        c, s = math.cos(math.radians(turn)), math.sin(math.radians(turn))
-        out, up = dice.uniform(0.1, 0.26), 0.2 + 0.5 * k / count
-        tip = (c * out, s * out, high + up)
-        stalks.append(tube([(c * 0.03, s * 0.03, high - 0.03), (c * out * 0.5, s * out * 0.5, high + up * 0.65), tip], 0.006, sides=5))
-        size = dice.uniform(0.24, 0.33)
-        leaves.append(blade(size, size * 0.85, dice.uniform(30, 70), lift_deg=dice.uniform(0, 30), turn_deg=turn,
-                            fold=0.12, shape="heart").moved(*tip))
+    stalks, tips, sizes = [], [], []
+    turns = _spread(dice, dice.integer(14, 19))
+    for k, turn in enumerate(turns):
+        out, up = dice.uniform(0.1, 0.26), 0.2 + 0.5 * k / len(turns)
+        tip = _polar(turn, out, high + up)
+        stalks.append(tube([_polar(turn, 0.03, high - 0.03), _polar(turn, out * 0.5, high + up * 0.65), tip], 0.006, sides=5))
+        tips.append(tip)
+        sizes.append(dice.uniform(0.24, 0.33))
     foliage = green(dice)
     bench.add(foliage.tinted(0.9), join(stalks))
-    bench.add(foliage, join(leaves))
+    bench.add(foliage, leaves(sizes, [0.85 * s for s in sizes], [dice.uniform(30, 70) for _ in turns],
+                              [dice.uniform(0, 30) for _ in turns], turns, tips, fold=0.12, shape="heart"))
     return _named(bench, finish, "monstera")
 
 
@@ -169,15 +203,14 @@ def indoor_tree(dice: Dice, taste: Taste) -> Model:
         trunk = dice.uniform(0.3, 0.45)
         bench.add(_BARK, tube([(0, 0, high - 0.03), (0.02, 0.01, high + trunk * 0.5), (0, 0, high + trunk + 0.3)],
                               [0.02, 0.017, 0.01]))
-        leaves = []
         crown = high + trunk + 0.32
-        for turn in _spread(dice, 190):
+        turns, places = _spread(dice, 190), []
+        for turn in turns:
             rise = dice.uniform(-1.0, 1.0)
             reach = math.sqrt(max(1.0 - rise * rise, 0.0)) * dice.uniform(0.55, 1.0) * 0.3
-            c, s = math.cos(math.radians(turn)), math.sin(math.radians(turn))
-            leaves.append(blade(dice.uniform(0.09, 0.13), 0.05, 40, lift_deg=dice.uniform(-25, 50), turn_deg=turn, steps=3)
-                          .moved(c * reach, s * reach, crown + rise * 0.34))
-        bench.add(foliage, join(leaves))
+            places.append(_polar(turn, reach, crown + rise * 0.34))
+        bench.add(foliage, leaves([dice.uniform(0.09, 0.13) for _ in turns], [0.05] * 190, [40.0] * 190,
+                                  [dice.uniform(-25, 50) for _ in turns], turns, places, steps=3))
         return _named(bench, finish, "ficus")
     fronds = []
     for turn in _spread(dice, 11):
@@ -192,17 +225,21 @@ def _frond(length: float, lift: float, droop: float) -> Mesh:
     steps = 12
     step = length / steps
     x, z = 0.0, 0.0
-    path, leaflets = [(0.0, 0.0, 0.0)], []
+    path: list[Vector] = [(0.0, 0.0, 0.0)]
+    sizes, lifts, turns, places = [], [], [], []
     for k in range(steps):
         a = math.radians(lift - droop * k / steps)
         x, z = x + math.cos(a) * step, z + math.sin(a) * step
         path.append((x, 0.0, z))
         if k > 2:
-            size = 0.3 * math.sin(math.pi * (k + 1) / (steps + 2)) + 0.06
             for side in (-1.0, 1.0):
-                leaflets.append(blade(size, 0.032, 45, lift_deg=math.degrees(a) * 0.4 + 5, turn_deg=side * 58,
-                                      shape="sword", steps=3).moved(x, 0, z))
-    return join([tube(path, 0.006, sides=5, capped=False), *leaflets])
+                sizes.append(0.3 * math.sin(math.pi * (k + 1) / (steps + 2)) + 0.06)
+                lifts.append(math.degrees(a) * 0.4 + 5)
+                turns.append(side * 58)
+                places.append((x, 0.0, z))
+    n = len(sizes)
+    leaflets = leaves(sizes, [0.032] * n, [45.0] * n, lifts, turns, places, shape="sword", steps=3)
+    return join([tube(path, 0.006, sides=5, capped=False), leaflets])
 
 
 def small_plant(dice: Dice, taste: Taste) -> Model:
@@ -216,7 +253,7 @@ def small_plant(dice: Dice, taste: Taste) -> Model:
                   ball(0.035, 0.035, 0.07, at=(0.04, 0, high + 0.07), sides=8))
     else:
         count, long, wide = (26, 0.09, 0.035) if kind == "succulent" else (34, 0.14, 0.04)
-        bench.add(green(dice), rosette(dice, count, long, wide).moved(0, 0, high - 0.02))
+        bench.add(green(dice), rosette(dice, count, long, wide, "oval", (0, 0, high - 0.02)))
     return _named(bench, finish, kind)
 
 
@@ -228,13 +265,15 @@ def flower_vase(dice: Dice, taste: Taste) -> Model:
     bench.add(glaze, lathe([(0.0, 0.0), (0.045, 0.0), (0.07, high * 0.35), (0.06, high * 0.7), (0.03, high * 0.9),
                             (0.042, high), (0.03, high - 0.01)], sides=20, crease_deg=60))
     ink = dice.choice(((0.85, 0.2, 0.25), (0.95, 0.75, 0.2), (0.9, 0.55, 0.7), (0.95, 0.93, 0.88), (0.6, 0.35, 0.7)))
-    stems, heads = [], []
-    for turn in _spread(dice, 9):
-        c, s = math.cos(math.radians(turn)), math.sin(math.radians(turn))
+    stems, heads, roots = [], [], []
+    turns = _spread(dice, 9)
+    for turn in turns:
         out, up = dice.uniform(0.03, 0.12), dice.uniform(0.12, 0.24)
-        stems.append(rod((0, 0, high - 0.05), (c * out, s * out, high + up), 0.003, sides=5))
-        heads.append(ball(0.05, 0.05, 0.035, at=(c * out, s * out, high + up), sides=8))
-        stems.append(blade(0.1, 0.035, 30, lift_deg=50, turn_deg=turn + 40, steps=3).moved(c * out * 0.4, s * out * 0.4, high + up * 0.3))
+        tip = _polar(turn, out, high + up)
+        stems.append(rod((0, 0, high - 0.05), tip, 0.003, sides=5))
+        heads.append(ball(0.05, 0.05, 0.035, at=tip, sides=8))
+        roots.append(_polar(turn, out * 0.4, high + up * 0.3))
+    stems.append(leaves([0.1] * 9, [0.035] * 9, [30.0] * 9, [50.0] * 9, [t + 40 for t in turns], roots, steps=3))
     bench.add(green(dice, ""), join(stems))
     bench.add(Finish("", ink), join(heads))
     return bench.model("vase", "flower vase", "vase with flowers", main=glaze)
@@ -247,5 +286,5 @@ def hedge_box(dice: Dice, taste: Taste) -> Model:
     bench.add(finish, cushion(0.8, 0.26, 0.3, radius=0.01))
     foliage = green(dice)
     for k in range(5):
-        bench.add(foliage, rosette(dice, 26, 0.2, 0.05).moved((k - 2) * 0.15, 0, 0.28))
+        bench.add(foliage, rosette(dice, 26, 0.2, 0.05, "oval", ((k - 2) * 0.15, 0, 0.28)))
     return bench.model("potted plant", "plant", "planter", attributes=("green",))

@@ -91,7 +91,7 @@ def tv_stand(dice: Dice, taste: Taste) -> Model:
     bench.add(wood, box(third, deep - 0.02, 0.018, at=(0, 0, leg + (high - leg) / 2)))
     bench.add(plastic("black"), box(0.32, 0.22, 0.06, at=(0, 0.02, leg + 0.023), bevel=0.006))
     return bench.model("tv stand", "media console", "television stand", main=wood,
-                       tops=(Top(-wide / 2 + 0.05, -deep / 2 + 0.03, wide / 2 - 0.05, deep / 2 - 0.03, high),))
+                       tops=(Top(-wide / 2 + 0.05, -deep / 2 + 0.03, wide / 2 - 0.05, deep / 2 - 0.03, high, 1.3),))
 
 
 def bookshelf(dice: Dice, taste: Taste) -> Model:

@@ -28,14 +28,13 @@ class Mesh:
 
     def moved(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> "Mesh":
         """Shifted, metres."""
-        return replace(self, positions=self.positions + (x, y, z))
+        return Mesh(self.positions + np.array((x, y, z)), self.normals, self.uv, self.faces)
 
     def turned(self, degrees: float, axis: str = "z") -> "Mesh":
         """Rotated about an axis through the origin, counter-clockwise seen against the axis."""
         rotation = rotation_matrix(degrees, axis)
-        return replace(
-            self, positions=_rotate(self.positions, rotation), normals=_rotate(self.normals, rotation)
-        )
+        positions, normals = _rotate(self.positions, rotation), _rotate(self.normals, rotation)
+        return Mesh(positions, normals, self.uv, self.faces)
 
     def scaled(self, x: float, y: float, z: float) -> "Mesh":
         """Stretched about the origin; a negative factor mirrors."""
@@ -43,15 +42,16 @@ class Mesh:
         normals = self.normals / factors
         normals /= np.sqrt((normals * normals).sum(axis=1, keepdims=True)) + 1e-12
         faces = self.faces[:, ::-1] if x * y * z < 0 else self.faces
-        return replace(self, positions=self.positions * factors, normals=normals, faces=faces)
+        return Mesh(self.positions * factors, normals, self.uv, faces)
 
     def textured(self, u: float = 1.0, v: float = 1.0, du: float = 0.0, dv: float = 0.0) -> "Mesh":
         """With texture coordinates scaled and then shifted."""
-        return replace(self, uv=self.uv * (u, v) + (du, dv))
+        uv = self.uv * (u, v) + (du, dv)
+        return Mesh(self.positions, self.normals, uv, self.faces)
 
     def swapped_uv(self) -> "Mesh":
         """With the texture turned by a quarter, for grain that runs the other way."""
-        return replace(self, uv=self.uv[:, ::-1])
+        return Mesh(self.positions, self.normals, self.uv[:, ::-1], self.faces)
 
 
 @dataclass(frozen=True)
@@ -110,13 +110,19 @@ def _rotate(
 ) -> Float64[np.ndarray, "n 3"]:
     # Column by column instead of a BLAS product, whose order of summation depends on the machine.
     x, y, z = points[:, 0], points[:, 1], points[:, 2]
-    return np.stack([x * r[0] + y * r[1] + z * r[2] for r in rotation], axis=1)
+    result = np.empty_like(points)
+    for k, (a, b, c) in enumerate(rotation.tolist()):
+        result[:, k] = x * a + y * b + z * c
+    return result
 
 
 def join(meshes: Iterable[Mesh]) -> Mesh:
     """Several meshes as one."""
     parts = list(meshes)
-    starts = np.cumsum([0] + [len(m.positions) for m in parts[:-1]])
+    starts, total = [], 0
+    for part in parts:
+        starts.append(total)
+        total += len(part.positions)
     return Mesh(
         np.concatenate([m.positions for m in parts]),
         np.concatenate([m.normals for m in parts]),
@@ -127,10 +133,13 @@ def join(meshes: Iterable[Mesh]) -> Mesh:
 
 def unit_vectors(vectors: Float64[np.ndarray, "*n 3"]) -> Float64[np.ndarray, "*n 3"]:
     """Scaled to length 1; a zero vector becomes +z."""
-    length = np.sqrt(
-        vectors[..., 0] ** 2 + vectors[..., 1] ** 2 + vectors[..., 2] ** 2
-    )[..., None]
-    return np.where(length > 1e-12, vectors / np.maximum(length, 1e-12), np.array([0.0, 0.0, 1.0]))
+    x, y, z = vectors[..., 0], vectors[..., 1], vectors[..., 2]
+    length = np.sqrt(x * x + y * y + z * z)[..., None]
+    units = vectors / np.maximum(length, 1e-12)
+    none = length[..., 0] <= 1e-12
+    if none.any():
+        units[none] = (0.0, 0.0, 1.0)
+    return units
 
 
 def repeat(mesh: Mesh, places: Sequence[Vector]) -> Mesh:

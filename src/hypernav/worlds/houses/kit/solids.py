@@ -12,11 +12,17 @@ from hypernav.worlds.houses.kit.mesh import Mesh, unit_vectors
 _CORNERS = np.array([[x, y, z] for z in (-1.0, 1.0) for y in (-1.0, 1.0) for x in (-1.0, 1.0)])
 # For each axis: the axes that texture coordinates run along.
 _UV_AXES = ((1, 2), (0, 2), (0, 1))
+# Every corner of a box is three vertices, one for each side that meets there.
+_OWN = np.arange(3)[None, :] == np.tile(np.arange(3), 8)[:, None]
+_SIGNS = np.repeat(_CORNERS, 3, axis=0)
+_INSET = np.where(_OWN, 0.0, 1.0)
+_FLAT_NORMALS = np.where(_OWN, _SIGNS, 0.0)
+_CORNER_UV = np.array(_UV_AXES)[np.tile(np.arange(3), 8)]
 
 
 @lru_cache(maxsize=1)
 def _bevelled_topology() -> tuple[Int64[np.ndarray, "flat 3"], Int64[np.ndarray, "bevel 3"]]:
-    """Triangles over vertices numbered ``3 * corner + axis``: the six sides, then the bevels."""
+    """Triangles over vertices numbered ``3 * corner + axis``: six sides; sides and bevels."""
 
     def wound(vertices: list[int], outward: Float64[np.ndarray, "3"]) -> list[list[int]]:
         points = [_CORNERS[v // 3] * np.where(np.arange(3) == v % 3, 1.0, 0.9) for v in vertices]
@@ -46,7 +52,7 @@ def _bevelled_topology() -> tuple[Int64[np.ndarray, "flat 3"], Int64[np.ndarray,
                 bevel += wound(quad, np.eye(3)[a] * sa + np.eye(3)[b] * sb)
     for corner in range(8):
         bevel += wound([3 * corner, 3 * corner + 1, 3 * corner + 2], _CORNERS[corner])
-    return np.array(flat, dtype=np.int64), np.array(bevel, dtype=np.int64)
+    return np.array(flat, dtype=np.int64), np.array(flat + bevel, dtype=np.int64)
 
 
 def box(
@@ -68,17 +74,11 @@ def box(
     """
     half = np.array([x, y, z]) / 2.0
     inset = np.minimum(bevel, half * 0.49)
-    corners = np.repeat(_CORNERS * half, 3, axis=0)
-    axis = np.tile(np.arange(3), 8)
-    own = np.arange(3)[None, :] == axis[:, None]
-    signs = np.repeat(_CORNERS, 3, axis=0)
-    positions = corners - np.where(own, 0.0, signs * inset)
-    normals = np.where(own, signs, 0.0)
-    uv_axes = np.array(_UV_AXES)[axis]
-    uv = np.take_along_axis(positions + half, uv_axes, axis=1)
+    positions = _SIGNS * (half - _INSET * inset)
+    uv = np.take_along_axis(positions + half, _CORNER_UV, axis=1)
     flat, bevels = _bevelled_topology()
-    faces = np.concatenate([flat, bevels]) if bevel > 0.0 else flat
-    return Mesh(positions + (at[0], at[1], at[2] + half[2]), normals, uv, faces)
+    faces = bevels if bevel > 0.0 else flat
+    return Mesh(positions + np.array((at[0], at[1], at[2] + half[2])), _FLAT_NORMALS, uv, faces)
 
 
 def panel(
@@ -134,6 +134,11 @@ def cushion(
         rounds: Segments of an edge's half arc.
         flats: Segments of the flat part.
     """
+    return _cushion(x, y, z, radius, puff, rounds, flats).moved(*at)
+
+
+@lru_cache(maxsize=512)
+def _cushion(x: float, y: float, z: float, radius: float, puff: float, rounds: int, flats: int) -> Mesh:
     half = np.array([x, y, z]) / 2.0
     radius = min(radius, float(half.min()) * 0.98)
     sides = []
@@ -164,7 +169,7 @@ def cushion(
     starts = np.cumsum([0] + [len(m.positions) for m in meshes[:-1]])
     faces = np.concatenate([m.faces + s for m, s in zip(meshes, starts, strict=True)])
     uv = np.concatenate([m.uv for m in meshes])
-    return Mesh(positions + (at[0], at[1], at[2] + half[2]), normals, uv, faces)
+    return Mesh(positions + np.array((0.0, 0.0, half[2])), normals, uv, faces)
 
 
 def _rounded_side(
@@ -185,13 +190,16 @@ def _rounded_side(
     return Mesh(positions, normals, uv, faces)
 
 
+@lru_cache(maxsize=512)
 def grid_faces(nu: int, nv: int) -> Int64[np.ndarray, "faces 3"]:
     """Triangles of a grid of vertices ``[u, v]``, counter-clockwise seen against u × v."""
     i = np.arange(nu - 1)[:, None] * nv + np.arange(nv - 1)[None, :]
     i = i.reshape(-1).astype(np.int64)
-    return np.concatenate(
+    faces = np.concatenate(
         [np.stack([i, i + nv, i + nv + 1], axis=1), np.stack([i, i + nv + 1, i + 1], axis=1)]
     )
+    faces.flags.writeable = False
+    return faces
 
 
 def prism(

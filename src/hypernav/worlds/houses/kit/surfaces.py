@@ -2,11 +2,12 @@
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Float64, Int64
 
-from hypernav.worlds.houses.kit.mesh import Mesh, join, unit_vectors
+from hypernav.worlds.houses.kit.mesh import Mesh, Vector, join, unit_vectors
 from hypernav.worlds.houses.kit.solids import grid_faces
 
 
@@ -21,11 +22,11 @@ def sheet(
         fit: Texture coordinates from 0 to 1 instead of metres.
     """
     nu, nv = points.shape[:2]
-    du = np.gradient(points, axis=0)
+    du = _slopes(points)
     if closed_u:
-        du[0] = du[-1] = (points[1] - points[-2]) / 2.0
-    dv = np.gradient(points, axis=1)
-    normals = unit_vectors(np.cross(du, dv))
+        du[0] = du[-1] = points[1] - points[-2]
+    dv = _slopes(points.transpose(1, 0, 2)).transpose(1, 0, 2)
+    normals = unit_vectors(cross(du, dv))
     if fit:
         u = np.linspace(0.0, 1.0, nu)[:, None] + np.zeros((1, nv))
         v = np.zeros((nu, 1)) + np.linspace(0.0, 1.0, nv)[None, :]
@@ -35,6 +36,33 @@ def sheet(
     return Mesh(
         points.reshape(-1, 3), normals.reshape(-1, 3), uv.reshape(-1, 2), grid_faces(nu, nv)
     )
+
+
+def _slopes(points: Float64[np.ndarray, "n ..."]) -> Float64[np.ndarray, "n ..."]:
+    """Direction of a line at each of its points: between its neighbours, at the ends one-sided."""
+    slopes = np.empty_like(points)
+    slopes[1:-1] = points[2:] - points[:-2]
+    slopes[0] = points[1] - points[0]
+    slopes[-1] = points[-1] - points[-2]
+    return slopes
+
+
+def cross(a: Float64[np.ndarray, "*n 3"], b: Float64[np.ndarray, "*n 3"]) -> Float64[np.ndarray, "*n 3"]:
+    """Cross product of vectors."""
+    result = np.empty(a.shape)
+    result[..., 0] = a[..., 1] * b[..., 2] - a[..., 2] * b[..., 1]
+    result[..., 1] = a[..., 2] * b[..., 0] - a[..., 0] * b[..., 2]
+    result[..., 2] = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+    return result
+
+
+@lru_cache(maxsize=64)
+def _circle(sides: int) -> tuple[Float64[np.ndarray, "n"], Float64[np.ndarray, "n"]]:
+    """Cosines and sines all around; the last equal the first."""
+    angles = [2.0 * math.pi * k / sides for k in range(sides)]
+    cos = np.array([math.cos(a) for a in angles] + [1.0])
+    sin = np.array([math.sin(a) for a in angles] + [0.0])
+    return cos, sin
 
 
 def _lengths(points: Float64[np.ndarray, "nu nv 3"], axis: int) -> Float64[np.ndarray, "nu nv"]:
@@ -57,6 +85,11 @@ def lathe(
         sides: Around.
         crease_deg: A bend sharper than this stays sharp.
     """
+    return _lathe(tuple((float(r), float(z)) for r, z in profile), sides, crease_deg)
+
+
+@lru_cache(maxsize=1024)
+def _lathe(profile: tuple[tuple[float, float], ...], sides: int, crease_deg: float) -> Mesh:
     points = [np.array(p, dtype=np.float64) for p in profile]
     runs: list[list[Float64[np.ndarray, "2"]]] = [[points[0]]]
     for before, here, after in zip(points, points[1:], [*points[2:], None], strict=False):
@@ -71,26 +104,22 @@ def lathe(
 
 
 def _revolve(run: Float64[np.ndarray, "n 2"], sides: int) -> Mesh:
-    angles = [2.0 * math.pi * k / sides for k in range(sides + 1)]
-    cos = np.array([math.cos(a) for a in angles])
-    sin = np.array([math.sin(a) for a in angles])
-    cos[-1], sin[-1] = cos[0], sin[0]
-    slope = np.gradient(run, axis=0) if len(run) > 2 else np.repeat(run[1:] - run[:1], 2, axis=0)
+    cos, sin = _circle(sides)
+    slope = _slopes(run)
     normal_r, normal_z = slope[:, 1], -slope[:, 0]
     radius, z = run[:, 0], run[:, 1]
-    positions = np.stack(
-        [radius * cos[:, None], radius * sin[:, None], z + 0.0 * cos[:, None]], axis=-1
-    )
-    normals = unit_vectors(
-        np.stack(
-            [normal_r * cos[:, None], normal_r * sin[:, None], normal_z + 0.0 * cos[:, None]],
-            axis=-1,
-        )
-    )
+    positions = np.empty((sides + 1, len(run), 3))
+    positions[..., 0], positions[..., 1] = radius * cos[:, None], radius * sin[:, None]
+    positions[..., 2] = z
+    length = np.sqrt(normal_r * normal_r + normal_z * normal_z) + 1e-12
+    normals = np.empty_like(positions)
+    normals[..., 0], normals[..., 1] = normal_r / length * cos[:, None], normal_r / length * sin[:, None]
+    normals[..., 2] = normal_z / length
     step = np.diff(run, axis=0)
     along = np.concatenate([[0.0], np.cumsum(np.sqrt((step * step).sum(axis=1)))])
     around = 2.0 * math.pi * max(float(radius.mean()), 1e-3) * np.linspace(0.0, 1.0, sides + 1)
-    uv = np.stack([around[:, None] + 0.0 * along, along + 0.0 * around[:, None]], axis=-1)
+    uv = np.empty((sides + 1, len(run), 2))
+    uv[..., 0], uv[..., 1] = around[:, None], along
     return Mesh(
         positions.reshape(-1, 3),
         normals.reshape(-1, 3),
@@ -157,20 +186,21 @@ def tube(
         line = np.concatenate([line, line[:1]])
     radii = np.broadcast_to(np.array(radius, dtype=np.float64), (len(path),))
     radii = np.concatenate([radii, radii[:1]]) if closed else radii
-    forward = np.gradient(line, axis=0) if len(line) > 2 else np.repeat(line[1:] - line[:1], 2, 0)
+    forward = _slopes(line)
     if closed:
         forward[0] = forward[-1] = line[1] - line[-2]
     forward = unit_vectors(forward)
     right = _transported(forward)
-    up = np.cross(right, forward)
-    angles = [2.0 * math.pi * k / sides for k in range(sides + 1)]
-    cos = np.array([math.cos(a) for a in angles])[:, None, None]
-    sin = np.array([math.sin(a) for a in angles])[:, None, None]
-    around = right * cos - up * sin
-    around[-1] = around[0]
+    up = cross(right, forward)
+    cos, sin = _circle(sides)
+    around = right * cos[:, None, None] - up * sin[:, None, None]
     points = line + around * radii[:, None]
-    mesh = sheet(points, closed_u=True)
-    mesh = Mesh(mesh.positions, around.reshape(-1, 3), mesh.uv, mesh.faces)
+    uv = np.empty((sides + 1, len(line), 2))
+    uv[..., 0] = np.linspace(0.0, 2.0 * math.pi * float(radii.max()), sides + 1)[:, None]
+    step = line[1:] - line[:-1]
+    uv[:, 0, 1] = 0.0
+    uv[:, 1:, 1] = np.cumsum(np.sqrt((step * step).sum(axis=1)))
+    mesh = Mesh(points.reshape(-1, 3), around.reshape(-1, 3), uv.reshape(-1, 2), grid_faces(*points.shape[:2]))
     if closed or not capped:
         return mesh
     ends = [
@@ -183,11 +213,13 @@ def tube(
 def _transported(forward: Float64[np.ndarray, "n 3"]) -> Float64[np.ndarray, "n 3"]:
     """A sideways direction at every point that never twists about the path."""
     rows = []
-    side = np.array([1.0, 0.0, 0.0]) if abs(forward[0][0]) < 0.9 else np.array([0.0, 1.0, 0.0])
-    for direction in forward:
-        side = side - direction * float((side * direction).sum())
-        side = unit_vectors(side)
-        rows.append(side)
+    x, y, z = (1.0, 0.0, 0.0) if abs(forward[0][0]) < 0.9 else (0.0, 1.0, 0.0)
+    for a, b, c in forward.tolist():
+        along = x * a + y * b + z * c
+        x, y, z = x - a * along, y - b * along, z - c * along
+        length = math.sqrt(x * x + y * y + z * z)
+        x, y, z = x / length, y / length, z / length
+        rows.append((x, y, z))
     return np.array(rows)
 
 
@@ -214,7 +246,48 @@ def rod(
     sides: int = 8,
 ) -> Mesh:
     """A straight round bar, tapered if the radii differ."""
-    return tube([start, end], [radius, radius if end_radius is None else end_radius], sides=sides)
+    radii = (radius, radius if end_radius is None else end_radius)
+    low, high = np.array(start), np.array(end)
+    axis = unit_vectors(high - low)
+    side, up = (np.array(v) for v in _beside(*axis.tolist()))
+    cos, sin = _circle(sides)
+    around = side * cos[:, None] - up * sin[:, None]
+    n = sides + 1
+    positions = np.empty((4 * n + 2, 3))
+    positions[:n], positions[n : 2 * n] = low + around * radii[0], high + around * radii[1]
+    positions[2 * n : 4 * n] = positions[: 2 * n]
+    positions[4 * n], positions[4 * n + 1] = low, high
+    normals = np.empty_like(positions)
+    normals[:n] = normals[n : 2 * n] = around
+    normals[2 * n : 3 * n] = normals[4 * n] = -axis
+    normals[3 * n : 4 * n] = normals[4 * n + 1] = axis
+    uv = np.zeros((len(positions), 2))
+    uv[:n, 0] = uv[n : 2 * n, 0] = np.arange(n) * (2.0 * math.pi * max(radii) / sides)
+    length = high - low
+    uv[n : 2 * n, 1] = math.sqrt(float((length * length).sum()))
+    return Mesh(positions, normals, uv, _rod_faces(sides))
+
+
+def _beside(x: float, y: float, z: float) -> tuple[Vector, Vector]:
+    """Two directions at right angles to a direction and to each other."""
+    a, b, c = (1.0, 0.0, 0.0) if abs(x) < 0.9 else (0.0, 1.0, 0.0)
+    along = a * x + b * y + c * z
+    a, b, c = a - x * along, b - y * along, c - z * along
+    length = math.sqrt(a * a + b * b + c * c)
+    a, b, c = a / length, b / length, c / length
+    return (a, b, c), (b * z - c * y, c * x - a * z, a * y - b * x)
+
+
+@lru_cache(maxsize=32)
+def _rod_faces(sides: int) -> Int64[np.ndarray, "faces 3"]:
+    n = sides + 1
+    k = np.arange(sides, dtype=np.int64)
+    wall = [np.stack([k, k + 1, k + n + 1], axis=1), np.stack([k, k + n + 1, k + n], axis=1)]
+    low = np.stack([np.full(sides, 4 * n), k + 2 * n + 1, k + 2 * n], axis=1)
+    high = np.stack([np.full(sides, 4 * n + 1), k + 3 * n, k + 3 * n + 1], axis=1)
+    faces = np.concatenate([*wall, low, high])
+    faces.flags.writeable = False
+    return faces
 
 
 def arc(

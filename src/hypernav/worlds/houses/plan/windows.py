@@ -91,7 +91,7 @@ def draw_windows(dice: Dice, rooms: Sequence[Room], openings: Sequence[Opening],
                     continue
             else:
                 wide = min(dice.uniform(1.1, 1.9, 0.05), end - start - 0.7)
-                bottom, top = (1.1 if room.kind == "kitchen" else 0.9), min(2.15, height - 0.3)
+                bottom, top = (1.15 if room.kind == "kitchen" else 0.9), min(2.15, height - 0.3)
             if wide < 0.5:
                 continue
             count = 2 if end - start > 4.6 and room.kind != "bathroom" and placed + 2 <= most else 1
