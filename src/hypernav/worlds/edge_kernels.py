@@ -4,24 +4,25 @@ import numpy as np
 from numba import njit
 
 _CONTRAST = 24
-_BEND = 0.012
+# A strong contrast needs less of a bend: ceilings meet walls at a slant that depth hardly shows.
+_BEND_CONTRAST = 0.2
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _bends(before, near, far, after):
-    """Whether four depths in a row don't lie on a plane between the middle two; 0 is no depth.
+def _bend(before, near, far, after):
+    """How far four depths in a row are from lying on a plane around the middle two; 0 is no depth.
 
     On a plane the inverse of depth changes evenly from pixel to pixel.
     """
     if near == 0.0 or far == 0.0:
-        return (near == 0.0) != (far == 0.0)
+        return 0.0 if near == far else 1.0
     step = 1.0 / far - 1.0 / near
     bend = 0.0
     if before > 0.0:
         bend = abs(step - (1.0 / near - 1.0 / before))
     if after > 0.0:
         bend = max(bend, abs(1.0 / after - 1.0 / far - step))
-    return bend * near > _BEND
+    return bend * near
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -58,7 +59,8 @@ def find_edges(rgb, ids, depth, first_row, last_row, pixels):
                     y3, x3 = y + down, x + 1 - down
                     before = depth[y0, x0] if y0 >= 0 and x0 >= 0 else np.float32(0.0)
                     after = depth[y3, x3] if y3 < height and x3 < width else np.float32(0.0)
-                    if not _bends(before, depth[row, column], depth[y, x], after):
+                    bend = _bend(before, depth[row, column], depth[y, x], after)
+                    if bend * contrast < _BEND_CONTRAST:
                         continue
                 if row >= first_row:
                     marked[row - first_row, column] = True

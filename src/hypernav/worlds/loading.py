@@ -20,8 +20,8 @@ def load_scene(path: Path) -> Scene:
     """Open a scene.
 
     A file ``objects.json`` beside it says which nodes make up which object. Without it every node
-    is an instance of its own, labelled by its name. glTF files (y up) become ``(x, -z, y)``;
-    other formats are taken to be z up and in metres.
+    is an instance of its own, labelled by its name. glTF files (y up) become ``(x, -z, y)``; for
+    the other formats see `read_mesh`. Units are metres.
 
     Args:
         path: A ``.glb``, ``.gltf``, ``.obj``, ``.ply``, ``.stl`` or ``.off`` file.

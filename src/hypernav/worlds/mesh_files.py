@@ -13,9 +13,17 @@ from hypernav.core.errors import SceneError
 from hypernav.worlds.pieces import Piece
 from hypernav.worlds.scene import Material
 
+_Y_UP_TO_Z_UP = np.array(
+    [[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
+)
+
 
 def read_mesh(path: Path) -> tuple[list[Piece], list[Material]]:
-    """All triangles of a file, taken to be z up and in metres, and its materials.
+    """All triangles of a file, in the scene frame, and its materials.
+
+    None of these formats says which way is up: OBJ is read as y up, as modelling tools write it,
+    the others as z up, as scanners do. A PLY with colours is taken for a scan, whose colours
+    already hold the light.
 
     Args:
         path: A file that trimesh can read.
@@ -29,6 +37,8 @@ def read_mesh(path: Path) -> tuple[list[Piece], list[Material]]:
         raise SceneError(
             f"{path}: cannot be read as a mesh ({error}); export the file again"
         ) from error
+    up = _Y_UP_TO_Z_UP if path.suffix.lower() == ".obj" else np.eye(4)
+    scanned = path.suffix.lower() == ".ply"
     pieces: list[Piece] = []
     materials: list[Material] = []
     for name in loaded.graph.nodes_geometry:
@@ -36,9 +46,9 @@ def read_mesh(path: Path) -> tuple[list[Piece], list[Material]]:
         mesh = loaded.geometry[geometry]
         if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces):
             placed = mesh.copy()
-            placed.apply_transform(to_scene)
+            placed.apply_transform(up @ to_scene)
             pieces.append(_piece(str(name), placed, len(materials)))
-            materials.append(_material(str(name), placed))
+            materials.append(_material(str(name), placed, scanned=scanned))
     return pieces, materials
 
 
@@ -59,7 +69,7 @@ def _piece(name: str, mesh: trimesh.Trimesh, material: int) -> Piece:
     return Piece(name, name, vertices, faces, material, uv, colors)
 
 
-def _material(name: str, mesh: trimesh.Trimesh) -> Material:
+def _material(name: str, mesh: trimesh.Trimesh, *, scanned: bool) -> Material:
     visual = mesh.visual
     if isinstance(visual, TextureVisuals):
         material = visual.material
@@ -71,4 +81,4 @@ def _material(name: str, mesh: trimesh.Trimesh) -> Material:
         return Material(name, (red, green, blue))
     colored = isinstance(visual, ColorVisuals) and visual.kind is not None
     plain = 1.0 if colored else 0.8
-    return Material(name, (plain, plain, plain))
+    return Material(name, (plain, plain, plain), unlit=colored and scanned)
