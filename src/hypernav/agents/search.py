@@ -18,7 +18,7 @@ from hypernav.core.observation import Observation
 from hypernav.core.protocols import PresenceCheck
 from hypernav.core.trace import BlockRecord, ExchangeLog, Mode, StepTrace
 from hypernav.mapping import TopDownMap
-from hypernav.perception.explorer import Destination, Explorer
+from hypernav.perception.explorer import Destination, Explorer, last_free_towards
 from hypernav.perception.local import LocalPerception, Target
 from hypernav.planning import Navigator
 
@@ -42,6 +42,7 @@ class SearchConfig(RoomConfig):
         verify_view: The picture that the presence check sees: the "current" one (paper) or the
             "best" of the approach, which still shows what stands too close or too low.
         face_target: Turn towards the goal area before the presence check.
+        pursue_far_sightings: Go towards a goal that is seen beyond the range of depth.
     """
 
     turn_angle_deg: float = 30.0
@@ -53,6 +54,7 @@ class SearchConfig(RoomConfig):
     drop_explored_radius_m: float = 0.75
     verify_view: Literal["current", "best"] = "best"
     face_target: bool = True
+    pursue_far_sightings: bool = True
 
 
 @dataclass(frozen=True)
@@ -200,6 +202,8 @@ class SearchAgent:
             self._turns_left -= 1
             return _Decision(Action.TURN_LEFT, Mode.LOOK_AROUND, "looking around first")
         self._drop_finished_destination(robot)
+        if self._config.pursue_far_sightings:
+            self._pursue(robot)
         for _ in range(_CHOICES_PER_STEP):
             if self._destination is None:
                 with clock("global"):
@@ -215,6 +219,19 @@ class SearchAgent:
             arrived = self._navigator.arrived
             self._end_destination("destination reached" if arrived else "no path to destination")
         return _Decision(Action.TURN_LEFT, Mode.EXPLORE, "no way to any destination, looking again")
+
+    def _pursue(self, robot: Pose2) -> None:
+        """Head for a goal that is in sight but too far away to be measured."""
+        bearing = self._local.far_bearing
+        if bearing is None:
+            return
+        point = last_free_towards(self.grid, robot, bearing)
+        if robot.distance_to(*point) > 2.0 * self._config.arrival_distance_m:
+            reason = f"the {self._goal.text} is in sight, too far away to be measured"
+            if self._destination is None or self._destination.reason != reason:
+                self._events.append("goal seen far away")
+            self._destination = Destination(*point, reason=reason)
+            self._destination_age = 0
 
     def _drop_finished_destination(self, robot: Pose2) -> None:
         """The conditions for a new destination: reached, endurance exceeded, nothing left there."""

@@ -1,12 +1,15 @@
 """Where to go while the goal is out of sight."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
+import numpy as np
+
 from hypernav.core.geometry import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.grid import OccupancyGrid
+from hypernav.core.grid import Cell, OccupancyGrid
 from hypernav.core.overview import Block
 
 
@@ -49,3 +52,34 @@ class Explorer(Protocol):
     ) -> Destination | None:
         """The next place to visit, or None if nothing is left to explore."""
         ...
+
+
+def last_free_towards(
+    grid: OccupancyGrid, robot: Pose2, bearing: float, *, reach_m: float = 8.0
+) -> tuple[float, float]:
+    """The last free point in a straight line from the robot before the unknown or an obstacle.
+
+    Args:
+        grid: The map.
+        robot: Where the robot is.
+        bearing: Direction from the robot's heading, radians, positive to the left.
+        reach_m: How far to look.
+
+    Returns:
+        ``(x, y)``, metres; the robot's own place if nothing ahead is free.
+    """
+    angle = robot.yaw + bearing
+    along = np.arange(grid.resolution_m, reach_m, grid.resolution_m)
+    points = np.array(robot.xy) + along[:, None] * np.array([math.cos(angle), math.sin(angle)])
+    cells = grid.cells_of(points)
+    inside = ((cells >= 0) & (cells < np.array(grid.cells.shape))).all(axis=1)
+    states = np.full(len(points), Cell.UNKNOWN, dtype=np.uint8)
+    states[inside] = grid.cells[cells[inside, 0], cells[inside, 1]]
+    free = np.flatnonzero(states == Cell.FREE)
+    # The floor right before the robot is below its picture: skip what is not known there.
+    walls = np.flatnonzero(states == Cell.OCCUPIED)
+    before_wall = free[free < walls[0]] if len(walls) else free
+    if len(before_wall) == 0:
+        return robot.xy
+    x, y = points[before_wall[-1]]
+    return (float(x), float(y))

@@ -1,5 +1,6 @@
 """Local perception: is the goal in the picture, and where on the floor plan is it?"""
 
+import math
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -9,11 +10,15 @@ from jaxtyping import Bool
 
 from hypernav.core.boxes import Detection
 from hypernav.core.config import RoomConfig
+from hypernav.core.geometry import wrap_angle
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.protocols import Detector, Segmenter
 from hypernav.core.trace import DetectionRecord
 from hypernav.perception.goal_area import GoalArea, points_under_mask
+
+_NO_DEPTH = "too few points with depth"
+_BESIDE_REJECTED_DEG = 10.0
 
 
 class LocalConfig(RoomConfig):
@@ -102,6 +107,16 @@ class LocalPerception:
         self._goal = goal
         self._target: Target | None = None
         self._rejected: list[GoalArea] = []
+        self._far_bearing: float | None = None
+
+    @property
+    def far_bearing(self) -> float | None:
+        """Direction of a goal that the latest picture shows beyond the range of depth.
+
+        Radians from the robot's heading, positive to the left; None if there is no such sighting,
+        or if it lies behind a rejected area.
+        """
+        return self._far_bearing
 
     @property
     def target(self) -> Target | None:
@@ -124,11 +139,14 @@ class LocalPerception:
         """
         records: list[DetectionRecord] = []
         candidates: list[_Candidate] = []
+        self._far_bearing = None
         for detection in self._detector.detect(observation, self._goal):
             mask = self._refined_mask(detection, observation)
             area, reason = self._area(mask, observation)
             if area is not None:
                 candidates.append(_Candidate(detection, area))
+            elif reason == _NO_DEPTH and self._far_bearing is None:
+                self._far_bearing = self._bearing_of(detection, observation)
             records.append(_record(detection, mask, accepted=area is not None, reason=reason))
         self._update(candidates, observation)
         return records
@@ -156,7 +174,7 @@ class LocalPerception:
             stride=2 if int(mask.sum()) > 4000 else 1,
         )
         if len(points) < config.min_points:
-            return None, "too few points with depth"
+            return None, _NO_DEPTH
         area = GoalArea.from_points(
             points,
             resolution_m=self._cell_size_m,
@@ -165,10 +183,20 @@ class LocalPerception:
             largest_cluster_only=config.largest_cluster_only,
         )
         if area is None:
-            return None, "too few points with depth"
+            return None, _NO_DEPTH
         if any(rejected.covers(area) > 0.5 for rejected in self._rejected):
             return None, "rejected before"
         return area, ""
+
+    def _bearing_of(self, detection: Detection, observation: Observation) -> float | None:
+        camera, robot = observation.camera, observation.robot
+        column = (detection.box.x_min + detection.box.x_max) / 2.0
+        bearing = math.atan2(camera.cx - column, camera.fx)
+        for rejected in self._rejected:
+            away = wrap_angle(robot.bearing_to(*rejected.centre) - bearing)
+            if abs(away) < math.radians(_BESIDE_REJECTED_DEG):
+                return None
+        return bearing
 
     def _update(self, candidates: list[_Candidate], observation: Observation) -> None:
         if self._config.pick == "nearest":

@@ -1,0 +1,137 @@
+"""Time every part of a step on the recorded episode in small_house.
+
+Run: python benchmarks/step.py [--data FOLDER]
+
+The recorded poses are rendered again, so that colour and labels are there too; the agent is shown
+the recorded way and decides at every step, but does not steer. Its goal is not in the house, so
+that it explores all the time; local perception is timed with a goal that is.
+"""
+
+import os
+import resource
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import tyro
+from rich.console import Console
+from rich.table import Table
+
+from hypernav.build import build_search, preset
+from hypernav.core.camera import optical_to_base
+from hypernav.core.geometry import Pose2
+from hypernav.core.goal import Goal
+from hypernav.core.observation import LabelledPixels, Observation
+from hypernav.core.trace import ExchangeLog
+from hypernav.mapping import TopDownMap, divide_into_blocks, find_frontiers
+from hypernav.perception.depth_cut import DepthCutSegmenter
+from hypernav.perception.ground_truth import GroundTruthDetector
+from hypernav.perception.local import LocalPerception
+from hypernav.planning import Planner
+from hypernav.show import draw_overview
+from hypernav.worlds import EmbreeRenderer, load_scene
+
+STEPS = 500
+TEST_DATA = Path(os.environ.get("HYPERNAV_TEST_DATA", "../shared/data"))
+
+
+@dataclass
+class Stopwatch:
+    """Milliseconds by name."""
+
+    times: dict[str, list[float]] = field(default_factory=dict)
+
+    def __call__(self, name: str, call: Callable[..., Any], *arguments: Any) -> Any:
+        """Time one call."""
+        start = time.perf_counter()
+        result = call(*arguments)
+        self.times.setdefault(name, []).append((time.perf_counter() - start) * 1e3)
+        return result
+
+
+def main(data: Path = TEST_DATA) -> None:
+    """Print the table.
+
+    Args:
+        data: Folder of the test data.
+    """
+    config, watch = preset("default"), Stopwatch()
+    observations = recorded(data, watch)
+    explorer = build_search(config, GroundTruthDetector(), ExchangeLog())
+    explorer.reset(Goal("something that is not there"))
+    local = LocalPerception(
+        GroundTruthDetector(), DepthCutSegmenter(), config.local, cell_size_m=0.05
+    )
+    local.reset(Goal("chair"))
+    world_map, planner = TopDownMap(config.mapping), Planner(config.planning)
+    trajectory: list[tuple[float, float]] = []
+    for step in range(STEPS):
+        observation = observations[step % len(observations)]
+        robot = observation.robot
+        trajectory.append(robot.xy)
+        watch("agent step", explorer.act, observation)
+        watch("integrate", world_map.integrate, observation)
+        watch("local perception", local.look, observation)
+        grid = world_map.grid
+        watch("frontiers", find_frontiers, grid, robot, config.mapping)
+        blocks = watch("blocks", divide_into_blocks, grid, robot, config.mapping)
+        if step % 10 == 0:
+            watch("draw overview", draw_overview, grid, blocks, robot, trajectory)
+        far = max(blocks, key=lambda b: b.travel_m)
+        target = np.array([far.destination])
+        watch("plan to the farthest block", planner.plan, grid, robot.xy, target)
+    report(watch)
+
+
+def recorded(data: Path, watch: Stopwatch) -> list[Observation]:
+    """The recorded frames, rendered anew."""
+    episode = np.load(data / "episodes" / "small_house.npz")
+    scene = load_scene(data / "scenes" / "small_house" / "scene.glb")
+    renderer, config = EmbreeRenderer(scene), preset("default").world
+    labels = {i.id: i.label for i in scene.instances if i.label is not None}
+    camera = config.camera.intrinsics
+    observations: list[Observation] = []
+    for _ in range(2):  # twice: light is computed where it is first seen
+        observations = []
+        for x, y, yaw in episode["xy_yaw"]:
+            # The recording's frame is turned by 90 degrees against ours.
+            pose = Pose2(-float(y), float(x), float(yaw) + np.pi / 2)
+            camera_to_scene = pose.to_transform() @ optical_to_base(config.camera.height_m)
+            view = watch("render", renderer.render, camera, camera_to_scene)
+            in_range = (view.depth >= 0.5) & (view.depth <= 5.0)
+            observations.append(
+                Observation(
+                    rgb=view.rgb,
+                    depth=np.where(in_range, view.depth, np.float32(0.0)),
+                    camera=camera,
+                    camera_to_map=camera_to_scene,
+                    robot=pose,
+                    truth=LabelledPixels(view.instance_ids, labels),
+                )
+            )
+    watch.times["render"] = watch.times["render"][len(observations) :]
+    return observations
+
+
+def report(watch: Stopwatch) -> None:
+    table = Table("what", "median ms", "95th percentile ms", "first 100", "last 100", "n")
+    for name, times in watch.times.items():
+        warm = times[3:]  # the first calls load compiled code
+        table.add_row(
+            name,
+            f"{np.median(warm):.2f}",
+            f"{np.percentile(warm, 95):.2f}",
+            f"{np.median(warm[:100]):.2f}",
+            f"{np.median(warm[-100:]):.2f}",
+            str(len(warm)),
+        )
+    Console().print(table)
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    Console().print(f"peak memory of this program {peak:.0f} MB")
+
+
+if __name__ == "__main__":
+    tyro.cli(main)
