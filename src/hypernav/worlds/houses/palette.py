@@ -45,7 +45,7 @@ def wood(kind: str) -> Finish:
 
 def lacquer(hue: str) -> Finish:
     """Painted wood."""
-    return Finish("fine wood", HUES[hue], 1.0, hue, "wooden")
+    return Finish("satin", HUES[hue], 1.0, hue, "wooden")
 
 
 def fabric(hue: str, texture: str = "fabric", tile_m: float = 0.3) -> Finish:

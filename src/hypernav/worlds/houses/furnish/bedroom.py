@@ -108,10 +108,10 @@ def place_desk(site: Site) -> Placed | None:
     if piece is None:
         return None
     seat = chairs.office_chair(dice, taste)
-    for off in (0.12, 0.2, 0.32):
-        dx, dy = turned_point(0.0, model.depth / 2 + off + 0.05, piece.yaw_deg)
+    for off in (0.03, 0.15):
+        dx, dy = turned_point(0.0, (model.depth + seat.depth) / 2 + off, piece.yaw_deg)
         spot = Spot(piece.x + dx, piece.y + dy, piece.yaw_deg + 180.0)
-        if seat.depth / 2 - off < 0.2 and site.fits(seat, spot, over=[site.solid_of(piece)]):
+        if site.fits(seat, spot):
             site.put(seat, spot)
             break
     if dice.chance(0.5):

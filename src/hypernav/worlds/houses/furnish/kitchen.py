@@ -68,7 +68,27 @@ def place_units(site: Site, shortest: float = 2.2) -> bool:
         return False
     _, side, start, end = best
     _fill_row(site, side, start, end)
+    if site.room.kind == "kitchen" and site.inner.area > 11.0:
+        _second_row(site, side)
     return True
+
+
+def _second_row(site: Site, first: str) -> None:
+    """More cabinets along another wall."""
+    dice, taste = site.dice, site.taste
+    for side in dice.shuffled([s for s in SIDES if s != first]):
+        for start, end in _runs(site, side):
+            if end - start < 1.3:
+                continue
+            top = kitchen.worktop(dice, taste)
+            widths = [0.8] * min(int((end - start - 0.02) / 0.802), 3)
+            models = [kitchen.kitchen_cabinet(dice, taste, w, top) for w in widths]
+            for model, spot in _row(site, side, models, start, end, low=dice.chance(0.5)):
+                piece = site.put(model, spot)
+                _above(site, side, piece, None)
+                _on_counter(site, piece)
+            _reserve_front(site, side, start, end)
+            return
 
 
 def _runs(site: Site, side: str) -> list[tuple[float, float]]:
@@ -149,7 +169,7 @@ def _reserve_front(site: Site, side: str, start: float, end: float) -> None:
     site.reserve(site.front_zone(probe, spot, 0.85))
 
 
-def _above(site: Site, side: str, piece: Placed, fridge: Model) -> None:
+def _above(site: Site, side: str, piece: Placed, fridge: Model | None) -> None:
     dice, taste = site.dice, site.taste
     if piece.model is fridge:
         return

@@ -64,7 +64,7 @@ class Site:
         """
         self.plan, self.number, self.dice, self.taste = plan, number, dice, taste
         self.room = plan.rooms[number]
-        self.inner = self.room.inner
+        self.inner = self.room.inner.grown(-0.035 if self.room.is_outside else 0.0)
         self.height = plan.height
         self.openings = plan.openings_of(number)
         self.placed: list[Placed] = []

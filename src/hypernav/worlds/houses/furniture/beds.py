@@ -207,4 +207,4 @@ def crib(dice: Dice, taste: Taste) -> Model:
     bench.add(fabric(taste.linen, "stripes", 0.4), cushion(wide - 0.08, long * 0.6, 0.04, radius=0.018,
                                                           at=(0, long * 0.17, 0.43)))
     bench.add(fabric("white"), throw_pillow(0.28).scaled(1.3, 1, 0.8).moved(0, -long / 2 + 0.2, 0.43))
-    return bench.model("crib", "baby bed", "cot", main=frame)
+    return bench.model("crib", "cot", "baby crib", main=frame)

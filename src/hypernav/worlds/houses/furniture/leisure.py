@@ -125,13 +125,13 @@ def cat_tree(dice: Dice, taste: Taste) -> Model:
 
 
 def pet_bed(dice: Dice, taste: Taste) -> Model:
-    """A round bed for a dog or cat."""
+    """A round basket for a dog or cat."""
     bench = Bench()
     cloth = fabric(dice.choice((taste.soft, "gray", "brown")), "coarse fabric", 0.3)
     ring = [(0.27 * math.cos(2 * math.pi * k / 20), 0.22 * math.sin(2 * math.pi * k / 20), 0.08) for k in range(20)]
     bench.add(cloth, tube(ring, 0.075, sides=10, closed=True))
     bench.add(Finish("terry", HUES["cream"], 0.25), cylinder(0.24, 0.07, sides=24, bevel=0.02).scaled(1, 0.82, 1))
-    return bench.model("pet bed", "dog bed", "cat bed", main=cloth)
+    return bench.model("pet basket", "dog basket", "cat basket", main=cloth)
 
 
 def bicycle(dice: Dice, taste: Taste) -> Model:
@@ -284,7 +284,7 @@ def dollhouse(dice: Dice, taste: Taste) -> Model:
         bench.add(roof, slope.moved(s * -0.22, 0, 0).turned(s * 38, "y").moved(0, 0, 0.86))
     for k in range(4):
         bench.add(plastic(dice.choice(("red", "yellow", "blue", "green"))), box(0.1, 0.1, 0.09, at=((k % 2 - 0.5) * 0.28, 0.02, 0.02 + 0.3 * (k // 2)), bevel=0.01))
-    return bench.model("dollhouse", "doll house", "toy house", main=wall)
+    return bench.model("toy", "dollhouse", "doll house", main=wall)
 
 
 def easel(dice: Dice, taste: Taste) -> Model:

@@ -25,8 +25,8 @@ def green(dice: Dice, texture: str = "leaf") -> Finish:
     return Finish(texture, (r * lift, g * lift, b * lift), 1.0, "green", "")
 
 
-def pot(bench: Bench, dice: Dice, taste: Taste, radius: float, high: float) -> Finish:
-    """A pot with earth, standing on z = 0; gives back its finish."""
+def pot(bench: Bench, dice: Dice, taste: Taste, radius: float, high: float) -> None:
+    """A pot with earth, standing on z = 0."""
     finish = dice.choice(
         (
             TERRACOTTA,
@@ -43,7 +43,6 @@ def pot(bench: Bench, dice: Dice, taste: Taste, radius: float, high: float) -> F
                (radius * 1.06, high), (radius * 0.95, high), (radius * 0.92, high - 0.04)]
     bench.add(finish, lathe(profile, sides=24))
     bench.add(_SOIL, lathe([(0.0, high - 0.025), (radius * 0.94, high - 0.03)][::-1], sides=20))
-    return finish
 
 
 def leaves(
@@ -135,7 +134,7 @@ def snake_plant(dice: Dice, taste: Taste) -> Model:
     """Upright swords."""
     bench = Bench()
     radius, high = dice.uniform(0.12, 0.16), dice.uniform(0.22, 0.3)
-    finish = pot(bench, dice, taste, radius, high)
+    pot(bench, dice, taste, radius, high)
     turns = _spread(dice, dice.integer(14, 20))
     roots = [_polar(turn, dice.uniform(0.1, 0.75) * radius, high - 0.03) for turn in turns]
     swords = leaves(
@@ -143,22 +142,22 @@ def snake_plant(dice: Dice, taste: Taste) -> Model:
         [dice.uniform(-4, 12) for _ in turns], [dice.uniform(74, 88) for _ in turns], turns, roots, fold=0.35, shape="sword",
     )
     bench.add(green(dice, "striped leaf"), swords)
-    return _named(bench, finish, "snake plant")
+    return _named(bench, "snake plant")
 
 
 def _polar(turn_deg: float, reach: float, z: float) -> Vector:
     return (math.cos(math.radians(turn_deg)) * reach, math.sin(math.radians(turn_deg)) * reach, z)
 
 
-def _named(bench: Bench, pot_finish: Finish, species: str) -> Model:
-    return bench.model("potted plant", "plant", species, attributes=("green", f"in a {pot_finish.hue} pot"))
+def _named(bench: Bench, species: str) -> Model:
+    return bench.model("potted plant", "plant", species, attributes=("green",))
 
 
 def leafy_plant(dice: Dice, taste: Taste) -> Model:
     """A rosette of broad leaves, like a peace lily or a fern."""
     bench = Bench()
     radius, high = dice.uniform(0.13, 0.18), dice.uniform(0.22, 0.34)
-    finish = pot(bench, dice, taste, radius, high)
+    pot(bench, dice, taste, radius, high)
     kind = dice.choice(("peace lily", "fern", "rubber plant"))
     foliage = green(dice)
     if kind == "fern":
@@ -170,14 +169,14 @@ def leafy_plant(dice: Dice, taste: Taste) -> Model:
         turns = _spread(dice, 21)
         stem = [(0.0, 0.0, high + 0.05 + 0.028 * k) for k in range(21)]
         bench.add(foliage, leaves([dice.uniform(0.2, 0.27) for _ in turns], [0.11] * 21, [40.0] * 21, [50.0] * 21, turns, stem))
-    return _named(bench, finish, kind)
+    return _named(bench, kind)
 
 
 def monstera(dice: Dice, taste: Taste) -> Model:
     """Long stalks with large heart-shaped leaves."""
     bench = Bench()
     radius, high = dice.uniform(0.15, 0.19), dice.uniform(0.28, 0.36)
-    finish = pot(bench, dice, taste, radius, high)
+    pot(bench, dice, taste, radius, high)
     stalks, tips, sizes = [], [], []
     turns = _spread(dice, dice.integer(14, 19))
     for k, turn in enumerate(turns):
@@ -190,14 +189,14 @@ def monstera(dice: Dice, taste: Taste) -> Model:
     bench.add(foliage.tinted(0.9), join(stalks))
     bench.add(foliage, leaves(sizes, [0.85 * s for s in sizes], [dice.uniform(30, 70) for _ in turns],
                               [dice.uniform(0, 30) for _ in turns], turns, tips, fold=0.12, shape="heart"))
-    return _named(bench, finish, "monstera")
+    return _named(bench, "monstera")
 
 
 def indoor_tree(dice: Dice, taste: Taste) -> Model:
     """A small tree: a fig with many small leaves, or a palm with fronds."""
     bench = Bench()
     radius, high = dice.uniform(0.16, 0.2), dice.uniform(0.28, 0.36)
-    finish = pot(bench, dice, taste, radius, high)
+    pot(bench, dice, taste, radius, high)
     foliage = green(dice)
     if dice.chance(0.5):
         trunk = dice.uniform(0.3, 0.45)
@@ -211,13 +210,13 @@ def indoor_tree(dice: Dice, taste: Taste) -> Model:
             places.append(_polar(turn, reach, crown + rise * 0.34))
         bench.add(foliage, leaves([dice.uniform(0.09, 0.13) for _ in turns], [0.05] * 190, [40.0] * 190,
                                   [dice.uniform(-25, 50) for _ in turns], turns, places, steps=3))
-        return _named(bench, finish, "ficus")
+        return _named(bench, "ficus")
     fronds = []
     for turn in _spread(dice, 11):
         lift, long = dice.uniform(60, 86), dice.uniform(0.75, 1.0)
         fronds.append(_frond(long, lift, dice.uniform(60, 100)).turned(turn).moved(0, 0, high - 0.02))
     bench.add(foliage, join(fronds))
-    return _named(bench, finish, "palm")
+    return _named(bench, "palm")
 
 
 def _frond(length: float, lift: float, droop: float) -> Mesh:
@@ -246,7 +245,7 @@ def small_plant(dice: Dice, taste: Taste) -> Model:
     """A little plant for tables and sills."""
     bench = Bench()
     radius, high = dice.uniform(0.055, 0.075), dice.uniform(0.09, 0.12)
-    finish = pot(bench, dice, taste, radius, high)
+    pot(bench, dice, taste, radius, high)
     kind = dice.choice(("succulent", "cactus", "herb"))
     if kind == "cactus":
         bench.add(green(dice, ""), ball(0.07, 0.07, 0.16, at=(0, 0, high + 0.05), sides=12),
@@ -254,7 +253,7 @@ def small_plant(dice: Dice, taste: Taste) -> Model:
     else:
         count, long, wide = (26, 0.09, 0.035) if kind == "succulent" else (34, 0.14, 0.04)
         bench.add(green(dice), rosette(dice, count, long, wide, "oval", (0, 0, high - 0.02)))
-    return _named(bench, finish, kind)
+    return bench.model(kind, "plant", "small plant", "potted plant", attributes=("green", "small"))
 
 
 def flower_vase(dice: Dice, taste: Taste) -> Model:

@@ -136,7 +136,7 @@ def bean_bag(dice: Dice, taste: Taste) -> Model:
     folds = 1.0 + 0.025 * np.sin(6 * angle) * rise * (1 - rise) * 4
     lean[:, :2] *= folds[:, None]
     bench.add(cloth, Mesh(lean, sack.normals, sack.uv, sack.faces))
-    return bench.model("bean bag", "bean bag chair", main=cloth)
+    return bench.model("bean bag", "beanbag", main=cloth)
 
 
 def futon(dice: Dice, taste: Taste) -> Model:
@@ -155,4 +155,4 @@ def futon(dice: Dice, taste: Taste) -> Model:
                   box(0.06, 0.84, 0.03, at=(x, 0.01, 0.56), bevel=0.005),
                   box(0.03, 0.7, 0.05, at=(x, 0.01, 0.24)))
     bench.add(frame, box(wide - 0.1, 0.03, 0.08, at=(0, 0.38, 0.22)))
-    return bench.model("sofa", "futon", "sofa bed", "couch", main=cloth)
+    return bench.model("sofa", "futon", "couch", main=cloth)

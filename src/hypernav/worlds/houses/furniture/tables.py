@@ -26,14 +26,14 @@ def dining_table(dice: Dice, taste: Taste, seats: int = 4) -> Model:
     deep = dice.uniform(0.78, 0.9) if seats > 2 else 0.75
     wood = taste.furniture_wood(dice)
     bench = Bench()
-    style = dice.choice(("classic", "classic", "splayed", "trestle", "metal"))
+    style = dice.choice(("classic", "classic", "splayed", "trestle" if seats == 6 else "splayed", "metal"))
     plate = 0.032
     top = box(long, deep, plate, at=(0, 0, TABLE_M - plate), bevel=0.006)
     bench.add(wood, top)
     if style in ("classic", "splayed"):
         apron_x, apron_y = long - 0.14, deep - 0.14
         legs = four_legs(long - 0.08, deep - 0.08, TABLE_M - plate, thick=0.075 if style == "classic" else 0.055,
-                         taper=0.8 if style == "classic" else 0.5, splay=0.0 if style == "classic" else -0.0,
+                         taper=0.8 if style == "classic" else 0.5, 
                          round_=style == "splayed")
         bench.add(wood if dice.chance(0.8) else lacquer("white"), *legs)
         for s in (-1.0, 1.0):
@@ -48,7 +48,7 @@ def dining_table(dice: Dice, taste: Taste, seats: int = 4) -> Model:
         bench.add(wood, box(long - 0.5, 0.04, 0.1, at=(0, 0, 0.3), bevel=0.006))
     else:
         for s in (-1.0, 1.0):
-            x = s * (long / 2 - 0.14)
+            x = s * (long / 2 - 0.06)
             frame = [(x, -deep / 2 + 0.08, TABLE_M - plate), (x, -deep / 2 + 0.08, 0.02),
                      (x, deep / 2 - 0.08, 0.02), (x, deep / 2 - 0.08, TABLE_M - plate)]
             for a, b in zip(frame, frame[1:], strict=False):

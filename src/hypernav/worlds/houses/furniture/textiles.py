@@ -31,9 +31,9 @@ def runner(dice: Dice, taste: Taste) -> Model:
 def _rug(wide: float, deep: float, pattern: int) -> Model:
     bench = Bench()
     key = f"rug {pattern}"
-    bench.add(Finish(key, (1.0, 1.0, 1.0), 1.0, "", "wool"), tile(wide, deep, at=(0, 0, 0.012)))
+    bench.add(Finish(key, (1.0, 1.0, 1.0), 1.0, "", "wool"), tile(wide, deep, at=(0, 0, 0.0082)))
     edge = Finish("terry", (0.5, 0.46, 0.4), 0.25)
-    bench.add(edge, box(wide, deep, 0.0115))
+    bench.add(edge, box(wide, deep, 0.008))
     return bench.model("rug", "carpet", attributes=("patterned",))
 
 
@@ -50,7 +50,7 @@ def doormat(dice: Dice, taste: Taste) -> Model:
     del taste
     bench = Bench()
     cloth = Finish("pile", dice.choice(((0.45, 0.33, 0.2), (0.3, 0.3, 0.3))), 0.3, "brown", "fibre")
-    bench.add(cloth, box(0.7, 0.42, 0.016))
+    bench.add(cloth, box(0.7, 0.42, 0.009))
     return bench.model("doormat", "door mat", main=cloth)
 
 

@@ -122,7 +122,7 @@ def shower_curtain(dice: Dice, taste: Taste, wide: float = 1.5) -> Model:
     share = dice.uniform(0.4, 0.55)
     side = dice.choice((-1.0, 1.0))
     bench.add(cloth, _drape(dice, wide * share, 1.7).moved(side * wide * (1 - share) / 2, 0, 0.03))
-    return bench.model("shower curtain", "bathroom curtain", main=cloth)
+    return bench.model("shower curtain", main=cloth)
 
 
 def towel_rack(dice: Dice, taste: Taste) -> Model:
@@ -138,7 +138,7 @@ def towel_rack(dice: Dice, taste: Taste) -> Model:
         front = cushion(wide, 0.02, high, radius=0.009, at=(x, 0.066, 0.37 - high))
         back = cushion(wide, 0.018, high * 0.8, radius=0.008, at=(x, 0.034, 0.37 - high * 0.8))
         bench.add(terry(hue), front, back)
-    return bench.model("towel rack", "towel rail", "towel", main=metal)
+    return bench.model("towel rack", "towel rail", "towel holder", main=metal)
 
 
 def radiator(dice: Dice, taste: Taste) -> Model:

@@ -112,6 +112,8 @@ def _is_free(new: Opening, others: Sequence[Opening]) -> bool:
         if same_wall and new.start < other.end + 0.15 and other.start < new.end + 0.15:
             return False
         leaf = leaf_rect(other)
+        if new.kind == "window" and leaf is not None and leaf.overlaps(new.strip(-0.25, 0.25, 0.08), 0.02):
+            return False
         if new.kind == "entrance" and leaf is not None and leaf.overlaps(approach(new), 0.05):
             return False
     return True

@@ -105,8 +105,11 @@ def bar(along: str, start: float, end: float, across0: float, across1: float, z0
     a0, a1 = sorted((across0, across1))
     t, a = (start + end) / 2, (a0 + a1) / 2
     if along == "x":
-        return box(end - start, a1 - a0, z1 - z0, at=(t, a, z0), bevel=bevel)
-    return box(a1 - a0, end - start, z1 - z0, at=(a, t, z0), bevel=bevel)
+        mesh = box(end - start, a1 - a0, z1 - z0, at=(t, a, z0), bevel=bevel)
+    else:
+        mesh = box(a1 - a0, end - start, z1 - z0, at=(a, t, z0), bevel=bevel)
+    # Grain runs along the bar.
+    return mesh.swapped_uv() if z1 - z0 > end - start else mesh
 
 
 def _skirting(

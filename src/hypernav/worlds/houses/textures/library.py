@@ -1,7 +1,9 @@
 """The texture library: one picture per key, made once per process and shared by all houses."""
 
 from collections.abc import Callable
-from functools import lru_cache, partial
+from functools import partial
+
+import numpy as np
 
 from hypernav.worlds.houses.dice import Dice
 from hypernav.worlds.houses.textures import pictures, surfaces
@@ -9,7 +11,7 @@ from hypernav.worlds.houses.textures.noise import Picture
 
 _MAKERS: dict[str, Callable[[Dice], Picture]] = {
     "wood": surfaces.wood,
-    "fine wood": partial(surfaces.wood, contrast=0.16),
+    "satin": surfaces.satin,
     "planks": surfaces.planks,
     "wide planks": partial(surfaces.planks, rows=6),
     "fabric": surfaces.fabric,
@@ -52,18 +54,35 @@ _MAKERS: dict[str, Callable[[Dice], Picture]] = {
 }
 
 
-@lru_cache(maxsize=256)
+_PICTURES: dict[str, Picture] = {}
+
+
 def texture(key: str) -> Picture:
     """The picture of a key: a name, or a name with a number for one of its variants ("rug 3").
 
-    Row 0 is the upper edge. The array is shared: don't write to it.
+    Row 0 is the upper edge. The array is shared: it cannot be written to.
 
     Raises:
         KeyError: No texture has this name.
     """
-    name, _, variant = key.rpartition(" ")
-    if not variant.isdigit():
-        name = key
-    picture = _MAKERS[name](Dice("texture", key))
+    if key not in _PICTURES:
+        name, _, variant = key.rpartition(" ")
+        maker = _MAKERS[name if variant.isdigit() else key]
+        keep_texture(key, maker(Dice("texture", key)))
+    return _PICTURES[key]
+
+
+def known_texture(key: str) -> bool:
+    """Whether the picture of a key is in memory already."""
+    return key in _PICTURES
+
+
+def keep_texture(key: str, picture: Picture) -> None:
+    """Put a picture that was made before into the library."""
     picture.flags.writeable = False
-    return picture
+    _PICTURES[key] = picture
+
+
+def is_picture(array: np.ndarray) -> bool:
+    """Whether an array from a file can be a texture."""
+    return array.dtype == np.uint8 and array.ndim == 3 and array.shape[2] == 3 and array.size > 0

@@ -30,6 +30,12 @@ def wood(dice: Dice, size: int = 512, contrast: float = 0.3) -> Picture:
     return to_picture(np.stack([tone, tone**1.12, tone**1.3], axis=2))
 
 
+def satin(dice: Dice, size: int = 256) -> Picture:
+    """Painted wood: even, with a trace of brush strokes along u; about 1 m."""
+    strokes = cloud_noise(dice, size, 64, octaves=2, stretch=32)
+    return to_picture(0.975 + 0.03 * (strokes - 0.5) + 0.02 * (cloud_noise(dice, size, 4) - 0.5))
+
+
 def planks(dice: Dice, size: int = 512, rows: int = 10, contrast: float = 0.3) -> Picture:
     """A floor of planks along u; one picture covers about 1.2 m."""
     row, column = pixel_grid(size, size)
