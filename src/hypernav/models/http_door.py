@@ -95,7 +95,9 @@ class HttpDoor:
         if _BLIND.search(said):  # llama.cpp answers 500
             return ModelRejectedError(f"{where}: {said}; this model cannot see, choose another")
         if error.status_code in _BUSY or error.status_code >= 500:
-            return RetryLaterError(f"{where}: {said}", _retry_after(error))
+            return RetryLaterError(
+                f"{where}: {said}", _retry_after(error), status=error.status_code
+            )
         if error.status_code in {401, 403}:
             hint = "set the environment variable HYPERNAV_API_KEY to the server's key"
             return ModelRejectedError(f"{where}: {said}; {hint}")

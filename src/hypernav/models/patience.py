@@ -13,16 +13,18 @@ _log = logging.getLogger(__name__)
 
 
 class RetryLaterError(ChatTransportError):
-    """A server that is there but busy; it may say how long to wait.
+    """A server that is there but cannot answer now; it may say how long to wait.
 
     Attributes:
         wait_s: What the server asks for; None if it does not say.
+        status: Of HTTP.
     """
 
-    def __init__(self, message: str, wait_s: float | None = None) -> None:
-        """Keep the wait beside the message."""
+    def __init__(self, message: str, wait_s: float | None = None, *, status: int = 503) -> None:
+        """Keep wait and status beside the message."""
         super().__init__(message)
         self.wait_s = wait_s
+        self.status = status
 
 
 class Patience:

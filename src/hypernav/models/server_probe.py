@@ -12,10 +12,11 @@ from dataclasses import dataclass
 from typing import Any
 from urllib.parse import urlsplit, urlunsplit
 
-from hypernav.core.errors import ChatError, ModelRejectedError
+from hypernav.core.errors import ModelRejectedError
 from hypernav.models.chat_config import ChatConfig
 from hypernav.models.dialects import Dialect, dialect_named
 from hypernav.models.http_door import BadRequestError, HttpDoor
+from hypernav.models.patience import RetryLaterError
 
 _OWNERS = {"vllm": "vllm", "sglang": "sglang", "llamacpp": "llamacpp", "library": "ollama"}
 _STRUCTURED_SINCE = (0, 11)
@@ -80,6 +81,11 @@ def _models(door: HttpDoor, model: str | None, limit_s: float) -> list[dict[str,
         if "answered 404" in str(error) and not urlsplit(door.url).path.rstrip("/"):
             raise ModelRejectedError(f"{error}; try openai:{door.url}/v1") from error
         raise
+    except RetryLaterError as error:
+        # A broken list, as `transformers serve` has without a cache folder, is no reason to stop.
+        if model is not None and error.status == 500:
+            return []
+        raise
     data = reply.get("data") if isinstance(reply, dict) else None
     entries = data if isinstance(data, list) else []
     return [one for one in entries if isinstance(one, dict) and isinstance(one.get("id"), str)]
@@ -117,7 +123,7 @@ def _vllm_version(door: HttpDoor, limit_s: float) -> tuple[int, ...]:
     try:
         root = urlunsplit((parts.scheme, parts.netloc, "/version", "", ""))
         version = str(door.get(root, limit_s=limit_s).get("version", ""))
-    except ChatError:
+    except ModelRejectedError:
         version = ""
     numbers = re.match(r"(\d+)\.(\d+)", version)
     return (int(numbers[1]), int(numbers[2])) if numbers else _STRUCTURED_SINCE
@@ -127,8 +133,9 @@ def _has_systemone(door: HttpDoor, limit_s: float) -> bool:
     """An empty request is refused for its content where the endpoint exists, else not found."""
     try:
         door.post("/systemone", {}, limit_s=limit_s)
-    except BadRequestError:
-        return True
-    except ChatError:
-        return False
+    except ModelRejectedError as error:
+        return isinstance(error, BadRequestError)
+    except RetryLaterError as error:
+        if error.status != 500:
+            raise
     return False
