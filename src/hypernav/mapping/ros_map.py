@@ -1,0 +1,104 @@
+"""Maps on disk as ROS reads them: ``map.pgm`` and ``map.yaml``."""
+
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+from PIL import Image, UnidentifiedImageError
+
+from hypernav.core.errors import MapError
+from hypernav.core.grid import Cell, OccupancyGrid
+
+OCCUPIED_THRESHOLD = 0.65
+FREE_THRESHOLD = 0.196
+_SHADES = np.array([205, 254, 0], dtype=np.uint8)
+
+
+def save_ros_map(grid: OccupancyGrid, folder: Path, name: str = "map") -> Path:
+    """Write a map for Nav2's map_server.
+
+    Shades and thresholds are those of map_saver: free 254, occupied 0, unknown 205, which the
+    thresholds 0.65 and 0.196 read back as the same three states (with map_saver's newer free
+    threshold of 0.25, unknown cells would be read as free). The picture's first row is the map's
+    highest y. Each file is replaced at once, never left half written.
+
+    Source: nav2_map_server, ``map_io.cpp``.
+
+    Args:
+        grid: The map.
+        folder: Made if missing.
+        name: Of both files, without ending.
+
+    Returns:
+        Path of the YAML file.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    rows, columns = grid.cells.shape
+    pixels = _SHADES[grid.cells[::-1]].tobytes()
+    _replace(folder / f"{name}.pgm", f"P5\n{columns} {rows}\n255\n".encode() + pixels)
+    facts = {
+        "image": f"{name}.pgm",
+        "mode": "trinary",
+        "resolution": float(grid.resolution_m),
+        "origin": [round(float(grid.origin[0]), 6), round(float(grid.origin[1]), 6), 0.0],
+        "negate": 0,
+        "occupied_thresh": OCCUPIED_THRESHOLD,
+        "free_thresh": FREE_THRESHOLD,
+    }
+    text = yaml.safe_dump(facts, sort_keys=False, default_flow_style=None)
+    return _replace(folder / f"{name}.yaml", text.encode())
+
+
+def load_ros_map(path: Path) -> OccupancyGrid:
+    """Read a map as Nav2's map_server does in trinary mode.
+
+    Args:
+        path: The YAML file.
+
+    Raises:
+        MapError: A file is missing or broken, or the map is turned, which a grid cannot be.
+    """
+    facts = _read_facts(path)
+    try:
+        resolution, (x, y, yaw) = float(facts["resolution"]), facts["origin"]
+        occupied, free = float(facts["occupied_thresh"]), float(facts["free_thresh"])
+        picture = path.parent / str(facts["image"])
+        negate, corner = bool(facts.get("negate", 0)), (float(x), float(y))
+    except (KeyError, TypeError, ValueError) as error:
+        raise MapError(
+            f"{path}: expected image, resolution, origin [x, y, yaw], occupied_thresh and "
+            f"free_thresh, got {facts}"
+        ) from error
+    if float(yaw) != 0.0:
+        raise MapError(f"{path}: a map turned by {yaw} rad cannot be read; save it unturned")
+    try:
+        with Image.open(picture) as image:
+            shades = np.asarray(image.convert("L"), dtype=np.float64)
+    except (OSError, UnidentifiedImageError) as error:
+        raise MapError(f"{path}: cannot read its picture {picture}: {error}") from error
+    darkness = shades / 255.0 if negate else (255.0 - shades) / 255.0
+    cells = np.full(shades.shape, Cell.UNKNOWN, dtype=np.uint8)
+    cells[darkness > occupied] = Cell.OCCUPIED
+    cells[darkness < free] = Cell.FREE
+    return OccupancyGrid(np.ascontiguousarray(cells[::-1]), resolution, corner)
+
+
+def _read_facts(path: Path) -> dict[str, Any]:
+    try:
+        facts = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise MapError(f"cannot read the map {path}: {error.strerror}") from error
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise MapError(f"{path} is not valid YAML: {error}") from error
+    if not isinstance(facts, dict):
+        raise MapError(f"{path}: expected the keys of a ROS map, got {facts!r:.60}")
+    return facts
+
+
+def _replace(path: Path, content: bytes) -> Path:
+    part = path.with_name(path.name + ".part")
+    part.write_bytes(content)
+    os.replace(part, path)
+    return path
