@@ -6,7 +6,7 @@ from typing import Literal
 
 from hypernav.agents.search import SearchAgent, SearchConfig
 from hypernav.core.config import RoomConfig
-from hypernav.core.errors import ConfigError
+from hypernav.core.errors import ConfigError, SceneError
 from hypernav.core.goal import Goal
 from hypernav.core.protocols import Detector
 from hypernav.core.trace import ExchangeLog
@@ -20,10 +20,12 @@ from hypernav.perception.nearest_frontier import NearestFrontierExplorer
 from hypernav.perception.overview import BlockExplorer, OverviewConfig
 from hypernav.planning import Navigator, PlanningConfig
 from hypernav.worlds import Scene, SimulationConfig, load_scene
-from hypernav.worlds.houses import BUILTIN_HOUSE, build_house
+from hypernav.worlds.houses import BUILTIN_HOUSE, cached_house
 
 AgentName = Literal["hypernav", "frontier"]
 PresetName = Literal["default", "paper"]
+
+_HOUSE_DIGITS = 9
 
 
 class HyPerNavConfig(RoomConfig):
@@ -167,11 +169,28 @@ def build_scene(spec: str) -> Scene:
     """A scene by name.
 
     Args:
-        spec: ``builtin``, or the path of a GLB.
+        spec: ``builtin``, ``houses:N`` for the generated house of number N, or the path of a GLB.
 
     Raises:
-        SceneError: The file cannot be used.
+        SceneError: The file cannot be used, or there is no such house.
     """
     if spec == "builtin":
-        return build_house(BUILTIN_HOUSE)
+        return cached_house(BUILTIN_HOUSE)
+    kind, colon, number = spec.partition(":")
+    if colon and kind == "houses":
+        return cached_house(house_number(number))
     return load_scene(Path(spec))
+
+
+def house_number(text: str) -> int:
+    """The number of a house, as people write it.
+
+    Raises:
+        SceneError: It is none.
+    """
+    if not (text.isascii() and text.isdecimal() and len(text) <= _HOUSE_DIGITS):
+        raise SceneError(
+            f"there is no house '{text}'; expected a whole number of at most {_HOUSE_DIGITS} "
+            "digits, for example houses:1234"
+        )
+    return int(text)

@@ -37,7 +37,7 @@ class Find:
     goal: tyro.conf.Positional[str]
     """What to find: bed, "L-shaped sofa", …"""
     scene: str = "builtin"
-    """The building: builtin, or the path of a GLB."""
+    """The building: builtin, houses:N (any whole number N), or the path of a GLB."""
     agent: AgentName = "hypernav"
     """How it explores: by blocks of the map, or to the nearest frontier."""
     preset: PresetName = "default"

@@ -6,6 +6,7 @@ reached, so it must be the same on every machine and easy to read.
 
 import re
 from dataclasses import dataclass
+from functools import lru_cache
 
 from hypernav.core.goal import Goal
 
@@ -45,12 +46,14 @@ _IN_ROOM = re.compile(r" (?:in|inside|of) (?:the |a |an |my )?(.+)$")
 _BESIDE = re.compile(r" (?:beside|next to|near|by|close to|on|under|at) (?:the |a |an |my )?(.+)$")
 
 
+@lru_cache(maxsize=65_536)
 def normalise(name: str) -> str:
     """Lower case, single spaces, no article, hyphens and underscores read as spaces."""
     words = re.sub(r"[\s_\-]+", " ", name.lower()).strip(" .!?\"'")
     return _ARTICLE.sub("", words, count=1)
 
 
+@lru_cache(maxsize=65_536)
 def canonical(name: str) -> str:
     """One name for all names that mean the same: "couch" and "settee" give "sofa".
 
