@@ -1,0 +1,194 @@
+"""Time the renderer on small_house as it is, and cut into a million triangles.
+
+Run: python benchmarks/render.py [--scene FILE] [--out DIR]
+
+Poses are spread over the free floor of the scene, chosen by a fixed seed. Each is drawn once
+unmeasured, so that compilation and the light baked at a first look don't count; "first look" is
+timed with that light. Other programs on the machine show in the times: hence the CPU time of all
+threads, and the ray casting alone, for comparison.
+"""
+
+import math
+import os
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+import tyro
+from rich.console import Console
+from rich.table import Table
+
+from hypernav.core.camera import PinholeCamera, optical_to_base
+from hypernav.core.geometry import Pose2, Transform
+from hypernav.worlds import EmbreeRenderer, RenderConfig, Scene, load_scene
+
+TEST_DATA = Path(os.environ.get("HYPERNAV_TEST_DATA", "../shared/data"))
+CAMERA = PinholeCamera.from_hfov(640, 480, 79.0)
+HEIGHT_M = 0.88
+REPEATS = 5
+
+
+def main(
+    scene: Path = TEST_DATA / "scenes" / "small_house" / "scene.glb",
+    out: Path | None = None,
+    poses: int = 40,
+    triangles: int = 1_000_000,
+) -> None:
+    """Print the table.
+
+    Args:
+        scene: A scene file.
+        out: Where to write the pictures; none are written without it.
+        poses: How many views to draw.
+        triangles: Size of the finer scene.
+    """
+    console = Console()
+    start = time.perf_counter()
+    loaded = load_scene(scene)
+    console.print(f"{loaded.name}: loaded in {(time.perf_counter() - start) * 1e3:.0f} ms")
+    views = standing_views(loaded, poses)
+    title = "640×480, colour + depth + instances, ms"
+    table = Table("scene", "what", "median", "p95", "CPU, all threads", title=title)
+    for size in (loaded, subdivided(loaded, triangles)):
+        measure(table, size, views)
+    console.print(table)
+    if out is not None:
+        write_pictures(EmbreeRenderer(loaded), views, out)
+        console.print(f"{len(views)} pictures in {out}")
+
+
+def measure(table: Table, scene: Scene, views: list[Transform]) -> None:
+    """Add the rows of one scene."""
+    name = f"{len(scene.faces):,} triangles"
+    start = time.perf_counter()
+    renderer = EmbreeRenderer(scene)
+    table.add_row(name, "build", f"{(time.perf_counter() - start) * 1e3:.0f}")
+    plain = EmbreeRenderer(scene, RenderConfig(antialias=False))
+    looks = [timed(lambda v: renderer.render(CAMERA, v), view, 1) for view in views]
+    add(table, name, "first look", looks[1:])
+    for what, draw in (
+        ("render", lambda v: renderer.render(CAMERA, v)),
+        ("render, one ray a pixel", lambda v: plain.render(CAMERA, v)),
+        ("ray casting, one thread", caster(renderer, views)),
+    ):
+        for view in views:
+            draw(view)
+        add(table, name, what, [timed(draw, view, REPEATS) for view in views])
+
+
+def add(table: Table, scene: str, what: str, spent: list[tuple[float, float]]) -> None:
+    """Add a row of ``(wall, CPU)`` milliseconds."""
+    (wall, cpu), late = np.median(spent, axis=0), np.percentile(spent, 95, axis=0)[0]
+    table.add_row(scene, what, f"{wall:.1f}", f"{late:.1f}", f"{cpu:.1f}")
+
+
+def timed(
+    draw: Callable[[Transform], object], view: Transform, repeats: int
+) -> tuple[float, float]:
+    """Best wall and best CPU time of a few runs, milliseconds."""
+    wall, cpu = [], []
+    for _ in range(repeats):
+        start, start_cpu = time.perf_counter(), time.process_time()
+        draw(view)
+        wall.append((time.perf_counter() - start) * 1e3)
+        cpu.append((time.process_time() - start_cpu) * 1e3)
+    return min(wall), min(cpu)
+
+
+def caster(renderer: EmbreeRenderer, views: list[Transform]) -> Callable[[Transform], object]:
+    """Casts the rays of a view, which are laid out beforehand."""
+    rays = CAMERA.rays().reshape(-1, 3)
+    origins = {
+        id(view): np.tile(view.translation.astype(np.float32), (len(rays), 1)) for view in views
+    }
+    directions = {id(view): (rays @ view.rotation.T).astype(np.float32) for view in views}
+    return lambda view: renderer.rays.faces(origins[id(view)], directions[id(view)])
+
+
+def standing_views(scene: Scene, count: int) -> list[Transform]:
+    """Views from random places where the camera has half a metre of air around it."""
+    renderer = EmbreeRenderer(scene, RenderConfig(antialias=False))
+    rng = np.random.default_rng(0)
+    low, high = scene.vertices.min(axis=0), scene.vertices.max(axis=0)
+    views: list[Transform] = []
+    probe = PinholeCamera.from_hfov(16, 12, 100.0)
+    while len(views) < count:
+        x, y = rng.uniform(low[:2], high[:2])
+        around = [
+            renderer.render(probe, view_from(x, y, yaw)).depth
+            for yaw in np.radians([0.0, 90.0, 180.0, 270.0])
+        ]
+        if np.min(around) > 0.3 and np.max(around) < 20.0:
+            views.append(view_from(x, y, rng.uniform(-math.pi, math.pi)))
+    return views
+
+
+def view_from(x: float, y: float, yaw: float) -> Transform:
+    return Pose2(float(x), float(y), float(yaw)).to_transform() @ optical_to_base(HEIGHT_M)
+
+
+def subdivided(scene: Scene, triangles: int) -> Scene:
+    """The same surfaces out of more triangles: each is cut into four, the largest first."""
+    while len(scene.faces) < triangles:
+        a, b, c = (scene.vertices[scene.faces[:, corner]] for corner in range(3))
+        areas = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+        cuts = min(len(areas), math.ceil((triangles - len(areas)) / 3))
+        chosen = np.argsort(-areas, kind="stable")[:cuts]
+        scene = cut_in_four(scene, chosen)
+    return scene
+
+
+def cut_in_four(scene: Scene, chosen: np.ndarray) -> Scene:
+    kept = np.setdiff1d(np.arange(len(scene.faces)), chosen)
+    corners = scene.vertices[scene.faces[chosen]]
+    first = len(scene.vertices)
+    middles = middle_values(corners).reshape(-1, 3)
+    numbers = first + np.arange(len(middles), dtype=np.int32).reshape(-1, 3)
+    faces = in_four(scene.faces[chosen], numbers)
+
+    def cut(values: np.ndarray) -> np.ndarray:
+        own = values[chosen]
+        four = in_four(own, middle_values(own.astype(np.float32)).astype(values.dtype))
+        return np.concatenate([values[kept], four])
+
+    def repeated(values: np.ndarray) -> np.ndarray:
+        return np.concatenate([values[kept], np.repeat(values[chosen], 4)])
+
+    return replace(
+        scene,
+        vertices=np.concatenate([scene.vertices, middles.astype(np.float32)]),
+        faces=np.concatenate([scene.faces[kept], faces.astype(np.int32)]),
+        uv=cut(scene.uv),
+        colors=cut(scene.colors),
+        normals=None if scene.normals is None else cut(scene.normals),
+        face_material=repeated(scene.face_material),
+        face_instance=repeated(scene.face_instance),
+    )
+
+
+def middle_values(corners: np.ndarray) -> np.ndarray:
+    """Halfway between corners 0 and 1, 1 and 2, 2 and 0."""
+    return (corners + corners[:, [1, 2, 0]]) / 2
+
+
+def in_four(corners: np.ndarray, middles: np.ndarray) -> np.ndarray:
+    """Corners of the four parts of every triangle."""
+    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+    ab, bc, ca = middles[:, 0], middles[:, 1], middles[:, 2]
+    parts = [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+    stacked = np.stack([np.stack(part, axis=1) for part in parts], axis=1)
+    return stacked.reshape(-1, *corners.shape[1:])
+
+
+def write_pictures(renderer: EmbreeRenderer, views: list[Transform], out: Path) -> None:
+    out.mkdir(parents=True, exist_ok=True)
+    for number, view in enumerate(views):
+        rgb = renderer.render(CAMERA, view).rgb
+        cv2.imwrite(str(out / f"view_{number:03d}.png"), cv2.cvtColor(rgb, cv2.COLOR_RGB2BGR))
+
+
+if __name__ == "__main__":
+    tyro.cli(main)
