@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from box_houses import box_house
 from box_scenes import room_boxes, scene_of
 from hypernav.core.errors import EpisodeError
 from hypernav.core.goal import Goal
@@ -43,17 +44,9 @@ def dataset(scene, request):
 
 
 @pytest.fixture
-def boxes():
-    """A split house out of boxes, so that splits can be joined without building houses."""
-
-    def build(number, folder=None):
-        things = [
-            ("bed", (4.0, 0.1, 0.0), (5.9, 1.7, 0.5)),
-            ("chair", (0.1, 3.4, 0.0), (0.6, 3.9, 0.9)),
-        ]
-        return scene_of(*room_boxes(6.0, 4.0), *things, name=f"houses:{number}")
-
-    return build
+def box_houses(monkeypatch):
+    """Splits of houses out of boxes, which take no time to build."""
+    monkeypatch.setattr(episode_cache, "cached_house", box_house)
 
 
 def check_laws(dataset, site):
@@ -190,8 +183,7 @@ def test_what_a_split_does_not_have_is_said_before_any_house_is_built(arguments,
         load_split(**arguments)
 
 
-def test_a_split_visits_houses_in_rounds_and_subsets_agree(boxes, tmp_path, monkeypatch):
-    monkeypatch.setattr(episode_cache, "cached_house", boxes)
+def test_a_split_visits_houses_in_rounds_and_subsets_agree(box_houses, tmp_path):
     seen = []
     whole = load_split(
         "houses-train", houses=range(5, 8), cache=tmp_path, progress=lambda *told: seen.append(told)
@@ -208,8 +200,7 @@ def test_a_split_visits_houses_in_rounds_and_subsets_agree(boxes, tmp_path, monk
     assert set(one.category_to_task_category_id) == {"bed", "chair"}
 
 
-def test_a_broken_cache_file_is_made_again(boxes, tmp_path, monkeypatch):
-    monkeypatch.setattr(episode_cache, "cached_house", boxes)
+def test_a_broken_cache_file_is_made_again(box_houses, tmp_path, monkeypatch):
     fresh = episode_cache.cached_episodes(5, "categories", tmp_path)
     (path,) = tmp_path.rglob("*.json.gz")
     good = path.read_bytes()
@@ -220,8 +211,7 @@ def test_a_broken_cache_file_is_made_again(boxes, tmp_path, monkeypatch):
     assert episode_cache.cached_episodes(5, "categories", tmp_path) == fresh
 
 
-def test_a_cache_that_cannot_be_written_is_done_without(boxes, tmp_path, monkeypatch):
-    monkeypatch.setattr(episode_cache, "cached_house", boxes)
+def test_a_cache_that_cannot_be_written_is_done_without(box_houses, tmp_path):
     occupied = tmp_path / "file"
     occupied.write_text("not a folder")
     assert episode_cache.cached_episodes(5, "categories", occupied).episodes

@@ -10,9 +10,10 @@ from typing import NoReturn
 import tyro
 
 from hypernav.cli.find import Find
+from hypernav.cli.houses import HousesCommand, houses
 from hypernav.core.errors import HyPerNavError
 
-_COMMANDS = {"find": Find}
+_COMMANDS = {"find": Find, "houses": houses}
 _BOX = re.compile(r"[\u2500-\u257f]+")
 
 
@@ -29,7 +30,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         sys.exit(status)
 
 
-def _parse(arguments: list[str]) -> Find:
+def _parse(arguments: list[str]) -> Find | HousesCommand:
     """Read the command line; what tyro says in a box is said in one line."""
     said = io.StringIO()
     try:

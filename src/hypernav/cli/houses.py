@@ -1,0 +1,134 @@
+"""`hypernav houses`: the generated houses and their episodes."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from hypernav.core.errors import ConfigError, EpisodeError
+from hypernav.datasets import write_episodes
+from hypernav.worlds.house_episodes import SPLITS, Difficulty, difficulty, load_split, split_named
+
+
+@dataclass(frozen=True)
+class Episodes:
+    """Write the episodes of a split in Habitat's ObjectNav format."""
+
+    split: tyro.conf.Positional[str]
+    """houses-val, houses-ovon (phrases) or houses-train (for tuning)."""
+    out: Path
+    """File to write; ends in .json.gz or .json."""
+    houses: str | None = None
+    """Only the houses FIRST:END (END is not included); for houses-train of any numbers."""
+    count: int | None = None
+    """Only the first so many episodes."""
+    quiet: bool = False
+    """Say nothing but errors."""
+
+    def run(self) -> int:
+        """Run the command.
+
+        Returns:
+            0.
+        """
+        split_named(self.split)
+        numbers = None if self.houses is None else _range_of(self.houses)
+        _check_writable(self.out)
+        console = Console(stderr=True, quiet=self.quiet, highlight=False)
+        with _progress(console) as bar:
+            task = bar.add_task("measuring houses", total=None)
+            dataset = load_split(
+                self.split,
+                houses=numbers,
+                count=self.count,
+                progress=lambda done, total: bar.update(task, completed=done, total=total),
+            )
+        try:
+            write_episodes(dataset, self.out)
+        except OSError as error:
+            raise EpisodeError(
+                f"{self.out}: cannot be written ({error.strerror or error})"
+            ) from error
+        _say(console, difficulty(dataset))
+        console.print(f"  wrote {self.out}", soft_wrap=True)
+        return 0
+
+
+@dataclass(frozen=True)
+class Splits:
+    """List the splits: which houses, how many episodes, what is asked for."""
+
+    def run(self) -> int:
+        """Run the command.
+
+        Returns:
+            0.
+        """
+        table = Table("split", "houses", "episodes", "goals")
+        for split in SPLITS.values():
+            houses = f"{split.houses.start}:{split.houses.stop}"
+            others = " by default; any others that belong to no split" if split.is_open else ""
+            table.add_row(split.name, houses + others, str(split.episodes), split.style)
+        Console(highlight=False).print(table)
+        return 0
+
+
+HousesCommand = Episodes | Splits
+
+
+def houses(
+    command: Annotated[
+        Annotated[Episodes, tyro.conf.subcommand("episodes")]
+        | Annotated[Splits, tyro.conf.subcommand("splits")],
+        tyro.conf.arg(name=""),
+    ],
+) -> HousesCommand:
+    """Generated houses: their splits and episodes."""
+    return command
+
+
+def _range_of(text: str) -> range:
+    """The houses that a text such as 1000:1004 names."""
+    first, colon, end = text.partition(":")
+    if not colon or not (first.isdecimal() and end.isdecimal()):
+        raise ConfigError(f"--houses {text}: expected FIRST:END, for example 1000:1004")
+    return range(int(first), int(end))
+
+
+def _check_writable(path: Path) -> None:
+    """Refuse a name that cannot be written before the houses are measured."""
+    if not path.name.endswith((".json.gz", ".json")):
+        raise EpisodeError(f"{path}: an episode file ends in .json.gz or .json")
+    if path.is_dir():
+        raise EpisodeError(f"{path}: is a folder, expected the name of a file in it")
+
+
+def _progress(console: Console) -> Progress:
+    """A bar for people; log files get none, and no empty line in its place."""
+    return Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        console=console,
+        transient=True,
+        disable=console.quiet or not console.is_terminal,
+    )
+
+
+def _say(console: Console, found: Difficulty) -> None:
+    table = Table(title=f"{found.episodes} episodes in {found.houses} houses", title_justify="left")
+    table.add_column("")
+    for head in ("least", "10%", "median", "90%", "most", "mean"):
+        table.add_column(head, justify="right")
+    for spread in found.spreads:
+        values = (*spread.quantiles, spread.mean)
+        table.add_row(spread.measure, *(f"{value:.2f}" for value in values))
+    console.print(table)
+    if found.vocabulary:
+        words = ", ".join(f"{count} {name}" for name, count in found.vocabulary.items())
+        console.print(f"  names: {words}; {found.descriptions} descriptions")

@@ -1,0 +1,107 @@
+import pytest
+
+from box_houses import box_house
+from hypernav.build import build_scene
+from hypernav.cli.main import main
+from hypernav.datasets import read_episodes
+from hypernav.worlds.house_episodes import cache as episode_cache
+
+
+@pytest.fixture(autouse=True)
+def own_cache(tmp_path, monkeypatch):
+    monkeypatch.setenv("HYPERNAV_CACHE", str(tmp_path / "cache"))
+
+
+@pytest.fixture
+def box_houses(monkeypatch):
+    monkeypatch.setattr(episode_cache, "cached_house", box_house)
+
+
+def hypernav(*arguments):
+    """Run the command; returns its exit status."""
+    with pytest.raises(SystemExit) as stop:
+        main([str(argument) for argument in arguments])
+    return stop.value.code
+
+
+def test_episodes_are_written_and_their_difficulty_is_told(box_houses, tmp_path, capsys):
+    out = tmp_path / "new" / "val.json.gz"
+    options = ("--houses", "1000:1002", "--count", 5)
+    assert hypernav("houses", "episodes", "houses-val", "--out", out, *options) == 0
+    dataset = read_episodes(out)
+    assert [e.scene_id for e in dataset.episodes] == ["houses:1000"] * 4 + ["houses:1001"]
+    said = capsys.readouterr()
+    assert said.out == ""
+    for words in ("5 episodes in 2 houses", "geodesic distance", "median"):
+        assert words in said.err
+    assert str(out) in said.err.replace("\n", "")
+
+
+def test_a_second_run_writes_the_same_bytes_from_the_cache(box_houses, tmp_path, monkeypatch):
+    command = ("houses", "episodes", "houses-ovon", "--houses", "2000:2001", "--quiet", "--out")
+    assert hypernav(*command, tmp_path / "a.json.gz") == 0
+    monkeypatch.setattr(episode_cache, "cached_house", None)
+    assert hypernav(*command, tmp_path / "b.json.gz") == 0
+    assert (tmp_path / "a.json.gz").read_bytes() == (tmp_path / "b.json.gz").read_bytes()
+
+
+def test_quiet_says_nothing(box_houses, tmp_path, capsys):
+    options = ("--out", tmp_path / "a.json", "--houses", "5:6", "--quiet")
+    assert hypernav("houses", "episodes", "houses-train", *options) == 0
+    said = capsys.readouterr()
+    assert said.out == said.err == ""
+
+
+def test_splits_are_listed(capsys):
+    assert hypernav("houses", "splits") == 0
+    said = capsys.readouterr().out
+    for words in ("houses-val", "1000:1036", "houses-ovon", "2000:2036", "houses-train"):
+        assert words in said
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["houses-vall", "--out", "a.json"], "did you mean 'houses-val'"),
+        (["houses-val", "--out", "a.txt"], "ends in .json.gz or .json"),
+        (["houses-val"], "--out"),
+        (["houses-val", "--out", "a.json", "--houses", "5"], "expected FIRST:END"),
+        (["houses-val", "--out", "a.json", "--houses", "-1:4"], "--houses"),
+        (["houses-val", "--out", "a.json", "--houses", "5:9"], "houses 1000:1036"),
+        (["houses-train", "--out", "a.json", "--houses", "1000:1002"], "belong to houses-val"),
+        (["houses-val", "--out", "a.json", "--count", "0"], "1 to 1000"),
+        (["houses-val", "--out", "a.json", "--houses", "1000:1001", "--count", "29"], "1 to 28"),
+    ],
+)
+def test_bad_input_is_one_line_with_the_remedy(arguments, words, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert hypernav("houses", "episodes", *arguments) == 2
+    said = capsys.readouterr().err
+    assert words in said
+    assert said.count("\n") == 1
+    assert said.startswith("hypernav: ")
+    assert not (tmp_path / "a.json").exists()
+
+
+def test_a_place_that_cannot_be_written_is_one_line(box_houses, tmp_path, capsys):
+    (tmp_path / "file").write_text("not a folder")
+    options = ("--out", tmp_path / "file" / "a.json", "--houses", "5:6", "--quiet")
+    assert hypernav("houses", "episodes", "houses-train", *options) == 2
+    said = capsys.readouterr().err
+    assert "cannot be written" in said
+    assert said.count("\n") == 1
+
+
+@pytest.mark.parametrize("number", ["", "abc", "-1", "1.5", "1234567890", "٣"])
+def test_a_scene_that_is_no_house_is_one_line(number, capsys):
+    assert hypernav("find", "bed", "--scene", f"houses:{number}", "--quiet") == 2
+    said = capsys.readouterr().err
+    assert f"there is no house '{number}'" in said
+    assert "houses:1234" in said
+    assert said.count("\n") == 1
+
+
+def test_houses_are_scenes_by_name(monkeypatch):
+    monkeypatch.setattr("hypernav.build.cached_house", box_house)
+    assert build_scene("houses:1234").name == "houses:1234"
+    assert build_scene("builtin").name == "houses:0"
