@@ -132,3 +132,22 @@ def test_the_best_view_is_the_largest():
     local.look(thing_before_wall())
     assert local.target.best_view is near
     assert local.target.sightings == 3
+
+
+def test_a_goal_beyond_the_depth_camera_gives_its_direction():
+    local = perception()
+    local.look(thing_before_wall(thing_m=7.0, wall_m=9.0, box=(20, 40, 40, 80)))
+    left = local.far_bearing
+    local.look(thing_before_wall(thing_m=7.0, wall_m=9.0, box=(120, 40, 140, 80)))
+    assert left == pytest.approx(-local.far_bearing)
+    assert left > 0.3
+    local.look(thing_before_wall(thing_m=2.0))
+    assert local.far_bearing is None
+
+
+def test_a_far_sighting_behind_a_rejected_area_is_not_followed():
+    local = perception()
+    local.look(thing_before_wall(thing_m=2.0))
+    local.reject_target()
+    local.look(thing_before_wall(thing_m=7.0, wall_m=9.0, robot=Pose2(-5.0, 0.0, 0.0)))
+    assert local.far_bearing is None
