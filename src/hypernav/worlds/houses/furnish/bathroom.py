@@ -58,7 +58,7 @@ def furnish_bathroom(site: Site, *, with_washer: bool) -> None:
         dx, dy = turned_point(0.0, host.model.depth / 2 + 0.3, host.yaw_deg)
         spot = Spot(host.x + dx, host.y + dy, host.yaw_deg)
         if not site.is_taken(mat, spot) and site.fits(mat, spot, in_clear=True):
-            site.put(mat, spot, on=True)
+            site.put(mat, spot, flat=True)
 
 
 def _curtain(site: Site, tub: Placed) -> None:

@@ -20,12 +20,12 @@ def hang_curtains(site: Site) -> None:
                 continue
             high = min(opening.top + 0.14, site.height - 0.05)
             model = walls.curtain(site.dice, site.taste, opening.width, high - 0.03)
-            spot = site.spot_at_wall(model, side, (opening.start + opening.end) / 2, 0.05, 0.02)
+            spot = site.spot_at_wall(model, side, (opening.start + opening.end) / 2, 0.03, 0.02)
             start, end, _ = site.wall_line(side)
             along = spot.x if side in ("south", "north") else spot.y
             if along - model.width / 2 < start + 0.01 or along + model.width / 2 > end - 0.01:
                 continue
-            if not site.is_taken(model, spot):
+            if not site.is_taken(model, spot) and site.leaves_ways(model, spot):
                 site.put(model, spot)
 
 

@@ -4,7 +4,7 @@ import math
 
 import cv2
 import numpy as np
-from jaxtyping import Bool
+from jaxtyping import Bool, Float64
 from scipy.ndimage import distance_transform_edt
 
 from hypernav.worlds.houses.plan.shapes import FloorPlan, Rect
@@ -42,7 +42,7 @@ class FreeFloor:
                 floor[self._cells(opening.strip(-_MARGIN_M, _MARGIN_M))] = True
                 upper = opening.rooms[1] == number
                 self._anchors.append(opening.strip(0.5, 0.52).centre if upper else opening.strip(-0.52, -0.5).centre)
-        clearance = np.asarray(distance_transform_edt(floor)) * _CELL_M
+        clearance = (np.asarray(distance_transform_edt(floor)) - 0.5) * _CELL_M
         self._standing = clearance > STANDING_M
         self._walking = clearance > WALKING_M
         # Cells in the doors' throats belong to the neighbours as well; ways end before them.
@@ -93,11 +93,17 @@ class FreeFloor:
         self._standing, self._walking = self._without(rects)
         self._anchors += anchors
 
+    def standing_points(self) -> Float64[np.ndarray, "n 2"]:
+        """Middles of the cells where a slim robot may stand, 10 cm apart."""
+        rows, columns = np.nonzero(self._standing[::2, ::2])
+        x, y = self._origin
+        return np.column_stack([x + (2 * columns + 0.5) * _CELL_M, y + (2 * rows + 0.5) * _CELL_M])
+
     def _without(
         self, rects: list[Rect]
     ) -> tuple[Bool[np.ndarray, "rows columns"], Bool[np.ndarray, "rows columns"]]:
         standing, walking = self._standing.copy(), self._walking.copy()
         for rect in rects:
             standing[self._cells(rect.grown(STANDING_M))] = False
-            walking[self._cells(rect.grown(WALKING_M - 0.02))] = False
+            walking[self._cells(rect.grown(WALKING_M + 0.02))] = False
         return standing, walking

@@ -27,7 +27,7 @@ def furnish_living(site: Site, *, with_dining: bool, with_kitchen: bool) -> None
     dice, taste = site.dice, site.taste
     _seating_group(site)
     if with_dining:
-        place_dining(site, seats=4)
+        place_dining(site, seats=dice.choice((4, 4, 6)))
     for maker, chance in dice.shuffled(
         (
             (storage.bookshelf, 0.7), (storage.cabinet, 0.35), (storage.display_cabinet, 0.25),
@@ -68,9 +68,14 @@ def _seating_group(site: Site) -> None:
     piece = site.at_wall(couch, access=True, where="middle")
     if piece is not None:
         _cushions(site, piece)
-    base = site.at_wall(stand, front=0.6, access=True)
-    if base is not None:
-        site.on_top(base, television, facing=0.0, where=(0.5, 0.4))
+    for _ in range(4):
+        base = site.at_wall(stand, front=0.6, access=True)
+        if base is None:
+            break
+        if site.on_top(base, television, facing=0.0, where=(0.5, 0.4)) is not None:
+            return
+        site.remove(base)
+    site.on_wall(screens.wall_tv(dice, taste), sides=SIDES, z=1.0)
 
 
 def _television(site: Site) -> tuple[Model, Model, bool]:
@@ -92,7 +97,7 @@ def _try_group(site: Site, side: str, couch: Model, stand: Model, television: Mo
     for t in dice.shuffled(spread):
         t = round(t, 3)
         base = site.spot_at_wall(stand, side, t)
-        if not site.fits(stand, base, front=0.5, access=True):
+        if not site.fits(stand, base, front=0.5, access=True) or not _screen_fits(site, side, t, base, stand, television):
             continue
         far = across - couch.depth / 2 - 0.03
         near = stand.depth + 1.9 + couch.depth / 2
@@ -110,6 +115,13 @@ def _try_group(site: Site, side: str, couch: Model, stand: Model, television: Mo
             _around_sofa(site, piece, side)
             return True
     return False
+
+
+def _screen_fits(site: Site, side: str, t: float, base: Spot, stand: Model, television: Model) -> bool:
+    """Whether a television on its stand, or on the wall above, would cover no window."""
+    mounted = site.spot_at_wall(television, side, t, 0.004, 0.95)
+    standing = Spot(base.x, base.y, base.yaw_deg, stand.height)
+    return site.fits(television, mounted, in_clear=True) or site.fits(television, standing, in_clear=True)
 
 
 def _facing_spot(site: Site, side: str, t: float, distance: float) -> Spot:
@@ -145,7 +157,7 @@ def _cushions(site: Site, couch: Placed) -> None:
         if site.dice.chance(0.7):
             cushion = textiles.sofa_cushion(site.dice, site.taste)
             x, y = turned_point(s * (model.width / 2 - 0.42), back, couch.yaw_deg)
-            site.put(cushion, Spot(couch.x + x, couch.y + y, couch.yaw_deg, 0.46), on=True)
+            site.put(cushion, Spot(couch.x + x, couch.y + y, couch.yaw_deg, 0.46), on_top=True)
 
 
 def _around_sofa(site: Site, couch: Placed, tv_side: str) -> None:
@@ -216,7 +228,7 @@ def put_rug(site: Site, rug: Model, spot: Spot) -> Placed | None:
         return None
     if any(rect.overlaps(footprint(p.model, Spot(p.x, p.y, p.yaw_deg))) for p in site.placed if p.model.category == "rug"):
         return None
-    return site.put(rug, spot, on=True)
+    return site.put(rug, spot, flat=True)
 
 
 def place_dining(site: Site, seats: int) -> Placed | None:
@@ -227,10 +239,11 @@ def place_dining(site: Site, seats: int) -> Placed | None:
     for count in sizes:
         table = tables.dining_table(dice, taste, count)
         spots = [(x, y, yaw) for x, y in _centres(site) for yaw in ((0.0, 90.0) if dice.chance(0.5) else (90.0, 0.0))]
-        for x, y, yaw in spots:
-            piece = _set_table(site, table, chair, Spot(x, y, yaw), count)
-            if piece is not None:
-                return piece
+        for around in (0.75, 0.4):
+            for x, y, yaw in spots:
+                spot = Spot(x, y, yaw)
+                if site.is_free(footprint(table, spot).grown(around)) and site.fits(table, spot):
+                    return _set_table(site, table, chair, spot, count)
     return None
 
 
@@ -245,7 +258,7 @@ def _centres(site: Site) -> list[tuple[float, float]]:
     return points + site.dice.shuffled(grid)[:36]
 
 
-def _set_table(site: Site, table: Model, chair: Model, spot: Spot, seats: int) -> Placed | None:
+def _set_table(site: Site, table: Model, chair: Model, spot: Spot, seats: int) -> Placed:
     round_ = "round" in table.attributes
     tuck = 0.16
     reach = chair.depth / 2 - tuck
@@ -262,8 +275,6 @@ def _set_table(site: Site, table: Model, chair: Model, spot: Spot, seats: int) -
         if seats >= 6:
             end = chair.depth / 2 + 0.03
             seatings += [(hx + end, 0, 90.0), (-hx - end, 0, -90.0)]
-    if not site.fits(table, spot):
-        return None
     placed = site.put(table, spot)
     carrier = site.solid_of(placed)
     for x, y, yaw in seatings:

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from hypernav.worlds.houses.assembly import Placed
 from hypernav.worlds.houses.dice import Dice
 from hypernav.worlds.houses.furnish import bathroom, bedroom, dressing, kitchen, living, other
+from hypernav.worlds.houses.furnish.sight import remove_unseen
 from hypernav.worlds.houses.furnish.site import Site
 from hypernav.worlds.houses.furniture import lighting
 from hypernav.worlds.houses.palette import Taste, vary
@@ -36,13 +37,17 @@ def furnish_rooms(plan: FloorPlan, taste: Taste, dice: Dice) -> list[Placed]:
         site = _best_site(plan, number, own, vary(taste, own.fork("taste")), kinds)
         if not room.is_outside:
             _dress(site)
+        remove_unseen(site)
         pieces += site.placed
     return pieces
 
 
 def _best_site(plan: FloorPlan, number: int, dice: Dice, taste: Taste, kinds: Sequence[str]) -> Site:
     """A room furnished anew until nothing that it needs is missing, or the best of a few tries."""
-    needed = _NEEDED.get(plan.rooms[number].kind, ())
+    kind = plan.rooms[number].kind
+    needed = _NEEDED.get(kind, ())
+    if (kind == "living room" and _dines_here(kinds, plan)) or (kind == "kitchen" and "dining room" not in kinds and _kitchen_is_large(plan)):
+        needed = (*needed, ("dining table",), ("chair",))
     best: tuple[int, Site] | None = None
     for attempt in range(_ATTEMPTS):
         site = Site(plan, number, dice.fork("attempt", attempt), taste)
@@ -65,7 +70,7 @@ def _furnish(site: Site, kinds: Sequence[str]) -> None:
     if kind == "living room":
         if not has_kitchen:
             kitchen.place_units(site)
-        living.furnish_living(site, with_dining=not has_dining and not kitchen_table, with_kitchen=not has_kitchen)
+        living.furnish_living(site, with_dining=_dines_here(kinds, site.plan), with_kitchen=not has_kitchen)
     elif kind == "dining room":
         living.furnish_dining(site)
     elif kind == "kitchen":
@@ -84,6 +89,11 @@ def _furnish(site: Site, kinds: Sequence[str]) -> None:
         other.furnish_storage(site)
     elif kind == "balcony":
         other.furnish_balcony(site)
+
+
+def _dines_here(kinds: Sequence[str], plan: FloorPlan) -> bool:
+    """Whether the dining table belongs into the living room."""
+    return "dining room" not in kinds and ("kitchen" not in kinds or not _kitchen_is_large(plan))
 
 
 def _kitchen_is_large(plan: FloorPlan) -> bool:

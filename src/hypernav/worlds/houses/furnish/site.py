@@ -3,6 +3,9 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+from jaxtyping import Float64
+
 from hypernav.worlds.houses.assembly import Placed
 from hypernav.worlds.houses.dice import Dice
 from hypernav.worlds.houses.furnish.free_floor import FreeFloor, Point
@@ -70,6 +73,9 @@ class Site:
         self.placed: list[Placed] = []
         self.solids: list[Solid] = []
         self._clear: list[Rect] = []
+        self._solid_of: dict[int, Solid] = {}
+        self._carriers: set[int] = set()
+        self._fixed: set[int] = set()
         self._floor = FreeFloor(plan, number)
         for opening in self.openings:
             if opening.is_way or opening.kind == "entrance":
@@ -166,22 +172,41 @@ class Site:
         low, high = spot.z + model.low[2], spot.z + model.height
         return any(low < s.high - 1e-4 and s.low < high - 1e-4 and rect.overlaps(s.rect, 0.01) for s in self.solids)
 
+    def leaves_ways(self, model: Model, spot: Spot) -> bool:
+        """Whether all of the floor stays connected if a model comes to a spot."""
+        return self._floor.allows([footprint(model, spot)], [])
+
+    def is_free(self, zone: Rect) -> bool:
+        """Whether no furniture reaches into a rectangle on the floor."""
+        return not any(s.low < 1.0 and s.high > 0.1 and zone.overlaps(s.rect) for s in self.solids)
+
     def reserve(self, zone: Rect) -> None:
         """Keep a piece of floor free from now on."""
         self._clear.append(zone)
 
     # Placing
 
-    def put(self, model: Model, spot: Spot, *, front: float = 0.0, access: bool = False, on: bool = False) -> Placed:
-        """Place a model for good; no test is made."""
+    def put(self, model: Model, spot: Spot, *, front: float = 0.0, access: bool = False, flat: bool = False, on_top: bool = False) -> Placed:
+        """Place a model for good; no test is made.
+
+        Args:
+            model: What.
+            spot: Where.
+            front: Depth of floor before it that stays reserved.
+            access: Whether its front must stay within reach.
+            flat: Whether it takes no space, as a rug.
+            on_top: Whether it stands on something else and takes no floor.
+        """
         rect = footprint(model, spot)
         low, high = spot.z + model.low[2], spot.z + model.height
         piece = Placed(model, spot.x, spot.y, spot.z, spot.yaw_deg, self.room.name)
         self.placed.append(piece)
-        if on:
+        if flat:
             return piece
         self.solids.append(Solid(rect, low, high))
-        if low < _HEAD_M and high >= 0.08:
+        self._solid_of[id(piece)] = self.solids[-1]
+        self._fixed |= {id(piece)} if front > 0.0 or access else set()
+        if low < _HEAD_M and high >= 0.08 and not on_top:
             self._floor.take([rect], [self._before(model, spot)] if access else [])
         if front > 0.0:
             self._clear.append(self.front_zone(model, spot, front))
@@ -189,8 +214,21 @@ class Site:
 
     def solid_of(self, piece: Placed) -> Solid:
         """The space that a placed model takes."""
-        rect = footprint(piece.model, Spot(piece.x, piece.y, piece.yaw_deg))
-        return next(s for s in self.solids if s.rect == rect and abs(s.low - piece.z - piece.model.low[2]) < 1e-9)
+        return self._solid_of[id(piece)]
+
+    def is_loose(self, piece: Placed) -> bool:
+        """Whether it may be taken away again: it takes space, carries nothing, and isn't furniture."""
+        return id(piece) in self._solid_of and id(piece) not in self._fixed | self._carriers
+
+    def remove(self, piece: Placed) -> None:
+        """Take something away; the floor under it stays taken."""
+        self.placed = [p for p in self.placed if p is not piece]
+        solid = self._solid_of.pop(id(piece))
+        self.solids = [s for s in self.solids if s is not solid]
+
+    def standing_points(self) -> Float64[np.ndarray, "n 2"]:
+        """Where a slim robot may stand."""
+        return self._floor.standing_points()
 
     def at_wall(
         self, model: Model, *, sides: Sequence[str] = SIDES, front: float = 0.0, access: bool = False,
@@ -267,8 +305,8 @@ class Site:
                     continue
                 if self._covers_opening(rect, low, high):
                     continue
-                self.solids.append(Solid(rect, low, high))
-                return self.put(model, spot, on=True)
+                self._carriers.add(id(base))
+                return self.put(model, spot, on_top=True)
         return None
 
     def _top_spot(

@@ -24,7 +24,7 @@ def tv(dice: Dice, taste: Taste) -> Model:
     """A flat television on feet."""
     del taste
     bench = Bench()
-    wide = dice.choice((0.97, 1.1, 1.23, 1.36))
+    wide = dice.choice((0.97, 1.1, 1.1, 1.23, 1.3))
     high = wide * 0.58
     _screen(bench, dice, wide, high, 0.06, 0.0, _programme(dice))
     bench.add(_FRAME, box(wide * 0.6, 0.05, high * 0.5, at=(0, -0.045, 0.12), bevel=0.02))

@@ -79,7 +79,7 @@ def tv_stand(dice: Dice, taste: Taste) -> Model:
     """A low cabinet under a television."""
     bench = Bench()
     wood = taste.furniture_wood(dice)
-    wide, deep, leg = dice.uniform(1.45, 1.75), 0.4, dice.choice((0.05, 0.12))
+    wide, deep, leg = dice.uniform(1.45, 1.75), 0.42, dice.choice((0.05, 0.12))
     high = dice.uniform(0.45, 0.55)
     case(bench, wood, wide, deep, high - leg, at=(0, 0, leg), board=0.022)
     bench.add(wood, *four_legs(wide - 0.1, deep - 0.06, leg, thick=0.045))

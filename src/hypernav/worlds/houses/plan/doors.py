@@ -60,7 +60,7 @@ def borders(rooms: Sequence[Room]) -> list[Border]:
 
 def door_width(kind: str) -> float:
     """Clear width of a door into a kind of room."""
-    return {"bathroom": 0.8, "storage": 0.8, "laundry": 0.85}.get(kind, 0.9)
+    return {"bathroom": 0.85, "storage": 0.85, "laundry": 0.85}.get(kind, 0.9)
 
 
 def find_links(rooms: Sequence[Room]) -> list[tuple[int, int, Border]] | None:

@@ -48,7 +48,7 @@ def _attempt(dice: Dice, program: Program) -> FloorPlan | None:
         return None
     openings = [*doors, entrance]
     if program.balcony:
-        rooms, glass = draw_balcony(dice.fork("balcony"), rooms)
+        rooms, glass = draw_balcony(dice.fork("balcony"), rooms, openings)
         openings += [glass] if glass is not None else []
     height = dice.uniform(2.5, 2.75, 0.05)
     openings += draw_windows(dice.fork("windows"), rooms, openings, height)

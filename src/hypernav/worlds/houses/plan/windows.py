@@ -33,7 +33,7 @@ def outer_walls(rooms: Sequence[Room], number: int) -> list[tuple[str, float, fl
     return result
 
 
-def draw_balcony(dice: Dice, rooms: tuple[Room, ...]) -> tuple[tuple[Room, ...], Opening | None]:
+def draw_balcony(dice: Dice, rooms: tuple[Room, ...], openings: Sequence[Opening]) -> tuple[tuple[Room, ...], Opening | None]:
     """The rooms with a balcony outside of the living room or a bedroom, and its door."""
     hosts = [k for k, r in enumerate(rooms) if r.kind == "living room"]
     hosts += [k for k, r in enumerate(rooms) if r.kind == "bedroom"]
@@ -51,6 +51,9 @@ def draw_balcony(dice: Dice, rooms: tuple[Room, ...]) -> tuple[tuple[Room, ...],
             door_start = round(first + (long - 1.0) * dice.uniform(0.3, 0.7), 3)
             ids = (len(rooms), host) if side < 0 else (host, len(rooms))
             door = Opening("glass door", along, at, door_start, round(door_start + 0.95, 3), 0.0, 2.1, ids)
+            front_doors = [o for o in openings if o.kind == "entrance"]
+            if not _is_free(door, openings) or any(cell.grown(0.2).overlaps(approach(o)) for o in front_doors):
+                continue
             return (*rooms, Room("balcony", "balcony", cell)), door
     return rooms, None
 

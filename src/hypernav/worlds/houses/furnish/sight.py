@@ -1,0 +1,78 @@
+"""Can everything in a room be seen from where a robot can stand beside it?
+
+What is hidden behind furniture, or hangs so far above a bed that nobody gets near, is no goal that
+could be reached, so it is taken away again. The test is strict: boxes around things block the
+view, and a fair share of an object's own points must be in sight.
+"""
+
+import numpy as np
+from jaxtyping import Bool, Float64
+
+from hypernav.worlds.houses.assembly import Placed
+from hypernav.worlds.houses.furnish.site import Site, Solid
+from hypernav.worlds.houses.kit.mesh import rotation_matrix
+from hypernav.worlds.houses.kit.model import Model
+
+_EYE_M = 0.88
+_REACH_M = 0.85
+_POINTS = 20
+_PLACES = 12
+_LEAST_SHARE = 0.2
+
+
+def remove_unseen(site: Site) -> None:
+    """Take away small things and pictures that no robot could find."""
+    spots = site.standing_points()
+    for piece in [p for p in site.placed if site.is_loose(p)]:
+        if not _is_seen(piece, site, spots):
+            site.remove(piece)
+
+
+def _is_seen(piece: Placed, site: Site, spots: Float64[np.ndarray, "n 2"]) -> bool:
+    own = site.solid_of(piece)
+    x = np.maximum(np.maximum(own.rect.x0 - spots[:, 0], spots[:, 0] - own.rect.x1), 0.0)
+    y = np.maximum(np.maximum(own.rect.y0 - spots[:, 1], spots[:, 1] - own.rect.y1), 0.0)
+    near = spots[x * x + y * y <= _REACH_M**2]
+    if len(near) == 0:
+        return False
+    near = near[:: max(len(near) // _PLACES, 1)]
+    targets = _surface_points(piece)
+    others = [s for s in site.solids if s is not own and not _carries(s, own)]
+    eyes = np.column_stack([near, np.full(len(near), _EYE_M)])
+    clear = _in_sight(np.repeat(eyes, len(targets), axis=0), np.tile(targets, (len(eyes), 1)), others)
+    return bool((clear.reshape(len(eyes), -1).mean(axis=1) >= _LEAST_SHARE).any())
+
+
+def _carries(lower: Solid, upper: Solid) -> bool:
+    """Whether something stands on or lies in another: that one's box says nothing."""
+    return lower.rect.holds(upper.rect) and lower.low < upper.low
+
+
+def _surface_points(piece: Placed) -> Float64[np.ndarray, "n 3"]:
+    """Some of an object's vertices in the scene."""
+    points = _some_vertices(piece.model)
+    r = rotation_matrix(piece.yaw_deg)
+    x, y = points[:, 0] * r[0, 0] + points[:, 1] * r[0, 1], points[:, 0] * r[1, 0] + points[:, 1] * r[1, 1]
+    return np.column_stack([x + piece.x, y + piece.y, points[:, 2] + piece.z])
+
+
+def _some_vertices(model: Model) -> Float64[np.ndarray, "n 3"]:
+    points = np.concatenate([part.mesh.positions for part in model.parts])
+    return points[:: max(len(points) // _POINTS, 1)]
+
+
+def _in_sight(
+    starts: Float64[np.ndarray, "n 3"], ends: Float64[np.ndarray, "n 3"], solids: list[Solid]
+) -> Bool[np.ndarray, "n"]:
+    """Which straight lines meet no box."""
+    if not solids:
+        return np.ones(len(starts), dtype=bool)
+    low = np.array([(s.rect.x0, s.rect.y0, s.low) for s in solids])
+    high = np.array([(s.rect.x1, s.rect.y1, s.high) for s in solids])
+    way = ends - starts
+    way = np.where(np.abs(way) < 1e-9, 1e-9, way)[:, None]
+    a, b = (low - starts[:, None]) / way, (high - starts[:, None]) / way
+    enter = np.minimum(a, b).max(axis=2)
+    leave = np.maximum(a, b).min(axis=2)
+    hit = (enter < leave) & (leave > 0.0) & (enter < 0.999)
+    return ~hit.any(axis=1)
