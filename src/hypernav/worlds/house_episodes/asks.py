@@ -30,8 +30,8 @@ CATEGORIES = (
 """Goals of ``houses-val`` and ``houses-train``; these are the seen names of ``houses-ovon``."""
 
 _EVERYWHERE = ("window", "door", "ceiling lamp", "kitchen cabinet")
-_LEAST_AREA_M2 = 0.08
-"""Of the largest side of an object's box: a robot shall not be sent to look for a spoon."""
+_LEAST_AREA_M2 = 0.1
+"""Of the largest side of an object's box: a robot shall not be sent to look for a plate."""
 
 
 @dataclass(frozen=True)
