@@ -80,3 +80,15 @@ def test_the_outline_surrounds_the_cells():
     xs, ys = zip(*outline, strict=True)
     assert min(xs) == pytest.approx(area.points[:, 0].min(), abs=1e-3)
     assert max(ys) == pytest.approx(area.points[:, 1].max(), abs=1e-3)
+
+
+@given(coordinates, coordinates, coordinates, coordinates)
+def test_joined_areas_cover_both(x, y, u, v):
+    a, b = area_of([[x, y, 0.0]]), area_of([[u, v, 0.0]])
+    both = a.joined(b)
+    assert both.covers(a) == both.covers(b) == 1.0
+    for one in (a, b):
+        assert {tuple(p) for p in np.round(one.seen_points, 3)} <= {
+            tuple(p) for p in np.round(both.seen_points, 3)
+        }
+    assert both.seen.sum() <= a.seen.sum() + b.seen.sum()

@@ -26,6 +26,7 @@ GAVE_UP = "gave up"
 """Event of the last step when an agent stops because nothing is left to explore."""
 
 _CHOICES_PER_STEP = 4
+_PROGRESS_M = 0.1
 
 
 class SearchConfig(RoomConfig):
@@ -34,6 +35,8 @@ class SearchConfig(RoomConfig):
     Attributes:
         turn_angle_deg: Of one turn action.
         stop_distance_m: Of the robot to the goal area, for the presence check and STOP.
+        approach_patience_steps: The robot stops where it is when it has not come nearer to the goal
+            area for so long: something stands around it.
         arrival_distance_m: A destination of global perception counts as reached within this.
         endurance_steps: A destination is given up after this many steps (paper: endurance limit).
         look_around_at_start: Turn once around before the first step.
@@ -46,7 +49,8 @@ class SearchConfig(RoomConfig):
     """
 
     turn_angle_deg: float = 30.0
-    stop_distance_m: float = 0.4
+    stop_distance_m: float = 0.55
+    approach_patience_steps: int = 16
     arrival_distance_m: float = 0.5
     endurance_steps: int = 40
     look_around_at_start: bool = True
@@ -114,6 +118,10 @@ class SearchAgent:
         self._turns_left = self._turns_of_a_circle() if self._config.look_around_at_start else 0
         self._last_step = None
         self._step = 0
+        self._forget_approach()
+
+    def _forget_approach(self) -> None:
+        self._nearest_m, self._steps_without_progress = math.inf, 0
 
     @property
     def last_step(self) -> StepTrace:
@@ -162,13 +170,14 @@ class SearchAgent:
         """Go to the goal area, if there is one; None if there is none or no way to it."""
         target = self._local.target
         if target is None:
+            self._forget_approach()
             return None
         if self._destination is not None:
             self._events.append("goal seen")
             self._destination = None
         robot = observation.robot
         self._turns_left = 0
-        if target.area.distance_to(*robot.xy) > self._config.stop_distance_m:
+        if not self._is_near_enough(target, robot):
             with clock("plan"):
                 action = self._navigator.towards(self.grid, robot, target.area.points)
             if action is not None:
@@ -177,6 +186,18 @@ class SearchAgent:
                 self._events.append("no path to the goal area")
                 return None
         return self._verify(observation, target, clock)
+
+    def _is_near_enough(self, target: Target, robot: Pose2) -> bool:
+        """Within the stop distance, or as near as the robot can come."""
+        left_m = target.area.distance_to(*robot.xy)
+        if left_m < self._nearest_m - _PROGRESS_M:
+            self._nearest_m, self._steps_without_progress = left_m, 0
+        else:
+            self._steps_without_progress += 1
+        return (
+            left_m <= self._config.stop_distance_m
+            or self._steps_without_progress > self._config.approach_patience_steps
+        )
 
     def _verify(
         self, observation: Observation, target: Target, clock: ModuleClock
@@ -193,6 +214,7 @@ class SearchAgent:
             return _Decision(Action.STOP, Mode.STOP, f"here is the {self._goal.text}")
         self._events.append("goal area rejected")
         self._local.reject_target()
+        self._forget_approach()
         return None
 
     def _explore(self, observation: Observation, clock: ModuleClock) -> _Decision:

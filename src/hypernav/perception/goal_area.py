@@ -107,6 +107,21 @@ class GoalArea:
         origin = (float(low[1]) * resolution_m, float(low[0]) * resolution_m)
         return GoalArea(mask, seen, origin, resolution_m)
 
+    def joined(self, other: "GoalArea") -> "GoalArea":
+        """The cells of both areas: what two looks at the same thing have shown of it."""
+        size = self.resolution_m
+        corners = [np.round(np.array(a.origin)[::-1] / size).astype(int) for a in (self, other)]
+        low = np.minimum(*corners)
+        ends = [c + a.mask.shape for c, a in zip(corners, (self, other), strict=True)]
+        shape = tuple(np.maximum(*ends) - low)
+        mask, seen = np.zeros(shape, dtype=bool), np.zeros(shape, dtype=bool)
+        for corner, area in zip(corners, (self, other), strict=True):
+            row, column = corner - low
+            rows, columns = area.mask.shape
+            mask[row : row + rows, column : column + columns] |= area.mask
+            seen[row : row + rows, column : column + columns] |= area.seen
+        return GoalArea(mask, seen, (float(low[1]) * size, float(low[0]) * size), size)
+
     @cached_property
     def points(self) -> Float64[np.ndarray, "n 2"]:
         """Centres of the dilated cells, ``(x, y)``, metres."""

@@ -34,7 +34,8 @@ class LocalConfig(RoomConfig):
         dilation_iterations: How often (paper: 3).
         largest_cluster_only: Keep only the cells that hang together with most points.
         target: "latest": every new detection moves the goal area (paper). "hold": the robot keeps
-            to one target and other detections do not distract it.
+            to one target, whose area grows with every look at it, and other detections do not
+            distract it.
         pick: Which of several detections becomes the target: the detector's "first" (paper), or
             the one "nearest" to the robot.
         min_sightings: A target counts only when seen in this many pictures.
@@ -217,8 +218,9 @@ class LocalPerception:
         if old is None or not _same_place(candidate.area, old.area):
             return Target(candidate.area, observation, pixels)
         better = pixels > old.best_pixels
+        hold = self._config.target == "hold"
         return Target(
-            area=candidate.area,
+            area=old.area.joined(candidate.area) if hold else candidate.area,
             best_view=observation if better else old.best_view,
             best_pixels=max(pixels, old.best_pixels),
             sightings=old.sightings + 1,
