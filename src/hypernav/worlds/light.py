@@ -18,9 +18,9 @@ from jaxtyping import Float32, Float64, Int64, UInt8
 
 from hypernav.worlds.light_kernels import gather_light
 
-_RAYS = 64
-_REACH_M = 1.5
-_FLOOR = 0.0
+_RAYS = 48
+_REACH_M = 2.0
+_CONTRAST = 1.5
 _MAX_NODES = 8_000_000
 _BATCH = 512
 _STATE = 7
@@ -97,7 +97,9 @@ class LightGrid:
         distances = self._cast(origins, directions, _REACH_M)
         light = np.empty((len(places), 6), dtype=np.uint8)
         shape = (len(self._directions), len(places))
-        gather_light(distances.reshape(shape), self._directions, self._sky, _REACH_M, _FLOOR, light)
+        gather_light(
+            distances.reshape(shape), self._directions, self._sky, _REACH_M, _CONTRAST, light
+        )
         return light
 
 

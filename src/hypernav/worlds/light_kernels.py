@@ -109,7 +109,7 @@ def light(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def gather_light(distances, directions, sky, reach_m, floor, result):
+def gather_light(distances, directions, sky, reach_m, contrast, result):
     """Light from each of the six sides of every place.
 
     Args:
@@ -118,7 +118,7 @@ def gather_light(distances, directions, sky, reach_m, floor, result):
         directions: Unit vectors, float32 [directions, 3].
         sky: Light that arrives from every direction where nothing is in the way, [directions].
         reach_m: A thing this far away takes no light.
-        floor: What a thing that touches the place leaves of the light, 0 to 1.
+        contrast: Exponent of the light; above 1 deepens the shade.
         result: Filled with light from +x, -x, +y, -y, +z, -z, uint8 [places, 6].
     """
     sums = np.zeros(6)
@@ -127,7 +127,7 @@ def gather_light(distances, directions, sky, reach_m, floor, result):
         for ray in range(distances.shape[0]):
             distance = distances[ray, place]
             near = distance / reach_m if 0.0 <= distance < reach_m else 1.0
-            light = sky[ray] * (floor + (1.0 - floor) * near)
+            light = sky[ray] * near
             for axis in range(3):
                 along = directions[ray, axis]
                 if along > 0.0:
@@ -135,6 +135,7 @@ def gather_light(distances, directions, sky, reach_m, floor, result):
                 else:
                     sums[2 * axis + 1] -= light * along
         # The directions are spread evenly: the cosines of one half sum up to a quarter of them.
-        scale = 4.0 / distances.shape[0] * 255.0
+        scale = 4.0 / distances.shape[0]
         for side in range(6):
-            result[place, side] = np.uint8(min(sums[side] * scale + 0.5, 255.0))
+            light = min(sums[side] * scale, 1.0) ** contrast
+            result[place, side] = np.uint8(light * 255.0 + 0.5)

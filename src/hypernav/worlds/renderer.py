@@ -34,7 +34,7 @@ class RenderConfig(RoomConfig):
     """How a scene is drawn.
 
     Attributes:
-        exposure: Multiplies all light; 1 shows a white surface in full light as nearly white.
+        exposure: Multiplies all light, before bright tones are compressed.
         ambient: Share of the soft light from ceiling and surroundings.
         headlight: Share of a light at the camera, which gives form to what faces it.
         light_cell_m: Distance of the nodes at which the soft light is measured.
@@ -45,7 +45,7 @@ class RenderConfig(RoomConfig):
         threads: Worker threads; all cores of the process where None.
     """
 
-    exposure: float = Field(default=1.2, gt=0.0)
+    exposure: float = Field(default=1.6, gt=0.0)
     ambient: float = Field(default=0.95, ge=0.0)
     headlight: float = Field(default=0.1, ge=0.0)
     light_cell_m: float = Field(default=0.08, gt=0.0)
