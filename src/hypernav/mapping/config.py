@@ -1,7 +1,6 @@
 """How the map is drawn."""
 
 import math
-from typing import Self
 
 from pydantic import Field, model_validator
 
@@ -67,7 +66,7 @@ class MappingConfig(RoomConfig):
     clearance_m: float = Field(default=0.22, ge=0.0)
 
     @model_validator(mode="after")
-    def _check_ranges(self) -> Self:
+    def _check_ranges(self) -> "MappingConfig":
         if not self.obstacle_min_height_m < self.obstacle_max_height_m:
             raise ValueError(
                 "obstacle_min_height_m must be less than obstacle_max_height_m, got "

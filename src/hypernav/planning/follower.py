@@ -20,8 +20,14 @@ _LEAST_GAIN_M = 0.05
 """Actions that bring the robot less far are not worth taking."""
 _HORIZON_M = 2.0
 """How far ahead actions are searched: beyond the next door."""
-_SIDEWAYS_M = 1.5
-"""How much longer than its present way the robot's way may become on the way."""
+_LOOK_AHEAD_M = 3.0
+"""Where on the path the actions aim, if the path is longer; beyond the horizon."""
+_SURROUNDINGS_M = 4.0
+"""Half the side of the part of the map that actions are searched in."""
+_SIDEWAYS_M = 1.0
+"""How much longer than now the way to the aim may become in between."""
+_WAY_OUT_CELLS = 3
+"""How deep in an inflated obstacle the robot may stand and still find out."""
 _SAME_PLACE_M = 0.02
 _SAME_HEADING_RAD = 0.02
 _ANGLE_SLACK = 1e-9
@@ -175,19 +181,23 @@ class PathFollower:
     def _search_actions(self, path: Path, robot: Pose2, terrain: Terrain) -> list[Action] | None:
         """Actions that lead on; empty if none does, None if the search cannot be made here."""
         size = terrain.grid.resolution_m
-        here, end = terrain.grid.cell_of(*robot.xy), terrain.grid.cell_of(*path.end)
-        if not (terrain.grid.inside(*here) and terrain.grid.inside(*end)):
+        costs, (bottom, left) = _surroundings(terrain, robot)
+        row, column = terrain.continuous(*robot.xy)
+        aim_row, aim_column = terrain.grid.cell_of(*self._ahead(path, robot))
+        here = (math.floor(row) - bottom, math.floor(column) - left)
+        aim = (aim_row - bottom, aim_column - left)
+        if not all(_is_open(costs, cell) for cell in (here, aim)):
             return None
-        costs = _freed_around(terrain.costs, here)
-        to_go = costs_to_go(costs, end, here, _SIDEWAYS_M / size)
+        to_go = costs_to_go(costs, aim, here, _SIDEWAYS_M / size)
         if np.isinf(to_go[here]):
             return None
         turns = round(360.0 / self._config.turn_angle_deg)
         headings = robot.yaw + np.arange(turns) * math.radians(self._config.turn_angle_deg)
-        actions, left = plan_actions(
+        actions, rest = plan_actions(
             costs,
             to_go,
-            *terrain.continuous(*robot.xy),
+            row - bottom,
+            column - left,
             np.sin(headings),
             np.cos(headings),
             self._config.forward_m / size,
@@ -195,9 +205,28 @@ class PathFollower:
             self._tolerance / size,
             _HORIZON_M / size,
         )
-        if left > to_go[here] - _LEAST_GAIN_M / size:
+        if rest > to_go[here] - _LEAST_GAIN_M / size:
             return []
         return [_ACTIONS[action] for action in actions]
+
+    def _ahead(self, path: Path, robot: Pose2) -> tuple[float, float]:
+        """The place on the path that is `_LOOK_AHEAD_M` farther along it than the robot."""
+        left = _LOOK_AHEAD_M
+        for start, end in list(pairwise(path.waypoints))[self._next - 1 :]:
+            length = math.dist(start, end)
+            along = (
+                min(max(_along(start, end, robot)[0], 0.0), length)
+                if left == _LOOK_AHEAD_M
+                else 0.0
+            )
+            if along + left < length:
+                share = (along + left) / length
+                return (
+                    start[0] + share * (end[0] - start[0]),
+                    start[1] + share * (end[1] - start[1]),
+                )
+            left -= length - along
+        return path.end
 
 
 def _along(
@@ -210,16 +239,28 @@ def _along(
     return (x * dx + y * dy, y * dx - x * dy)
 
 
-def _freed_around(
-    costs: Float32[np.ndarray, "rows columns"], here: tuple[int, int], reach: int = 3
-) -> Float32[np.ndarray, "rows columns"]:
-    """The same costs, with a way out where the robot itself stands in an inflated obstacle."""
-    row, column = here
-    if costs[row, column] > 0:
-        return costs
-    costs = costs.copy()
-    around = costs[
-        max(row - reach, 0) : row + reach + 1, max(column - reach, 0) : column + reach + 1
-    ]
-    around[around <= 0] = 1.0
-    return costs
+def _surroundings(
+    terrain: Terrain, robot: Pose2
+) -> tuple[Float32[np.ndarray, "rows columns"], tuple[int, int]]:
+    """A copy of the costs around the robot, and row and column of its corner.
+
+    Where the robot itself stands in an inflated obstacle, there is a way out.
+    """
+    row, column = terrain.grid.cell_of(*robot.xy)
+    reach = math.ceil(_SURROUNDINGS_M / terrain.grid.resolution_m)
+    bottom, left = max(row - reach, 0), max(column - reach, 0)
+    costs = terrain.costs[bottom : row + reach + 1, left : column + reach + 1].copy()
+    row, column = row - bottom, column - left
+    if 0 <= row < costs.shape[0] and 0 <= column < costs.shape[1] and costs[row, column] <= 0.0:
+        way_out = costs[
+            max(row - _WAY_OUT_CELLS, 0) : row + _WAY_OUT_CELLS + 1,
+            max(column - _WAY_OUT_CELLS, 0) : column + _WAY_OUT_CELLS + 1,
+        ]
+        way_out[way_out <= 0.0] = 1.0
+    return costs, (bottom, left)
+
+
+def _is_open(costs: Float32[np.ndarray, "rows columns"], cell: tuple[int, int]) -> bool:
+    row, column = cell
+    inside = 0 <= row < costs.shape[0] and 0 <= column < costs.shape[1]
+    return inside and bool(costs[row, column] > 0.0)
