@@ -2,8 +2,8 @@
 
 Run: python benchmarks/search.py --scene small_house/scene.glb --goals bed sofa tv [--seeds 5]
 
-Every search is what `hypernav find GOAL --scene SCENE --agent AGENT --detector DETECTOR --seed SEED`
-does, without video and page. Lines come as the searches end; the table follows.
+Every search is what `hypernav find GOAL --scene SCENE --agent AGENT --seed SEED` does, without
+video and page. Lines come as the searches end; the table follows.
 """
 
 import multiprocessing
@@ -105,14 +105,18 @@ def main(
     with ProcessPoolExecutor(workers, mp_context=context) as pool:
         for search, result, events in pool.map(run, searches):
             results.append((search, result))
-            metrics = result.metrics
-            console.print(
-                f"{search.agent:9s} {search.goal:20s} seed {search.seed}  {result.outcome:12s} "
-                f"SPL {metrics.spl:.2f}  steps {result.steps:3d}  way {metrics.path_length_m:5.1f} m"
-                f"  shortest {metrics.shortest_path_m:5.1f} m  left {metrics.distance_to_goal_m:.2f}"
-                f" m  {'' if metrics.success else events[-4:]}"
-            )
+            console.print(line(search, result, events))
     console.print(summary(results))
+
+
+def line(search: Search, result: EpisodeResult, events: list[str]) -> str:
+    metrics = result.metrics
+    return (
+        f"{search.agent:9s} {search.goal:20s} seed {search.seed}  {result.outcome:12s} "
+        f"SPL {metrics.spl:.2f}  steps {result.steps:3d}  "
+        f"way {metrics.path_length_m:5.1f} m  shortest {metrics.shortest_path_m:5.1f} m  "
+        f"left {metrics.distance_to_goal_m:.2f} m  {'' if metrics.success else events[-4:]}"
+    )
 
 
 def summary(results: list[tuple[Search, EpisodeResult]]) -> Table:
