@@ -29,7 +29,14 @@ from hypernav.worlds.houses import build_house
 from hypernav.worlds.rays import RayCaster
 
 KINDS = (
-    "bed", "chair", "couch", "toilet", "tv", "refrigerator", "potted plant", "dining table",
+    "bed",
+    "chair",
+    "couch",
+    "toilet",
+    "tv",
+    "refrigerator",
+    "potted plant",
+    "dining table",
 )
 NEAR_M, FAR_M = 1.2, 3.5
 LEAST_VISIBLE = 0.6
@@ -65,9 +72,13 @@ def only(scene: Scene, instance: Instance) -> Scene:
     """The scene with nothing but one object."""
     keep = scene.face_instance == instance.id
     return replace(
-        scene, faces=scene.faces[keep], uv=scene.uv[keep], colors=scene.colors[keep],
+        scene,
+        faces=scene.faces[keep],
+        uv=scene.uv[keep],
+        colors=scene.colors[keep],
         normals=None if scene.normals is None else scene.normals[keep],
-        face_material=scene.face_material[keep], face_instance=scene.face_instance[keep],
+        face_material=scene.face_material[keep],
+        face_instance=scene.face_instance[keep],
     )
 
 
@@ -121,7 +132,13 @@ class Album:
         if folder is not None:
             folder.mkdir(parents=True, exist_ok=True)
 
-    def keep(self, view: View, rgb: UInt8[np.ndarray, "height width 3"], box: Box, detections: list[Detection]) -> None:
+    def keep(
+        self,
+        view: View,
+        rgb: UInt8[np.ndarray, "height width 3"],
+        box: Box,
+        detections: list[Detection],
+    ) -> None:
         """Save one view with its boxes."""
         if self.folder is None:
             return
@@ -133,7 +150,9 @@ class Album:
         for d in detections:
             a, b, c, e = d.box.pixels()
             cv2.rectangle(picture, (a, b), (c, e), (0, 200, 255), 1)
-            cv2.putText(picture, f"{d.label} {d.score:.2f}", (a + 2, b + 12), 0, 0.42, (0, 0, 255), 1)
+            cv2.putText(
+                picture, f"{d.label} {d.score:.2f}", (a + 2, b + 12), 0, 0.42, (0, 0, 255), 1
+            )
         a, b, c, e = box.pixels()
         cv2.rectangle(picture, (a, b), (c, e), (0, 255, 0), 2)
         cv2.imwrite(str(self.folder / f"{key}-{number:02d}-{view.house}.jpg"), picture)
@@ -147,26 +166,49 @@ def look_around(
     if not wanted:
         return
     config = CameraConfig()
-    renderer, grid, everything = EmbreeRenderer(scene), WalkableGrid.from_scene(scene), RayCaster(scene)
+    renderer, grid, everything = (
+        EmbreeRenderer(scene),
+        WalkableGrid.from_scene(scene),
+        RayCaster(scene),
+    )
     for instance, kind in wanted:
         rng = np.random.default_rng([house, instance.id])
         caster = RayCaster(only(scene, instance))
-        corners = scene.vertices[np.unique(scene.faces[scene.face_instance == instance.id])].astype(np.float64)
+        corners = scene.vertices[np.unique(scene.faces[scene.face_instance == instance.id])].astype(
+            np.float64
+        )
         left = views_per_object
         for place in places(scene, instance, grid, rng, 40):
             height = grid.height_at(place.x, place.y)
             pose = place.to_transform(height) @ config.camera_to_base
             uv = config.intrinsics.project(pose.inverse().apply(corners))
-            if np.isnan(uv).any() or (uv < 1).any() or (uv[:, 0] > config.width - 1).any() or (uv[:, 1] > config.height - 1).any():
+            if (
+                np.isnan(uv).any()
+                or (uv < 1).any()
+                or (uv[:, 0] > config.width - 1).any()
+                or (uv[:, 1] > config.height - 1).any()
+            ):
                 continue
-            share = pixels_of(everything, instance.id, pose).sum() / max(pixels_of(caster, instance.id, pose).sum(), 1)
+            share = pixels_of(everything, instance.id, pose).sum() / max(
+                pixels_of(caster, instance.id, pose).sum(), 1
+            )
             if share < LEAST_VISIBLE:
                 continue
             picture = renderer.render(config.intrinsics, pose)
             mask = picture.instance_ids == instance.id
             detections = detector.detect_all(picture.rgb)
             middle = (np.array(instance.box_min[:2]) + np.array(instance.box_max[:2])) / 2.0
-            view = View(house, kind, instance.name, place.distance_to(*middle), float(share), False, 0.0, "", 0.0)
+            view = View(
+                house,
+                kind,
+                instance.name,
+                place.distance_to(*middle),
+                float(share),
+                False,
+                0.0,
+                "",
+                0.0,
+            )
             judge(view, box_of(mask), detections)
             album.keep(view, picture.rgb, box_of(mask), detections)
             yield view
@@ -177,7 +219,10 @@ def look_around(
 
 def table(views: list[View], houses: int) -> str:
     """Recall per kind, as Markdown."""
-    lines = ["| kind | objects | views | recall | said instead |", "| --- | ---: | ---: | ---: | --- |"]
+    lines = [
+        "| kind | objects | views | recall | said instead |",
+        "| --- | ---: | ---: | ---: | --- |",
+    ]
     recalls = []
     for kind in KINDS:
         own = [v for v in views if v.kind == kind]
@@ -186,13 +231,19 @@ def table(views: list[View], houses: int) -> str:
             continue
         recall = sum(v.recognised for v in own) / len(own)
         recalls.append(recall)
-        wrong = [v.said for v in own if not v.recognised and v.said and canonical(v.said) != canonical(kind)]
+        wrong = [
+            v.said
+            for v in own
+            if not v.recognised and v.said and canonical(v.said) != canonical(kind)
+        ]
         common = sorted(set(wrong), key=lambda w: (-wrong.count(w), w))[:3]
         objects = len({(v.house, v.name) for v in own})
         said = ", ".join(f"{w} {wrong.count(w)}" for w in common)
         lines.append(f"| {kind} | {objects} | {len(own)} | {recall:.2f} | {said} |")
     mean = sum(recalls) / max(len(recalls), 1)
-    lines.append(f"| **mean of {len(recalls)} kinds, {houses} houses** | | {len(views)} | **{mean:.2f}** | |")
+    lines.append(
+        f"| **mean of {len(recalls)} kinds, {houses} houses** | | {len(views)} | **{mean:.2f}** | |"
+    )
     return "\n".join(lines)
 
 
@@ -225,8 +276,15 @@ def main(
     for number in numbers:
         one = load_scene(scene) if scene is not None else build_house(number)
         if kinds:
-            one = replace(one, instances=tuple(i if kind_of(i) in kinds else replace(i, label=None) for i in one.instances))
-        views += look_around(one, number, detector, views_per_object=views_per_object, album=pictures)
+            one = replace(
+                one,
+                instances=tuple(
+                    i if kind_of(i) in kinds else replace(i, label=None) for i in one.instances
+                ),
+            )
+        views += look_around(
+            one, number, detector, views_per_object=views_per_object, album=pictures
+        )
     print(table(views, len(numbers)))
     if out is not None:
         out.write_text(json.dumps([vars(v) for v in views], indent=1))

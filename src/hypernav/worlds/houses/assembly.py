@@ -59,6 +59,8 @@ class CompactScene:
         face_instance: Number in ``names``.
         finishes: Material of every number.
         names: Of the instances.
+        categories: Kind of every instance, also of what belongs to the building.
+        rooms: Name of every instance's room, empty for what belongs to none.
         labels: Of the instances; None for what belongs to the building.
     """
 
@@ -70,6 +72,8 @@ class CompactScene:
     face_instance: UInt16[np.ndarray, "faces"]
     finishes: tuple[Finish, ...]
     names: tuple[str, ...]
+    categories: tuple[str, ...]
+    rooms: tuple[str, ...]
     labels: tuple[ObjectLabel | None, ...]
 
 
@@ -120,6 +124,8 @@ def compact(
         np.concatenate(instances),
         tuple(finishes),
         tuple(names),
+        tuple(piece.model.category for piece in pieces),
+        tuple(piece.room for piece in pieces),
         tuple(labels),
     )
 

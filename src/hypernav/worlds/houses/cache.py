@@ -92,6 +92,8 @@ def _write(file: Any, house: CompactScene) -> None:
     about = {
         "finishes": [asdict(finish) for finish in house.finishes],
         "names": house.names,
+        "categories": house.categories,
+        "rooms": house.rooms,
         "labels": [None if label is None else asdict(label) for label in house.labels],
     }
     text = np.frombuffer(json.dumps(about).encode(), dtype=np.uint8)
@@ -104,7 +106,14 @@ def _read(path: Path) -> CompactScene:
         arrays = {name: stored[name] for name in _ARRAYS}
     finishes = tuple(Finish(**{**f, "color": tuple(f["color"])}) for f in about["finishes"])
     labels = tuple(None if label is None else _label(label) for label in about["labels"])
-    return CompactScene(**arrays, finishes=finishes, names=tuple(about["names"]), labels=labels)
+    return CompactScene(
+        **arrays,
+        finishes=finishes,
+        names=tuple(about["names"]),
+        categories=tuple(about["categories"]),
+        rooms=tuple(about["rooms"]),
+        labels=labels,
+    )
 
 
 def _label(stored: dict[str, Any]) -> ObjectLabel:

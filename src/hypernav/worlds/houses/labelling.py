@@ -30,7 +30,11 @@ def box_of(piece: Placed) -> tuple[float, float, float, float, float, float]:
     """Lowest and highest corner of a piece in the scene."""
     m = piece.model
     r = rotation_matrix(piece.yaw_deg)
-    corners = [(x * r[0, 0] + y * r[0, 1], x * r[1, 0] + y * r[1, 1]) for x in (m.low[0], m.high[0]) for y in (m.low[1], m.high[1])]
+    corners = [
+        (x * r[0, 0] + y * r[0, 1], x * r[1, 0] + y * r[1, 1])
+        for x in (m.low[0], m.high[0])
+        for y in (m.low[1], m.high[1])
+    ]
     xs, ys = [float(c[0]) + piece.x for c in corners], [float(c[1]) + piece.y for c in corners]
     return (min(xs), min(ys), piece.z + m.low[2], max(xs), max(ys), piece.z + m.high[2])
 
@@ -41,12 +45,17 @@ def _label(number: int, pieces: Sequence[Placed], boxes: np.ndarray) -> ObjectLa
         return None
     model = piece.model
     attributes = tuple(dict.fromkeys(a for a in model.attributes if a))
-    return ObjectLabel(model.category, tuple(s for s in model.synonyms if s != model.category), attributes, _room_word(piece.room),
-                       _beside(number, pieces, boxes))
+    return ObjectLabel(
+        model.category,
+        tuple(s for s in model.synonyms if s != model.category),
+        attributes,
+        room_word(piece.room),
+        _beside(number, pieces, boxes),
+    )
 
 
-def _room_word(name: str) -> str:
-    """ "bedroom 2" is a bedroom. """
+def room_word(name: str) -> str:
+    """The kind of a room by its name: "bedroom 2" is a "bedroom"."""
     head, _, tail = name.rpartition(" ")
     return head if tail.isdigit() else name
 
@@ -58,7 +67,10 @@ def _beside(number: int, pieces: Sequence[Placed], boxes: np.ndarray) -> tuple[s
     distance = np.sqrt((gap * gap).sum(axis=1))
     near = [k for k in np.argsort(distance, kind="stable") if distance[k] < _NEAR_M and k != number]
     kinds = [
-        pieces[k].model.category for k in near
-        if pieces[k].room == pieces[number].room and not pieces[k].structural and pieces[k].model.category not in _FLAT
+        pieces[k].model.category
+        for k in near
+        if pieces[k].room == pieces[number].room
+        and not pieces[k].structural
+        and pieces[k].model.category not in _FLAT
     ]
     return tuple(dict.fromkeys(kinds))[:8]

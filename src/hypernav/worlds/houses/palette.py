@@ -123,9 +123,24 @@ def draw_taste(dice: Dice) -> Taste:
     return Taste(
         wood=kinds[0],
         second_wood=kinds[1],
-        painted=dice.weighted((("white", 6.0), ("light gray", 1.0), ("black", 1.0), ("cream", 1.0))),
-        soft=dice.choice(("gray", "dark gray", "beige", "light gray", "blue", "green", "brown", "teal",
-                          "red", "navy", "cream")),
+        painted=dice.weighted(
+            (("white", 6.0), ("light gray", 1.0), ("black", 1.0), ("cream", 1.0))
+        ),
+        soft=dice.choice(
+            (
+                "gray",
+                "dark gray",
+                "beige",
+                "light gray",
+                "blue",
+                "green",
+                "brown",
+                "teal",
+                "red",
+                "navy",
+                "cream",
+            )
+        ),
         accent=dice.choice(("red", "orange", "yellow", "teal", "blue", "pink", "purple", "green")),
         linen=dice.choice(("white", "light blue", "cream", "light gray", "beige", "pink", "navy")),
         metal=dice.choice((STEEL, BLACK_METAL, CHROME, BRASS)),
@@ -134,13 +149,29 @@ def draw_taste(dice: Dice) -> Taste:
 
 def vary(taste: Taste, dice: Dice) -> Taste:
     """The taste of one room of the house."""
-    hues = ("gray", "beige", "blue", "green", "brown", "teal", "red", "navy", "yellow", "purple",
-            "orange", "black", "white", "pink")
+    hues = (
+        "gray",
+        "beige",
+        "blue",
+        "green",
+        "brown",
+        "teal",
+        "red",
+        "navy",
+        "yellow",
+        "purple",
+        "orange",
+        "black",
+        "white",
+        "pink",
+    )
     return replace(
         taste,
         soft=dice.choice(hues) if dice.chance(0.5) else taste.soft,
         accent=dice.choice(hues) if dice.chance(0.4) else taste.accent,
-        linen=dice.choice(("white", "light blue", "cream", "gray", "green", "pink", "navy", "yellow"))
+        linen=dice.choice(
+            ("white", "light blue", "cream", "gray", "green", "pink", "navy", "yellow")
+        )
         if dice.chance(0.5)
         else taste.linen,
     )

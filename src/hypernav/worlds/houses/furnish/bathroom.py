@@ -24,10 +24,16 @@ def furnish_bathroom(site: Site, *, with_washer: bool) -> None:
     """
     dice, taste = site.dice, site.taste
     big = site.inner.area > 4.4
-    tub = site.at_wall(bathroom.bathtub(dice, taste), where="corner", gap=0.012) if big and dice.chance(0.6) else None
+    tub = (
+        site.at_wall(bathroom.bathtub(dice, taste), where="corner", gap=0.012)
+        if big and dice.chance(0.6)
+        else None
+    )
     if tub is None:
         site.at_wall(bathroom.shower(dice, taste), where="corner", front=0.5, access=True)
-    site_toilet = site.at_wall(bathroom.toilet(dice, taste), front=0.55, access=True, where=dice.choice(("any", "corner")))
+    site_toilet = site.at_wall(
+        bathroom.toilet(dice, taste), front=0.55, access=True, where=dice.choice(("any", "corner"))
+    )
     basin = None
     for _ in range(3):
         basin = site.at_wall(bathroom.bathroom_sink(dice, taste), front=0.55, access=True)
@@ -40,15 +46,26 @@ def furnish_bathroom(site: Site, *, with_washer: bool) -> None:
         site.on_wall(mirror, sides=SIDES, z=1.15, near=basin)
         scatter(site, basin, (small.soap_dispenser, small.toothbrush_cup), 2)
     if site_toilet is not None:
-        scatter(site, site_toilet, (plants.small_plant, small.candle, textiles.folded_towels), 1 if dice.chance(0.4) else 0)
+        scatter(
+            site,
+            site_toilet,
+            (plants.small_plant, small.candle, textiles.folded_towels),
+            1 if dice.chance(0.4) else 0,
+        )
     if with_washer:
-        washer = site.at_wall(electronics.washing_machine(dice, taste), front=0.55, access=True, where="corner")
+        washer = site.at_wall(
+            electronics.washing_machine(dice, taste), front=0.55, access=True, where="corner"
+        )
         scatter(site, washer, (small.detergent, textiles.folded_towels), 1)
     site.on_wall(walls.towel_rack(dice, taste), sides=SIDES, z=1.0)
     site.on_wall(walls.toilet_paper(dice, taste), sides=SIDES, z=0.65)
     for maker, chance in (
-        (small.trash_can, 0.6), (small.toilet_brush, 0.6), (belongings.laundry_basket, 0.35), (small.scale, 0.3),
-        (storage.cabinet, 0.15), (plants.leafy_plant, 0.25),
+        (small.trash_can, 0.6),
+        (small.toilet_brush, 0.6),
+        (belongings.laundry_basket, 0.35),
+        (small.scale, 0.3),
+        (storage.cabinet, 0.15),
+        (plants.leafy_plant, 0.25),
     ):
         if dice.chance(chance):
             site.at_wall(maker(dice, taste), where="corner" if dice.chance(0.6) else "any")

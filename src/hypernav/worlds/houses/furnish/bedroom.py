@@ -35,26 +35,67 @@ def furnish_bedroom(site: Site, *, first: bool) -> None:
         _beside_bed(site, bed)
     site.at_wall(storage.wardrobe(dice, taste), front=0.55, access=True, where="corner")
     if child:
-        for maker in dice.shuffled((leisure.toy_box, leisure.dollhouse, leisure.teddy_bear, leisure.toy_blocks, leisure.toy_car, leisure.football))[:3]:
+        for maker in dice.shuffled(
+            (
+                leisure.toy_box,
+                leisure.dollhouse,
+                leisure.teddy_bear,
+                leisure.toy_blocks,
+                leisure.toy_car,
+                leisure.football,
+            )
+        )[:3]:
             site.at_wall(maker(dice, taste), where="corner")
     if dice.chance(0.6 if child else 0.35):
         place_desk(site)
     for maker, chance in dice.shuffled(
-        ((storage.dresser, 0.55), (tables.dressing_table, 0.25), (storage.bookshelf, 0.3), (storage.tv_stand, 0.3))
+        (
+            (storage.dresser, 0.55),
+            (tables.dressing_table, 0.25),
+            (storage.bookshelf, 0.3),
+            (storage.tv_stand, 0.3),
+        )
     ):
         if not dice.chance(chance):
             continue
         base = site.at_wall(maker(dice, taste), front=0.45, access=True)
         if maker is storage.tv_stand and base is not None:
             site.on_top(base, screens.tv(dice, taste), facing=0.0, where=(0.5, 0.4))
-        scatter(site, base, (lighting.table_lamp, small.photo_frame, plants.small_plant, small.clock, electronics.hair_dryer, textiles.folded_blanket), 2)
+        scatter(
+            site,
+            base,
+            (
+                lighting.table_lamp,
+                small.photo_frame,
+                plants.small_plant,
+                small.clock,
+                electronics.hair_dryer,
+                textiles.folded_blanket,
+            ),
+            2,
+        )
     for maker, chance in dice.shuffled(
         (
-            (sofas.armchair, 0.2), (chairs.bench_seat, 0.1), (belongings.laundry_basket, 0.3), (belongings.backpack, 0.25),
-            (belongings.suitcase, 0.25), (leisure.guitar, 0.12), (lighting.floor_lamp, 0.25), (belongings.handbag, 0.15),
-            (sofas.bean_bag, 0.15), (leisure.treadmill, 0.08), (leisure.exercise_bike, 0.07), (leisure.dumbbells, 0.12),
-            (beds.crib, 0.1), (leisure.easel, 0.06), (electronics.fan, 0.15), (electronics.air_purifier, 0.15),
-            (textiles.rolled_mat, 0.1), (belongings.shoes, 0.2), (chairs.ottoman, 0.15), (leisure.exercise_ball, 0.08),
+            (sofas.armchair, 0.2),
+            (chairs.bench_seat, 0.1),
+            (belongings.laundry_basket, 0.3),
+            (belongings.backpack, 0.25),
+            (belongings.suitcase, 0.25),
+            (leisure.guitar, 0.12),
+            (lighting.floor_lamp, 0.25),
+            (belongings.handbag, 0.15),
+            (sofas.bean_bag, 0.15),
+            (leisure.treadmill, 0.08),
+            (leisure.exercise_bike, 0.07),
+            (leisure.dumbbells, 0.12),
+            (beds.crib, 0.1),
+            (leisure.easel, 0.06),
+            (electronics.fan, 0.15),
+            (electronics.air_purifier, 0.15),
+            (textiles.rolled_mat, 0.1),
+            (belongings.shoes, 0.2),
+            (chairs.ottoman, 0.15),
+            (leisure.exercise_ball, 0.08),
         )
     ):
         if dice.chance(chance):
@@ -73,7 +114,9 @@ def _place_bed(site: Site, *, double: bool, child: bool) -> Placed | None:
         wide = model.width > 1.3
         walls = sorted(SIDES, key=lambda s: len(site.wall_openings(s)) + dice.unit())
         for side in walls:
-            piece = site.at_wall(model, sides=(side,), where="middle" if wide else "corner", access=False)
+            piece = site.at_wall(
+                model, sides=(side,), where="middle" if wide else "corner", access=False
+            )
             if piece is not None:
                 return piece
     return None
@@ -119,8 +162,22 @@ def place_desk(site: Site) -> Placed | None:
     else:
         site.on_top(piece, screens.monitor(dice, taste), facing=0.0, where=(0.5, 0.1))
         site.on_top(piece, screens.keyboard(dice, taste), facing=0.0, where=(0.5, 0.85))
-    site.on_top(piece, lighting.desk_lamp(dice, taste), facing=0.0, where=(dice.choice((0.03, 0.97)), 0.2))
-    scatter(site, piece, (small.books, small.cup, small.pen_cup, plants.small_plant, small.photo_frame, electronics.phone), dice.integer(1, 3))
+    site.on_top(
+        piece, lighting.desk_lamp(dice, taste), facing=0.0, where=(dice.choice((0.03, 0.97)), 0.2)
+    )
+    scatter(
+        site,
+        piece,
+        (
+            small.books,
+            small.cup,
+            small.pen_cup,
+            plants.small_plant,
+            small.photo_frame,
+            electronics.phone,
+        ),
+        dice.integer(1, 3),
+    )
     return piece
 
 
@@ -136,16 +193,37 @@ def furnish_office(site: Site) -> None:
         site.at_wall(storage.bookshelf(dice, taste), front=0.4, access=True)
     for maker, chance in dice.shuffled(
         (
-            (sofas.armchair, 0.45), (small.trash_can, 0.6), (lighting.floor_lamp, 0.35), (leisure.guitar, 0.2), (leisure.piano, 0.12),
-            (leisure.treadmill, 0.12), (leisure.exercise_bike, 0.1), (sofas.bean_bag, 0.12), (belongings.backpack, 0.3),
-            (leisure.easel, 0.12), (electronics.fan, 0.2), (electronics.sewing_machine, 0.0), (leisure.dumbbells, 0.15),
+            (sofas.armchair, 0.45),
+            (small.trash_can, 0.6),
+            (lighting.floor_lamp, 0.35),
+            (leisure.guitar, 0.2),
+            (leisure.piano, 0.12),
+            (leisure.treadmill, 0.12),
+            (leisure.exercise_bike, 0.1),
+            (sofas.bean_bag, 0.12),
+            (belongings.backpack, 0.3),
+            (leisure.easel, 0.12),
+            (electronics.fan, 0.2),
+            (electronics.sewing_machine, 0.0),
+            (leisure.dumbbells, 0.15),
         )
     ):
         if dice.chance(chance):
             site.at_wall(maker(dice, taste), where="corner" if dice.chance(0.5) else "any")
     if dice.chance(0.4):
         side = site.at_wall(tables.console_table(dice, taste), front=0.4)
-        scatter(site, side, (electronics.printer, small.globe, leisure.chess, electronics.radio, plants.small_plant), 2)
+        scatter(
+            site,
+            side,
+            (
+                electronics.printer,
+                small.globe,
+                leisure.chess,
+                electronics.radio,
+                plants.small_plant,
+            ),
+            2,
+        )
     place_plants(site, 1)
     if dice.chance(0.4):
         x, y = site.inner.centre

@@ -52,7 +52,9 @@ def hang_lamp(site: Site, maker: Maker, xy: tuple[float, float] | None = None) -
 def hang_pictures(site: Site, count: int) -> None:
     """Pictures, a clock or a mirror on free stretches of wall."""
     for _ in range(count):
-        maker = site.dice.weighted(((walls.framed_picture, 6.0), (walls.clock, 1.0), (walls.mirror, 1.0)))
+        maker = site.dice.weighted(
+            ((walls.framed_picture, 6.0), (walls.clock, 1.0), (walls.mirror, 1.0))
+        )
         model = maker(site.dice, site.taste)
         site.on_wall(model, sides=SIDES, z=round(1.62 - model.height / 2, 3))
 

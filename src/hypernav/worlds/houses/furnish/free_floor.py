@@ -41,7 +41,9 @@ class FreeFloor:
             if opening.is_way:
                 floor[self._cells(opening.strip(-_MARGIN_M, _MARGIN_M))] = True
                 upper = opening.rooms[1] == number
-                self._anchors.append(opening.strip(0.5, 0.52).centre if upper else opening.strip(-0.52, -0.5).centre)
+                self._anchors.append(
+                    opening.strip(0.5, 0.52).centre if upper else opening.strip(-0.52, -0.5).centre
+                )
         clearance = (np.asarray(distance_transform_edt(floor)) - 0.5) * _CELL_M
         self._standing = clearance > STANDING_M
         self._walking = clearance > WALKING_M

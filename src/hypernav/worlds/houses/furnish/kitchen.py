@@ -17,8 +17,18 @@ from hypernav.worlds.houses.furniture import (
 from hypernav.worlds.houses.kit.model import Model
 
 _ON_COUNTER = (
-    electronics.microwave, electronics.toaster, electronics.kettle, electronics.coffee_machine, electronics.blender,
-    small.knife_block, small.fruit_bowl, small.bottle, small.cutting_board, small.paper_towels, plants.small_plant, small.cup,
+    electronics.microwave,
+    electronics.toaster,
+    electronics.kettle,
+    electronics.coffee_machine,
+    electronics.blender,
+    small.knife_block,
+    small.fruit_bowl,
+    small.bottle,
+    small.cutting_board,
+    small.paper_towels,
+    plants.small_plant,
+    small.cup,
 )
 
 
@@ -36,7 +46,14 @@ def furnish_kitchen(site: Site, *, table: bool, island: bool = True) -> None:
         place_dining(site, seats=dice.choice((2, 4)))
     elif island and min(site.inner.width, site.inner.depth) > 3.2 and dice.chance(0.7):
         _island(site)
-    for maker, chance in dice.shuffled(((small.trash_can, 0.8), (storage.wine_rack, 0.25), (chairs.stool, 0.2), (small.broom, 0.15))):
+    for maker, chance in dice.shuffled(
+        (
+            (small.trash_can, 0.8),
+            (storage.wine_rack, 0.25),
+            (chairs.stool, 0.2),
+            (small.broom, 0.15),
+        )
+    ):
         if dice.chance(chance):
             site.at_wall(maker(dice, taste), where="corner")
     if dice.chance(0.5):
@@ -134,7 +151,14 @@ def _fill_row(site: Site, side: str, start: float, end: float) -> None:
     best: list[tuple[Model, Spot]] = []
     for attempt in range(10):
         order = dice.shuffled(units)
-        row = _row(site, side, [fridge, *order] if attempt % 2 else [*order, fridge], start, end, low=attempt % 4 < 2)
+        row = _row(
+            site,
+            side,
+            [fridge, *order] if attempt % 2 else [*order, fridge],
+            start,
+            end,
+            low=attempt % 4 < 2,
+        )
         if len(row) > len(best):
             best = row
         if len(row) == len(units) + 1:
@@ -164,7 +188,9 @@ def _row(
 
 
 def _reserve_front(site: Site, side: str, start: float, end: float) -> None:
-    probe = Model((), "probe", low=(-(end - start) / 2, -0.3, 0.0), high=((end - start) / 2, 0.3, 0.9))
+    probe = Model(
+        (), "probe", low=(-(end - start) / 2, -0.3, 0.0), high=((end - start) / 2, 0.3, 0.9)
+    )
     spot = site.spot_at_wall(probe, side, (start + end) / 2)
     site.reserve(site.front_zone(probe, spot, 0.85))
 
@@ -200,13 +226,22 @@ def _on_counter(site: Site, piece: Placed) -> None:
 def furnish_laundry(site: Site) -> None:
     """Washing machine and dryer side by side, then racks and baskets."""
     dice, taste = site.dice, site.taste
-    washer = site.at_wall(electronics.washing_machine(dice, taste), front=0.7, access=True, where="corner")
+    washer = site.at_wall(
+        electronics.washing_machine(dice, taste), front=0.7, access=True, where="corner"
+    )
     scatter(site, washer, (small.detergent,), 1)
-    dryer = site.at_wall(electronics.clothes_dryer(dice, taste), front=0.7, access=True, where="corner")
+    dryer = site.at_wall(
+        electronics.clothes_dryer(dice, taste), front=0.7, access=True, where="corner"
+    )
     scatter(site, dryer, (small.detergent, small.basket), 1)
     for maker, chance in (
-        (belongings.laundry_basket, 0.9), (belongings.ironing_board, 0.5), (belongings.drying_rack, 0.5), (storage.metal_shelf, 0.4),
-        (small.bucket, 0.5), (small.broom, 0.5), (electronics.vacuum_cleaner, 0.3),
+        (belongings.laundry_basket, 0.9),
+        (belongings.ironing_board, 0.5),
+        (belongings.drying_rack, 0.5),
+        (storage.metal_shelf, 0.4),
+        (small.bucket, 0.5),
+        (small.broom, 0.5),
+        (electronics.vacuum_cleaner, 0.3),
     ):
         if dice.chance(chance):
             site.at_wall(maker(dice, taste), where="corner" if dice.chance(0.5) else "any")

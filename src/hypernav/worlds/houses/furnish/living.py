@@ -30,18 +30,36 @@ def furnish_living(site: Site, *, with_dining: bool, with_kitchen: bool) -> None
         place_dining(site, seats=dice.choice((4, 4, 6)))
     for maker, chance in dice.shuffled(
         (
-            (storage.bookshelf, 0.7), (storage.cabinet, 0.35), (storage.display_cabinet, 0.25),
-            (leisure.piano, 0.25), (leisure.fireplace, 0.3), (storage.dresser, 0.1),
+            (storage.bookshelf, 0.7),
+            (storage.cabinet, 0.35),
+            (storage.display_cabinet, 0.25),
+            (leisure.piano, 0.25),
+            (leisure.fireplace, 0.3),
+            (storage.dresser, 0.1),
         )
     ):
         if dice.chance(chance):
             piece = site.at_wall(maker(dice, taste), front=0.45, access=True)
-            scatter(site, piece, (plants.flower_vase, small.photo_frame, small.candle, small.globe, small.clock), 2)
+            scatter(
+                site,
+                piece,
+                (plants.flower_vase, small.photo_frame, small.candle, small.globe, small.clock),
+                2,
+            )
     for maker, chance in dice.shuffled(
         (
-            (lighting.floor_lamp, 0.7), (sofas.bean_bag, 0.2), (chairs.rocking_chair, 0.15), (chairs.ottoman, 0.3),
-            (leisure.guitar, 0.2), (electronics.fan, 0.2), (leisure.cat_tree, 0.12), (leisure.pet_bed, 0.15),
-            (electronics.speaker, 0.3), (small.basket, 0.2), (leisure.fish_tank, 0.12), (leisure.toy_box, 0.1),
+            (lighting.floor_lamp, 0.7),
+            (sofas.bean_bag, 0.2),
+            (chairs.rocking_chair, 0.15),
+            (chairs.ottoman, 0.3),
+            (leisure.guitar, 0.2),
+            (electronics.fan, 0.2),
+            (leisure.cat_tree, 0.12),
+            (leisure.pet_bed, 0.15),
+            (electronics.speaker, 0.3),
+            (small.basket, 0.2),
+            (leisure.fish_tank, 0.12),
+            (leisure.toy_box, 0.1),
         )
     ):
         if dice.chance(chance):
@@ -52,17 +70,31 @@ def furnish_living(site: Site, *, with_dining: bool, with_kitchen: bool) -> None
 def place_plants(site: Site, count: int) -> None:
     """Large plants in corners and along walls."""
     for _ in range(count):
-        maker = site.dice.choice((plants.snake_plant, plants.monstera, plants.indoor_tree, plants.leafy_plant, plants.leafy_plant))
-        site.at_wall(maker(site.dice, site.taste), where="corner" if site.dice.chance(0.7) else "any")
+        maker = site.dice.choice(
+            (
+                plants.snake_plant,
+                plants.monstera,
+                plants.indoor_tree,
+                plants.leafy_plant,
+                plants.leafy_plant,
+            )
+        )
+        site.at_wall(
+            maker(site.dice, site.taste), where="corner" if site.dice.chance(0.7) else "any"
+        )
 
 
 def _seating_group(site: Site) -> None:
     """Television at one wall, sofa opposite, coffee table and rug between, armchairs at the side."""
     dice, taste = site.dice, site.taste
-    couch = dice.weighted(((sofas.sofa, 5.0), (sofas.l_shaped_sofa, 3.0), (sofas.futon, 0.7)))(dice, taste)
+    couch = dice.weighted(((sofas.sofa, 5.0), (sofas.l_shaped_sofa, 3.0), (sofas.futon, 0.7)))(
+        dice, taste
+    )
     stand, television, wall_mounted = _television(site)
     for sofa_model in (couch, sofas.sofa(dice, taste), sofas.armchair(dice, taste)):
-        for side in sorted(dice.shuffled(SIDES), key=lambda s: len(site.wall_openings(s)) * 0.5 + dice.unit()):
+        for side in sorted(
+            dice.shuffled(SIDES), key=lambda s: len(site.wall_openings(s)) * 0.5 + dice.unit()
+        ):
             if _try_group(site, side, sofa_model, stand, television, wall_mounted):
                 return
     piece = site.at_wall(couch, access=True, where="middle")
@@ -85,7 +117,9 @@ def _television(site: Site) -> tuple[Model, Model, bool]:
     return stand, screens.tv(site.dice, site.taste), False
 
 
-def _try_group(site: Site, side: str, couch: Model, stand: Model, television: Model, wall_mounted: bool) -> bool:
+def _try_group(
+    site: Site, side: str, couch: Model, stand: Model, television: Model, wall_mounted: bool
+) -> bool:
     dice = site.dice
     start, end, _ = site.wall_line(side)
     across = site.inner.depth if side in ("south", "north") else site.inner.width
@@ -97,11 +131,15 @@ def _try_group(site: Site, side: str, couch: Model, stand: Model, television: Mo
     for t in dice.shuffled(spread):
         t = round(t, 3)
         base = site.spot_at_wall(stand, side, t)
-        if not site.fits(stand, base, front=0.5, access=True) or not _screen_fits(site, side, t, base, stand, television):
+        if not site.fits(stand, base, front=0.5, access=True) or not _screen_fits(
+            site, side, t, base, stand, television
+        ):
             continue
         far = across - couch.depth / 2 - 0.03
         near = stand.depth + 1.9 + couch.depth / 2
-        distances = [far] if across < 5.2 else [round(min(near + dice.uniform(0.2, 0.8), far), 3), far]
+        distances = (
+            [far] if across < 5.2 else [round(min(near + dice.uniform(0.2, 0.8), far), 3), far]
+        )
         for distance in distances:
             if distance < near - 0.25:
                 continue
@@ -117,11 +155,15 @@ def _try_group(site: Site, side: str, couch: Model, stand: Model, television: Mo
     return False
 
 
-def _screen_fits(site: Site, side: str, t: float, base: Spot, stand: Model, television: Model) -> bool:
+def _screen_fits(
+    site: Site, side: str, t: float, base: Spot, stand: Model, television: Model
+) -> bool:
     """Whether a television on its stand, or on the wall above, would cover no window."""
     mounted = site.spot_at_wall(television, side, t, 0.004, 0.95)
     standing = Spot(base.x, base.y, base.yaw_deg, stand.height)
-    return site.fits(television, mounted, in_clear=True) or site.fits(television, standing, in_clear=True)
+    return site.fits(television, mounted, in_clear=True) or site.fits(
+        television, standing, in_clear=True
+    )
 
 
 def _facing_spot(site: Site, side: str, t: float, distance: float) -> Spot:
@@ -134,17 +176,31 @@ def _facing_spot(site: Site, side: str, t: float, distance: float) -> Spot:
     return Spot(plane + dx * distance, t, yaw)
 
 
-def _mount(site: Site, side: str, t: float, base: Spot, television: Model, wall_mounted: bool) -> None:
+def _mount(
+    site: Site, side: str, t: float, base: Spot, television: Model, wall_mounted: bool
+) -> None:
     carrier = next(p for p in site.placed if p.x == base.x and p.y == base.y)
     if wall_mounted:
         spot = site.spot_at_wall(television, side, t, 0.004, 0.95)
         if site.fits(television, spot, in_clear=True):
             site.put(television, spot)
-            scatter(site, carrier, (plants.small_plant, small.books, electronics.speaker_small, electronics.game_console), 2)
+            scatter(
+                site,
+                carrier,
+                (
+                    plants.small_plant,
+                    small.books,
+                    electronics.speaker_small,
+                    electronics.game_console,
+                ),
+                2,
+            )
             return
         television = screens.tv(site.dice, site.taste)
     site.on_top(carrier, television, facing=0.0, where=(0.5, 0.4))
-    scatter(site, carrier, (plants.small_plant, small.books, small.candle, electronics.game_console), 1)
+    scatter(
+        site, carrier, (plants.small_plant, small.books, small.candle, electronics.game_console), 1
+    )
 
 
 def _cushions(site: Site, couch: Placed) -> None:
@@ -175,10 +231,25 @@ def _around_sofa(site: Site, couch: Placed, tv_side: str) -> None:
         dx, dy = turned_point(shift, off, couch.yaw_deg)
         spot = Spot(couch.x + dx, couch.y + dy, couch.yaw_deg)
         over = [site.solid_of(couch)] if chaise else []
-        if site.fits(table, spot, over=over, in_clear=True) and not (chaise and _hits_chaise(table, shift, off, model)):
+        if site.fits(table, spot, over=over, in_clear=True) and not (
+            chaise and _hits_chaise(table, shift, off, model)
+        ):
             piece = site.put(table, spot)
-            scatter(site, piece, (small.books, plants.flower_vase, plants.small_plant, small.bowl, small.cup, small.remote,
-                                  small.candle, small.magazine), dice.integer(1, 3))
+            scatter(
+                site,
+                piece,
+                (
+                    small.books,
+                    plants.flower_vase,
+                    plants.small_plant,
+                    small.bowl,
+                    small.cup,
+                    small.remote,
+                    small.candle,
+                    small.magazine,
+                ),
+                dice.integer(1, 3),
+            )
     if dice.chance(0.75):
         rug = textiles.rug(dice, taste)
         dx, dy = turned_point(0.0, front + 0.5, couch.yaw_deg)
@@ -193,7 +264,9 @@ def _around_sofa(site: Site, couch: Placed, tv_side: str) -> None:
     for s in dice.shuffled((-1.0, 1.0)):
         side_table = tables.side_table(dice, taste)
         back = -model.depth / 2 + side_table.depth / 2 + 0.02
-        dx, dy = turned_point(s * (model.width / 2 + side_table.width / 2 + 0.04), back, couch.yaw_deg)
+        dx, dy = turned_point(
+            s * (model.width / 2 + side_table.width / 2 + 0.04), back, couch.yaw_deg
+        )
         spot = Spot(couch.x + dx, couch.y + dy, couch.yaw_deg)
         if dice.chance(0.5) and site.fits(side_table, spot):
             piece = site.put(side_table, spot)
@@ -205,8 +278,11 @@ def _around_sofa(site: Site, couch: Placed, tv_side: str) -> None:
 def _chaise_side(model: Model) -> float:
     """Which end of an L-shaped sofa reaches forward: -1 its left, 1 its right."""
     ahead = model.high[1] - 0.2
-    xs = [float(p.mesh.positions[p.mesh.positions[:, 1] > ahead][:, 0].mean()) for p in model.parts
-          if (p.mesh.positions[:, 1] > ahead).any()]
+    xs = [
+        float(p.mesh.positions[p.mesh.positions[:, 1] > ahead][:, 0].mean())
+        for p in model.parts
+        if (p.mesh.positions[:, 1] > ahead).any()
+    ]
     return 1.0 if sum(xs) > 0 else -1.0
 
 
@@ -226,7 +302,11 @@ def put_rug(site: Site, rug: Model, spot: Spot) -> Placed | None:
     rect = footprint(rug, spot)
     if not site.inner.grown(-0.02).holds(rect):
         return None
-    if any(rect.overlaps(footprint(p.model, Spot(p.x, p.y, p.yaw_deg))) for p in site.placed if p.model.category == "rug"):
+    if any(
+        rect.overlaps(footprint(p.model, Spot(p.x, p.y, p.yaw_deg)))
+        for p in site.placed
+        if p.model.category == "rug"
+    ):
         return None
     return site.put(rug, spot, flat=True)
 
@@ -238,7 +318,11 @@ def place_dining(site: Site, seats: int) -> Placed | None:
     sizes = [s for s in (8, 6, 4, 2) if s <= seats]
     for count in sizes:
         table = tables.dining_table(dice, taste, count)
-        spots = [(x, y, yaw) for x, y in _centres(site) for yaw in ((0.0, 90.0) if dice.chance(0.5) else (90.0, 0.0))]
+        spots = [
+            (x, y, yaw)
+            for x, y in _centres(site)
+            for yaw in ((0.0, 90.0) if dice.chance(0.5) else (90.0, 0.0))
+        ]
         for around in (0.75, 0.4):
             for x, y, yaw in spots:
                 spot = Spot(x, y, yaw)
@@ -252,7 +336,11 @@ def _centres(site: Site) -> list[tuple[float, float]]:
     cx, cy = i.centre
     points = [(cx, cy)]
     nx, ny = max(int(i.width / 0.4), 2), max(int(i.depth / 0.4), 2)
-    grid = [(round(i.x0 + i.width * a / nx, 3), round(i.y0 + i.depth * b / ny, 3)) for a in range(1, nx) for b in range(1, ny)]
+    grid = [
+        (round(i.x0 + i.width * a / nx, 3), round(i.y0 + i.depth * b / ny, 3))
+        for a in range(1, nx)
+        for b in range(1, ny)
+    ]
     if site.room.kind != "dining room":
         points = []
     return points + site.dice.shuffled(grid)[:36]
@@ -266,7 +354,12 @@ def _set_table(site: Site, table: Model, chair: Model, spot: Spot, seats: int) -
     seatings: list[tuple[float, float, float]] = []
     per_side = {2: 1, 4: 2, 6: 2, 8: 3}[seats]
     if round_:
-        seatings = [(0, hy + reach, 180.0), (0, -hy - reach, 0.0), (hx + reach, 0, 90.0), (-hx - reach, 0, -90.0)][:seats]
+        seatings = [
+            (0, hy + reach, 180.0),
+            (0, -hy - reach, 0.0),
+            (hx + reach, 0, 90.0),
+            (-hx - reach, 0, -90.0),
+        ][:seats]
     else:
         usable = table.width - 0.3
         for k in range(per_side):
@@ -307,5 +400,7 @@ def furnish_dining(site: Site) -> None:
         site.put(lamp, Spot(piece.x, piece.y, 0.0, site.height - 0.001))
     for maker in dice.shuffled((storage.cabinet, storage.display_cabinet, storage.wine_rack))[:2]:
         base = site.at_wall(maker(dice, taste), front=0.4, access=True)
-        scatter(site, base, (plants.flower_vase, small.photo_frame, lighting.table_lamp, small.bowl), 2)
+        scatter(
+            site, base, (plants.flower_vase, small.photo_frame, lighting.table_lamp, small.bowl), 2
+        )
     place_plants(site, dice.integer(1, 2))

@@ -21,15 +21,36 @@ from hypernav.worlds.houses.furniture import (
 def furnish_hall(site: Site) -> None:
     """Shoes, coats, a table with a mirror, a runner; narrow halls stay nearly empty."""
     dice, taste = site.dice, site.taste
-    base = site.at_wall(tables.console_table(dice, taste), access=True) if dice.chance(0.6) else None
+    base = (
+        site.at_wall(tables.console_table(dice, taste), access=True) if dice.chance(0.6) else None
+    )
     if base is not None:
-        scatter(site, base, (plants.flower_vase, small.bowl, lighting.table_lamp, small.photo_frame, belongings.handbag), 2)
+        scatter(
+            site,
+            base,
+            (
+                plants.flower_vase,
+                small.bowl,
+                lighting.table_lamp,
+                small.photo_frame,
+                belongings.handbag,
+            ),
+            2,
+        )
         site.on_wall(walls.mirror(dice, taste), sides=SIDES, z=1.15, near=base)
     for maker, chance in dice.shuffled(
         (
-            (storage.shoe_rack, 0.6), (storage.coat_rack, 0.45), (belongings.umbrella, 0.6), (chairs.bench_seat, 0.2), (belongings.shoes, 0.4),
-            (plants.snake_plant, 0.25), (belongings.suitcase, 0.12), (belongings.fire_extinguisher, 0.08), (belongings.backpack, 0.2),
-            (leisure.skateboard, 0.08), (leisure.football, 0.08),
+            (storage.shoe_rack, 0.6),
+            (storage.coat_rack, 0.45),
+            (belongings.umbrella, 0.6),
+            (chairs.bench_seat, 0.2),
+            (belongings.shoes, 0.4),
+            (plants.snake_plant, 0.25),
+            (belongings.suitcase, 0.12),
+            (belongings.fire_extinguisher, 0.08),
+            (belongings.backpack, 0.2),
+            (leisure.skateboard, 0.08),
+            (leisure.football, 0.08),
         )
     ):
         if dice.chance(chance):
@@ -38,12 +59,20 @@ def furnish_hall(site: Site) -> None:
         site.on_wall(walls.wall_hooks(dice, taste), sides=SIDES, z=1.3)
     if dice.chance(0.5):
         x, y = site.inner.centre
-        put_rug(site, textiles.runner(dice, taste), Spot(x, y, 0.0 if site.inner.width > site.inner.depth else 90.0))
+        put_rug(
+            site,
+            textiles.runner(dice, taste),
+            Spot(x, y, 0.0 if site.inner.width > site.inner.depth else 90.0),
+        )
     for opening in site.openings:
         if opening.kind == "entrance":
             inside = 0.42 if opening.rooms[1] == site.number else -0.42
             mid = opening.strip(inside - 0.01, inside + 0.01).centre
-            put_rug(site, textiles.doormat(dice, taste), Spot(*mid, 0.0 if opening.along == "x" else 90.0))
+            put_rug(
+                site,
+                textiles.doormat(dice, taste),
+                Spot(*mid, 0.0 if opening.along == "x" else 90.0),
+            )
 
 
 def furnish_storage(site: Site) -> None:
@@ -54,9 +83,17 @@ def furnish_storage(site: Site) -> None:
         site.at_wall(storage.metal_shelf(dice, taste), access=True)
     for maker, chance in dice.shuffled(
         (
-            (belongings.cardboard_boxes, 0.9), (electronics.vacuum_cleaner, 0.6), (belongings.ladder, 0.5), (belongings.toolbox, 0.5),
-            (belongings.suitcase, 0.5), (small.broom, 0.5), (small.bucket, 0.4), (leisure.bicycle, 0.2), (leisure.skateboard, 0.15),
-            (belongings.ironing_board, 0.25), (leisure.bird_cage, 0.05),
+            (belongings.cardboard_boxes, 0.9),
+            (electronics.vacuum_cleaner, 0.6),
+            (belongings.ladder, 0.5),
+            (belongings.toolbox, 0.5),
+            (belongings.suitcase, 0.5),
+            (small.broom, 0.5),
+            (small.bucket, 0.4),
+            (leisure.bicycle, 0.2),
+            (leisure.skateboard, 0.15),
+            (belongings.ironing_board, 0.25),
+            (leisure.bird_cage, 0.05),
         )
     ):
         if dice.chance(chance):
@@ -66,7 +103,11 @@ def furnish_storage(site: Site) -> None:
 def furnish_balcony(site: Site) -> None:
     """A small table with chairs, planters, perhaps a bicycle."""
     dice, taste = site.dice, site.taste
-    table = site.at_wall(tables.folding_table(dice, taste), where="corner", gap=0.08) if dice.chance(0.7) else None
+    table = (
+        site.at_wall(tables.folding_table(dice, taste), where="corner", gap=0.08)
+        if dice.chance(0.7)
+        else None
+    )
     if table is not None:
         scatter(site, table, (plants.small_plant, small.cup, small.candle), 2)
         chair = belongings.folding_chair(dice, taste)
@@ -77,9 +118,15 @@ def furnish_balcony(site: Site) -> None:
                 site.put(chair, spot)
     for maker, chance in dice.shuffled(
         (
-            (plants.hedge_box, 0.7), (plants.leafy_plant, 0.5), (leisure.bicycle, 0.25), (belongings.drying_rack, 0.25),
-            (belongings.watering_can, 0.5), (plants.snake_plant, 0.3),
+            (plants.hedge_box, 0.7),
+            (plants.leafy_plant, 0.5),
+            (leisure.bicycle, 0.25),
+            (belongings.drying_rack, 0.25),
+            (belongings.watering_can, 0.5),
+            (plants.snake_plant, 0.3),
         )
     ):
         if dice.chance(chance):
-            site.at_wall(maker(dice, taste), where="corner" if dice.chance(0.5) else "any", gap=0.05)
+            site.at_wall(
+                maker(dice, taste), where="corner" if dice.chance(0.5) else "any", gap=0.05
+            )

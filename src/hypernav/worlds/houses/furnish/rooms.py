@@ -42,11 +42,15 @@ def furnish_rooms(plan: FloorPlan, taste: Taste, dice: Dice) -> list[Placed]:
     return pieces
 
 
-def _best_site(plan: FloorPlan, number: int, dice: Dice, taste: Taste, kinds: Sequence[str]) -> Site:
+def _best_site(
+    plan: FloorPlan, number: int, dice: Dice, taste: Taste, kinds: Sequence[str]
+) -> Site:
     """A room furnished anew until nothing that it needs is missing, or the best of a few tries."""
     kind = plan.rooms[number].kind
     needed = _NEEDED.get(kind, ())
-    if (kind == "living room" and _dines_here(kinds, plan)) or (kind == "kitchen" and "dining room" not in kinds and _kitchen_is_large(plan)):
+    if (kind == "living room" and _dines_here(kinds, plan)) or (
+        kind == "kitchen" and "dining room" not in kinds and _kitchen_is_large(plan)
+    ):
         needed = (*needed, ("dining table",), ("chair",))
     best: tuple[int, Site] | None = None
     for attempt in range(_ATTEMPTS):
@@ -70,7 +74,9 @@ def _furnish(site: Site, kinds: Sequence[str]) -> None:
     if kind == "living room":
         if not has_kitchen:
             kitchen.place_units(site)
-        living.furnish_living(site, with_dining=_dines_here(kinds, site.plan), with_kitchen=not has_kitchen)
+        living.furnish_living(
+            site, with_dining=_dines_here(kinds, site.plan), with_kitchen=not has_kitchen
+        )
     elif kind == "dining room":
         living.furnish_dining(site)
     elif kind == "kitchen":
@@ -113,8 +119,16 @@ def _dress(site: Site) -> None:
     if long > 2.4 * short:
         i = site.inner
         for share in (0.25, 0.75):
-            xy = (i.x0 + i.width * share, i.centre[1]) if i.width > i.depth else (i.centre[0], i.y0 + i.depth * share)
+            xy = (
+                (i.x0 + i.width * share, i.centre[1])
+                if i.width > i.depth
+                else (i.centre[0], i.y0 + i.depth * share)
+            )
             dressing.hang_lamp(site, lighting.ceiling_lamp, xy)
         return
-    maker = lighting.chandelier if kind == "living room" and site.dice.chance(0.3) else lighting.ceiling_lamp
+    maker = (
+        lighting.chandelier
+        if kind == "living room" and site.dice.chance(0.3)
+        else lighting.ceiling_lamp
+    )
     dressing.hang_lamp(site, maker)

@@ -39,7 +39,9 @@ def _is_seen(piece: Placed, site: Site, spots: Float64[np.ndarray, "n 2"]) -> bo
     targets = _surface_points(piece)
     others = [s for s in site.solids if s is not own and not _carries(s, own)]
     eyes = np.column_stack([near, np.full(len(near), _EYE_M)])
-    clear = _in_sight(np.repeat(eyes, len(targets), axis=0), np.tile(targets, (len(eyes), 1)), others)
+    clear = _in_sight(
+        np.repeat(eyes, len(targets), axis=0), np.tile(targets, (len(eyes), 1)), others
+    )
     return bool((clear.reshape(len(eyes), -1).mean(axis=1) >= _LEAST_SHARE).any())
 
 
@@ -52,7 +54,10 @@ def _surface_points(piece: Placed) -> Float64[np.ndarray, "n 3"]:
     """Some of an object's vertices in the scene."""
     points = _some_vertices(piece.model)
     r = rotation_matrix(piece.yaw_deg)
-    x, y = points[:, 0] * r[0, 0] + points[:, 1] * r[0, 1], points[:, 0] * r[1, 0] + points[:, 1] * r[1, 1]
+    x, y = (
+        points[:, 0] * r[0, 0] + points[:, 1] * r[0, 1],
+        points[:, 0] * r[1, 0] + points[:, 1] * r[1, 1],
+    )
     return np.column_stack([x + piece.x, y + piece.y, points[:, 2] + piece.z])
 
 

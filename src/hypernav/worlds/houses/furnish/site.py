@@ -91,8 +91,10 @@ class Site:
         """``(start, end, plane)`` of a wall, inside the room."""
         i = self.inner
         return {
-            "south": (i.x0, i.x1, i.y0), "north": (i.x0, i.x1, i.y1),
-            "west": (i.y0, i.y1, i.x0), "east": (i.y0, i.y1, i.x1),
+            "south": (i.x0, i.x1, i.y0),
+            "north": (i.x0, i.x1, i.y1),
+            "west": (i.y0, i.y1, i.x0),
+            "east": (i.y0, i.y1, i.x1),
         }[side]
 
     def wall_openings(self, side: str) -> list[Opening]:
@@ -101,21 +103,33 @@ class Site:
         _, _, plane = self.wall_line(side)
         return [o for o in self.openings if o.along == along and abs(o.at - plane) < 0.3]
 
-    def spot_at_wall(self, model: Model, side: str, t: float, gap: float = _SKIRTING_M, z: float = 0.0) -> Spot:
+    def spot_at_wall(
+        self, model: Model, side: str, t: float, gap: float = _SKIRTING_M, z: float = 0.0
+    ) -> Spot:
         """Back to a wall, its middle at ``t`` along it."""
         _, _, plane = self.wall_line(side)
         off = model.depth / 2 + gap
         yaw = _YAW[side]
         return {
-            "south": Spot(t, plane + off, yaw, z), "north": Spot(t, plane - off, yaw, z),
-            "west": Spot(plane + off, t, yaw, z), "east": Spot(plane - off, t, yaw, z),
+            "south": Spot(t, plane + off, yaw, z),
+            "north": Spot(t, plane - off, yaw, z),
+            "west": Spot(plane + off, t, yaw, z),
+            "east": Spot(plane - off, t, yaw, z),
         }[side]
 
     # Tests
 
     def fits(
-        self, model: Model, spot: Spot, *, front: float = 0.0, access: bool = False, over: Sequence[Solid] = (),
-        in_clear: bool = False, tight: bool = False, floor: bool = True,
+        self,
+        model: Model,
+        spot: Spot,
+        *,
+        front: float = 0.0,
+        access: bool = False,
+        over: Sequence[Solid] = (),
+        in_clear: bool = False,
+        tight: bool = False,
+        floor: bool = True,
     ) -> bool:
         """Whether a model can stand at a spot.
 
@@ -131,18 +145,31 @@ class Site:
         """
         rect = footprint(model, spot)
         low, high = spot.z + model.low[2], spot.z + model.height
-        if not self.inner.grown(-0.004).holds(rect) or high > self.height - 0.01 and low >= 0.0 and spot.z == 0.0:
+        if (
+            not self.inner.grown(-0.004).holds(rect)
+            or (high > self.height - 0.01
+            and low >= 0.0
+            and spot.z == 0.0)
+        ):
             return False
         if not in_clear and low < 1.95 and any(rect.overlaps(c) for c in self._clear):
             return False
         if self._covers_opening(rect, low, high):
             return False
         for solid in self.solids:
-            if solid not in over and low < solid.high - 1e-4 and solid.low < high - 1e-4 and rect.overlaps(solid.rect, 0.0 if tight else GAP_M):
+            if (
+                solid not in over
+                and low < solid.high - 1e-4
+                and solid.low < high - 1e-4
+                and rect.overlaps(solid.rect, 0.0 if tight else GAP_M)
+            ):
                 return False
         if front > 0.0:
             zone = self.front_zone(model, spot, front)
-            if any(s.low < 1.0 and s.high > 0.1 and zone.overlaps(s.rect) and s not in over for s in self.solids):
+            if any(
+                s.low < 1.0 and s.high > 0.1 and zone.overlaps(s.rect) and s not in over
+                for s in self.solids
+            ):
                 return False
         if low >= _HEAD_M or high < 0.08 or not floor:
             return True
@@ -151,7 +178,11 @@ class Site:
     def _covers_opening(self, rect: Rect, low: float, high: float) -> bool:
         for opening in self.openings:
             reach = 0.17 if opening.bottom > 0 else 0.35
-            if high > opening.bottom - 0.04 and low < opening.top and rect.overlaps(opening.strip(-reach, reach, 0.06)):
+            if (
+                high > opening.bottom - 0.04
+                and low < opening.top
+                and rect.overlaps(opening.strip(-reach, reach, 0.06))
+            ):
                 return True
         return False
 
@@ -159,8 +190,12 @@ class Site:
         """The floor before a model."""
         r = footprint(model, spot)
         quarter = round(spot.yaw_deg / 90.0) % 4
-        return (Rect(r.x0, r.y1, r.x1, r.y1 + deep), Rect(r.x0 - deep, r.y0, r.x0, r.y1),
-                Rect(r.x0, r.y0 - deep, r.x1, r.y0), Rect(r.x1, r.y0, r.x1 + deep, r.y1))[quarter]
+        return (
+            Rect(r.x0, r.y1, r.x1, r.y1 + deep),
+            Rect(r.x0 - deep, r.y0, r.x0, r.y1),
+            Rect(r.x0, r.y0 - deep, r.x1, r.y0),
+            Rect(r.x1, r.y0, r.x1 + deep, r.y1),
+        )[quarter]
 
     def _before(self, model: Model, spot: Spot) -> Point:
         zone = self.front_zone(model, spot, 0.84)
@@ -170,7 +205,10 @@ class Site:
         """Whether something else is already in the space of a model at a spot."""
         rect = footprint(model, spot)
         low, high = spot.z + model.low[2], spot.z + model.height
-        return any(low < s.high - 1e-4 and s.low < high - 1e-4 and rect.overlaps(s.rect, 0.01) for s in self.solids)
+        return any(
+            low < s.high - 1e-4 and s.low < high - 1e-4 and rect.overlaps(s.rect, 0.01)
+            for s in self.solids
+        )
 
     def leaves_ways(self, model: Model, spot: Spot) -> bool:
         """Whether all of the floor stays connected if a model comes to a spot."""
@@ -186,7 +224,16 @@ class Site:
 
     # Placing
 
-    def put(self, model: Model, spot: Spot, *, front: float = 0.0, access: bool = False, flat: bool = False, on_top: bool = False) -> Placed:
+    def put(
+        self,
+        model: Model,
+        spot: Spot,
+        *,
+        front: float = 0.0,
+        access: bool = False,
+        flat: bool = False,
+        on_top: bool = False,
+    ) -> Placed:
         """Place a model for good; no test is made.
 
         Args:
@@ -231,8 +278,16 @@ class Site:
         return self._floor.standing_points()
 
     def at_wall(
-        self, model: Model, *, sides: Sequence[str] = SIDES, front: float = 0.0, access: bool = False,
-        where: str = "any", gap: float = _SKIRTING_M, z: float = 0.0, keep: bool = True,
+        self,
+        model: Model,
+        *,
+        sides: Sequence[str] = SIDES,
+        front: float = 0.0,
+        access: bool = False,
+        where: str = "any",
+        gap: float = _SKIRTING_M,
+        z: float = 0.0,
+        keep: bool = True,
     ) -> Placed | None:
         """Place a model with its back to some wall, if it fits anywhere.
 
@@ -266,7 +321,9 @@ class Site:
             return sorted(grid, key=lambda t: abs(t - (low + high) / 2))
         return self.dice.shuffled(grid)[:10]
 
-    def on_wall(self, model: Model, *, sides: Sequence[str], z: float, near: Placed | None = None) -> Placed | None:
+    def on_wall(
+        self, model: Model, *, sides: Sequence[str], z: float, near: Placed | None = None
+    ) -> Placed | None:
         """Hang a model, above ``near`` if that is given and stands at a wall."""
         if near is not None:
             side = next(s for s in SIDES if (_YAW[s] - near.yaw_deg) % 360.0 == 0.0)
@@ -282,7 +339,14 @@ class Site:
                     return self.put(model, spot)
         return None
 
-    def on_top(self, base: Placed, model: Model, *, facing: float | None = None, where: tuple[float, float] | None = None) -> Placed | None:
+    def on_top(
+        self,
+        base: Placed,
+        model: Model,
+        *,
+        facing: float | None = None,
+        where: tuple[float, float] | None = None,
+    ) -> Placed | None:
         """Stand a small thing on a surface of another.
 
         Args:
@@ -295,13 +359,20 @@ class Site:
             if model.height > top.clearance_m:
                 continue
             for _ in range(8 if where is None else 1):
-                turn = facing if facing is not None else float(self.dice.choice((0, 0, 0, 90, 180, 270)))
+                turn = (
+                    facing
+                    if facing is not None
+                    else float(self.dice.choice((0, 0, 0, 90, 180, 270)))
+                )
                 spot = self._top_spot(base, model, top, turn, where)
                 if spot is None:
                     continue
                 rect = footprint(model, spot)
                 low, high = spot.z, spot.z + model.height
-                if any(low < s.high - 1e-4 and s.low < high - 1e-4 and rect.overlaps(s.rect, 0.012) for s in self.solids):
+                if any(
+                    low < s.high - 1e-4 and s.low < high - 1e-4 and rect.overlaps(s.rect, 0.012)
+                    for s in self.solids
+                ):
                     continue
                 if self._covers_opening(rect, low, high):
                     continue

@@ -6,7 +6,7 @@ from hypernav.worlds.houses.kit.joinery import front
 from hypernav.worlds.houses.kit.mesh import Finish
 from hypernav.worlds.houses.kit.model import Bench, Model, Top
 from hypernav.worlds.houses.kit.solids import box, panel, prism
-from hypernav.worlds.houses.kit.surfaces import cylinder, lathe, rod, rounded_outline, tube
+from hypernav.worlds.houses.kit.surfaces import cylinder, lathe, rod, rounded_outline
 from hypernav.worlds.houses.palette import (
     BLACK_GLASS,
     BLACK_METAL,
@@ -39,14 +39,26 @@ def refrigerator(dice: Dice, taste: Taste) -> Model:
     """A tall fridge-freezer, in one of three builds."""
     del taste
     bench = Bench()
-    body = dice.weighted(((STEEL, 4.0), (WHITE_METAL, 4.0), (Finish("", (0.13, 0.13, 0.14), 1.0, "black", "metal"), 1.0)))
+    body = dice.weighted(
+        (
+            (STEEL, 4.0),
+            (WHITE_METAL, 4.0),
+            (Finish("", (0.13, 0.13, 0.14), 1.0, "black", "metal"), 1.0),
+        )
+    )
     style = dice.choice(("top freezer", "bottom freezer", "french door"))
     wide = 0.9 if style == "french door" else dice.uniform(0.6, 0.72)
     deep, high = 0.68, dice.uniform(1.66, 1.82)
     door = 0.06
-    bench.add(body.tinted(0.93), box(wide, deep - door - 0.012, high, at=(0, -door / 2 - 0.006, 0.03), bevel=0.006))
-    bench.add(_GAP, box(wide - 0.02, 0.02, high - 0.03, at=(0, deep / 2 - door - 0.008, 0.05)),
-              box(wide - 0.06, deep - 0.1, 0.05, at=(0, 0, 0)))
+    bench.add(
+        body.tinted(0.93),
+        box(wide, deep - door - 0.012, high, at=(0, -door / 2 - 0.006, 0.03), bevel=0.006),
+    )
+    bench.add(
+        _GAP,
+        box(wide - 0.02, 0.02, high - 0.03, at=(0, deep / 2 - door - 0.008, 0.05)),
+        box(wide - 0.06, deep - 0.1, 0.05, at=(0, 0, 0)),
+    )
     y, top = deep / 2 - door / 2, high + 0.03
     split = 0.67 if style == "top freezer" else 0.36
     cut = 0.06 + (high - 0.03) * split
@@ -54,7 +66,16 @@ def refrigerator(dice: Dice, taste: Taste) -> Model:
     if style == "french door":
         half = wide / 2
         for s in (-1.0, 1.0):
-            bench.add(body, box(half - 0.004, door, top - cut - 0.01, at=(s * half / 2, y, cut + 0.008), bevel=0.012))
+            bench.add(
+                body,
+                box(
+                    half - 0.004,
+                    door,
+                    top - cut - 0.01,
+                    at=(s * half / 2, y, cut + 0.008),
+                    bevel=0.012,
+                ),
+            )
             _grip(bench, grip, (s * 0.045, deep / 2, cut + 0.12), (s * 0.045, deep / 2, top - 0.16))
         for k in range(2):
             each = (cut - 0.06) / 2
@@ -62,39 +83,81 @@ def refrigerator(dice: Dice, taste: Taste) -> Model:
             z = 0.06 + (k + 1) * each - 0.07
             _grip(bench, grip, (-wide * 0.36, deep / 2, z), (wide * 0.36, deep / 2, z))
         if dice.chance(0.5):
-            bench.add(BLACK_GLASS, box(0.2, 0.008, 0.3, at=(-half / 2, deep / 2 + 0.002, top - 0.62), bevel=0.003))
-            bench.add(_GAP.tinted(1.4), box(0.15, 0.01, 0.14, at=(-half / 2, deep / 2 + 0.004, top - 0.58)))
+            bench.add(
+                BLACK_GLASS,
+                box(0.2, 0.008, 0.3, at=(-half / 2, deep / 2 + 0.002, top - 0.62), bevel=0.003),
+            )
+            bench.add(
+                _GAP.tinted(1.4),
+                box(0.15, 0.01, 0.14, at=(-half / 2, deep / 2 + 0.004, top - 0.58)),
+            )
     else:
         side = dice.choice((-1.0, 1.0)) * (wide / 2 - 0.05)
-        bench.add(body, box(wide, door, cut - 0.068, at=(0, y, 0.06), bevel=0.014),
-                  box(wide, door, top - cut - 0.008, at=(0, y, cut + 0.008), bevel=0.014))
+        bench.add(
+            body,
+            box(wide, door, cut - 0.068, at=(0, y, 0.06), bevel=0.014),
+            box(wide, door, top - cut - 0.008, at=(0, y, cut + 0.008), bevel=0.014),
+        )
         low = cut - 0.1 if split > 0.5 else cut - 0.12
         _grip(bench, grip, (side, deep / 2, max(low - 0.55, 0.2)), (side, deep / 2, low))
-        _grip(bench, grip, (side, deep / 2, cut + 0.08), (side, deep / 2, min(cut + 0.5, top - 0.08)))
+        _grip(
+            bench, grip, (side, deep / 2, cut + 0.08), (side, deep / 2, min(cut + 0.5, top - 0.08))
+        )
         if dice.chance(0.4):
             _magnets(bench, dice, wide, deep / 2, cut + 0.1, top - 0.1, side)
-    return bench.model("refrigerator", "fridge", style + " refrigerator", main=body,
-                       tops=(Top(-wide / 2 + 0.06, -deep / 2 + 0.08, wide / 2 - 0.06, deep / 2 - 0.12, top, 0.4),))
+    return bench.model(
+        "refrigerator",
+        "fridge",
+        style + " refrigerator",
+        main=body,
+        tops=(Top(-wide / 2 + 0.06, -deep / 2 + 0.08, wide / 2 - 0.06, deep / 2 - 0.12, top, 0.4),),
+    )
 
 
-def _grip(bench: Bench, finish: Finish, start: tuple[float, float, float], end: tuple[float, float, float]) -> None:
+def _grip(
+    bench: Bench, finish: Finish, start: tuple[float, float, float], end: tuple[float, float, float]
+) -> None:
     """A bar before a door, on two posts."""
     off = 0.045
-    bench.add(finish, rod((start[0], start[1] + off, start[2]), (end[0], end[1] + off, end[2]), 0.012))
+    bench.add(
+        finish, rod((start[0], start[1] + off, start[2]), (end[0], end[1] + off, end[2]), 0.012)
+    )
     for t in (0.08, 0.92):
         p = [start[k] + (end[k] - start[k]) * t for k in range(3)]
         bench.add(finish, rod((p[0], p[1], p[2]), (p[0], p[1] + off, p[2]), 0.009, sides=6))
 
 
-def _magnets(bench: Bench, dice: Dice, wide: float, y: float, low: float, high: float, grip_x: float) -> None:
+def _magnets(
+    bench: Bench, dice: Dice, wide: float, y: float, low: float, high: float, grip_x: float
+) -> None:
     for _ in range(dice.integer(2, 5)):
         x = dice.uniform(-0.2, 0.14) * wide - (0.1 if grip_x > 0 else -0.1)
-        paper = dice.choice((Finish("label 1", (1, 1, 1)), Finish("", (0.95, 0.94, 0.85)), Finish("painting 4", (1, 1, 1))))
-        bench.add(paper, panel(dice.uniform(0.08, 0.15), dice.uniform(0.09, 0.16), at=(x, y + 0.003, dice.uniform(low, high - 0.2))))
+        paper = dice.choice(
+            (
+                Finish("label 1", (1, 1, 1)),
+                Finish("", (0.95, 0.94, 0.85)),
+                Finish("painting 4", (1, 1, 1)),
+            )
+        )
+        bench.add(
+            paper,
+            panel(
+                dice.uniform(0.08, 0.15),
+                dice.uniform(0.09, 0.16),
+                at=(x, y + 0.003, dice.uniform(low, high - 0.2)),
+            ),
+        )
 
 
 def base_cabinet(
-    bench: Bench, dice: Dice, body: Finish, metal: Finish, wide: float, *, at_x: float = 0.0, drawers: bool = False,
+    bench: Bench,
+    dice: Dice,
+    body: Finish,
+    metal: Finish,
+    wide: float,
+    *,
+    at_x: float = 0.0,
+    drawers: bool = False,
     framed: bool = False,
 ) -> None:
     """A floor cabinet without its worktop, centred at ``at_x``."""
@@ -111,7 +174,17 @@ def base_cabinet(
     for k in range(doors):
         x = at_x + (k + 0.5 - doors / 2) * wide / doors
         side = 1.0 if k == 0 else -1.0
-        front(bench, body, metal, wide / doors, high - 0.115, at=(x, y, 0.11), upright=True, side=side, framed=framed)
+        front(
+            bench,
+            body,
+            metal,
+            wide / doors,
+            high - 0.115,
+            at=(x, y, 0.11),
+            upright=True,
+            side=side,
+            framed=framed,
+        )
     del dice
 
 
@@ -123,23 +196,45 @@ def oven(dice: Dice, taste: Taste) -> Model:
     wide, y = 0.6, DEEP_M / 2
     bench.add(body, box(wide, DEEP_M - 0.04, COUNTER_M - 0.05, at=(0, -0.02, 0.04), bevel=0.004))
     bench.add(_GAP, box(wide - 0.04, DEEP_M - 0.1, 0.05, at=(0, 0, 0)))
-    bench.add(body, box(wide - 0.01, 0.035, 0.5, at=(0, y - 0.0225, 0.24), bevel=0.006),
-              box(wide - 0.01, 0.03, 0.15, at=(0, y - 0.025, 0.08), bevel=0.006),
-              box(wide - 0.01, 0.04, 0.11, at=(0, y - 0.025, 0.75), bevel=0.006))
+    bench.add(
+        body,
+        box(wide - 0.01, 0.035, 0.5, at=(0, y - 0.0225, 0.24), bevel=0.006),
+        box(wide - 0.01, 0.03, 0.15, at=(0, y - 0.025, 0.08), bevel=0.006),
+        box(wide - 0.01, 0.04, 0.11, at=(0, y - 0.025, 0.75), bevel=0.006),
+    )
     bench.add(BLACK_GLASS, box(wide - 0.13, 0.006, 0.28, at=(0, y - 0.004, 0.31), bevel=0.003))
     _grip(bench, CHROME, (-0.23, y - 0.005, 0.69), (0.23, y - 0.005, 0.69))
     for k in range(5):
         knob = cylinder(0.02, 0.026, sides=12, top_radius=0.016, bevel=0.004).turned(-90, "x")
-        bench.add(BLACK_METAL if body is not BLACK_METAL else CHROME, knob.moved((k - 2) * 0.1, y - 0.006, 0.805))
-    bench.add(BLACK_GLASS, box(wide, DEEP_M - 0.02, 0.014, at=(0, -0.01, COUNTER_M - 0.014), bevel=0.004))
-    for x, dy, r in ((-0.15, 0.12, 0.09), (0.15, 0.12, 0.07), (-0.15, -0.14, 0.07), (0.15, -0.14, 0.09)):
+        bench.add(
+            BLACK_METAL if body is not BLACK_METAL else CHROME,
+            knob.moved((k - 2) * 0.1, y - 0.006, 0.805),
+        )
+    bench.add(
+        BLACK_GLASS, box(wide, DEEP_M - 0.02, 0.014, at=(0, -0.01, COUNTER_M - 0.014), bevel=0.004)
+    )
+    for x, dy, r in (
+        (-0.15, 0.12, 0.09),
+        (0.15, 0.12, 0.07),
+        (-0.15, -0.14, 0.07),
+        (0.15, -0.14, 0.09),
+    ):
         ring = lathe([(r - 0.006, 0.0), (r - 0.004, 0.003), (r, 0.003), (r + 0.002, 0.0)], sides=24)
         bench.add(plastic("gray"), ring.moved(x, dy, COUNTER_M))
         if body is WHITE_METAL or body is STEEL:
             for turn in (0, 90):
                 bench.add(BLACK_METAL, box(2 * r, 0.012, 0.02).turned(turn).moved(x, dy, COUNTER_M))
-    return bench.model("oven", "stove", "cooker", "range", main=body,
-                       tops=(Top(-0.24, -0.24, -0.04, -0.04, COUNTER_M + 0.02), Top(0.04, 0.02, 0.24, 0.22, COUNTER_M + 0.02)))
+    return bench.model(
+        "oven",
+        "stove",
+        "cooker",
+        "range",
+        main=body,
+        tops=(
+            Top(-0.24, -0.24, -0.04, -0.04, COUNTER_M + 0.02),
+            Top(0.04, 0.02, 0.24, 0.22, COUNTER_M + 0.02),
+        ),
+    )
 
 
 def dishwasher(dice: Dice, taste: Taste) -> Model:
@@ -148,25 +243,49 @@ def dishwasher(dice: Dice, taste: Taste) -> Model:
     body = dice.choice((STEEL, WHITE_METAL))
     bench.add(body.tinted(0.9), box(0.6, DEEP_M - 0.06, COUNTER_M - 0.14, at=(0, -0.03, 0.1)))
     y = DEEP_M / 2 - 0.06
-    bench.add(body, box(0.594, 0.04, 0.64, at=(0, y + 0.02, 0.11), bevel=0.006),
-              box(0.594, 0.045, 0.1, at=(0, y + 0.02, 0.755), bevel=0.006))
+    bench.add(
+        body,
+        box(0.594, 0.04, 0.64, at=(0, y + 0.02, 0.11), bevel=0.006),
+        box(0.594, 0.045, 0.1, at=(0, y + 0.02, 0.755), bevel=0.006),
+    )
     bench.add(BLACK_GLASS, box(0.16, 0.004, 0.03, at=(0.16, y + 0.043, 0.79)))
     for k in range(3):
-        bench.add(_GAP, cylinder(0.008, 0.004, sides=10).turned(-90, "x").moved(-0.2 + 0.04 * k, y + 0.0425, 0.805))
+        bench.add(
+            _GAP,
+            cylinder(0.008, 0.004, sides=10)
+            .turned(-90, "x")
+            .moved(-0.2 + 0.04 * k, y + 0.0425, 0.805),
+        )
     _grip(bench, CHROME, (-0.22, y + 0.04, 0.7), (0.22, y + 0.04, 0.7))
     bench.add(_GAP, box(0.6, DEEP_M - 0.12, 0.1, at=(0, -0.04, 0)))
-    bench.add(worktop(dice.fork("top"), taste), box(0.6, DEEP_M, 0.04, at=(0, 0, COUNTER_M - 0.04), bevel=0.004))
-    return bench.model("dishwasher", "dish washer", main=body, tops=(Top(-0.27, -0.25, 0.27, 0.25, COUNTER_M),))
+    bench.add(
+        worktop(dice.fork("top"), taste),
+        box(0.6, DEEP_M, 0.04, at=(0, 0, COUNTER_M - 0.04), bevel=0.004),
+    )
+    return bench.model(
+        "dishwasher", "dish washer", main=body, tops=(Top(-0.27, -0.25, 0.27, 0.25, COUNTER_M),)
+    )
 
 
-def kitchen_cabinet(dice: Dice, taste: Taste, wide: float = 0.6, top: Finish | None = None) -> Model:
+def kitchen_cabinet(
+    dice: Dice, taste: Taste, wide: float = 0.6, top: Finish | None = None
+) -> Model:
     """A floor cabinet with worktop."""
     bench = Bench()
     body = lacquer(taste.painted)
     base_cabinet(bench, dice, body, taste.metal, wide, drawers=dice.chance(0.35), framed=False)
-    bench.add(top or worktop(dice, taste), box(wide, DEEP_M, 0.04, at=(0, 0, COUNTER_M - 0.04), bevel=0.004))
-    return bench.model("kitchen cabinet", "kitchen counter", "counter", "base cabinet", main=body,
-                       tops=(Top(-wide / 2 + 0.02, -0.27, wide / 2 - 0.02, 0.25, COUNTER_M, 0.45),))
+    bench.add(
+        top or worktop(dice, taste),
+        box(wide, DEEP_M, 0.04, at=(0, 0, COUNTER_M - 0.04), bevel=0.004),
+    )
+    return bench.model(
+        "kitchen cabinet",
+        "kitchen counter",
+        "counter",
+        "base cabinet",
+        main=body,
+        tops=(Top(-wide / 2 + 0.02, -0.27, wide / 2 - 0.02, 0.25, COUNTER_M, 0.45),),
+    )
 
 
 def kitchen_sink(dice: Dice, taste: Taste, top: Finish | None = None) -> Model:
@@ -178,20 +297,33 @@ def kitchen_sink(dice: Dice, taste: Taste, top: Finish | None = None) -> Model:
     stone = top or worktop(dice, taste)
     x0, hole_x, hole_y = -0.14, 0.42, 0.38
     z = COUNTER_M - 0.04
-    bench.add(stone, box(wide / 2 - (x0 + hole_x / 2), DEEP_M, 0.04, at=((wide / 2 + x0 + hole_x / 2) / 2, 0, z)),
-              box(x0 - hole_x / 2 + wide / 2, DEEP_M, 0.04, at=((x0 - hole_x / 2 - wide / 2) / 2, 0, z)),
-              box(hole_x, (DEEP_M - hole_y) / 2, 0.04, at=(x0, (DEEP_M + hole_y) / 4, z)),
-              box(hole_x, (DEEP_M - hole_y) / 2, 0.04, at=(x0, -(DEEP_M + hole_y) / 4, z)))
+    bench.add(
+        stone,
+        box(
+            wide / 2 - (x0 + hole_x / 2), DEEP_M, 0.04, at=((wide / 2 + x0 + hole_x / 2) / 2, 0, z)
+        ),
+        box(x0 - hole_x / 2 + wide / 2, DEEP_M, 0.04, at=((x0 - hole_x / 2 - wide / 2) / 2, 0, z)),
+        box(hole_x, (DEEP_M - hole_y) / 2, 0.04, at=(x0, (DEEP_M + hole_y) / 4, z)),
+        box(hole_x, (DEEP_M - hole_y) / 2, 0.04, at=(x0, -(DEEP_M + hole_y) / 4, z)),
+    )
     inner = STEEL.tinted(0.85)
     for s in (-1.0, 1.0):
-        bench.add(inner, box(0.012, hole_y, 0.18, at=(x0 + s * hole_x / 2, 0, COUNTER_M - 0.177)),
-                  box(hole_x, 0.012, 0.18, at=(x0, s * hole_y / 2, COUNTER_M - 0.177)))
+        bench.add(
+            inner,
+            box(0.012, hole_y, 0.18, at=(x0 + s * hole_x / 2, 0, COUNTER_M - 0.177)),
+            box(hole_x, 0.012, 0.18, at=(x0, s * hole_y / 2, COUNTER_M - 0.177)),
+        )
     bench.add(inner.tinted(0.8), box(hole_x, hole_y, 0.01, at=(x0, 0, COUNTER_M - 0.18)))
     rim = rounded_outline(hole_x + 0.05, hole_y + 0.05, 0.03)
     for a, b in zip(rim, [*rim[1:], rim[0]], strict=True):
-        bench.add(STEEL, rod((a[0] + x0, a[1], COUNTER_M), (b[0] + x0, b[1], COUNTER_M), 0.006, sides=6))
-    bench.add(STEEL, box(0.3, 0.4, 0.008, at=(0.24, 0, COUNTER_M), bevel=0.003),
-              *[box(0.26, 0.012, 0.006, at=(0.24, (k - 3) * 0.05, COUNTER_M + 0.008)) for k in range(7)])
+        bench.add(
+            STEEL, rod((a[0] + x0, a[1], COUNTER_M), (b[0] + x0, b[1], COUNTER_M), 0.006, sides=6)
+        )
+    bench.add(
+        STEEL,
+        box(0.3, 0.4, 0.008, at=(0.24, 0, COUNTER_M), bevel=0.003),
+        *[box(0.26, 0.012, 0.006, at=(0.24, (k - 3) * 0.05, COUNTER_M + 0.008)) for k in range(7)],
+    )
     bench.add(CHROME, tap(0.2, 0.18).moved(x0, -0.24, COUNTER_M))
     return bench.model("sink", "kitchen sink", main=STEEL)
 
@@ -205,8 +337,17 @@ def wall_cabinet(dice: Dice, taste: Taste, wide: float = 0.8) -> Model:
     doors = 1 if wide < 0.5 else 2
     for k in range(doors):
         x = (k + 0.5 - doors / 2) * wide / doors
-        front(bench, body, taste.metal, wide / doors, high, at=(x, deep / 2 - 0.02, 0), grip="knob" if dice.chance(0.3) else "bar",
-              upright=True, side=0.75 if k == 0 else -0.75)
+        front(
+            bench,
+            body,
+            taste.metal,
+            wide / doors,
+            high,
+            at=(x, deep / 2 - 0.02, 0),
+            grip="knob" if dice.chance(0.3) else "bar",
+            upright=True,
+            side=0.75 if k == 0 else -0.75,
+        )
     return bench.model("kitchen cabinet", "wall cabinet", "cupboard", main=body)
 
 
@@ -216,7 +357,13 @@ def range_hood(dice: Dice, taste: Taste) -> Model:
     bench = Bench()
     body = dice.choice((STEEL, BLACK_METAL))
     hood = box(0.6, 0.48, 0.05, bevel=0.004)
-    bench.add(body, hood, prism([(-0.14, -0.12), (0.14, -0.12), (0.14, 0.12), (-0.14, 0.12)], 0.55, z=0.22).moved(0, -0.11, 0))
+    bench.add(
+        body,
+        hood,
+        prism([(-0.14, -0.12), (0.14, -0.12), (0.14, 0.12), (-0.14, 0.12)], 0.55, z=0.22).moved(
+            0, -0.11, 0
+        ),
+    )
     taper = box(0.58, 0.46, 0.18)
     upper = taper.positions[:, 2] > 0.1
     taper.positions[upper, 0] *= 0.5

@@ -39,8 +39,15 @@ def pot(bench: Bench, dice: Dice, taste: Taste, radius: float, high: float) -> N
     )
     base = radius * dice.uniform(0.68, 0.9)
     rim = 0.03 if finish is TERRACOTTA else 0.012
-    profile = [(0.0, 0.0), (base, 0.0), (radius * 0.97, high - rim * 1.5), (radius * 1.05, high - rim * 1.5),
-               (radius * 1.06, high), (radius * 0.95, high), (radius * 0.92, high - 0.04)]
+    profile = [
+        (0.0, 0.0),
+        (base, 0.0),
+        (radius * 0.97, high - rim * 1.5),
+        (radius * 1.05, high - rim * 1.5),
+        (radius * 1.06, high),
+        (radius * 0.95, high),
+        (radius * 0.92, high - 0.04),
+    ]
     bench.add(finish, lathe(profile, sides=24))
     bench.add(_SOIL, lathe([(0.0, high - 0.025), (radius * 0.94, high - 0.03)][::-1], sides=20))
 
@@ -101,7 +108,9 @@ def leaves(
     uv[..., 0], uv[..., 1] = np.array([1.0, 0.5, 0.0]), t[None, :, None]
     each = (steps + 1) * 3
     faces = grid_faces(steps + 1, 3)[:, ::-1][None] + (np.arange(n) * each)[:, None, None]
-    return Mesh(points.reshape(-1, 3), normals.reshape(-1, 3), uv.reshape(-1, 2), faces.reshape(-1, 3))
+    return Mesh(
+        points.reshape(-1, 3), normals.reshape(-1, 3), uv.reshape(-1, 2), faces.reshape(-1, 3)
+    )
 
 
 def _outline(shape: str, t: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n"]:
@@ -120,14 +129,27 @@ def _spread(dice: Dice, count: int) -> list[float]:
 
 
 def rosette(
-    dice: Dice, count: int, length: float, wide: float, shape: str = "oval", at: Vector = (0.0, 0.0, 0.0)
+    dice: Dice,
+    count: int,
+    length: float,
+    wide: float,
+    shape: str = "oval",
+    at: Vector = (0.0, 0.0, 0.0),
 ) -> Mesh:
     """Leaves on stalks out of one point: outer ones low, inner ones upright."""
     turns = _spread(dice, count)
     lifts = [32.0 + 50.0 * k / count + dice.uniform(-8, 8) for k in range(count)]
     sizes = [dice.uniform(0.75, 1.1) for _ in range(count)]
     droops = [dice.uniform(50, 95) for _ in range(count)]
-    return leaves([length * s for s in sizes], [wide * s for s in sizes], droops, lifts, turns, [at] * count, shape=shape)
+    return leaves(
+        [length * s for s in sizes],
+        [wide * s for s in sizes],
+        droops,
+        lifts,
+        turns,
+        [at] * count,
+        shape=shape,
+    )
 
 
 def snake_plant(dice: Dice, taste: Taste) -> Model:
@@ -138,8 +160,14 @@ def snake_plant(dice: Dice, taste: Taste) -> Model:
     turns = _spread(dice, dice.integer(14, 20))
     roots = [_polar(turn, dice.uniform(0.1, 0.75) * radius, high - 0.03) for turn in turns]
     swords = leaves(
-        [dice.uniform(0.4, 0.72) for _ in turns], [dice.uniform(0.055, 0.08) for _ in turns],
-        [dice.uniform(-4, 12) for _ in turns], [dice.uniform(74, 88) for _ in turns], turns, roots, fold=0.35, shape="sword",
+        [dice.uniform(0.4, 0.72) for _ in turns],
+        [dice.uniform(0.055, 0.08) for _ in turns],
+        [dice.uniform(-4, 12) for _ in turns],
+        [dice.uniform(74, 88) for _ in turns],
+        turns,
+        roots,
+        fold=0.35,
+        shape="sword",
     )
     bench.add(green(dice, "striped leaf"), swords)
     return _named(bench, "snake plant")
@@ -165,10 +193,22 @@ def leafy_plant(dice: Dice, taste: Taste) -> Model:
     elif kind == "peace lily":
         bench.add(foliage, rosette(dice, 30, 0.48, 0.14, "oval", (0, 0, high - 0.03)))
     else:
-        bench.add(_BARK, rod((0, 0, high - 0.03), (0.02, 0.01, high + 0.6), 0.012, end_radius=0.007))
+        bench.add(
+            _BARK, rod((0, 0, high - 0.03), (0.02, 0.01, high + 0.6), 0.012, end_radius=0.007)
+        )
         turns = _spread(dice, 21)
         stem = [(0.0, 0.0, high + 0.05 + 0.028 * k) for k in range(21)]
-        bench.add(foliage, leaves([dice.uniform(0.2, 0.27) for _ in turns], [0.11] * 21, [40.0] * 21, [50.0] * 21, turns, stem))
+        bench.add(
+            foliage,
+            leaves(
+                [dice.uniform(0.2, 0.27) for _ in turns],
+                [0.11] * 21,
+                [40.0] * 21,
+                [50.0] * 21,
+                turns,
+                stem,
+            ),
+        )
     return _named(bench, kind)
 
 
@@ -182,13 +222,30 @@ def monstera(dice: Dice, taste: Taste) -> Model:
     for k, turn in enumerate(turns):
         out, up = dice.uniform(0.1, 0.26), 0.2 + 0.5 * k / len(turns)
         tip = _polar(turn, out, high + up)
-        stalks.append(tube([_polar(turn, 0.03, high - 0.03), _polar(turn, out * 0.5, high + up * 0.65), tip], 0.006, sides=5))
+        stalks.append(
+            tube(
+                [_polar(turn, 0.03, high - 0.03), _polar(turn, out * 0.5, high + up * 0.65), tip],
+                0.006,
+                sides=5,
+            )
+        )
         tips.append(tip)
         sizes.append(dice.uniform(0.24, 0.33))
     foliage = green(dice)
     bench.add(foliage.tinted(0.9), join(stalks))
-    bench.add(foliage, leaves(sizes, [0.85 * s for s in sizes], [dice.uniform(30, 70) for _ in turns],
-                              [dice.uniform(0, 30) for _ in turns], turns, tips, fold=0.12, shape="heart"))
+    bench.add(
+        foliage,
+        leaves(
+            sizes,
+            [0.85 * s for s in sizes],
+            [dice.uniform(30, 70) for _ in turns],
+            [dice.uniform(0, 30) for _ in turns],
+            turns,
+            tips,
+            fold=0.12,
+            shape="heart",
+        ),
+    )
     return _named(bench, "monstera")
 
 
@@ -200,21 +257,38 @@ def indoor_tree(dice: Dice, taste: Taste) -> Model:
     foliage = green(dice)
     if dice.chance(0.5):
         trunk = dice.uniform(0.3, 0.45)
-        bench.add(_BARK, tube([(0, 0, high - 0.03), (0.02, 0.01, high + trunk * 0.5), (0, 0, high + trunk + 0.3)],
-                              [0.02, 0.017, 0.01]))
+        bench.add(
+            _BARK,
+            tube(
+                [(0, 0, high - 0.03), (0.02, 0.01, high + trunk * 0.5), (0, 0, high + trunk + 0.3)],
+                [0.02, 0.017, 0.01],
+            ),
+        )
         crown = high + trunk + 0.32
         turns, places = _spread(dice, 190), []
         for turn in turns:
             rise = dice.uniform(-1.0, 1.0)
             reach = math.sqrt(max(1.0 - rise * rise, 0.0)) * dice.uniform(0.55, 1.0) * 0.3
             places.append(_polar(turn, reach, crown + rise * 0.34))
-        bench.add(foliage, leaves([dice.uniform(0.09, 0.13) for _ in turns], [0.05] * 190, [40.0] * 190,
-                                  [dice.uniform(-25, 50) for _ in turns], turns, places, steps=3))
+        bench.add(
+            foliage,
+            leaves(
+                [dice.uniform(0.09, 0.13) for _ in turns],
+                [0.05] * 190,
+                [40.0] * 190,
+                [dice.uniform(-25, 50) for _ in turns],
+                turns,
+                places,
+                steps=3,
+            ),
+        )
         return _named(bench, "ficus")
     fronds = []
     for turn in _spread(dice, 11):
         lift, long = dice.uniform(60, 86), dice.uniform(0.75, 1.0)
-        fronds.append(_frond(long, lift, dice.uniform(60, 100)).turned(turn).moved(0, 0, high - 0.02))
+        fronds.append(
+            _frond(long, lift, dice.uniform(60, 100)).turned(turn).moved(0, 0, high - 0.02)
+        )
     bench.add(foliage, join(fronds))
     return _named(bench, "palm")
 
@@ -248,8 +322,11 @@ def small_plant(dice: Dice, taste: Taste) -> Model:
     pot(bench, dice, taste, radius, high)
     kind = dice.choice(("succulent", "cactus", "herb"))
     if kind == "cactus":
-        bench.add(green(dice, ""), ball(0.07, 0.07, 0.16, at=(0, 0, high + 0.05), sides=12),
-                  ball(0.035, 0.035, 0.07, at=(0.04, 0, high + 0.07), sides=8))
+        bench.add(
+            green(dice, ""),
+            ball(0.07, 0.07, 0.16, at=(0, 0, high + 0.05), sides=12),
+            ball(0.035, 0.035, 0.07, at=(0.04, 0, high + 0.07), sides=8),
+        )
     else:
         count, long, wide = (26, 0.09, 0.035) if kind == "succulent" else (34, 0.14, 0.04)
         bench.add(green(dice), rosette(dice, count, long, wide, "oval", (0, 0, high - 0.02)))
@@ -259,11 +336,35 @@ def small_plant(dice: Dice, taste: Taste) -> Model:
 def flower_vase(dice: Dice, taste: Taste) -> Model:
     """A vase with cut flowers."""
     bench = Bench()
-    glaze = Finish("", plastic(dice.choice((taste.accent, "white", "blue", "teal"))).color, 1.0, "", "ceramic")
+    glaze = Finish(
+        "", plastic(dice.choice((taste.accent, "white", "blue", "teal"))).color, 1.0, "", "ceramic"
+    )
     high = dice.uniform(0.18, 0.26)
-    bench.add(glaze, lathe([(0.0, 0.0), (0.045, 0.0), (0.07, high * 0.35), (0.06, high * 0.7), (0.03, high * 0.9),
-                            (0.042, high), (0.03, high - 0.01)], sides=20, crease_deg=60))
-    ink = dice.choice(((0.85, 0.2, 0.25), (0.95, 0.75, 0.2), (0.9, 0.55, 0.7), (0.95, 0.93, 0.88), (0.6, 0.35, 0.7)))
+    bench.add(
+        glaze,
+        lathe(
+            [
+                (0.0, 0.0),
+                (0.045, 0.0),
+                (0.07, high * 0.35),
+                (0.06, high * 0.7),
+                (0.03, high * 0.9),
+                (0.042, high),
+                (0.03, high - 0.01),
+            ],
+            sides=20,
+            crease_deg=60,
+        ),
+    )
+    ink = dice.choice(
+        (
+            (0.85, 0.2, 0.25),
+            (0.95, 0.75, 0.2),
+            (0.9, 0.55, 0.7),
+            (0.95, 0.93, 0.88),
+            (0.6, 0.35, 0.7),
+        )
+    )
     stems, heads, roots = [], [], []
     turns = _spread(dice, 9)
     for turn in turns:
@@ -272,7 +373,11 @@ def flower_vase(dice: Dice, taste: Taste) -> Model:
         stems.append(rod((0, 0, high - 0.05), tip, 0.003, sides=5))
         heads.append(ball(0.05, 0.05, 0.035, at=tip, sides=8))
         roots.append(_polar(turn, out * 0.4, high + up * 0.3))
-    stems.append(leaves([0.1] * 9, [0.035] * 9, [30.0] * 9, [50.0] * 9, [t + 40 for t in turns], roots, steps=3))
+    stems.append(
+        leaves(
+            [0.1] * 9, [0.035] * 9, [30.0] * 9, [50.0] * 9, [t + 40 for t in turns], roots, steps=3
+        )
+    )
     bench.add(green(dice, ""), join(stems))
     bench.add(Finish("", ink), join(heads))
     return bench.model("vase", "flower vase", "vase with flowers", main=glaze)

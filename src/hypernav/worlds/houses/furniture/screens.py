@@ -10,10 +10,14 @@ from hypernav.worlds.houses.palette import BLACK_METAL, STEEL, Taste, picture, p
 _FRAME = Finish("", (0.045, 0.045, 0.05), 1.0, "black", "plastic")
 
 
-def _screen(bench: Bench, dice: Dice, wide: float, high: float, z: float, y: float, key: str) -> None:
+def _screen(
+    bench: Bench, dice: Dice, wide: float, high: float, z: float, y: float, key: str
+) -> None:
     rim = 0.014
     bench.add(_FRAME, box(wide, 0.035, high, at=(0, y - 0.0175, z), bevel=0.004))
-    bench.add(picture(key), panel(wide - 2 * rim, high - 2.4 * rim, at=(0, y + 0.0012, z + 1.4 * rim)))
+    bench.add(
+        picture(key), panel(wide - 2 * rim, high - 2.4 * rim, at=(0, y + 0.0012, z + 1.4 * rim))
+    )
 
 
 def _programme(dice: Dice) -> str:
@@ -29,8 +33,11 @@ def tv(dice: Dice, taste: Taste) -> Model:
     _screen(bench, dice, wide, high, 0.06, 0.0, _programme(dice))
     bench.add(_FRAME, box(wide * 0.6, 0.05, high * 0.5, at=(0, -0.045, 0.12), bevel=0.02))
     if dice.chance(0.5):
-        bench.add(BLACK_METAL, box(wide * 0.4, 0.22, 0.014, at=(0, -0.02, 0), bevel=0.004),
-                  box(0.1, 0.03, 0.1, at=(0, -0.03, 0)))
+        bench.add(
+            BLACK_METAL,
+            box(wide * 0.4, 0.22, 0.014, at=(0, -0.02, 0), bevel=0.004),
+            box(0.1, 0.03, 0.1, at=(0, -0.03, 0)),
+        )
     else:
         for s in (-1.0, 1.0):
             x = s * wide * 0.36
@@ -55,8 +62,20 @@ def monitor(dice: Dice, taste: Taste) -> Model:
     del taste
     bench = Bench()
     wide = dice.choice((0.5, 0.56, 0.62))
-    _screen(bench, dice, wide, wide * 0.6, 0.12, 0.0, "screen desktop" if dice.chance(0.6) else "screen off")
-    bench.add(_FRAME, box(0.05, 0.03, 0.2, at=(0, -0.05, 0)), box(0.22, 0.18, 0.012, at=(0, -0.02, 0), bevel=0.004))
+    _screen(
+        bench,
+        dice,
+        wide,
+        wide * 0.6,
+        0.12,
+        0.0,
+        "screen desktop" if dice.chance(0.6) else "screen off",
+    )
+    bench.add(
+        _FRAME,
+        box(0.05, 0.03, 0.2, at=(0, -0.05, 0)),
+        box(0.22, 0.18, 0.012, at=(0, -0.02, 0), bevel=0.004),
+    )
     return bench.model("computer monitor", "monitor", "computer screen", main=_FRAME)
 
 

@@ -6,7 +6,15 @@ from hypernav.worlds.houses.kit.mesh import Finish, Part
 from hypernav.worlds.houses.kit.model import Bench, Model, Top
 from hypernav.worlds.houses.kit.solids import box, cushion, panel
 from hypernav.worlds.houses.kit.surfaces import ball, cylinder, lathe, rod
-from hypernav.worlds.houses.palette import BLACK_METAL, MIRROR, Taste, fabric, lacquer, picture, plastic
+from hypernav.worlds.houses.palette import (
+    BLACK_METAL,
+    MIRROR,
+    Taste,
+    fabric,
+    lacquer,
+    picture,
+    plastic,
+)
 
 
 def wardrobe(dice: Dice, taste: Taste) -> Model:
@@ -23,12 +31,28 @@ def wardrobe(dice: Dice, taste: Taste) -> Model:
     for k in range(doors):
         x = (k + 0.5 - doors / 2) * each
         side = 1.0 if k % 2 == 0 else -1.0
-        front(bench, wood, taste.metal, each, high - 0.1 - drawer, at=(x, deep / 2 - 0.02, 0.08 + drawer), upright=True,
-              side=side, framed=framed)
+        front(
+            bench,
+            wood,
+            taste.metal,
+            each,
+            high - 0.1 - drawer,
+            at=(x, deep / 2 - 0.02, 0.08 + drawer),
+            upright=True,
+            side=side,
+            framed=framed,
+        )
         if drawer:
             front(bench, wood, taste.metal, each, drawer, at=(x, deep / 2 - 0.02, 0.08))
         if mirrored and k == doors // 2:
-            bench.add(MIRROR, panel(each * 0.6, high - 0.5 - drawer, at=(x - side * 0.03, deep / 2 + 0.003, 0.25 + drawer)))
+            bench.add(
+                MIRROR,
+                panel(
+                    each * 0.6,
+                    high - 0.5 - drawer,
+                    at=(x - side * 0.03, deep / 2 + 0.003, 0.25 + drawer),
+                ),
+            )
     return bench.model("wardrobe", "armoire", "closet", main=wood)
 
 
@@ -47,9 +71,23 @@ def dresser(dice: Dice, taste: Taste) -> Model:
     for row in range(rows):
         for column in range(columns):
             x = (column + 0.5 - columns / 2) * each
-            front(bench, wood, taste.metal, each - 0.01, tall, at=(x, deep / 2 - 0.02, 0.07 + row * tall), grip=grip)
-    return bench.model("dresser", "chest of drawers", main=wood,
-                       tops=(Top(-wide / 2 + 0.05, -deep / 2 + 0.04, wide / 2 - 0.05, deep / 2 - 0.05, high + 0.005),))
+            front(
+                bench,
+                wood,
+                taste.metal,
+                each - 0.01,
+                tall,
+                at=(x, deep / 2 - 0.02, 0.07 + row * tall),
+                grip=grip,
+            )
+    return bench.model(
+        "dresser",
+        "chest of drawers",
+        main=wood,
+        tops=(
+            Top(-wide / 2 + 0.05, -deep / 2 + 0.04, wide / 2 - 0.05, deep / 2 - 0.05, high + 0.005),
+        ),
+    )
 
 
 def cabinet(dice: Dice, taste: Taste) -> Model:
@@ -67,12 +105,35 @@ def cabinet(dice: Dice, taste: Taste) -> Model:
     drawers = 0.16 if dice.chance(0.5) else 0.0
     for k in range(doors):
         x = (k + 0.5 - doors / 2) * each
-        front(bench, wood, taste.metal, each - 0.006, high - leg - 0.04 - drawers, at=(x, deep / 2 - 0.02, leg + 0.01), grip="knob",
-              upright=True, side=1.0 if k % 2 == 0 else -1.0, framed=framed)
+        front(
+            bench,
+            wood,
+            taste.metal,
+            each - 0.006,
+            high - leg - 0.04 - drawers,
+            at=(x, deep / 2 - 0.02, leg + 0.01),
+            grip="knob",
+            upright=True,
+            side=1.0 if k % 2 == 0 else -1.0,
+            framed=framed,
+        )
         if drawers:
-            front(bench, wood, taste.metal, each - 0.006, drawers, at=(x, deep / 2 - 0.02, high - 0.03 - drawers), grip="knob")
-    return bench.model("cabinet", "sideboard", "buffet", main=wood,
-                       tops=(Top(-wide / 2 + 0.05, -deep / 2 + 0.05, wide / 2 - 0.05, deep / 2 - 0.05, high),))
+            front(
+                bench,
+                wood,
+                taste.metal,
+                each - 0.006,
+                drawers,
+                at=(x, deep / 2 - 0.02, high - 0.03 - drawers),
+                grip="knob",
+            )
+    return bench.model(
+        "cabinet",
+        "sideboard",
+        "buffet",
+        main=wood,
+        tops=(Top(-wide / 2 + 0.05, -deep / 2 + 0.05, wide / 2 - 0.05, deep / 2 - 0.05, high),),
+    )
 
 
 def tv_stand(dice: Dice, taste: Taste) -> Model:
@@ -85,13 +146,31 @@ def tv_stand(dice: Dice, taste: Taste) -> Model:
     bench.add(wood, *four_legs(wide - 0.1, deep - 0.06, leg, thick=0.045))
     third = wide / 3
     for s in (-1.0, 1.0):
-        bench.add(wood, box(0.018, deep - 0.01, high - leg - 0.04, at=(s * third / 2, 0, leg + 0.02)))
-        front(bench, wood, taste.metal, third - 0.02, high - leg - 0.05, at=(s * third, deep / 2 - 0.02, leg + 0.025),
-              grip="knob", upright=True, side=-s)
+        bench.add(
+            wood, box(0.018, deep - 0.01, high - leg - 0.04, at=(s * third / 2, 0, leg + 0.02))
+        )
+        front(
+            bench,
+            wood,
+            taste.metal,
+            third - 0.02,
+            high - leg - 0.05,
+            at=(s * third, deep / 2 - 0.02, leg + 0.025),
+            grip="knob",
+            upright=True,
+            side=-s,
+        )
     bench.add(wood, box(third, deep - 0.02, 0.018, at=(0, 0, leg + (high - leg) / 2)))
     bench.add(plastic("black"), box(0.32, 0.22, 0.06, at=(0, 0.02, leg + 0.023), bevel=0.006))
-    return bench.model("tv stand", "media console", "television stand", main=wood,
-                       tops=(Top(-wide / 2 + 0.05, -deep / 2 + 0.03, wide / 2 - 0.05, deep / 2 - 0.03, high, 1.3),))
+    return bench.model(
+        "tv stand",
+        "media console",
+        "television stand",
+        main=wood,
+        tops=(
+            Top(-wide / 2 + 0.05, -deep / 2 + 0.03, wide / 2 - 0.05, deep / 2 - 0.03, high, 1.3),
+        ),
+    )
 
 
 def bookshelf(dice: Dice, taste: Taste) -> Model:
@@ -106,7 +185,13 @@ def bookshelf(dice: Dice, taste: Taste) -> Model:
         z = 0.05 + k * each
         bench.add(wood, box(wide - 0.044, deep - 0.01, 0.02, at=(0, 0, z - 0.02)))
         _fill_shelf(bench, dice, wide - 0.06, deep, z, each - 0.03)
-    return bench.model("bookshelf", "bookcase", "shelf", main=wood, attributes=("tall",) if high > 1.5 else ("low",))
+    return bench.model(
+        "bookshelf",
+        "bookcase",
+        "shelf",
+        main=wood,
+        attributes=("tall",) if high > 1.5 else ("low",),
+    )
 
 
 def _fill_shelf(bench: Bench, dice: Dice, wide: float, deep: float, z: float, high: float) -> None:
@@ -119,8 +204,12 @@ def _fill_shelf(bench: Bench, dice: Dice, wide: float, deep: float, z: float, hi
     shift = dice.unit()
     # A row of books is one block whose face is a picture; the tops stay in shadow.
     face = panel(long, tall, at=(x, 0.09, z))
-    bench.add(Finish(key, (1.0, 1.0, 1.0), 1.0, "", "paper"), face.textured(long / 0.8, 1.0, shift, 0.0))
-    bench.add(Finish("", (0.85, 0.82, 0.74)), box(long - 0.004, 0.18, tall - 0.035, at=(x, -0.003, z)))
+    bench.add(
+        Finish(key, (1.0, 1.0, 1.0), 1.0, "", "paper"), face.textured(long / 0.8, 1.0, shift, 0.0)
+    )
+    bench.add(
+        Finish("", (0.85, 0.82, 0.74)), box(long - 0.004, 0.18, tall - 0.035, at=(x, -0.003, z))
+    )
     if share < 1.0:
         middle = (1 if left else -1) * (long / 2 + 0.005)
         _ornament(bench, dice, middle, z, min(wide - long - 0.02, 0.26), tall)
@@ -133,12 +222,21 @@ def _ornament(bench: Bench, dice: Dice, x: float, z: float, wide: float, high: f
     if kind == "box":
         bench.add(ink, box(wide * 0.8, 0.2, high * 0.6, at=(x, 0, z), bevel=0.006))
     elif kind == "vase":
-        bench.add(ink, lathe([(0, 0), (0.035, 0), (0.055, 0.07), (0.03, 0.14), (0.035, 0.17)], sides=16, crease_deg=60).moved(x, 0.02, z))
+        bench.add(
+            ink,
+            lathe(
+                [(0, 0), (0.035, 0), (0.055, 0.07), (0.03, 0.14), (0.035, 0.17)],
+                sides=16,
+                crease_deg=60,
+            ).moved(x, 0.02, z),
+        )
     elif kind == "ball":
         bench.add(ink, ball(0.12, 0.12, 0.12, at=(x, 0.02, z + 0.06)))
     else:
         bench.add(lacquer("black"), box(0.15, 0.015, 0.2, at=(x, 0.0, z)))
-        bench.add(picture(f"painting {dice.integer(0, 15)}"), panel(0.12, 0.17, at=(x, 0.0085, z + 0.015)))
+        bench.add(
+            picture(f"painting {dice.integer(0, 15)}"), panel(0.12, 0.17, at=(x, 0.0085, z + 0.015))
+        )
 
 
 def shoe_rack(dice: Dice, taste: Taste) -> Model:
@@ -155,7 +253,9 @@ def shoe_rack(dice: Dice, taste: Taste) -> Model:
             if dice.chance(0.8):
                 bench.extend(shoe_parts(dice, (k - 1) * 0.23, z + 0.015))
     bench.add(wood, box(wide + 0.03, 0.32, 0.02, at=(0, 0, 0.48), bevel=0.004))
-    return bench.model("shoe rack", "shoe shelf", main=wood, tops=(Top(-0.3, -0.12, 0.3, 0.12, 0.5),))
+    return bench.model(
+        "shoe rack", "shoe shelf", main=wood, tops=(Top(-0.3, -0.12, 0.3, 0.12, 0.5),)
+    )
 
 
 def shoe_parts(dice: Dice, x: float, z: float) -> list[Part]:
@@ -163,9 +263,19 @@ def shoe_parts(dice: Dice, x: float, z: float) -> list[Part]:
     hide = plastic(dice.choice(("brown", "black", "white", "red", "blue")))
     parts = []
     for s in (-1.0, 1.0):
-        parts.append(Part(box(0.085, 0.27, 0.022, at=(x + s * 0.052, 0, z), bevel=0.008), plastic("white")))
-        parts.append(Part(cushion(0.08, 0.25, 0.06, radius=0.028, at=(x + s * 0.052, 0.004, z + 0.015)), hide))
-        parts.append(Part(cushion(0.076, 0.12, 0.11, radius=0.03, at=(x + s * 0.052, -0.065, z + 0.015)), hide))
+        parts.append(
+            Part(box(0.085, 0.27, 0.022, at=(x + s * 0.052, 0, z), bevel=0.008), plastic("white"))
+        )
+        parts.append(
+            Part(
+                cushion(0.08, 0.25, 0.06, radius=0.028, at=(x + s * 0.052, 0.004, z + 0.015)), hide
+            )
+        )
+        parts.append(
+            Part(
+                cushion(0.076, 0.12, 0.11, radius=0.03, at=(x + s * 0.052, -0.065, z + 0.015)), hide
+            )
+        )
     return parts
 
 
@@ -173,14 +283,22 @@ def coat_rack(dice: Dice, taste: Taste) -> Model:
     """A stand with hooks and a coat or two."""
     bench = Bench()
     wood = BLACK_METAL if dice.chance(0.4) else taste.furniture_wood(dice)
-    bench.add(wood, rod((0, 0, 0.03), (0, 0, 1.75), 0.022, end_radius=0.018), ball(0.05, 0.05, 0.05, at=(0, 0, 1.77)))
+    bench.add(
+        wood,
+        rod((0, 0, 0.03), (0, 0, 1.75), 0.022, end_radius=0.018),
+        ball(0.05, 0.05, 0.05, at=(0, 0, 1.77)),
+    )
     for k in range(4):
         turn = 90 * k + 45
         bench.add(wood, rod((0, 0, 0.12), (0.24, 0, 0.015), 0.016).turned(turn))
         bench.add(wood, rod((0, 0, 1.6), (0.15, 0, 1.7), 0.01, sides=6).turned(turn))
         if k < 2 and dice.chance(0.8):
             cloth = fabric(dice.choice(("navy", "beige", "black", "red", "green", "gray")))
-            coat = lathe([(0.13, 0.0), (0.115, 0.3), (0.1, 0.7), (0.07, 0.86), (0.02, 0.93)], sides=12, crease_deg=80)
+            coat = lathe(
+                [(0.13, 0.0), (0.115, 0.3), (0.1, 0.7), (0.07, 0.86), (0.02, 0.93)],
+                sides=12,
+                crease_deg=80,
+            )
             bench.add(cloth, coat.scaled(1.0, 0.7, 1.0).moved(0.15, 0, 0.76).turned(turn))
     return bench.model("coat rack", "coat stand", "hat stand", main=wood)
 
@@ -192,22 +310,39 @@ def wall_shelf(dice: Dice, taste: Taste) -> Model:
     wide = dice.uniform(0.6, 0.95)
     bench.add(wood, box(wide, 0.2, 0.025, at=(0, 0, 0.08), bevel=0.003))
     for s in (-1.0, 1.0):
-        bench.add(BLACK_METAL, box(0.02, 0.17, 0.01, at=(s * wide * 0.35, -0.01, 0.07)), box(0.02, 0.01, 0.08, at=(s * wide * 0.35, -0.09, 0)))
-    return bench.model("shelf", "wall shelf", main=wood, tops=(Top(-wide / 2 + 0.02, -0.08, wide / 2 - 0.02, 0.09, 0.105, 0.3),))
+        bench.add(
+            BLACK_METAL,
+            box(0.02, 0.17, 0.01, at=(s * wide * 0.35, -0.01, 0.07)),
+            box(0.02, 0.01, 0.08, at=(s * wide * 0.35, -0.09, 0)),
+        )
+    return bench.model(
+        "shelf",
+        "wall shelf",
+        main=wood,
+        tops=(Top(-wide / 2 + 0.02, -0.08, wide / 2 - 0.02, 0.09, 0.105, 0.3),),
+    )
 
 
 def filing_cabinet(dice: Dice, taste: Taste) -> Model:
     """Steel drawers for papers."""
     del taste
     bench = Bench()
-    steel = Finish("", dice.choice(((0.62, 0.63, 0.63), (0.25, 0.26, 0.28), (0.85, 0.85, 0.83))), 1.0, "gray", "metal")
+    steel = Finish(
+        "",
+        dice.choice(((0.62, 0.63, 0.63), (0.25, 0.26, 0.28), (0.85, 0.85, 0.83))),
+        1.0,
+        "gray",
+        "metal",
+    )
     rows = dice.choice((2, 3, 4))
     high = rows * 0.31 + 0.06
     bench.add(steel, box(0.42, 0.5, high, bevel=0.004))
     for k in range(rows):
         front(bench, steel, BLACK_METAL, 0.4, 0.3, at=(0, 0.25, 0.04 + k * 0.31), grip="cup")
         bench.add(lacquer("white"), panel(0.08, 0.04, at=(0, 0.27, 0.24 + k * 0.31)))
-    return bench.model("filing cabinet", "file cabinet", main=steel, tops=(Top(-0.18, -0.22, 0.18, 0.22, high),))
+    return bench.model(
+        "filing cabinet", "file cabinet", main=steel, tops=(Top(-0.18, -0.22, 0.18, 0.22, high),)
+    )
 
 
 def display_cabinet(dice: Dice, taste: Taste) -> Model:
@@ -218,8 +353,18 @@ def display_cabinet(dice: Dice, taste: Taste) -> Model:
     case(bench, wood, wide, deep, high - 0.8, at=(0, 0, 0.8), back=lacquer("white"))
     bench.add(wood, box(wide, deep - 0.02, 0.8, at=(0, -0.01, 0), bevel=0.004))
     for s in (-1.0, 1.0):
-        front(bench, wood, taste.metal, wide / 2, 0.7, at=(s * wide / 4, deep / 2 - 0.02, 0.06), grip="knob", upright=True,
-              side=-s, framed=True)
+        front(
+            bench,
+            wood,
+            taste.metal,
+            wide / 2,
+            0.7,
+            at=(s * wide / 4, deep / 2 - 0.02, 0.06),
+            grip="knob",
+            upright=True,
+            side=-s,
+            framed=True,
+        )
     for k in range(3):
         z = 0.82 + k * 0.34
         bench.add(wood, box(wide - 0.04, deep - 0.03, 0.015, at=(0, 0, z - 0.015)))
@@ -227,10 +372,20 @@ def display_cabinet(dice: Dice, taste: Taste) -> Model:
             x = (j - 1.5) * 0.2
             cup = lathe([(0, 0), (0.03, 0), (0.045, 0.05), (0.05, 0.09)], sides=14, crease_deg=60)
             plate = cylinder(0.09, 0.01, sides=20).turned(-75, "x").moved(0, 0, 0.09)
-            bench.add(plastic(dice.choice(("white", "white", "light blue", "cream"))), (cup if dice.chance(0.5) else plate).moved(x, 0.0, z))
+            bench.add(
+                plastic(dice.choice(("white", "white", "light blue", "cream"))),
+                (cup if dice.chance(0.5) else plate).moved(x, 0.0, z),
+            )
     for s in (-1.0, 0.0, 1.0):
-        bench.add(wood, box(0.03, 0.02, high - 0.84, at=(s * (wide / 2 - 0.02), deep / 2 - 0.01, 0.82)).swapped_uv())
-    return bench.model("cabinet", "display cabinet", "china cabinet", main=wood, attributes=("tall",))
+        bench.add(
+            wood,
+            box(
+                0.03, 0.02, high - 0.84, at=(s * (wide / 2 - 0.02), deep / 2 - 0.01, 0.82)
+            ).swapped_uv(),
+        )
+    return bench.model(
+        "cabinet", "display cabinet", "china cabinet", main=wood, attributes=("tall",)
+    )
 
 
 def metal_shelf(dice: Dice, taste: Taste) -> Model:
@@ -240,7 +395,10 @@ def metal_shelf(dice: Dice, taste: Taste) -> Model:
     wide, deep, high = dice.choice((0.8, 0.9)), 0.4, 1.75
     for sx in (-1.0, 1.0):
         for sy in (-1.0, 1.0):
-            bench.add(BLACK_METAL, box(0.03, 0.03, high, at=(sx * (wide / 2 - 0.015), sy * (deep / 2 - 0.015), 0)))
+            bench.add(
+                BLACK_METAL,
+                box(0.03, 0.03, high, at=(sx * (wide / 2 - 0.015), sy * (deep / 2 - 0.015), 0)),
+            )
     card = Finish("cardboard", (0.72, 0.55, 0.37), 0.5, "brown", "cardboard")
     for k in range(4):
         z = 0.1 + k * 0.52
@@ -249,10 +407,14 @@ def metal_shelf(dice: Dice, taste: Taste) -> Model:
         while x < wide / 2 - 0.2 and k < 4:
             w, h = dice.uniform(0.18, 0.32), dice.uniform(0.15, 0.36)
             if x + w < wide / 2 - 0.03:
-                stuff = dice.choice((card, card, plastic("blue"), plastic("white"), plastic("gray")))
+                stuff = dice.choice(
+                    (card, card, plastic("blue"), plastic("white"), plastic("gray"))
+                )
                 bench.add(stuff, box(w, deep - 0.1, h, at=(x + w / 2, 0, z + 0.025), bevel=0.004))
             x += w + 0.03
-    return bench.model("storage rack", "metal shelf", "shelving unit", "shelf", attributes=("black", "metal"))
+    return bench.model(
+        "storage rack", "metal shelf", "shelving unit", "shelf", attributes=("black", "metal")
+    )
 
 
 def wine_rack(dice: Dice, taste: Taste) -> Model:
@@ -265,8 +427,20 @@ def wine_rack(dice: Dice, taste: Taste) -> Model:
             bench.add(frame, box(0.56, 0.02, 0.03, at=(0, y, z)))
         for j in range(4):
             if k < 3 and dice.chance(0.7):
-                glass = Finish("", dice.choice(((0.1, 0.2, 0.1), (0.18, 0.06, 0.07), (0.12, 0.12, 0.1))))
-                bottle = lathe([(0, -0.14), (0.037, -0.14), (0.037, 0.04), (0.014, 0.09), (0.014, 0.15), (0, 0.15)], sides=12)
+                glass = Finish(
+                    "", dice.choice(((0.1, 0.2, 0.1), (0.18, 0.06, 0.07), (0.12, 0.12, 0.1)))
+                )
+                bottle = lathe(
+                    [
+                        (0, -0.14),
+                        (0.037, -0.14),
+                        (0.037, 0.04),
+                        (0.014, 0.09),
+                        (0.014, 0.15),
+                        (0, 0.15),
+                    ],
+                    sides=12,
+                )
                 bench.add(glass, bottle.turned(90, "x").moved((j - 1.5) * 0.13, 0, z + 0.068))
     for sx in (-1.0, 1.0):
         for y in (-0.1, 0.1):

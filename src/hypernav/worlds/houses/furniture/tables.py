@@ -26,35 +26,64 @@ def dining_table(dice: Dice, taste: Taste, seats: int = 4) -> Model:
     deep = dice.uniform(0.78, 0.9) if seats > 2 else 0.75
     wood = taste.furniture_wood(dice)
     bench = Bench()
-    style = dice.choice(("classic", "classic", "splayed", "trestle" if seats == 6 else "splayed", "metal"))
+    style = dice.choice(
+        ("classic", "classic", "splayed", "trestle" if seats == 6 else "splayed", "metal")
+    )
     plate = 0.032
     top = box(long, deep, plate, at=(0, 0, TABLE_M - plate), bevel=0.006)
     bench.add(wood, top)
     if style in ("classic", "splayed"):
         apron_x, apron_y = long - 0.14, deep - 0.14
-        legs = four_legs(long - 0.08, deep - 0.08, TABLE_M - plate, thick=0.075 if style == "classic" else 0.055,
-                         taper=0.8 if style == "classic" else 0.5, 
-                         round_=style == "splayed")
+        legs = four_legs(
+            long - 0.08,
+            deep - 0.08,
+            TABLE_M - plate,
+            thick=0.075 if style == "classic" else 0.055,
+            taper=0.8 if style == "classic" else 0.5,
+            round_=style == "splayed",
+        )
         bench.add(wood if dice.chance(0.8) else lacquer("white"), *legs)
         for s in (-1.0, 1.0):
-            bench.add(wood, box(apron_x, 0.022, 0.09, at=(0, s * (apron_y / 2 - 0.012), TABLE_M - plate - 0.09)))
-            bench.add(wood, box(0.022, apron_y, 0.09, at=(s * (apron_x / 2 - 0.012), 0, TABLE_M - plate - 0.09)).swapped_uv())
+            bench.add(
+                wood,
+                box(
+                    apron_x, 0.022, 0.09, at=(0, s * (apron_y / 2 - 0.012), TABLE_M - plate - 0.09)
+                ),
+            )
+            bench.add(
+                wood,
+                box(
+                    0.022, apron_y, 0.09, at=(s * (apron_x / 2 - 0.012), 0, TABLE_M - plate - 0.09)
+                ).swapped_uv(),
+            )
     elif style == "trestle":
         for s in (-1.0, 1.0):
             x = s * (long / 2 - 0.22)
-            bench.add(wood, box(0.08, 0.1, TABLE_M - plate, at=(x, 0, 0), bevel=0.008).swapped_uv(),
-                      box(0.09, deep - 0.14, 0.06, at=(x, 0, 0), bevel=0.01),
-                      box(0.07, deep - 0.2, 0.05, at=(x, 0, TABLE_M - plate - 0.05), bevel=0.006))
+            bench.add(
+                wood,
+                box(0.08, 0.1, TABLE_M - plate, at=(x, 0, 0), bevel=0.008).swapped_uv(),
+                box(0.09, deep - 0.14, 0.06, at=(x, 0, 0), bevel=0.01),
+                box(0.07, deep - 0.2, 0.05, at=(x, 0, TABLE_M - plate - 0.05), bevel=0.006),
+            )
         bench.add(wood, box(long - 0.5, 0.04, 0.1, at=(0, 0, 0.3), bevel=0.006))
     else:
         for s in (-1.0, 1.0):
             x = s * (long / 2 - 0.06)
-            frame = [(x, -deep / 2 + 0.08, TABLE_M - plate), (x, -deep / 2 + 0.08, 0.02),
-                     (x, deep / 2 - 0.08, 0.02), (x, deep / 2 - 0.08, TABLE_M - plate)]
+            frame = [
+                (x, -deep / 2 + 0.08, TABLE_M - plate),
+                (x, -deep / 2 + 0.08, 0.02),
+                (x, deep / 2 - 0.08, 0.02),
+                (x, deep / 2 - 0.08, TABLE_M - plate),
+            ]
             for a, b in zip(frame, frame[1:], strict=False):
                 bench.add(BLACK_METAL, rod(a, b, 0.022, sides=8))
-    return bench.model("dining table", "table", main=wood, attributes=("rectangular",),
-                       tops=(whole_top(long, deep, TABLE_M),))
+    return bench.model(
+        "dining table",
+        "table",
+        main=wood,
+        attributes=("rectangular",),
+        tops=(whole_top(long, deep, TABLE_M),),
+    )
 
 
 def _round_table(dice: Dice, taste: Taste) -> Model:
@@ -63,19 +92,47 @@ def _round_table(dice: Dice, taste: Taste) -> Model:
     wood = taste.furniture_wood(dice)
     bench.add(wood, cylinder(radius, 0.03, at=(0, 0, TABLE_M - 0.03), sides=40, bevel=0.008))
     if dice.chance(0.6):
-        bench.add(wood, lathe([(0.0, 0.05), (0.06, 0.05), (0.05, 0.12), (0.075, 0.25), (0.045, 0.5), (0.07, 0.68),
-                               (0.16, 0.72), (0.0, 0.72)]))
+        bench.add(
+            wood,
+            lathe(
+                [
+                    (0.0, 0.05),
+                    (0.06, 0.05),
+                    (0.05, 0.12),
+                    (0.075, 0.25),
+                    (0.045, 0.5),
+                    (0.07, 0.68),
+                    (0.16, 0.72),
+                    (0.0, 0.72),
+                ]
+            ),
+        )
         for k in range(4):
             a = math.radians(90 * k + 45)
             c, s = math.cos(a), math.sin(a)
-            bench.add(wood, tube([(c * 0.04, s * 0.04, 0.2), (c * 0.2, s * 0.2, 0.1), (c * 0.32, s * 0.32, 0.025)],
-                                 [0.035, 0.03, 0.022]))
+            bench.add(
+                wood,
+                tube(
+                    [
+                        (c * 0.04, s * 0.04, 0.2),
+                        (c * 0.2, s * 0.2, 0.1),
+                        (c * 0.32, s * 0.32, 0.025),
+                    ],
+                    [0.035, 0.03, 0.022],
+                ),
+            )
     else:
         side = radius * 1.2
         bench.add(wood, *four_legs(side, side, TABLE_M - 0.03, thick=0.055, taper=0.6, round_=True))
     inner = radius * 0.6
-    return bench.model("dining table", "table", "round table", main=wood, attributes=("round",),
-                       tops=(Top(-inner, -inner, inner, inner, TABLE_M),))
+    return bench.model(
+        "dining table",
+        "table",
+        "round table",
+        main=wood,
+        attributes=("round",),
+        tops=(Top(-inner, -inner, inner, inner, TABLE_M),),
+    )
 
 
 def coffee_table(dice: Dice, taste: Taste) -> Model:
@@ -90,18 +147,38 @@ def coffee_table(dice: Dice, taste: Taste) -> Model:
         for k in range(3):
             a = math.radians(120 * k + 30)
             c, s = math.cos(a) * radius, math.sin(a) * radius
-            bench.add(wood, rod((c * 0.85, s * 0.85, 0), (c * 0.6, s * 0.6, high - 0.02), 0.014, end_radius=0.024))
+            bench.add(
+                wood,
+                rod(
+                    (c * 0.85, s * 0.85, 0),
+                    (c * 0.6, s * 0.6, high - 0.02),
+                    0.014,
+                    end_radius=0.024,
+                ),
+            )
         inner = radius * 0.6
         tops = (Top(-inner, -inner, inner, inner, high),)
         return bench.model("coffee table", main=wood, attributes=("round",), tops=tops)
     plate = GLASS if style == "glass" else wood
-    bench.add(plate, box(long, deep, 0.02 if style == "glass" else 0.03,
-                         at=(0, 0, high - (0.02 if style == "glass" else 0.03)), bevel=0.005))
+    bench.add(
+        plate,
+        box(
+            long,
+            deep,
+            0.02 if style == "glass" else 0.03,
+            at=(0, 0, high - (0.02 if style == "glass" else 0.03)),
+            bevel=0.005,
+        ),
+    )
     legs = BLACK_METAL if style == "glass" else wood
     bench.add(legs, *four_legs(long - 0.04, deep - 0.04, high - 0.025, thick=0.045, taper=0.9))
     bench.add(wood, box(long - 0.09, deep - 0.09, 0.018, at=(0, 0, 0.14), bevel=0.003))
-    return bench.model("coffee table", main=wood if style == "shelf" else GLASS, attributes=("low",),
-                       tops=(whole_top(long, deep, high),))
+    return bench.model(
+        "coffee table",
+        main=wood if style == "shelf" else GLASS,
+        attributes=("low",),
+        tops=(whole_top(long, deep, high),),
+    )
 
 
 def side_table(dice: Dice, taste: Taste) -> Model:
@@ -111,11 +188,18 @@ def side_table(dice: Dice, taste: Taste) -> Model:
     high = dice.uniform(0.5, 0.58)
     if dice.chance(0.5):
         bench.add(wood, cylinder(0.22, 0.022, at=(0, 0, high - 0.022), sides=28, bevel=0.006))
-        bench.add(BLACK_METAL, cylinder(0.018, high - 0.03, at=(0, 0, 0.01)), cylinder(0.16, 0.014, sides=28))
+        bench.add(
+            BLACK_METAL,
+            cylinder(0.018, high - 0.03, at=(0, 0, 0.01)),
+            cylinder(0.16, 0.014, sides=28),
+        )
         tops = (Top(-0.14, -0.14, 0.14, 0.14, high),)
         return bench.model("side table", "end table", main=wood, attributes=("round",), tops=tops)
-    bench.add(wood, box(0.44, 0.44, 0.024, at=(0, 0, high - 0.024), bevel=0.005),
-              box(0.38, 0.38, 0.016, at=(0, 0, 0.16)))
+    bench.add(
+        wood,
+        box(0.44, 0.44, 0.024, at=(0, 0, high - 0.024), bevel=0.005),
+        box(0.38, 0.38, 0.016, at=(0, 0, 0.16)),
+    )
     bench.add(wood, *four_legs(0.42, 0.42, high - 0.02, thick=0.035))
     return bench.model("side table", "end table", main=wood, tops=(whole_top(0.44, 0.44, high),))
 
@@ -134,8 +218,18 @@ def nightstand(dice: Dice, taste: Taste) -> Model:
     grip = dice.choice(("bar", "knob"))
     each = room / 2
     for k in range(drawers):
-        front(bench, wood, taste.metal, wide - 0.01, each, at=(0, deep / 2, high - 0.03 - (k + 1) * each), grip=grip)
-    return bench.model("nightstand", "bedside table", main=wood, tops=(whole_top(wide, deep, high + 0.004),))
+        front(
+            bench,
+            wood,
+            taste.metal,
+            wide - 0.01,
+            each,
+            at=(0, deep / 2, high - 0.03 - (k + 1) * each),
+            grip=grip,
+        )
+    return bench.model(
+        "nightstand", "bedside table", main=wood, tops=(whole_top(wide, deep, high + 0.004),)
+    )
 
 
 def desk(dice: Dice, taste: Taste) -> Model:
@@ -156,9 +250,13 @@ def desk(dice: Dice, taste: Taste) -> Model:
         bench.add(body, box(long - 0.1, 0.018, 0.35, at=(0, -deep / 2 + 0.06, 0.34)))
     else:
         legs = BLACK_METAL if dice.chance(0.5) else wood
-        bench.add(legs, *four_legs(long - 0.04, deep - 0.04, TABLE_M - 0.028, thick=0.045, taper=0.8))
+        bench.add(
+            legs, *four_legs(long - 0.04, deep - 0.04, TABLE_M - 0.028, thick=0.045, taper=0.8)
+        )
         bench.add(legs, box(long - 0.12, 0.02, 0.08, at=(0, -deep / 2 + 0.05, TABLE_M - 0.11)))
-    return bench.model("desk", "writing desk", main=wood, tops=(whole_top(long, deep, TABLE_M, 0.9),))
+    return bench.model(
+        "desk", "writing desk", main=wood, tops=(whole_top(long, deep, TABLE_M, 0.9),)
+    )
 
 
 def console_table(dice: Dice, taste: Taste) -> Model:
@@ -173,10 +271,23 @@ def console_table(dice: Dice, taste: Taste) -> Model:
     if dice.chance(0.5):
         each = (long - 0.1) / 2
         for k in range(2):
-            front(bench, wood, taste.metal, each, 0.12, at=((k - 0.5) * each, deep / 2 - 0.02, high - 0.15), grip="knob")
+            front(
+                bench,
+                wood,
+                taste.metal,
+                each,
+                0.12,
+                at=((k - 0.5) * each, deep / 2 - 0.02, high - 0.15),
+                grip="knob",
+            )
         bench.add(wood, box(long - 0.1, deep - 0.06, 0.12, at=(0, 0, high - 0.146)))
-    return bench.model("console table", "hall table", "sideboard table", main=wood,
-                       tops=(whole_top(long, deep, high),))
+    return bench.model(
+        "console table",
+        "hall table",
+        "sideboard table",
+        main=wood,
+        tops=(whole_top(long, deep, high),),
+    )
 
 
 def dressing_table(dice: Dice, taste: Taste) -> Model:
@@ -188,12 +299,22 @@ def dressing_table(dice: Dice, taste: Taste) -> Model:
     bench.add(wood, *four_legs(long - 0.03, deep - 0.02, 0.74, thick=0.04, taper=0.6))
     bench.add(wood, box(long - 0.06, deep - 0.06, 0.12, at=(0, -0.01, 0.62)))
     for s in (-1.0, 1.0):
-        front(bench, wood, taste.metal, (long - 0.08) / 2, 0.12, at=(s * (long - 0.08) / 4, deep / 2 - 0.035, 0.62), grip="knob")
+        front(
+            bench,
+            wood,
+            taste.metal,
+            (long - 0.08) / 2,
+            0.12,
+            at=(s * (long - 0.08) / 4, deep / 2 - 0.035, 0.62),
+            grip="knob",
+        )
     outline = rounded_outline(0.56, 0.66, 0.14, 6)
     mirror = prism(outline, 0.02).turned(90, "x")
     bench.add(wood, mirror.scaled(1.1, 1, 1.08).moved(0, -deep / 2 + 0.03, 1.16))
     bench.add(MIRROR, mirror.moved(0, -deep / 2 + 0.042, 1.16))
-    return bench.model("dressing table", "vanity", main=wood, tops=(whole_top(long, deep - 0.1, 0.765),))
+    return bench.model(
+        "dressing table", "vanity", main=wood, tops=(whole_top(long, deep - 0.1, 0.765),)
+    )
 
 
 def kitchen_island(dice: Dice, taste: Taste) -> Model:
@@ -203,13 +324,28 @@ def kitchen_island(dice: Dice, taste: Taste) -> Model:
     long, deep, high = dice.uniform(1.2, 1.5), 0.75, 0.9
     bench.add(body, box(long - 0.08, deep - 0.14, high - 0.12, at=(0, 0.0, 0.08), bevel=0.003))
     bench.add(lacquer("dark gray"), box(long - 0.14, deep - 0.24, 0.08, at=(0, 0, 0)))
-    worktop = Finish("granite", (0.55, 0.53, 0.5), 0.4, "gray", "stone") if dice.chance(0.5) else taste.furniture_wood(dice)
+    worktop = (
+        Finish("granite", (0.55, 0.53, 0.5), 0.4, "gray", "stone")
+        if dice.chance(0.5)
+        else taste.furniture_wood(dice)
+    )
     bench.add(worktop, box(long, deep, 0.04, at=(0, 0, high - 0.04), bevel=0.006))
     each = (long - 0.1) / 3
     for k in range(3):
-        front(bench, body, taste.metal, each, high - 0.16, at=((k - 1) * each, deep / 2 - 0.07, 0.1),
-              upright=True, side=1.0 if k < 2 else -1.0, framed=dice.chance(0.5))
-    return bench.model("kitchen island", "island counter", main=body, tops=(whole_top(long, deep, high),))
+        front(
+            bench,
+            body,
+            taste.metal,
+            each,
+            high - 0.16,
+            at=((k - 1) * each, deep / 2 - 0.07, 0.1),
+            upright=True,
+            side=1.0 if k < 2 else -1.0,
+            framed=dice.chance(0.5),
+        )
+    return bench.model(
+        "kitchen island", "island counter", main=body, tops=(whole_top(long, deep, high),)
+    )
 
 
 def folding_table(dice: Dice, taste: Taste) -> Model:
@@ -219,7 +355,16 @@ def folding_table(dice: Dice, taste: Taste) -> Model:
     top = taste.furniture_wood(dice)
     bench.add(top, cylinder(0.3, 0.02, at=(0, 0, 0.7), sides=28, bevel=0.005))
     for s in (-1.0, 1.0):
-        bench.add(metal, square_bar((s * 0.24, -0.22, 0.0), (s * 0.22, 0.2, 0.7), 0.02),
-                  square_bar((s * 0.2, 0.22, 0.0), (s * 0.18, -0.2, 0.7), 0.02))
-    return bench.model("table", "bistro table", "garden table", main=top, attributes=("round",),
-                       tops=(Top(-0.18, -0.18, 0.18, 0.18, 0.72),))
+        bench.add(
+            metal,
+            square_bar((s * 0.24, -0.22, 0.0), (s * 0.22, 0.2, 0.7), 0.02),
+            square_bar((s * 0.2, 0.22, 0.0), (s * 0.18, -0.2, 0.7), 0.02),
+        )
+    return bench.model(
+        "table",
+        "bistro table",
+        "garden table",
+        main=top,
+        attributes=("round",),
+        tops=(Top(-0.18, -0.18, 0.18, 0.18, 0.72),),
+    )

@@ -57,8 +57,11 @@ def doormat(dice: Dice, taste: Taste) -> Model:
 def sofa_cushion(dice: Dice, taste: Taste) -> Model:
     """A square cushion that leans against a sofa's back; its back is at -y."""
     bench = Bench()
-    cloth = fabric(dice.choice((taste.accent, taste.accent, taste.linen, "white")),
-                   dice.choice(("fabric", "coarse fabric", "stripes", "plaid")), 0.4)
+    cloth = fabric(
+        dice.choice((taste.accent, taste.accent, taste.linen, "white")),
+        dice.choice(("fabric", "coarse fabric", "stripes", "plaid")),
+        0.4,
+    )
     bench.add(cloth, throw_pillow(dice.choice((0.4, 0.45))).turned(66, "x").moved(0, 0, 0.2))
     return bench.model("cushion", "throw pillow", "pillow", main=cloth)
 
@@ -66,7 +69,9 @@ def sofa_cushion(dice: Dice, taste: Taste) -> Model:
 def folded_blanket(dice: Dice, taste: Taste) -> Model:
     """A blanket, folded twice."""
     bench = Bench()
-    cloth = fabric(dice.choice((taste.accent, taste.soft)), dice.choice(("coarse fabric", "plaid")), 0.4)
+    cloth = fabric(
+        dice.choice((taste.accent, taste.soft)), dice.choice(("coarse fabric", "plaid")), 0.4
+    )
     for k in range(4):
         bench.add(cloth, cushion(0.42 - 0.004 * k, 0.34, 0.03, radius=0.014, at=(0, 0, 0.028 * k)))
     return bench.model("blanket", "folded blanket", main=cloth)
@@ -84,6 +89,8 @@ def folded_towels(dice: Dice, taste: Taste) -> Model:
 def rolled_mat(dice: Dice, taste: Taste) -> Model:
     """A rolled yoga mat, standing."""
     bench = Bench()
-    foam = Finish("terry", HUES[dice.choice(("purple", "teal", "blue", taste.accent))], 0.3, "", "foam")
+    foam = Finish(
+        "terry", HUES[dice.choice(("purple", "teal", "blue", taste.accent))], 0.3, "", "foam"
+    )
     bench.add(foam, cylinder(0.07, 0.61, sides=20), rod((0.0, 0.0, 0.605), (0.0, 0.0, 0.612), 0.02))
     return bench.model("yoga mat", "exercise mat", main=foam)

@@ -32,13 +32,19 @@ def framed_picture(dice: Dice, taste: Taste) -> Model:
     frame = dice.choice((taste.furniture_wood(dice), lacquer("black"), lacquer("white"), BRASS))
     rim = dice.uniform(0.025, 0.05)
     for s in (-1.0, 1.0):
-        bench.add(frame, box(rim, 0.025, high, at=(s * (wide - rim) / 2, 0, 0), bevel=0.005).swapped_uv(),
-                  box(wide, 0.025, rim, at=(0, 0, (high - rim) * (s + 1) / 2), bevel=0.005))
+        bench.add(
+            frame,
+            box(rim, 0.025, high, at=(s * (wide - rim) / 2, 0, 0), bevel=0.005).swapped_uv(),
+            box(wide, 0.025, rim, at=(0, 0, (high - rim) * (s + 1) / 2), bevel=0.005),
+        )
     mount = 0.05 if dice.chance(0.5) else 0.0
     if mount:
         bench.add(lacquer("white"), panel(wide - rim, high - rim, at=(0, 0.002, rim / 2)))
     edge = 2 * (rim + mount)
-    bench.add(picture(f"painting {dice.integer(0, 15)}"), panel(wide - edge, high - edge, at=(0, 0.004, rim + mount)))
+    bench.add(
+        picture(f"painting {dice.integer(0, 15)}"),
+        panel(wide - edge, high - edge, at=(0, 0.004, rim + mount)),
+    )
     bench.add(frame, box(wide - 0.02, 0.01, high - 0.02, at=(0, -0.007, 0.01)))
     return bench.model("picture", "painting", "framed picture", main=frame)
 
@@ -54,7 +60,10 @@ def mirror(dice: Dice, taste: Taste) -> Model:
     else:
         wide = dice.uniform(0.5, 0.65)
         high = wide if kind == "round" else wide * 1.35
-        outline = [(wide / 2 * math.cos(a), high / 2 * math.sin(a)) for a in np.linspace(0, 2 * math.pi, 32, endpoint=False)]
+        outline = [
+            (wide / 2 * math.cos(a), high / 2 * math.sin(a))
+            for a in np.linspace(0, 2 * math.pi, 32, endpoint=False)
+        ]
     plate = prism(outline, 0.02).turned(90, "x")
     bench.add(frame, plate.moved(0, 0.01, high / 2))
     glass = prism([(x * 0.93, y * 0.93) for x, y in outline], 0.004).turned(90, "x")
@@ -67,10 +76,22 @@ def clock(dice: Dice, taste: Taste) -> Model:
     bench = Bench()
     radius = dice.uniform(0.14, 0.19)
     frame = dice.choice((BLACK_METAL, taste.furniture_wood(dice), taste.metal, WHITE_METAL))
-    ring = lathe([(0.0, 0.0), (radius, 0.0), (radius, 0.035), (radius * 0.9, 0.04), (radius * 0.88, 0.022), (0.0, 0.022)], sides=32)
+    ring = lathe(
+        [
+            (0.0, 0.0),
+            (radius, 0.0),
+            (radius, 0.035),
+            (radius * 0.9, 0.04),
+            (radius * 0.88, 0.022),
+            (0.0, 0.022),
+        ],
+        sides=32,
+    )
     bench.add(frame, ring.turned(-90, "x").moved(0, 0, radius))
     r = radius * 0.89
-    ring_points = [(r * math.cos(a), r * math.sin(a)) for a in np.linspace(0, 2 * math.pi, 32, endpoint=False)]
+    ring_points = [
+        (r * math.cos(a), r * math.sin(a)) for a in np.linspace(0, 2 * math.pi, 32, endpoint=False)
+    ]
     dial = prism(ring_points, 0.001)
     uv = dial.positions[:, :2] / (2 * r) + 0.5
     dial = Mesh(dial.positions, dial.normals, uv, dial.faces).turned(90, "x")
@@ -82,14 +103,24 @@ def clock(dice: Dice, taste: Taste) -> Model:
 def curtain(dice: Dice, taste: Taste, wide: float = 1.4, high: float = 2.1) -> Model:
     """Two window curtains on a rod, drawn apart; the rod is at the top."""
     bench = Bench()
-    cloth = fabric(taste.linen if taste.linen != "white" else dice.choice(("white", taste.accent)),
-                   dice.choice(("fabric", "fabric", "stripes")), 0.4)
+    cloth = fabric(
+        taste.linen if taste.linen != "white" else dice.choice(("white", taste.accent)),
+        dice.choice(("fabric", "fabric", "stripes")),
+        0.4,
+    )
     full = wide + 0.5
     metal = taste.metal
     bench.add(metal, rod((-full / 2, 0, high - 0.03), (full / 2, 0, high - 0.03), 0.012))
     for s in (-1.0, 1.0):
         bench.add(metal, ball(0.045, 0.045, 0.045, at=(s * full / 2, 0, high - 0.03), sides=10))
-        bench.add(metal, rod((s * (full / 2 - 0.1), 0, high - 0.03), (s * (full / 2 - 0.1), -0.055, high - 0.03), 0.008))
+        bench.add(
+            metal,
+            rod(
+                (s * (full / 2 - 0.1), 0, high - 0.03),
+                (s * (full / 2 - 0.1), -0.055, high - 0.03),
+                0.008,
+            ),
+        )
         bench.add(cloth, _drape(dice, 0.46, high - 0.06).moved(s * (full / 2 - 0.25), 0, 0.02))
     return bench.model("curtain", "window curtain", "drape", main=cloth)
 
@@ -101,7 +132,11 @@ def _drape(dice: Dice, wide: float, high: float, depth: float = 0.035) -> Mesh:
     u = np.linspace(0.0, 1.0, n)[:, None]
     v = np.linspace(0.0, 1.0, rows)[None, :]
     phase = dice.uniform(0, 6.28)
-    ripple = depth * np.sin(2 * np.pi * folds * u + 0.6 * np.sin(3.0 * v + phase)) * (0.55 + 0.45 * (1.0 - v))
+    ripple = (
+        depth
+        * np.sin(2 * np.pi * folds * u + 0.6 * np.sin(3.0 * v + phase))
+        * (0.55 + 0.45 * (1.0 - v))
+    )
     narrow = 1.0 - 0.12 * np.sin(np.pi * np.clip(v, 0, 1)) * 0.6
     points = np.stack([(0.5 - u) * wide * narrow, ripple + 0 * v, v * high + 0 * u], axis=-1)
     return _facing(sheet(points))
@@ -117,7 +152,11 @@ def _facing(mesh: Mesh) -> Mesh:
 def shower_curtain(dice: Dice, taste: Taste, wide: float = 1.5) -> Model:
     """A curtain along a bathtub, pushed together at one end, on a rod at 2 m."""
     bench = Bench()
-    cloth = fabric(dice.choice((taste.accent, "white", "light blue", "teal")), dice.choice(("stripes", "floral", "fabric")), 0.6)
+    cloth = fabric(
+        dice.choice((taste.accent, "white", "light blue", "teal")),
+        dice.choice(("stripes", "floral", "fabric")),
+        0.6,
+    )
     bench.add(CHROME, rod((-wide / 2, 0, 1.75), (wide / 2, 0, 1.75), 0.011))
     share = dice.uniform(0.4, 0.55)
     side = dice.choice((-1.0, 1.0))
@@ -132,7 +171,11 @@ def towel_rack(dice: Dice, taste: Taste) -> Model:
     for z in (0.35, 0.1):
         bench.add(metal, rod((-0.3, 0.05, z), (0.3, 0.05, z), 0.009))
     for s in (-1.0, 1.0):
-        bench.add(metal, rod((s * 0.3, -0.03, 0.35), (s * 0.3, 0.05, 0.35), 0.008), rod((s * 0.3, -0.03, 0.1), (s * 0.3, 0.05, 0.1), 0.008))
+        bench.add(
+            metal,
+            rod((s * 0.3, -0.03, 0.35), (s * 0.3, 0.05, 0.35), 0.008),
+            rod((s * 0.3, -0.03, 0.1), (s * 0.3, 0.05, 0.1), 0.008),
+        )
     hue = dice.choice((taste.accent, "white", "light blue", taste.linen))
     for x, wide, high in ((-0.11, 0.32, 0.55), (0.17, 0.18, 0.35)):
         front = cushion(wide, 0.02, high, radius=0.009, at=(x, 0.066, 0.37 - high))
@@ -152,7 +195,11 @@ def radiator(dice: Dice, taste: Taste) -> Model:
         bench.add(WHITE_METAL, cushion(0.07, 0.08, 0.52, radius=0.02, rounds=1, at=(x, 0.0, 0.1)))
     for z in (0.16, 0.54):
         bench.add(WHITE_METAL, rod((-wide / 2, 0, z), (wide / 2, 0, z), 0.02))
-    bench.add(WHITE_METAL, rod((-wide / 2 + 0.03, 0, 0), (-wide / 2 + 0.03, 0, 0.2), 0.01), cylinder(0.02, 0.06, sides=10).turned(90, "y").moved(wide / 2, 0, 0.16))
+    bench.add(
+        WHITE_METAL,
+        rod((-wide / 2 + 0.03, 0, 0), (-wide / 2 + 0.03, 0, 0.2), 0.01),
+        cylinder(0.02, 0.06, sides=10).turned(90, "y").moved(wide / 2, 0, 0.16),
+    )
     return bench.model("radiator", "heater", main=WHITE_METAL)
 
 
@@ -184,7 +231,15 @@ def toilet_paper(dice: Dice, taste: Taste) -> Model:
     """A roll on its holder."""
     del dice, taste
     bench = Bench()
-    bench.add(CHROME, box(0.05, 0.015, 0.05, at=(0, -0.06, 0.06)), rod((0, -0.06, 0.085), (0, 0.01, 0.085), 0.006),
-              rod((-0.06, 0.01, 0.085), (0.06, 0.01, 0.085), 0.006))
-    bench.add(lacquer("white"), cylinder(0.055, 0.1, sides=20).turned(90, "y").moved(-0.05, 0.01, 0.06), box(0.1, 0.004, 0.1, at=(0, 0.063, -0.03)))
+    bench.add(
+        CHROME,
+        box(0.05, 0.015, 0.05, at=(0, -0.06, 0.06)),
+        rod((0, -0.06, 0.085), (0, 0.01, 0.085), 0.006),
+        rod((-0.06, 0.01, 0.085), (0.06, 0.01, 0.085), 0.006),
+    )
+    bench.add(
+        lacquer("white"),
+        cylinder(0.055, 0.1, sides=20).turned(90, "y").moved(-0.05, 0.01, 0.06),
+        box(0.1, 0.004, 0.1, at=(0, 0.063, -0.03)),
+    )
     return bench.model("toilet paper", "toilet paper holder", main=CHROME)

@@ -67,8 +67,10 @@ def handle(kind: str, length: float) -> Mesh:
     if kind == "cup":
         return box(length * 0.6, 0.02, 0.03, bevel=0.006).moved(0, 0.01, -0.015)
     bar = rod((-length / 2, 0.028, 0.0), (length / 2, 0.028, 0.0), 0.006)
-    posts = [rod((s * length * 0.42, 0.0, 0.0), (s * length * 0.42, 0.028, 0.0), 0.005, sides=6)
-             for s in (-1.0, 1.0)]
+    posts = [
+        rod((s * length * 0.42, 0.0, 0.0), (s * length * 0.42, 0.028, 0.0), 0.005, sides=6)
+        for s in (-1.0, 1.0)
+    ]
     return join([bar, *posts])
 
 
@@ -100,14 +102,24 @@ def front(
         framed: With a raised border, as country kitchens have.
     """
     thick = 0.018
-    mesh = box(x - 0.004, thick, z - 0.004, at=(at[0], at[1] + thick / 2, at[2] + 0.002), bevel=0.003)
+    mesh = box(
+        x - 0.004, thick, z - 0.004, at=(at[0], at[1] + thick / 2, at[2] + 0.002), bevel=0.003
+    )
     bench.add(finish, mesh.swapped_uv() if z > x * 1.4 else mesh)
     if framed and x > 0.2 and z > 0.2:
         rail = 0.055
         y = at[1] + thick + 0.004
         for dx in (-1.0, 1.0):
-            bench.add(finish, box(rail, 0.01, z - 0.004, bevel=0.003,
-                                  at=(at[0] + dx * (x / 2 - rail / 2 - 0.002), y, at[2] + 0.002)))
+            bench.add(
+                finish,
+                box(
+                    rail,
+                    0.01,
+                    z - 0.004,
+                    bevel=0.003,
+                    at=(at[0] + dx * (x / 2 - rail / 2 - 0.002), y, at[2] + 0.002),
+                ),
+            )
         for dz in (0.002, z - rail - 0.002):
             bench.add(finish, box(x - 2 * rail, 0.01, rail, at=(at[0], y, at[2] + dz), bevel=0.003))
     if grip:
@@ -116,11 +128,20 @@ def front(
             piece = piece.turned(90, "y")
         dx = side * (x / 2 - 0.035)
         dz = z / 2 if side or not upright else z - 0.1
-        bench.add(metal, piece.moved(at[0] + dx, at[1] + thick + (0.004 if framed else 0.0), at[2] + dz))
+        bench.add(
+            metal, piece.moved(at[0] + dx, at[1] + thick + (0.004 if framed else 0.0), at[2] + dz)
+        )
 
 
 def case(
-    bench: Bench, finish: Finish, x: float, y: float, z: float, *, at: Vector, board: float = 0.018,
+    bench: Bench,
+    finish: Finish,
+    x: float,
+    y: float,
+    z: float,
+    *,
+    at: Vector,
+    board: float = 0.018,
     back: Finish | None = None,
 ) -> None:
     """An open case: two sides, bottom, top and back; its opening faces +y.
@@ -136,13 +157,20 @@ def case(
         back: Finish of the back; the same as the boards if None.
     """
     for s in (-1.0, 1.0):
-        bench.add(finish, box(board, y, z, at=(at[0] + s * (x - board) / 2, at[1], at[2]),
-                              bevel=0.002).swapped_uv())
+        bench.add(
+            finish,
+            box(
+                board, y, z, at=(at[0] + s * (x - board) / 2, at[1], at[2]), bevel=0.002
+            ).swapped_uv(),
+        )
     for level in (0.0, z - board):
-        bench.add(finish, box(x - 2 * board, y, board, at=(at[0], at[1], at[2] + level), bevel=0.002))
-    bench.add(back or finish.tinted(0.85),
-              box(x - 2 * board, 0.006, z - 2 * board,
-                  at=(at[0], at[1] - y / 2 + 0.006, at[2] + board)))
+        bench.add(
+            finish, box(x - 2 * board, y, board, at=(at[0], at[1], at[2] + level), bevel=0.002)
+        )
+    bench.add(
+        back or finish.tinted(0.85),
+        box(x - 2 * board, 0.006, z - 2 * board, at=(at[0], at[1] - y / 2 + 0.006, at[2] + board)),
+    )
 
 
 def plinth_outline(x: float, y: float, height: float) -> Mesh:

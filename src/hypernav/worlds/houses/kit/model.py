@@ -118,7 +118,9 @@ class Bench:
             synonyms,
             words + attributes,
             tuple(
-                replace(t, x_min=t.x_min - x, x_max=t.x_max - x, y_min=t.y_min - y, y_max=t.y_max - y)
+                replace(
+                    t, x_min=t.x_min - x, x_max=t.x_max - x, y_min=t.y_min - y, y_max=t.y_max - y
+                )
                 for t in tops
             ),
             (float(low[0]) - x, float(low[1]) - y, float(low[2])),

@@ -45,9 +45,7 @@ def _bevelled_topology() -> tuple[Int64[np.ndarray, "flat 3"], Int64[np.ndarray,
         a, b = (k for k in range(3) if k != along)
         for sa in (-1.0, 1.0):
             for sb in (-1.0, 1.0):
-                low, high = (
-                    c for c in range(8) if _CORNERS[c][a] == sa and _CORNERS[c][b] == sb
-                )
+                low, high = (c for c in range(8) if _CORNERS[c][a] == sa and _CORNERS[c][b] == sb)
                 quad = [3 * low + a, 3 * low + b, 3 * high + b, 3 * high + a]
                 bevel += wound(quad, np.eye(3)[a] * sa + np.eye(3)[b] * sb)
     for corner in range(8):
@@ -81,9 +79,7 @@ def box(
     return Mesh(positions + np.array((at[0], at[1], at[2] + half[2])), _FLAT_NORMALS, uv, faces)
 
 
-def panel(
-    x: float, z: float, *, at: tuple[float, float, float] = (0.0, 0.0, 0.0)
-) -> Mesh:
+def panel(x: float, z: float, *, at: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Mesh:
     """An upright rectangle that faces +y and stands on ``at``, with a picture fitted to it.
 
     Texture coordinates run from 0 to 1, upright and not mirrored for whoever looks at its face.
@@ -138,7 +134,9 @@ def cushion(
 
 
 @lru_cache(maxsize=512)
-def _cushion(x: float, y: float, z: float, radius: float, puff: float, rounds: int, flats: int) -> Mesh:
+def _cushion(
+    x: float, y: float, z: float, radius: float, puff: float, rounds: int, flats: int
+) -> Mesh:
     half = np.array([x, y, z]) / 2.0
     radius = min(radius, float(half.min()) * 0.98)
     sides = []
@@ -203,7 +201,11 @@ def grid_faces(nu: int, nv: int) -> Int64[np.ndarray, "faces 3"]:
 
 
 def prism(
-    outline: Sequence[tuple[float, float]], height: float, *, z: float = 0.0, smooth_deg: float = 30.0
+    outline: Sequence[tuple[float, float]],
+    height: float,
+    *,
+    z: float = 0.0,
+    smooth_deg: float = 30.0,
 ) -> Mesh:
     """A polygon in xy, pulled up.
 
@@ -230,8 +232,14 @@ def prism(
         return np.column_stack([xy, np.full(n, level)])
 
     positions = np.concatenate(
-        [quad_rows(points, z), quad_rows(following, z), quad_rows(following, z + height),
-         quad_rows(points, z + height), quad_rows(points, z + height), quad_rows(points, z)]
+        [
+            quad_rows(points, z),
+            quad_rows(following, z),
+            quad_rows(following, z + height),
+            quad_rows(points, z + height),
+            quad_rows(points, z + height),
+            quad_rows(points, z),
+        ]
     )
     flat = np.zeros(n)
     normals = unit_vectors(
@@ -241,9 +249,14 @@ def prism(
         )
     )
     uv = np.concatenate(
-        [np.column_stack([along[:-1], flat]), np.column_stack([along[1:], flat]),
-         np.column_stack([along[1:], flat + height]), np.column_stack([along[:-1], flat + height]),
-         points, points]
+        [
+            np.column_stack([along[:-1], flat]),
+            np.column_stack([along[1:], flat]),
+            np.column_stack([along[1:], flat + height]),
+            np.column_stack([along[:-1], flat + height]),
+            points,
+            points,
+        ]
     )
     k = np.arange(n, dtype=np.int64)
     sides = np.concatenate(
@@ -266,9 +279,7 @@ def _ear_clip(points: list[tuple[float, float]]) -> list[tuple[int, int, int]]:
     while len(left) > 3:
         for i in range(len(left)):
             a, b, c = left[i - 1], left[i], left[(i + 1) % len(left)]
-            if turn(a, b, c) <= 0 or any(
-                holds(a, b, c, p) for p in left if p not in (a, b, c)
-            ):
+            if turn(a, b, c) <= 0 or any(holds(a, b, c, p) for p in left if p not in (a, b, c)):
                 continue
             triangles.append((a, b, c))
             left.pop(i)

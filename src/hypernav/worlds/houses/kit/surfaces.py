@@ -47,7 +47,9 @@ def _slopes(points: Float64[np.ndarray, "n ..."]) -> Float64[np.ndarray, "n ..."
     return slopes
 
 
-def cross(a: Float64[np.ndarray, "*n 3"], b: Float64[np.ndarray, "*n 3"]) -> Float64[np.ndarray, "*n 3"]:
+def cross(
+    a: Float64[np.ndarray, "*n 3"], b: Float64[np.ndarray, "*n 3"]
+) -> Float64[np.ndarray, "*n 3"]:
     """Cross product of vectors."""
     result = np.empty(a.shape)
     result[..., 0] = a[..., 1] * b[..., 2] - a[..., 2] * b[..., 1]
@@ -70,8 +72,10 @@ def _lengths(points: Float64[np.ndarray, "nu nv 3"], axis: int) -> Float64[np.nd
     step = np.diff(points, axis=axis)
     length = np.sqrt((step * step).sum(axis=-1)).mean(axis=1 - axis)
     total = np.concatenate([[0.0], np.cumsum(length)])
-    return total[:, None] + np.zeros(points.shape[:2]) if axis == 0 else total[None, :] + np.zeros(
-        points.shape[:2]
+    return (
+        total[:, None] + np.zeros(points.shape[:2])
+        if axis == 0
+        else total[None, :] + np.zeros(points.shape[:2])
     )
 
 
@@ -91,7 +95,7 @@ def lathe(
 @lru_cache(maxsize=1024)
 def _lathe(profile: tuple[tuple[float, float], ...], sides: int, crease_deg: float) -> Mesh:
     points = [np.array(p, dtype=np.float64) for p in profile]
-    runs: list[list[Float64[np.ndarray, "2"]]] = [[points[0]]]
+    runs: list[list[Float64[np.ndarray, 2]]] = [[points[0]]]
     for before, here, after in zip(points, points[1:], [*points[2:], None], strict=False):
         runs[-1].append(here)
         if after is None:
@@ -113,7 +117,10 @@ def _revolve(run: Float64[np.ndarray, "n 2"], sides: int) -> Mesh:
     positions[..., 2] = z
     length = np.sqrt(normal_r * normal_r + normal_z * normal_z) + 1e-12
     normals = np.empty_like(positions)
-    normals[..., 0], normals[..., 1] = normal_r / length * cos[:, None], normal_r / length * sin[:, None]
+    normals[..., 0], normals[..., 1] = (
+        normal_r / length * cos[:, None],
+        normal_r / length * sin[:, None],
+    )
     normals[..., 2] = normal_z / length
     step = np.diff(run, axis=0)
     along = np.concatenate([[0.0], np.cumsum(np.sqrt((step * step).sum(axis=1)))])
@@ -150,7 +157,12 @@ def cylinder(
 
 
 def ball(
-    x: float, y: float, z: float, *, at: tuple[float, float, float] = (0.0, 0.0, 0.0), sides: int = 16
+    x: float,
+    y: float,
+    z: float,
+    *,
+    at: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    sides: int = 16,
 ) -> Mesh:
     """An ellipsoid with these diameters around ``at``."""
     rings = max(sides // 2, 3)
@@ -159,9 +171,11 @@ def ball(
     ]
     profile[0], profile[-1] = (0.0, -1.0), (0.0, 1.0)
     sphere = lathe(profile, sides=sides, crease_deg=80.0)
-    return Mesh(sphere.positions, sphere.positions, sphere.uv / 2.0, sphere.faces).scaled(
-        x / 2.0, y / 2.0, z / 2.0
-    ).moved(*at)
+    return (
+        Mesh(sphere.positions, sphere.positions, sphere.uv / 2.0, sphere.faces)
+        .scaled(x / 2.0, y / 2.0, z / 2.0)
+        .moved(*at)
+    )
 
 
 def tube(
@@ -200,7 +214,12 @@ def tube(
     step = line[1:] - line[:-1]
     uv[:, 0, 1] = 0.0
     uv[:, 1:, 1] = np.cumsum(np.sqrt((step * step).sum(axis=1)))
-    mesh = Mesh(points.reshape(-1, 3), around.reshape(-1, 3), uv.reshape(-1, 2), grid_faces(*points.shape[:2]))
+    mesh = Mesh(
+        points.reshape(-1, 3),
+        around.reshape(-1, 3),
+        uv.reshape(-1, 2),
+        grid_faces(*points.shape[:2]),
+    )
     if closed or not capped:
         return mesh
     ends = [
@@ -224,7 +243,9 @@ def _transported(forward: Float64[np.ndarray, "n 3"]) -> Float64[np.ndarray, "n 
 
 
 def _disc(
-    ring: Float64[np.ndarray, "n 3"], middle: Float64[np.ndarray, "3"], normal: Float64[np.ndarray, "3"]
+    ring: Float64[np.ndarray, "n 3"],
+    middle: Float64[np.ndarray, "3"],
+    normal: Float64[np.ndarray, "3"],
 ) -> Mesh:
     n = len(ring)
     k = np.arange(n, dtype=np.int64)

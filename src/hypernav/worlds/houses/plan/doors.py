@@ -18,12 +18,37 @@ LEAF_M = 0.04
 
 # How good it is to enter the second kind from the first; what is missing is not done.
 _LINKS: dict[str, dict[str, float]] = {
-    "hall": {"living room": 9, "kitchen": 7, "dining room": 6, "bedroom": 9, "bathroom": 9,
-             "office": 9, "laundry": 8, "storage": 8, "hall": 9},
-    "living room": {"hall": 9, "dining room": 9, "kitchen": 8, "bedroom": 5, "office": 6,
-                    "bathroom": 4, "storage": 4, "laundry": 2},
-    "dining room": {"kitchen": 9, "hall": 6, "living room": 9, "bedroom": 3, "office": 4,
-                    "bathroom": 2, "storage": 4, "laundry": 3},
+    "hall": {
+        "living room": 9,
+        "kitchen": 7,
+        "dining room": 6,
+        "bedroom": 9,
+        "bathroom": 9,
+        "office": 9,
+        "laundry": 8,
+        "storage": 8,
+        "hall": 9,
+    },
+    "living room": {
+        "hall": 9,
+        "dining room": 9,
+        "kitchen": 8,
+        "bedroom": 5,
+        "office": 6,
+        "bathroom": 4,
+        "storage": 4,
+        "laundry": 2,
+    },
+    "dining room": {
+        "kitchen": 9,
+        "hall": 6,
+        "living room": 9,
+        "bedroom": 3,
+        "office": 4,
+        "bathroom": 2,
+        "storage": 4,
+        "laundry": 3,
+    },
     "kitchen": {"dining room": 8, "laundry": 8, "storage": 7, "living room": 7, "hall": 5},
     "bedroom": {"bathroom": 3, "storage": 2},
 }
@@ -83,7 +108,9 @@ def find_links(rooms: Sequence[Room]) -> list[tuple[int, int, Border]] | None:
         best, choice = 0.0, None
         for a in reached:
             for b in left:
-                score = _LINKS.get(rooms[a].kind, {}).get(rooms[b].kind, 0.0) if (a, b) in ways else 0.0
+                score = (
+                    _LINKS.get(rooms[a].kind, {}).get(rooms[b].kind, 0.0) if (a, b) in ways else 0.0
+                )
                 if score > best:
                     best, choice = score, (a, b)
         if choice is None:
@@ -108,7 +135,12 @@ def _rules_hold(rooms: Sequence[Room], links: list[tuple[int, int, Border]]) -> 
     dining = next((k for k, r in enumerate(rooms) if r.kind == "dining room"), None)
     if kitchen is not None and dining is not None:
         near = any({kitchen, dining} == {b.low, b.high} for b in borders(rooms))
-        both_public = {rooms[parents.get(k, 0)].kind for k in (kitchen, dining)} <= {"living room", "hall", "dining room", "kitchen"}
+        both_public = {rooms[parents.get(k, 0)].kind for k in (kitchen, dining)} <= {
+            "living room",
+            "hall",
+            "dining room",
+            "kitchen",
+        }
         if not near and not both_public:
             return False
     return all(count <= 1 for count in ensuites.values())
@@ -122,7 +154,12 @@ def _extra_links(
     public = ("living room", "dining room", "kitchen")
     extra = []
     for (a, b), border in ways.items():
-        if a < b and rooms[a].kind in public and rooms[b].kind in public and frozenset((a, b)) not in linked:
+        if (
+            a < b
+            and rooms[a].kind in public
+            and rooms[b].kind in public
+            and frozenset((a, b)) not in linked
+        ):
             extra.append((a, b, border))
     return extra
 
@@ -152,7 +189,16 @@ def _fitted(
         wide = min(dice.uniform(1.2, 2.4, 0.05), length - 0.5)
         start = border.start + (length - wide) * dice.uniform(0.35, 0.65)
         start = round(start, 3)
-        return Opening("passage", border.along, border.at, start, round(start + wide, 3), 0.0, 2.25, (border.low, border.high))
+        return Opening(
+            "passage",
+            border.along,
+            border.at,
+            start,
+            round(start + wide, 3),
+            0.0,
+            2.25,
+            (border.low, border.high),
+        )
     wide = door_width(rooms[b].kind)
     private = b if rooms[b].kind not in ("living room", "dining room", "kitchen", "hall") else -1
     with_leaf = private >= 0 and dice.chance(0.75)
@@ -162,8 +208,18 @@ def _fitted(
         start = round(border.start + _CASING_M + room_left * where, 3)
         hinge_low = where < 0.5
         leaf = private if with_leaf and attempt < 9 else -1
-        door = Opening("door" if leaf >= 0 else "doorway", border.along, border.at, start, round(start + wide, 3),
-                       0.0, DOOR_TOP_M, (border.low, border.high), leaf, hinge_low)
+        door = Opening(
+            "door" if leaf >= 0 else "doorway",
+            border.along,
+            border.at,
+            start,
+            round(start + wide, 3),
+            0.0,
+            DOOR_TOP_M,
+            (border.low, border.high),
+            leaf,
+            hinge_low,
+        )
         if not any(_collide(door, other) for other in others) and _leaf_fits(door, rooms):
             return door
     return None
@@ -195,7 +251,12 @@ def _collide(a: Opening, b: Opening) -> bool:
         return True
     if la is not None and lb is not None and la.overlaps(lb, 0.05):
         return True
-    return a.along == b.along and abs(a.at - b.at) < 1e-6 and a.start < b.end + 0.25 and b.start < a.end + 0.25
+    return (
+        a.along == b.along
+        and abs(a.at - b.at) < 1e-6
+        and a.start < b.end + 0.25
+        and b.start < a.end + 0.25
+    )
 
 
 def _leaf_fits(door: Opening, rooms: Sequence[Room]) -> bool:

@@ -65,5 +65,14 @@ def _shifted(plan: FloorPlan, dx: float, dy: float) -> FloorPlan:
     openings = []
     for o in plan.openings:
         across, along = (dy, dx) if o.along == "x" else (dx, dy)
-        openings.append(replace(o, at=round(o.at + across, 4), start=round(o.start + along, 4), end=round(o.end + along, 4)))
-    return FloorPlan(tuple(replace(r, cell=moved(r.cell)) for r in plan.rooms), tuple(openings), plan.height)
+        openings.append(
+            replace(
+                o,
+                at=round(o.at + across, 4),
+                start=round(o.start + along, 4),
+                end=round(o.end + along, 4),
+            )
+        )
+    return FloorPlan(
+        tuple(replace(r, cell=moved(r.cell)) for r in plan.rooms), tuple(openings), plan.height
+    )

@@ -84,7 +84,9 @@ def _outline_penalty(rooms: Sequence[Room]) -> float:
         c = room.cell
         outer = c.x0 <= x0 + 1e-6 or c.x1 >= x1 - 1e-6 or c.y0 <= y0 + 1e-6 or c.y1 >= y1 - 1e-6
         if not outer:
-            penalty += {"living room": 3.0, "bedroom": 3.0, "kitchen": 1.0, "office": 1.0}.get(room.kind, 0.1)
+            penalty += {"living room": 3.0, "bedroom": 3.0, "kitchen": 1.0, "office": 1.0}.get(
+                room.kind, 0.1
+            )
     long, short = max(x1 - x0, y1 - y0), min(x1 - x0, y1 - y0)
     penalty += 2.5 * max(long / short - 1.6, 0.0) + 0.03 * max(long - 14.0, 0.0) ** 2
     covered = sum(r.cell.area for r in rooms) / (long * short)
@@ -167,7 +169,11 @@ def _strips(dice: Dice, program: Program) -> Cells | None:
         cells += sliced
     for k, (row, deep, widths) in enumerate(laid):
         placed = _row(row, _stretched(widths, long), x0, deep)
-        cells += placed if k == 0 else [(w, Rect(r.x0, full - r.y1, r.x1, full - r.y0)) for w, r in placed]
+        cells += (
+            placed
+            if k == 0
+            else [(w, Rect(r.x0, full - r.y1, r.x1, full - r.y0)) for w, r in placed]
+        )
     y = laid[0][1]
     cells.append((Wish("hall", 1.0), Rect(x0, y, x0 + long, y + hall_wide)))
     return _turned(dice, cells)
@@ -197,7 +203,10 @@ def _rows(dice: Dice, columns: list[list[Wish]], *, single: bool) -> list[list[l
             return [service, rest]
     goal = dice.uniform(0.4, 0.6) * sum(_area(c) for c in columns)
     first: list[list[Wish]] = []
-    while len(first) < len(columns) - 1 and sum(_area(c) for c in first) + _area(columns[len(first)]) / 2 < goal:
+    while (
+        len(first) < len(columns) - 1
+        and sum(_area(c) for c in first) + _area(columns[len(first)]) / 2 < goal
+    ):
         first.append(columns[len(first)])
     cut = max(len(first), 1)
     return [columns[:cut], columns[cut:]]

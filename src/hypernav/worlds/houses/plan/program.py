@@ -69,15 +69,23 @@ def draw_program(dice: Dice) -> Program:
         public = (Wish("living room", 27.0),)
         private = (Wish("bedroom", 14.5), Wish("bathroom", 5.5))
         return Program(public, private, has_hall=False, balcony=dice.chance(0.4))
-    public = [Wish("living room", _within(total * 0.2, 15.0, 42.0)), Wish("kitchen", _within(total * 0.1, 7.5, 20.0))]
+    public = [
+        Wish("living room", _within(total * 0.2, 15.0, 42.0)),
+        Wish("kitchen", _within(total * 0.1, 7.5, 20.0)),
+    ]
     if total > 75.0 and dice.chance(0.65):
         public.append(Wish("dining room", _within(total * 0.1, 9.5, 20.0)))
     bedrooms = _within(round((total - 20.0) / 38.0 + dice.uniform(-0.5, 0.5)), 1, 5)
     bathrooms = 1 + (bedrooms >= 2 and total > 85) + (bedrooms >= 4)
-    private = [Wish("bedroom", _within(total * (0.135 if k == 0 else 0.105), 9.5, 21.0)) for k in range(int(bedrooms))]
+    private = [
+        Wish("bedroom", _within(total * (0.135 if k == 0 else 0.105), 9.5, 21.0))
+        for k in range(int(bedrooms))
+    ]
     private += [Wish("bathroom", dice.uniform(4.6, 7.0)) for _ in range(bathrooms)]
     for kind, least, chance, area in (
-        ("office", 70.0, 0.5, 0.07), ("laundry", 75.0, 0.5, 0.04), ("storage", 60.0, 0.4, 0.03)
+        ("office", 70.0, 0.5, 0.07),
+        ("laundry", 75.0, 0.5, 0.04),
+        ("storage", 60.0, 0.4, 0.03),
     ):
         if total > least and dice.chance(chance):
             low = {"office": 7.0, "laundry": 4.2, "storage": 2.6}[kind]

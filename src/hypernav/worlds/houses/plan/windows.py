@@ -16,8 +16,10 @@ def outer_walls(rooms: Sequence[Room], number: int) -> list[tuple[str, float, fl
     c = rooms[number].cell
     result = []
     for along, at, start, end, side in (
-        ("x", c.y0, c.x0, c.x1, -1), ("x", c.y1, c.x0, c.x1, 1),
-        ("y", c.x0, c.y0, c.y1, -1), ("y", c.x1, c.y0, c.y1, 1),
+        ("x", c.y0, c.x0, c.x1, -1),
+        ("x", c.y1, c.x0, c.x1, 1),
+        ("y", c.x0, c.y0, c.y1, -1),
+        ("y", c.x1, c.y0, c.y1, 1),
     ):
         free = [(start, end)]
         for k, other in enumerate(rooms):
@@ -28,12 +30,19 @@ def outer_walls(rooms: Sequence[Room], number: int) -> list[tuple[str, float, fl
             if abs(facing - at) > 1e-6:
                 continue
             lo, hi = (o.x0, o.x1) if along == "x" else (o.y0, o.y1)
-            free = [piece for a, b in free for piece in ((a, min(b, lo)), (max(a, hi), b)) if piece[1] - piece[0] > 0.01]
+            free = [
+                piece
+                for a, b in free
+                for piece in ((a, min(b, lo)), (max(a, hi), b))
+                if piece[1] - piece[0] > 0.01
+            ]
         result += [(along, at, a, b, side) for a, b in free]
     return result
 
 
-def draw_balcony(dice: Dice, rooms: tuple[Room, ...], openings: Sequence[Opening]) -> tuple[tuple[Room, ...], Opening | None]:
+def draw_balcony(
+    dice: Dice, rooms: tuple[Room, ...], openings: Sequence[Opening]
+) -> tuple[tuple[Room, ...], Opening | None]:
     """The rooms with a balcony outside of the living room or a bedroom, and its door."""
     hosts = [k for k, r in enumerate(rooms) if r.kind == "living room"]
     hosts += [k for k, r in enumerate(rooms) if r.kind == "bedroom"]
@@ -44,15 +53,25 @@ def draw_balcony(dice: Dice, rooms: tuple[Room, ...], openings: Sequence[Opening
             long = min(end - start, dice.uniform(2.6, 4.2, 0.05))
             first = round(start + (end - start - long) * dice.choice((0.0, 0.5, 1.0)), 3)
             deep = dice.uniform(1.55, 1.9, 0.05)
-            near, far = sorted((at + side * (OUTER_M - WALL_M / 2), at + side * (OUTER_M - WALL_M / 2 + deep)))
-            cell = Rect(first, near, first + long, far) if along == "x" else Rect(near, first, far, first + long)
+            near, far = sorted(
+                (at + side * (OUTER_M - WALL_M / 2), at + side * (OUTER_M - WALL_M / 2 + deep))
+            )
+            cell = (
+                Rect(first, near, first + long, far)
+                if along == "x"
+                else Rect(near, first, far, first + long)
+            )
             if any(cell.grown(0.3).overlaps(r.cell) and k != host for k, r in enumerate(rooms)):
                 continue
             door_start = round(first + (long - 1.0) * dice.uniform(0.3, 0.7), 3)
             ids = (len(rooms), host) if side < 0 else (host, len(rooms))
-            door = Opening("glass door", along, at, door_start, round(door_start + 0.95, 3), 0.0, 2.1, ids)
+            door = Opening(
+                "glass door", along, at, door_start, round(door_start + 0.95, 3), 0.0, 2.1, ids
+            )
             front_doors = [o for o in openings if o.kind == "entrance"]
-            if not _is_free(door, openings) or any(cell.grown(0.2).overlaps(approach(o)) for o in front_doors):
+            if not _is_free(door, openings) or any(
+                cell.grown(0.2).overlaps(approach(o)) for o in front_doors
+            ):
                 continue
             return (*rooms, Room("balcony", "balcony", cell)), door
     return rooms, None
@@ -71,13 +90,17 @@ def draw_entrance(dice: Dice, rooms: Sequence[Room], openings: Sequence[Opening]
                 for where in (0.5, 0.0, 1.0, 0.25, 0.75):
                     first = round(low + (high - low) * where, 3)
                     ids = (-1, number) if side < 0 else (number, -1)
-                    door = Opening("entrance", along, at, first, round(first + 0.95, 3), 0.0, 2.05, ids)
+                    door = Opening(
+                        "entrance", along, at, first, round(first + 0.95, 3), 0.0, 2.05, ids
+                    )
                     if _is_free(door, openings):
                         return door
     return None
 
 
-def draw_windows(dice: Dice, rooms: Sequence[Room], openings: Sequence[Opening], height: float) -> list[Opening]:
+def draw_windows(
+    dice: Dice, rooms: Sequence[Room], openings: Sequence[Opening], height: float
+) -> list[Opening]:
     """Windows for all rooms with outer walls."""
     windows: list[Opening] = []
     for number, room in enumerate(rooms):
@@ -102,7 +125,9 @@ def draw_windows(dice: Dice, rooms: Sequence[Room], openings: Sequence[Opening],
                 middle = start + (end - start) * (k + 0.5) / count
                 first = round(middle - wide / 2, 3)
                 ids = (-1, number) if side < 0 else (number, -1)
-                window = Opening("window", along, at, first, round(first + wide, 3), bottom, top, ids)
+                window = Opening(
+                    "window", along, at, first, round(first + wide, 3), bottom, top, ids
+                )
                 if _is_free(window, (*openings, *windows)):
                     windows.append(window)
                     placed += 1
@@ -115,7 +140,11 @@ def _is_free(new: Opening, others: Sequence[Opening]) -> bool:
         if same_wall and new.start < other.end + 0.15 and other.start < new.end + 0.15:
             return False
         leaf = leaf_rect(other)
-        if new.kind == "window" and leaf is not None and leaf.overlaps(new.strip(-0.25, 0.25, 0.08), 0.02):
+        if (
+            new.kind == "window"
+            and leaf is not None
+            and leaf.overlaps(new.strip(-0.25, 0.25, 0.08), 0.02)
+        ):
             return False
         if new.kind == "entrance" and leaf is not None and leaf.overlaps(approach(new), 0.05):
             return False

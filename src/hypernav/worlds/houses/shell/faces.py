@@ -64,7 +64,12 @@ def wall_face(
     """
     meshes = []
     for a, b, low, top in wall_rects(start, end, high, holes):
-        corners = [place(along, a, at, low), place(along, b, at, low), place(along, b, at, top), place(along, a, at, top)]
+        corners = [
+            place(along, a, at, low),
+            place(along, b, at, low),
+            place(along, b, at, top),
+            place(along, a, at, top),
+        ]
         meshes.append(quad(corners, (0.0, side, 0.0) if along == "x" else (side, 0.0, 0.0)))
     return join(meshes)
 
@@ -79,10 +84,20 @@ def reveal(along: str, low: float, high: float, hole: Hole, *, sill: bool) -> Me
     a, b, bottom, top = hole
     meshes = []
     for t, side in ((a, 1.0), (b, -1.0)):
-        corners = [place(along, t, low, bottom), place(along, t, high, bottom), place(along, t, high, top), place(along, t, low, top)]
+        corners = [
+            place(along, t, low, bottom),
+            place(along, t, high, bottom),
+            place(along, t, high, top),
+            place(along, t, low, top),
+        ]
         meshes.append(quad(corners, (side, 0.0, 0.0) if along == "x" else (0.0, side, 0.0)))
     levels = [(top, -1.0)] + ([(bottom, 1.0)] if sill else [])
     for z, side in levels:
-        corners = [place(along, a, low, z), place(along, b, low, z), place(along, b, high, z), place(along, a, high, z)]
+        corners = [
+            place(along, a, low, z),
+            place(along, b, low, z),
+            place(along, b, high, z),
+            place(along, a, high, z),
+        ]
         meshes.append(quad(corners, (0.0, 0.0, side)))
     return join(meshes)

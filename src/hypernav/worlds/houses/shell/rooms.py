@@ -35,7 +35,10 @@ def build_rooms(plan: FloorPlan, finishes: Sequence[RoomFinish]) -> list[Placed]
         for opening in plan.openings:
             if opening.bottom == 0.0 and number == max(opening.rooms):
                 floor.add(finish.floor, _threshold(plan, opening))
-        ceiling.add(finish.ceiling, floor_quad(inner.x0, inner.y0, inner.x1, inner.y1, plan.height, up=False))
+        ceiling.add(
+            finish.ceiling,
+            floor_quad(inner.x0, inner.y0, inner.x1, inner.y1, plan.height, up=False),
+        )
         pieces.append(fixed(floor, "floor", room.name))
         if not room.is_outside:
             _walls(walls, plan, number, finish)
@@ -49,15 +52,21 @@ def build_rooms(plan: FloorPlan, finishes: Sequence[RoomFinish]) -> list[Placed]
 
 
 def _holes(openings: Sequence[Opening], along: str, at: float) -> list[Hole]:
-    return [(o.start, o.end, o.bottom, o.top) for o in openings if o.along == along and abs(o.at - at) < 1e-6]
+    return [
+        (o.start, o.end, o.bottom, o.top)
+        for o in openings
+        if o.along == along and abs(o.at - at) < 1e-6
+    ]
 
 
 def _sides(room: Room) -> list[tuple[str, float, float, float, float, float]]:
     """``(along, middle line, plane, facing, start, end)`` of the four walls."""
     c, i = room.cell, room.inner
     return [
-        ("x", c.y0, i.y0, 1.0, i.x0, i.x1), ("x", c.y1, i.y1, -1.0, i.x0, i.x1),
-        ("y", c.x0, i.x0, 1.0, i.y0, i.y1), ("y", c.x1, i.x1, -1.0, i.y0, i.y1),
+        ("x", c.y0, i.y0, 1.0, i.x0, i.x1),
+        ("x", c.y1, i.y1, -1.0, i.x0, i.x1),
+        ("y", c.x0, i.x0, 1.0, i.y0, i.y1),
+        ("y", c.x1, i.x1, -1.0, i.y0, i.y1),
     ]
 
 
@@ -72,17 +81,26 @@ def _walls(bench: Bench, plan: FloorPlan, number: int, finish: RoomFinish) -> No
             if hole[2] == 0.0:
                 _casing(bench, finish.trim, along, plane, facing, hole)
     c = room.cell
-    for rect in (Rect(c.x0, c.y0, c.x1, room.inner.y0), Rect(c.x0, room.inner.y1, c.x1, c.y1),
-                 Rect(c.x0, room.inner.y0, room.inner.x0, room.inner.y1),
-                 Rect(room.inner.x1, room.inner.y0, c.x1, room.inner.y1)):
+    for rect in (
+        Rect(c.x0, c.y0, c.x1, room.inner.y0),
+        Rect(c.x0, room.inner.y1, c.x1, c.y1),
+        Rect(c.x0, room.inner.y0, room.inner.x0, room.inner.y1),
+        Rect(room.inner.x1, room.inner.y0, c.x1, room.inner.y1),
+    ):
         bench.add(_CAP, floor_quad(rect.x0, rect.y0, rect.x1, rect.y1, plan.height + 0.001))
     for opening in openings:
         # The reveals belong to the room of the higher number, or to the only one.
-        if number == max(opening.rooms) or (max(opening.rooms) < len(plan.rooms) and plan.rooms[max(opening.rooms)].is_outside and number == min(opening.rooms)):
+        if number == max(opening.rooms) or (
+            max(opening.rooms) < len(plan.rooms)
+            and plan.rooms[max(opening.rooms)].is_outside
+            and number == min(opening.rooms)
+        ):
             low, high = planes(plan, opening)
             hole = (opening.start, opening.end, opening.bottom, opening.top)
-            bench.add(finish.trim if opening.bottom == 0.0 else finish.wall,
-                      reveal(opening.along, low, high, hole, sill=opening.bottom > 0.0))
+            bench.add(
+                finish.trim if opening.bottom == 0.0 else finish.wall,
+                reveal(opening.along, low, high, hole, sill=opening.bottom > 0.0),
+            )
 
 
 def planes(plan: FloorPlan, opening: Opening) -> tuple[float, float]:
@@ -100,7 +118,16 @@ def _threshold(plan: FloorPlan, opening: Opening) -> Mesh:
     return floor_quad(low, opening.start, high, opening.end, 0.0)
 
 
-def bar(along: str, start: float, end: float, across0: float, across1: float, z0: float, z1: float, bevel: float = 0.0) -> Mesh:
+def bar(
+    along: str,
+    start: float,
+    end: float,
+    across0: float,
+    across1: float,
+    z0: float,
+    z1: float,
+    bevel: float = 0.0,
+) -> Mesh:
     """A box given by its extent along a wall, across it and in height."""
     a0, a1 = sorted((across0, across1))
     t, a = (start + end) / 2, (a0 + a1) / 2
@@ -113,7 +140,14 @@ def bar(along: str, start: float, end: float, across0: float, across1: float, z0
 
 
 def _skirting(
-    bench: Bench, trim: Finish, along: str, plane: float, facing: float, start: float, end: float, holes: Sequence[Hole]
+    bench: Bench,
+    trim: Finish,
+    along: str,
+    plane: float,
+    facing: float,
+    start: float,
+    end: float,
+    holes: Sequence[Hole],
 ) -> None:
     at = start
     for a, b, bottom, _ in [*sorted(holes), (end, end, 0.0, 0.0)]:
@@ -125,11 +159,16 @@ def _skirting(
         at = b + _CASING_M
 
 
-def _casing(bench: Bench, trim: Finish, along: str, plane: float, facing: float, hole: Hole) -> None:
+def _casing(
+    bench: Bench, trim: Finish, along: str, plane: float, facing: float, hole: Hole
+) -> None:
     a, b, _, top = hole
     out = plane + facing * 0.014
-    for start, end, z0, z1 in ((a - _CASING_M, a, 0.0, top + _CASING_M), (b, b + _CASING_M, 0.0, top + _CASING_M),
-                               (a, b, top, top + _CASING_M)):
+    for start, end, z0, z1 in (
+        (a - _CASING_M, a, 0.0, top + _CASING_M),
+        (b, b + _CASING_M, 0.0, top + _CASING_M),
+        (a, b, top, top + _CASING_M),
+    ):
         bench.add(trim, bar(along, start, end, plane, out, z0, z1, bevel=0.003))
 
 
@@ -138,7 +177,14 @@ def _outside(bench: Bench, plan: FloorPlan, number: int) -> None:
     for along, at, start, end, side in outer_walls(plan.rooms, number):
         holes = [h for h in _holes(openings, along, at) if h[0] < end and h[1] > start]
         plane = at + side * OUTER_M
-        bench.add(_FACADE, wall_face(along, plane, side, start - OUTER_M, end + OUTER_M, plan.height + 0.0, holes))
+        bench.add(
+            _FACADE,
+            wall_face(along, plane, side, start - OUTER_M, end + OUTER_M, plan.height + 0.0, holes),
+        )
         cap = (start - OUTER_M, end + OUTER_M, *sorted((at, plane)))
-        rect = Rect(cap[0], cap[2], cap[1], cap[3]) if along == "x" else Rect(cap[2], cap[0], cap[3], cap[1])
+        rect = (
+            Rect(cap[0], cap[2], cap[1], cap[3])
+            if along == "x"
+            else Rect(cap[2], cap[0], cap[3], cap[1])
+        )
         bench.add(_CAP, floor_quad(rect.x0, rect.y0, rect.x1, rect.y1, plan.height + 0.001))

@@ -35,9 +35,7 @@ def _split(pixels: int, cells: int) -> tuple[np.ndarray, np.ndarray]:
     return whole % cells, part * part * (3.0 - 2.0 * part)
 
 
-def cloud_noise(
-    dice: Dice, size: int, cells: int, *, octaves: int = 4, stretch: int = 1
-) -> Gray:
+def cloud_noise(dice: Dice, size: int, cells: int, *, octaves: int = 4, stretch: int = 1) -> Gray:
     """Fractal noise in about [0, 1], mean one half; ``stretch`` draws it out along columns."""
     total = np.zeros((size, size))
     weight, norm = 1.0, 0.0

@@ -17,12 +17,22 @@ from hypernav.worlds.houses.textures.noise import (
 
 Canvas = Float64[np.ndarray, "height width 3"]
 INKS = (
-    (0.75, 0.2, 0.17), (0.9, 0.66, 0.2), (0.2, 0.36, 0.55), (0.23, 0.45, 0.33), (0.88, 0.86, 0.8),
-    (0.18, 0.18, 0.2), (0.55, 0.3, 0.45), (0.85, 0.5, 0.36), (0.42, 0.6, 0.68), (0.93, 0.8, 0.66),
+    (0.75, 0.2, 0.17),
+    (0.9, 0.66, 0.2),
+    (0.2, 0.36, 0.55),
+    (0.23, 0.45, 0.33),
+    (0.88, 0.86, 0.8),
+    (0.18, 0.18, 0.2),
+    (0.55, 0.3, 0.45),
+    (0.85, 0.5, 0.36),
+    (0.42, 0.6, 0.68),
+    (0.93, 0.8, 0.66),
 )
 
 
-def _hills(dice: Dice, width: int, base: float, rise: float, cells: int) -> Float64[np.ndarray, "width"]:
+def _hills(
+    dice: Dice, width: int, base: float, rise: float, cells: int
+) -> Float64[np.ndarray, "width"]:
     line = smooth_noise(dice, 1, width, 1, cells)[0] * 0.7
     return base + rise * (line + 0.3 * smooth_noise(dice, 1, width, 1, cells * 3)[0])
 
@@ -30,8 +40,11 @@ def _hills(dice: Dice, width: int, base: float, rise: float, cells: int) -> Floa
 def landscape(dice: Dice, height: int = 192, width: int = 256) -> Canvas:
     """Sky, sun, hills and water."""
     row, column = pixel_grid(height, width)
-    skies = (((0.35, 0.55, 0.82), (0.9, 0.9, 0.86)), ((0.86, 0.45, 0.3), (0.97, 0.85, 0.55)),
-             ((0.5, 0.62, 0.75), (0.93, 0.85, 0.8)))
+    skies = (
+        ((0.35, 0.55, 0.82), (0.9, 0.9, 0.86)),
+        ((0.86, 0.45, 0.3), (0.97, 0.85, 0.55)),
+        ((0.5, 0.62, 0.75), (0.93, 0.85, 0.8)),
+    )
     top, low = dice.choice(skies)
     canvas = mix(top, low, row * 1.7)
     sun_x, sun_y = dice.uniform(0.2, 0.8), dice.uniform(0.15, 0.4)
@@ -65,12 +78,16 @@ def still_life(dice: Dice, height: int = 224, width: int = 176) -> Canvas:
     row, column = pixel_grid(height, width)
     canvas = mix((0.5, 0.47, 0.42), (0.75, 0.7, 0.62), smooth_noise(dice, height, width, 6, 6))
     canvas[row > 0.78] = (0.4, 0.27, 0.18)
-    body = np.abs(column - 0.5) < 0.13 * np.sqrt(np.clip(1.0 - ((row - 0.72) / 0.17) ** 2, 0.0, 1.0))
+    body = np.abs(column - 0.5) < 0.13 * np.sqrt(
+        np.clip(1.0 - ((row - 0.72) / 0.17) ** 2, 0.0, 1.0)
+    )
     canvas[body] = dice.choice(INKS[2:5])
     for _ in range(26):
         angle, reach = dice.uniform(0.0, 2.0 * math.pi), dice.uniform(0.0, 0.22)
         cx, cy = 0.5 + reach * math.cos(angle) * 1.2, 0.36 + reach * math.sin(angle)
-        petal = (column - cx) ** 2 * (width / height) ** 2 + (row - cy) ** 2 < dice.uniform(0.02, 0.06) ** 2
+        petal = (column - cx) ** 2 * (width / height) ** 2 + (row - cy) ** 2 < dice.uniform(
+            0.02, 0.06
+        ) ** 2
         canvas[petal] = dice.choice((INKS[0], INKS[1], INKS[7], INKS[4], (0.25, 0.42, 0.2)))
     return canvas
 
@@ -80,7 +97,9 @@ def portrait(dice: Dice, height: int = 224, width: int = 176) -> Canvas:
     row, column = pixel_grid(height, width)
     ground = dice.choice(INKS)
     canvas = mix(ground, (0.2, 0.18, 0.17), np.abs(column - 0.5) + 0.3 * row)
-    coat = (np.abs(column - 0.5) < 0.34 * np.sqrt(np.clip((row - 0.62) / 0.38, 0.0, 1.0)) + 0.05) & (row > 0.62)
+    coat = (
+        np.abs(column - 0.5) < 0.34 * np.sqrt(np.clip((row - 0.62) / 0.38, 0.0, 1.0)) + 0.05
+    ) & (row > 0.62)
     canvas[coat] = dice.choice(INKS)
     skin = dice.choice(((0.9, 0.74, 0.62), (0.62, 0.44, 0.33), (0.8, 0.62, 0.48)))
     hair = ((column - 0.5) / 0.2) ** 2 + ((row - 0.37) / 0.2) ** 2 < 1.0
@@ -130,7 +149,11 @@ def screen_desktop(dice: Dice, height: int = 160, width: int = 256) -> Picture:
         canvas[window] = (0.95, 0.95, 0.96)
         canvas[window & (row < y0 + 0.06)] = (0.3, 0.42, 0.6)
         lines = window & ((row * 40.0) % 2.0 < 0.8) & (row > y0 + 0.1) & (column > x0 + 0.03)
-        canvas[lines & (column < x1 - 0.03 - 0.12 * ((np.floor(row * 20) * 7) % 3))] = (0.4, 0.4, 0.45)
+        canvas[lines & (column < x1 - 0.03 - 0.12 * ((np.floor(row * 20) * 7) % 3))] = (
+            0.4,
+            0.4,
+            0.45,
+        )
     canvas[row > 0.94] = (0.15, 0.17, 0.2)
     return to_picture(canvas)
 
@@ -202,11 +225,13 @@ def label(dice: Dice, height: int = 96, width: int = 128) -> Picture:
 def rug(dice: Dice, height: int = 256, width: int = 384) -> Picture:
     """A carpet with borders and an inner pattern."""
     row, column = pixel_grid(height, width)
-    palettes = (((0.5, 0.13, 0.12), (0.85, 0.75, 0.58), (0.14, 0.17, 0.3)),
-                ((0.85, 0.83, 0.78), (0.45, 0.46, 0.48), (0.65, 0.64, 0.62)),
-                ((0.2, 0.3, 0.45), (0.85, 0.82, 0.74), (0.6, 0.35, 0.25)),
-                ((0.72, 0.62, 0.47), (0.35, 0.25, 0.18), (0.9, 0.86, 0.76)),
-                ((0.36, 0.45, 0.4), (0.87, 0.84, 0.75), (0.75, 0.5, 0.28)))
+    palettes = (
+        ((0.5, 0.13, 0.12), (0.85, 0.75, 0.58), (0.14, 0.17, 0.3)),
+        ((0.85, 0.83, 0.78), (0.45, 0.46, 0.48), (0.65, 0.64, 0.62)),
+        ((0.2, 0.3, 0.45), (0.85, 0.82, 0.74), (0.6, 0.35, 0.25)),
+        ((0.72, 0.62, 0.47), (0.35, 0.25, 0.18), (0.9, 0.86, 0.76)),
+        ((0.36, 0.45, 0.4), (0.87, 0.84, 0.75), (0.75, 0.5, 0.28)),
+    )
     ground, ink, accent = dice.choice(palettes)
     canvas = np.ones((height, width, 3)) * np.array(ground)
     kind = dice.integer(0, 3)
@@ -232,14 +257,19 @@ def rug(dice: Dice, height: int = 256, width: int = 384) -> Picture:
 def outdoors(dice: Dice, height: int = 256, width: int = 256) -> Picture:
     """What a window shows: bright sky, trees, perhaps houses."""
     row, column = pixel_grid(height, width)
-    clouds = smooth_noise(dice, height, width, 5, 4) * 0.6 + smooth_noise(dice, height, width, 12, 8) * 0.4
+    clouds = (
+        smooth_noise(dice, height, width, 5, 4) * 0.6
+        + smooth_noise(dice, height, width, 12, 8) * 0.4
+    )
     canvas = mix((0.66, 0.8, 0.95), (0.97, 0.98, 1.0), clouds * 0.9 + row * 0.5)
     if dice.chance(0.6):
         for _ in range(5):
             left, wide = dice.unit(), dice.uniform(0.1, 0.25)
             roof = dice.uniform(0.4, 0.62)
             house = (column > left) & (column < left + wide) & (row > roof)
-            canvas[house] = np.array(dice.choice(((0.8, 0.74, 0.66), (0.66, 0.6, 0.56), (0.85, 0.83, 0.8))))
+            canvas[house] = np.array(
+                dice.choice(((0.8, 0.74, 0.66), (0.66, 0.6, 0.56), (0.85, 0.83, 0.8)))
+            )
             panes = house & ((column * 40) % 2 < 0.9) & ((row * 30) % 2 < 0.9)
             canvas[panes] = (0.45, 0.5, 0.56)
     for k in range(3):

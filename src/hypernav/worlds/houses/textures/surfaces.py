@@ -79,8 +79,15 @@ def leather(dice: Dice, size: int = 256) -> Picture:
 
 
 def tiles(
-    dice: Dice, size: int = 512, columns: int = 3, rows: int = 3, *, brick: bool = False,
-    joint: float = 0.012, spread: float = 0.05, joint_tone: float = 0.72,
+    dice: Dice,
+    size: int = 512,
+    columns: int = 3,
+    rows: int = 3,
+    *,
+    brick: bool = False,
+    joint: float = 0.012,
+    spread: float = 0.05,
+    joint_tone: float = 0.72,
 ) -> Picture:
     """Ceramic tiles with joints; one picture holds ``columns`` × ``rows`` of them."""
     row, column = pixel_grid(size, size)
@@ -183,7 +190,14 @@ def leaf(dice: Dice, size: int = 128, stripes: bool = False) -> Picture:
         tone = tone * np.where(bands > 0.55, 0.72, 1.0)
         edge = np.clip((off - 0.75) * 6.0, 0.0, 1.0)
         return to_picture(
-            np.stack([tone * (1 - edge) + edge, tone * (1 - edge) + edge, tone * (1 - edge) + 0.55 * edge], 2)
+            np.stack(
+                [
+                    tone * (1 - edge) + edge,
+                    tone * (1 - edge) + edge,
+                    tone * (1 - edge) + 0.55 * edge,
+                ],
+                2,
+            )
         )
     return to_picture(np.stack([tone * 0.98, tone, tone * 0.92], axis=2))
 

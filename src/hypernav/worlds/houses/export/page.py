@@ -1,0 +1,131 @@
+"""A page about one house: plan, picture from above, views from inside, list of things."""
+
+import math
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import UInt8
+
+from hypernav.core.camera import PinholeCamera
+from hypernav.core.geometry import Pose2, Transform
+from hypernav.show.site import page_environment, picture_uri
+from hypernav.worlds.embodiment import CameraConfig
+from hypernav.worlds.houses.assembly import to_scene
+from hypernav.worlds.houses.build import build_compact, plan_of
+from hypernav.worlds.houses.dice import Dice
+from hypernav.worlds.houses.export.drawing import draw_plan
+from hypernav.worlds.renderer import EmbreeRenderer
+from hypernav.worlds.scene import Scene
+from hypernav.worlds.walkable import WalkableGrid
+
+Picture = UInt8[np.ndarray, "height width 3"]
+
+
+def house_page(number: int, out: Path) -> Path:
+    """Write a self-contained page about a house.
+
+    Args:
+        number: Of the house.
+        out: The page; or a folder, in which it is called ``house_N.html``.
+
+    Returns:
+        The page.
+    """
+    plan = plan_of(number)
+    scene = to_scene(build_compact(number), f"houses:{number}")
+    path = out if out.suffix == ".html" else out / f"house_{number}.html"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    rooms = [room for room in plan.rooms if not room.is_outside]
+    things = [
+        i.label for i in scene.instances if i.label is not None and i.label.category != "window"
+    ]
+    counts = Counter(label.category for label in things)
+    listed = [
+        {
+            "category": category,
+            "count": count,
+            "names": sorted(
+                {s for label in things if label.category == category for s in label.synonyms}
+            ),
+            "rooms": sorted({label.room for label in things if label.category == category}),
+            "looks": sorted(
+                {a for label in things if label.category == category for a in label.attributes}
+            ),
+        }
+        for category, count in sorted(counts.items())
+    ]
+    text = (
+        page_environment("hypernav.worlds.houses")
+        .get_template("house.html.j2")
+        .render(
+            number=number,
+            area=f"{sum(room.inner.area for room in rooms):.0f}",
+            rooms=[room.name for room in plan.rooms],
+            plan=draw_plan(plan, scene.instances),
+            above=picture_uri(view_from_above(scene)),
+            views=[picture_uri(view) for view in interior_views(scene, number, 4)],
+            things=listed,
+            total=len(things),
+            triangles=f"{len(scene.faces):,}",
+        )
+    )
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def view_from_above(scene: Scene, width: int = 1280) -> Picture:
+    """The house without its ceilings, straight from above."""
+    hidden = np.array([i.name.startswith(("ceiling", "chandelier")) for i in scene.instances])
+    keep = ~hidden[scene.face_instance]
+    open_scene = replace(
+        scene,
+        faces=scene.faces[keep],
+        uv=scene.uv[keep],
+        colors=scene.colors[keep],
+        normals=None if scene.normals is None else scene.normals[keep],
+        face_material=scene.face_material[keep],
+        face_instance=scene.face_instance[keep],
+    )
+    low, high = (
+        scene.vertices.min(axis=0).astype(np.float64),
+        scene.vertices.max(axis=0).astype(np.float64),
+    )
+    size = high - low
+    height = max(int(width * size[1] / size[0]), width // 4)
+    focal = 2.5 * width
+    above = 1.04 * max(size[0] * focal / width, size[1] * focal / height) + high[2]
+    camera = PinholeCamera(width, height, focal, focal, width / 2, height / 2)
+    looking_down = np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]])
+    middle = (low + high) / 2.0
+    pose = Transform(looking_down, np.array([middle[0], middle[1], above]))
+    return EmbreeRenderer(open_scene).render(camera, pose).rgb
+
+
+def interior_views(scene: Scene, number: int, count: int) -> list[Picture]:
+    """What a robot sees: of several random poses those that show most things, in different places."""
+    config = CameraConfig()
+    grid, renderer = WalkableGrid.from_scene(scene), EmbreeRenderer(scene)
+    dice = Dice(number, "views")
+    places = grid.centres()
+    small = CameraConfig(width=160, height=120).intrinsics
+    candidates = []
+    for _ in range(10 * count):
+        x, y = (float(v) for v in dice.choice(places))
+        pose = Pose2(x, y, dice.uniform(-math.pi, math.pi))
+        seen = renderer.render(
+            small, pose.to_transform(grid.height_at(x, y)) @ config.camera_to_base
+        )
+        score = len(np.unique(seen.instance_ids)) + 4.0 * float(np.median(seen.depth) > 1.5)
+        candidates.append((score, pose))
+    chosen: list[Pose2] = []
+    for _, pose in sorted(candidates, key=lambda c: -c[0]):
+        if all(pose.distance_to(*other.xy) > 1.5 for other in chosen) and len(chosen) < count:
+            chosen.append(pose)
+    return [
+        renderer.render(
+            config.intrinsics, pose.to_transform(grid.height_at(*pose.xy)) @ config.camera_to_base
+        ).rgb
+        for pose in chosen
+    ]
