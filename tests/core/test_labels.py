@@ -93,3 +93,9 @@ def test_a_plain_label_without_room_satisfies_no_goal_that_names_one():
 def test_an_empty_goal_is_refused(text):
     with pytest.raises(GoalError, match="empty"):
         Goal(text)
+
+
+def test_a_goal_is_spoken_of_without_its_article():
+    assert Goal("the sink beside the mirror").thing == "sink beside the mirror"
+    assert Goal("An umbrella").thing == "umbrella"
+    assert Goal("theatre seat").thing == "theatre seat"

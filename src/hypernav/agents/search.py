@@ -181,7 +181,7 @@ class SearchAgent:
             with clock("plan"):
                 action = self._navigator.towards(self.grid, robot, target.area.points)
             if action is not None:
-                return _Decision(action, Mode.APPROACH, f"going to the {self._goal.text}")
+                return _Decision(action, Mode.APPROACH, f"going to the {self._goal.thing}")
             if not self._navigator.arrived:
                 self._events.append("no path to the goal area")
                 return None
@@ -205,13 +205,13 @@ class SearchAgent:
         """At the goal area: look at it, then stop, or reject it and search on (None)."""
         turn = self._turn_towards(observation.robot, target.area.centre)
         if self._config.face_target and turn is not None:
-            return _Decision(turn, Mode.VERIFY, f"turning to face the {self._goal.text}")
+            return _Decision(turn, Mode.VERIFY, f"turning to face the {self._goal.thing}")
         view = target.best_view if self._config.verify_view == "best" else observation
         with clock("verify"):
             present = self._presence is None or self._presence.is_present(view, self._goal)
         if present:
             self._events.append("goal reached")
-            return _Decision(Action.STOP, Mode.STOP, f"here is the {self._goal.text}")
+            return _Decision(Action.STOP, Mode.STOP, f"here is the {self._goal.thing}")
         self._events.append("goal area rejected")
         self._local.reject_target()
         self._forget_approach()
@@ -249,7 +249,7 @@ class SearchAgent:
             return
         point = last_free_towards(self.grid, robot, bearing)
         if robot.distance_to(*point) > 2.0 * self._config.arrival_distance_m:
-            reason = f"the {self._goal.text} is in sight, too far away to be measured"
+            reason = f"the {self._goal.thing} is in sight, too far away to be measured"
             if self._destination is None or self._destination.reason != reason:
                 self._events.append("goal seen far away")
             self._destination = Destination(*point, reason=reason)

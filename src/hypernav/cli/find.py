@@ -16,7 +16,6 @@ from hypernav.core.config import layered
 from hypernav.core.errors import ConfigError
 from hypernav.core.geometry import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.labels import normalise
 from hypernav.evaluation import Episode, EpisodeResult, EpisodeStep, Outcome
 from hypernav.evaluation.recorder import EpisodeRecorder
 from hypernav.worlds import SimulatedWorld, random_start
@@ -132,7 +131,7 @@ class Find:
 
     def _say(self, console: Console, result: EpisodeResult, folder: Path) -> None:
         metrics = result.metrics
-        console.print(_WORDS[result.outcome].format(goal=normalise(self.goal)))
+        console.print(_WORDS[result.outcome].format(goal=Goal(self.goal).thing))
         console.print(
             f"  {result.steps} steps, {metrics.path_length_m:.1f} m driven, shortest "
             f"{metrics.shortest_path_m:.1f} m, SPL {metrics.spl:.2f}, "

@@ -1,8 +1,11 @@
 """What to find."""
 
+import re
 from dataclasses import dataclass
 
 from hypernav.core.errors import GoalError
+
+_ARTICLE = re.compile(r"^(the|an?) ", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -15,3 +18,8 @@ class Goal:
         """Reject a goal that names nothing."""
         if not self.text.strip():
             raise GoalError("the goal is empty; say what to find, for example: bed")
+
+    @property
+    def thing(self) -> str:
+        """The text without an article in front, to be spoken of as "the …"."""
+        return _ARTICLE.sub("", self.text.strip())
