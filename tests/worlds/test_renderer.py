@@ -334,3 +334,25 @@ def test_small_house_is_closed_and_bright(small_house: Path) -> None:
     assert (view.instance_ids >= 0).all()
     assert 100 < view.rgb.mean() < 220
     assert view.rgb.std() > 20
+
+
+@pytest.mark.parametrize("wrap", list(Wrap))
+def test_strange_numbers_in_a_file_are_survived(wrap: Wrap) -> None:
+    picture = np.random.default_rng(0).integers(0, 256, (32, 32, 3), dtype=np.uint8)
+    scene = wall(textured(picture, wrap), unlit=False)
+    uv = scene.uv.copy()
+    uv[0], uv[1, 0] = np.inf, np.nan
+    uv[1, 1] = 1e30
+    normals = np.full((2, 3, 3), np.nan, np.float32)
+    needle = scene.vertices.copy()
+    needle[2] = needle[1] + np.float32([0.0, 1e-7, 1e-7])
+    for strange in (
+        replace(scene, uv=uv),
+        replace(scene, normals=normals),
+        replace(scene, vertices=needle, uv=uv, normals=normals),
+        replace(scene, uv=scene.uv * np.float32(1e20)),
+    ):
+        renderer = EmbreeRenderer(strange)
+        for pose in (looking(-1.0, 0.0, 0.0, 0.0), looking(0.0, -3.0, 90.0, 0.0)):
+            view = renderer.render(CAMERA, pose)
+            assert np.isfinite(view.depth).all()

@@ -199,5 +199,6 @@ def _normals(
     if "NORMAL" not in primitive.attributes or abs(np.linalg.det(linear)) < 1e-30:
         return None
     normals = _vectors(file, primitive, "NORMAL", 3) @ np.linalg.inv(linear)
+    normals = np.nan_to_num(normals)
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
     return _corners(file, "NORMAL", normals.astype(np.float32), faces)

@@ -76,7 +76,7 @@ def light(
             continue
         if material_flags[face_material[face]] & FLAG_UNLIT:
             for channel in range(3):
-                rgb[ray, channel] = np.uint8(colors[ray, channel] + 0.5)
+                rgb[ray, channel] = np.uint8(min(colors[ray, channel] + 0.5, 255.0))
             continue
         nx, ny, nz = surface[ray, NORMAL], surface[ray, NORMAL + 1], surface[ray, NORMAL + 2]
         # So far in front of the surface that no node behind it has a say.
@@ -84,7 +84,9 @@ def light(
         x = (surface[ray, POINT] - ox) * per_m + nx * lift
         y = (surface[ray, POINT + 1] - oy) * per_m + ny * lift
         z = (surface[ray, POINT + 2] - oz) * per_m + nz * lift
-        x, y, z = min(max(x, 0.0), limit_x), min(max(y, 0.0), limit_y), min(max(z, 0.0), limit_z)
+        x = min(x, limit_x) if x >= 0.0 else 0.0
+        y = min(y, limit_y) if y >= 0.0 else 0.0
+        z = min(z, limit_z) if z >= 0.0 else 0.0
         ix, iy, iz = int(x), int(y), int(z)
         fx, fy, fz = x - ix, y - iy, z - iz
         at = ((iz * rows + iy) * columns + ix) * 8
@@ -104,7 +106,7 @@ def light(
             # Light of an sRGB code: a polynomial within 0.002 of the standard's curve.
             linear = code * (code * (code * 0.305306011 + 0.682171111) + 0.012522878)
             step = int(shine * linear * (TONE_STEPS - 1) + 0.5)
-            rgb[ray, channel] = tone[min(step, TONE_STEPS - 1)]
+            rgb[ray, channel] = tone[max(min(step, TONE_STEPS - 1), 0)]
     return missing
 
 

@@ -23,11 +23,15 @@ FLAG_COLORED = 4
 def wrapped(coordinate, mode):
     """A texture coordinate brought into [0, 1]; modes are those of `Wrap`."""
     if mode == 0:
-        return coordinate - math.floor(coordinate)
-    if mode == 1:
-        folded = coordinate - 2.0 * math.floor(coordinate * 0.5)
-        return 2.0 - folded if folded > 1.0 else folded
-    return min(max(coordinate, 0.0), 1.0)
+        inside = coordinate - math.floor(coordinate)
+    elif mode == 1:
+        inside = coordinate - 2.0 * math.floor(coordinate * 0.5)
+        if inside > 1.0:
+            inside = 2.0 - inside
+    else:
+        inside = min(max(coordinate, 0.0), 1.0)
+    # A surface seen exactly edge-on gives infinite steps, and those no number at all.
+    return inside if 0.0 <= inside <= 1.0 else 0.0
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
