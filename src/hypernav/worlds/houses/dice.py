@@ -20,10 +20,11 @@ class Dice:
     """One stream of chance, named by numbers and words.
 
     Args:
-        key: What the stream is for, for example ``(1234, "layout")``. Equal keys give equal streams.
+        key: What the stream is for, such as ``(1234, "layout")``. Equal keys give equal streams.
     """
 
     def __init__(self, *key: int | str) -> None:
+        """Begin a stream."""
         words = [k if isinstance(k, int) else crc32(k.encode()) for k in key]
         self._key = key
         self._bits = np.random.PCG64(np.random.SeedSequence(words))

@@ -39,28 +39,27 @@ def draw_plan(plan: FloorPlan, instances: tuple[Instance, ...]) -> str:
         parts.append(_rect(room.inner, _FILLS[room.kind], outline))
     parts += [_opening(plan, o) for o in plan.openings]
     for instance in instances:
-        if (
-            instance.label is None
-            or instance.box_min[2] > 1.0
-            or instance.box_max[2] < _FLOOR_THINGS_M
-        ):
+        label = instance.label
+        if label is None or label.category in ("door", "window"):
             continue
-        if instance.label.category in ("door", "window"):
+        if instance.box_min[2] > 1.0 or instance.box_max[2] < _FLOOR_THINGS_M:
             continue
         (a, b, _), (c, d, _) = instance.box_min, instance.box_max
-        title = f"<title>{escape(instance.label.category)}</title>"
+        title = f"<title>{escape(label.category)}</title>"
         parts.append(
-            f'<rect x="{a:.2f}" y="{-d:.2f}" width="{c - a:.2f}" height="{d - b:.2f}" rx="0.03" '
-            f'fill="#ffffff" fill-opacity="0.55" stroke="#6b7280" stroke-width="0.02">{title}</rect>'
+            f'<rect x="{a:.2f}" y="{-d:.2f}" width="{c - a:.2f}" height="{d - b:.2f}" '
+            'rx="0.03" fill="#ffffff" fill-opacity="0.55" stroke="#6b7280" '
+            f'stroke-width="0.02">{title}</rect>'
         )
     for room in plan.rooms:
         x, y = room.inner.centre
         size = min(0.34, room.inner.width / 5.0)
+        name, area = escape(room.name), f"{room.inner.area:.1f} m²"
         parts.append(
             f'<text x="{x:.2f}" y="{-y:.2f}" font-size="{size:.2f}" text-anchor="middle" '
-            'font-family="system-ui, sans-serif" fill="#1c242e" paint-order="stroke" stroke="#ffffff" '
-            f'stroke-width="0.06">{escape(room.name)}<tspan x="{x:.2f}" dy="1.15em">'
-            f"{room.inner.area:.1f} m²</tspan></text>"
+            'font-family="system-ui, sans-serif" fill="#1c242e" paint-order="stroke" '
+            f'stroke="#ffffff" stroke-width="0.06">{name}'
+            f'<tspan x="{x:.2f}" dy="1.15em">{area}</tspan></text>'
         )
     return "".join([*parts, "</svg>"])
 

@@ -16,6 +16,7 @@ from hypernav.worlds.houses.assembly import to_scene
 from hypernav.worlds.houses.build import build_compact, plan_of
 from hypernav.worlds.houses.dice import Dice
 from hypernav.worlds.houses.export.drawing import draw_plan
+from hypernav.worlds.houses.plan.shapes import FloorPlan, Rect
 from hypernav.worlds.renderer import EmbreeRenderer
 from hypernav.worlds.scene import Scene
 from hypernav.worlds.walkable import WalkableGrid
@@ -65,7 +66,7 @@ def house_page(number: int, out: Path) -> Path:
             rooms=[room.name for room in plan.rooms],
             plan=draw_plan(plan, scene.instances),
             above=picture_uri(view_from_above(scene)),
-            views=[picture_uri(view) for view in interior_views(scene, number, 4)],
+            views=[picture_uri(view) for view in interior_views(scene, plan, number, 4)],
             things=listed,
             total=len(things),
             triangles=f"{len(scene.faces):,}",
@@ -88,10 +89,8 @@ def view_from_above(scene: Scene, width: int = 1280) -> Picture:
         face_material=scene.face_material[keep],
         face_instance=scene.face_instance[keep],
     )
-    low, high = (
-        scene.vertices.min(axis=0).astype(np.float64),
-        scene.vertices.max(axis=0).astype(np.float64),
-    )
+    vertices = scene.vertices.astype(np.float64)
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
     size = high - low
     height = max(int(width * size[1] / size[0]), width // 4)
     focal = 2.5 * width
@@ -103,29 +102,41 @@ def view_from_above(scene: Scene, width: int = 1280) -> Picture:
     return EmbreeRenderer(open_scene).render(camera, pose).rgb
 
 
-def interior_views(scene: Scene, number: int, count: int) -> list[Picture]:
-    """What a robot sees: of several random poses those that show most things, in different places."""
+def interior_views(scene: Scene, plan: FloorPlan, number: int, count: int) -> list[Picture]:
+    """What a robot sees: in different rooms, from the poses that show most things."""
     config = CameraConfig()
     grid, renderer = WalkableGrid.from_scene(scene), EmbreeRenderer(scene)
     dice = Dice(number, "views")
-    places = grid.centres()
-    small = CameraConfig(width=160, height=120).intrinsics
-    candidates = []
-    for _ in range(10 * count):
-        x, y = (float(v) for v in dice.choice(places))
-        pose = Pose2(x, y, dice.uniform(-math.pi, math.pi))
-        seen = renderer.render(
-            small, pose.to_transform(grid.height_at(x, y)) @ config.camera_to_base
-        )
-        score = len(np.unique(seen.instance_ids)) + 4.0 * float(np.median(seen.depth) > 1.5)
-        candidates.append((score, pose))
-    chosen: list[Pose2] = []
-    for _, pose in sorted(candidates, key=lambda c: -c[0]):
-        if all(pose.distance_to(*other.xy) > 1.5 for other in chosen) and len(chosen) < count:
-            chosen.append(pose)
+    best: list[tuple[float, Pose2]] = []
+    for room in plan.rooms:
+        places = _places_in(room.inner, grid)
+        tries = []
+        for _ in range(min(8, len(places))):
+            pose = Pose2(*places[dice.integer(0, len(places) - 1)], dice.uniform(-math.pi, math.pi))
+            tries.append((_interest(renderer, grid, config, pose), pose))
+        best += [max(tries, key=lambda t: t[0])] if tries else []
+    chosen = sorted(best, key=lambda t: -t[0])[:count]
     return [
-        renderer.render(
-            config.intrinsics, pose.to_transform(grid.height_at(*pose.xy)) @ config.camera_to_base
-        ).rgb
-        for pose in chosen
+        renderer.render(config.intrinsics, _camera_pose(grid, config, pose)).rgb
+        for _, pose in chosen
     ]
+
+
+def _places_in(rect: Rect, grid: WalkableGrid) -> list[tuple[float, float]]:
+    centres = grid.centres()
+    low, high = np.array((rect.x0, rect.y0)), np.array((rect.x1, rect.y1))
+    inside = ((centres > low) & (centres < high)).all(axis=1)
+    return [(float(x), float(y)) for x, y in centres[inside]]
+
+
+def _camera_pose(grid: WalkableGrid, config: CameraConfig, pose: Pose2) -> Transform:
+    return pose.to_transform(grid.height_at(*pose.xy)) @ config.camera_to_base
+
+
+def _interest(
+    renderer: EmbreeRenderer, grid: WalkableGrid, config: CameraConfig, pose: Pose2
+) -> float:
+    """How much there is to see: things in view, and no wall right before the camera."""
+    small = CameraConfig(width=160, height=120).intrinsics
+    seen = renderer.render(small, _camera_pose(grid, config, pose))
+    return len(np.unique(seen.instance_ids)) + 6.0 * float(np.median(seen.depth) > 1.5)

@@ -2,14 +2,16 @@
 
 from hypernav.worlds.houses.assembly import Placed
 from hypernav.worlds.houses.furnish.dressing import scatter
-from hypernav.worlds.houses.furnish.site import SIDES, Site, Spot, turned_point
+from hypernav.worlds.houses.furnish.site import Site
+from hypernav.worlds.houses.furnish.spots import SIDES, Spot, turned_point
 from hypernav.worlds.houses.furniture import (
+    bathing,
     bathroom,
-    belongings,
-    electronics,
+    cabinets,
+    household,
+    laundry,
+    ornaments,
     plants,
-    small,
-    storage,
     textiles,
     walls,
 )
@@ -25,12 +27,12 @@ def furnish_bathroom(site: Site, *, with_washer: bool) -> None:
     dice, taste = site.dice, site.taste
     big = site.inner.area > 4.4
     tub = (
-        site.at_wall(bathroom.bathtub(dice, taste), where="corner", gap=0.012)
+        site.at_wall(bathing.bathtub(dice, taste), where="corner", gap=0.012)
         if big and dice.chance(0.6)
         else None
     )
     if tub is None:
-        site.at_wall(bathroom.shower(dice, taste), where="corner", front=0.5, access=True)
+        site.at_wall(bathing.shower(dice, taste), where="corner", front=0.5, access=True)
     site_toilet = site.at_wall(
         bathroom.toilet(dice, taste), front=0.55, access=True, where=dice.choice(("any", "corner"))
     )
@@ -44,27 +46,27 @@ def furnish_bathroom(site: Site, *, with_washer: bool) -> None:
     if basin is not None:
         mirror = walls.mirror(dice, taste)
         site.on_wall(mirror, sides=SIDES, z=1.15, near=basin)
-        scatter(site, basin, (small.soap_dispenser, small.toothbrush_cup), 2)
+        scatter(site, basin, (household.soap_dispenser, household.toothbrush_cup), 2)
     if site_toilet is not None:
         scatter(
             site,
             site_toilet,
-            (plants.small_plant, small.candle, textiles.folded_towels),
+            (plants.small_plant, ornaments.candle, textiles.folded_towels),
             1 if dice.chance(0.4) else 0,
         )
     if with_washer:
         washer = site.at_wall(
-            electronics.washing_machine(dice, taste), front=0.55, access=True, where="corner"
+            laundry.washing_machine(dice, taste), front=0.55, access=True, where="corner"
         )
-        scatter(site, washer, (small.detergent, textiles.folded_towels), 1)
+        scatter(site, washer, (household.detergent, textiles.folded_towels), 1)
     site.on_wall(walls.towel_rack(dice, taste), sides=SIDES, z=1.0)
     site.on_wall(walls.toilet_paper(dice, taste), sides=SIDES, z=0.65)
     for maker, chance in (
-        (small.trash_can, 0.6),
-        (small.toilet_brush, 0.6),
-        (belongings.laundry_basket, 0.35),
-        (small.scale, 0.3),
-        (storage.cabinet, 0.15),
+        (household.trash_can, 0.6),
+        (household.toilet_brush, 0.6),
+        (laundry.laundry_basket, 0.35),
+        (household.scale, 0.3),
+        (cabinets.cabinet, 0.15),
         (plants.leafy_plant, 0.25),
     ):
         if dice.chance(chance):

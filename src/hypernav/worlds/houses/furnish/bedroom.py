@@ -2,22 +2,31 @@
 
 from hypernav.worlds.houses.assembly import Placed
 from hypernav.worlds.houses.furnish.dressing import scatter
-from hypernav.worlds.houses.furnish.living import place_plants, put_rug
-from hypernav.worlds.houses.furnish.site import SIDES, Site, Spot, turned_point
+from hypernav.worlds.houses.furnish.floor_things import place_plants, put_rug
+from hypernav.worlds.houses.furnish.site import Site
+from hypernav.worlds.houses.furnish.spots import SIDES, Spot, turned_point
 from hypernav.worlds.houses.furniture import (
     beds,
     belongings,
+    cabinets,
     chairs,
+    desks,
     electronics,
-    leisure,
+    household,
+    laundry,
     lighting,
+    ornaments,
+    pastime,
     plants,
     screens,
-    small,
+    shelves,
     sofas,
-    storage,
+    sport,
+    stools,
     tables,
+    tableware,
     textiles,
+    toys,
 )
 
 
@@ -33,16 +42,16 @@ def furnish_bedroom(site: Site, *, first: bool) -> None:
     bed = _place_bed(site, double=first or (not child and dice.chance(0.5)), child=child)
     if bed is not None:
         _beside_bed(site, bed)
-    site.at_wall(storage.wardrobe(dice, taste), front=0.55, access=True, where="corner")
+    site.at_wall(cabinets.wardrobe(dice, taste), front=0.55, access=True, where="corner")
     if child:
         for maker in dice.shuffled(
             (
-                leisure.toy_box,
-                leisure.dollhouse,
-                leisure.teddy_bear,
-                leisure.toy_blocks,
-                leisure.toy_car,
-                leisure.football,
+                toys.toy_box,
+                toys.dollhouse,
+                toys.teddy_bear,
+                toys.toy_blocks,
+                toys.toy_car,
+                sport.football,
             )
         )[:3]:
             site.at_wall(maker(dice, taste), where="corner")
@@ -50,25 +59,25 @@ def furnish_bedroom(site: Site, *, first: bool) -> None:
         place_desk(site)
     for maker, chance in dice.shuffled(
         (
-            (storage.dresser, 0.55),
-            (tables.dressing_table, 0.25),
-            (storage.bookshelf, 0.3),
-            (storage.tv_stand, 0.3),
+            (cabinets.dresser, 0.55),
+            (desks.dressing_table, 0.25),
+            (shelves.bookshelf, 0.3),
+            (cabinets.tv_stand, 0.3),
         )
     ):
         if not dice.chance(chance):
             continue
         base = site.at_wall(maker(dice, taste), front=0.45, access=True)
-        if maker is storage.tv_stand and base is not None:
+        if maker is cabinets.tv_stand and base is not None:
             site.on_top(base, screens.tv(dice, taste), facing=0.0, where=(0.5, 0.4))
         scatter(
             site,
             base,
             (
                 lighting.table_lamp,
-                small.photo_frame,
+                ornaments.photo_frame,
                 plants.small_plant,
-                small.clock,
+                ornaments.clock,
                 electronics.hair_dryer,
                 textiles.folded_blanket,
             ),
@@ -77,25 +86,25 @@ def furnish_bedroom(site: Site, *, first: bool) -> None:
     for maker, chance in dice.shuffled(
         (
             (sofas.armchair, 0.2),
-            (chairs.bench_seat, 0.1),
-            (belongings.laundry_basket, 0.3),
+            (stools.bench_seat, 0.1),
+            (laundry.laundry_basket, 0.3),
             (belongings.backpack, 0.25),
             (belongings.suitcase, 0.25),
-            (leisure.guitar, 0.12),
+            (pastime.guitar, 0.12),
             (lighting.floor_lamp, 0.25),
             (belongings.handbag, 0.15),
             (sofas.bean_bag, 0.15),
-            (leisure.treadmill, 0.08),
-            (leisure.exercise_bike, 0.07),
-            (leisure.dumbbells, 0.12),
+            (sport.treadmill, 0.08),
+            (sport.exercise_bike, 0.07),
+            (sport.dumbbells, 0.12),
             (beds.crib, 0.1),
-            (leisure.easel, 0.06),
+            (pastime.easel, 0.06),
             (electronics.fan, 0.15),
             (electronics.air_purifier, 0.15),
             (textiles.rolled_mat, 0.1),
             (belongings.shoes, 0.2),
-            (chairs.ottoman, 0.15),
-            (leisure.exercise_ball, 0.08),
+            (stools.ottoman, 0.15),
+            (sport.exercise_ball, 0.08),
         )
     ):
         if dice.chance(chance):
@@ -136,7 +145,9 @@ def _beside_bed(site: Site, bed: Placed) -> None:
             continue
         piece = site.put(stand, spot)
         site.on_top(piece, lamp, facing=0.0, where=(0.5, 0.3))
-        scatter(site, piece, (small.books, small.clock, electronics.phone, small.cup), 1)
+        scatter(
+            site, piece, (ornaments.books, ornaments.clock, electronics.phone, tableware.cup), 1
+        )
     if dice.chance(0.6):
         rug = textiles.rug(dice, taste) if dice.chance(0.5) else textiles.small_rug(dice, taste)
         dx, dy = turned_point(0.0, model.depth / 2 - 0.2, bed.yaw_deg)
@@ -146,7 +157,7 @@ def _beside_bed(site: Site, bed: Placed) -> None:
 def place_desk(site: Site) -> Placed | None:
     """A desk at a wall with its chair, a computer and a lamp."""
     dice, taste = site.dice, site.taste
-    model = tables.desk(dice, taste)
+    model = desks.desk(dice, taste)
     piece = site.at_wall(model, front=0.75, keep=False)
     if piece is None:
         return None
@@ -169,11 +180,11 @@ def place_desk(site: Site) -> Placed | None:
         site,
         piece,
         (
-            small.books,
-            small.cup,
-            small.pen_cup,
+            ornaments.books,
+            tableware.cup,
+            ornaments.pen_cup,
             plants.small_plant,
-            small.photo_frame,
+            ornaments.photo_frame,
             electronics.phone,
         ),
         dice.integer(1, 3),
@@ -185,40 +196,40 @@ def furnish_office(site: Site) -> None:
     """A desk, shelves, a printer, a seat."""
     dice, taste = site.dice, site.taste
     place_desk(site)
-    base = site.at_wall(storage.filing_cabinet(dice, taste), front=0.4, where="corner")
+    base = site.at_wall(cabinets.filing_cabinet(dice, taste), front=0.4, where="corner")
     if base is not None and dice.chance(0.7):
         site.on_top(base, electronics.printer(dice, taste), facing=0.0)
-    site.at_wall(storage.bookshelf(dice, taste), front=0.4, access=True)
+    site.at_wall(shelves.bookshelf(dice, taste), front=0.4, access=True)
     if dice.chance(0.4):
-        site.at_wall(storage.bookshelf(dice, taste), front=0.4, access=True)
+        site.at_wall(shelves.bookshelf(dice, taste), front=0.4, access=True)
     for maker, chance in dice.shuffled(
         (
             (sofas.armchair, 0.45),
-            (small.trash_can, 0.6),
+            (household.trash_can, 0.6),
             (lighting.floor_lamp, 0.35),
-            (leisure.guitar, 0.2),
-            (leisure.piano, 0.12),
-            (leisure.treadmill, 0.12),
-            (leisure.exercise_bike, 0.1),
+            (pastime.guitar, 0.2),
+            (pastime.piano, 0.12),
+            (sport.treadmill, 0.12),
+            (sport.exercise_bike, 0.1),
             (sofas.bean_bag, 0.12),
             (belongings.backpack, 0.3),
-            (leisure.easel, 0.12),
+            (pastime.easel, 0.12),
             (electronics.fan, 0.2),
-            (electronics.sewing_machine, 0.0),
-            (leisure.dumbbells, 0.15),
+            (laundry.sewing_machine, 0.0),
+            (sport.dumbbells, 0.15),
         )
     ):
         if dice.chance(chance):
             site.at_wall(maker(dice, taste), where="corner" if dice.chance(0.5) else "any")
     if dice.chance(0.4):
-        side = site.at_wall(tables.console_table(dice, taste), front=0.4)
+        side = site.at_wall(desks.console_table(dice, taste), front=0.4)
         scatter(
             site,
             side,
             (
                 electronics.printer,
-                small.globe,
-                leisure.chess,
+                ornaments.globe,
+                toys.chess,
                 electronics.radio,
                 plants.small_plant,
             ),

@@ -4,8 +4,11 @@ from collections.abc import Callable, Sequence
 
 from hypernav.worlds.houses.assembly import Placed
 from hypernav.worlds.houses.dice import Dice
-from hypernav.worlds.houses.furnish.site import SIDES, Site, Spot
-from hypernav.worlds.houses.furniture import walls
+from hypernav.worlds.houses.furnish.site import Site
+from hypernav.worlds.houses.furnish.spots import SIDES, Spot
+from hypernav.worlds.houses.furniture import (
+    walls,
+)
 from hypernav.worlds.houses.kit.model import Model
 from hypernav.worlds.houses.palette import Taste
 

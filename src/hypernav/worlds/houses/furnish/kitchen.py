@@ -1,34 +1,39 @@
 """Kitchens: a row of fitted units along one wall, perhaps around a corner."""
 
 from hypernav.worlds.houses.assembly import Placed
+from hypernav.worlds.houses.furnish.dining import place_dining
 from hypernav.worlds.houses.furnish.dressing import scatter
-from hypernav.worlds.houses.furnish.living import place_dining, place_plants
-from hypernav.worlds.houses.furnish.site import SIDES, Site, Spot
+from hypernav.worlds.houses.furnish.floor_things import place_plants
+from hypernav.worlds.houses.furnish.site import Site
+from hypernav.worlds.houses.furnish.spots import SIDES, Spot
 from hypernav.worlds.houses.furniture import (
-    belongings,
-    chairs,
+    appliances,
+    desks,
     electronics,
+    gadgets,
+    household,
     kitchen,
+    laundry,
     plants,
-    small,
-    storage,
-    tables,
+    shelves,
+    stools,
+    tableware,
 )
 from hypernav.worlds.houses.kit.model import Model
 
 _ON_COUNTER = (
-    electronics.microwave,
-    electronics.toaster,
-    electronics.kettle,
-    electronics.coffee_machine,
-    electronics.blender,
-    small.knife_block,
-    small.fruit_bowl,
-    small.bottle,
-    small.cutting_board,
-    small.paper_towels,
+    gadgets.microwave,
+    gadgets.toaster,
+    gadgets.kettle,
+    gadgets.coffee_machine,
+    gadgets.blender,
+    tableware.knife_block,
+    tableware.fruit_bowl,
+    tableware.bottle,
+    tableware.cutting_board,
+    tableware.paper_towels,
     plants.small_plant,
-    small.cup,
+    tableware.cup,
 )
 
 
@@ -48,10 +53,10 @@ def furnish_kitchen(site: Site, *, table: bool, island: bool = True) -> None:
         _island(site)
     for maker, chance in dice.shuffled(
         (
-            (small.trash_can, 0.8),
-            (storage.wine_rack, 0.25),
-            (chairs.stool, 0.2),
-            (small.broom, 0.15),
+            (household.trash_can, 0.8),
+            (shelves.wine_rack, 0.25),
+            (stools.stool, 0.2),
+            (household.broom, 0.15),
         )
     ):
         if dice.chance(chance):
@@ -62,13 +67,13 @@ def furnish_kitchen(site: Site, *, table: bool, island: bool = True) -> None:
 
 def _island(site: Site) -> None:
     dice, taste = site.dice, site.taste
-    model = tables.kitchen_island(dice, taste)
+    model = desks.kitchen_island(dice, taste)
     x, y = site.inner.centre
     for yaw in dice.shuffled((0.0, 90.0, 180.0, -90.0)):
         spot = Spot(x, y, yaw)
         if site.fits(model, spot, access=True):
             piece = site.put(model, spot)
-            scatter(site, piece, (small.fruit_bowl, plants.flower_vase, small.bottle), 2)
+            scatter(site, piece, (tableware.fruit_bowl, plants.flower_vase, tableware.bottle), 2)
             return
 
 
@@ -97,7 +102,7 @@ def _second_row(site: Site, first: str) -> None:
         for start, end in _runs(site, side):
             if end - start < 1.3:
                 continue
-            top = kitchen.worktop(dice, taste)
+            top = appliances.worktop(dice, taste)
             widths = [0.8] * min(int((end - start - 0.02) / 0.802), 3)
             models = [kitchen.kitchen_cabinet(dice, taste, w, top) for w in widths]
             for model, spot in _row(site, side, models, start, end, low=dice.chance(0.5)):
@@ -136,12 +141,12 @@ def kitchen_probe() -> Model:
 def _fill_row(site: Site, side: str, start: float, end: float) -> None:
     """Fridge at one end, then sink, dishwasher, oven and cabinets, with wall units above."""
     dice, taste = site.dice, site.taste
-    top = kitchen.worktop(dice, taste)
-    fridge = kitchen.refrigerator(dice, taste)
-    units = [kitchen.kitchen_sink(dice, taste, top), kitchen.oven(dice, taste)]
+    top = appliances.worktop(dice, taste)
+    fridge = appliances.refrigerator(dice, taste)
+    units = [kitchen.kitchen_sink(dice, taste, top), appliances.oven(dice, taste)]
     left = end - start - fridge.width - 0.8 - 0.6 - 0.08
     if left > 0.62 and dice.chance(0.7):
-        units.append(kitchen.dishwasher(dice, taste))
+        units.append(appliances.dishwasher(dice, taste))
         left -= 0.6
     for _ in range(3):
         if left > 0.42:
@@ -175,7 +180,7 @@ def _fill_row(site: Site, side: str, start: float, end: float) -> None:
 def _row(
     site: Site, side: str, models: list[Model], start: float, end: float, *, low: bool
 ) -> list[tuple[Model, Spot]]:
-    """Where the units of a row would stand, from one end of the stretch; without those that can't."""
+    """Where the units of a row would stand, from one end on; without those that can't."""
     total = sum(m.width for m in models) + 0.002 * len(models)
     at = start + 0.01 if low else max(end - total - 0.01, start + 0.01)
     result = []
@@ -201,7 +206,7 @@ def _above(site: Site, side: str, piece: Placed, fridge: Model | None) -> None:
         return
     along = piece.x if side in ("south", "north") else piece.y
     if piece.model.category == "oven":
-        hood = kitchen.range_hood(dice, taste)
+        hood = appliances.range_hood(dice, taste)
         spot = site.spot_at_wall(hood, side, along, 0.004, 1.6)
         if site.fits(hood, spot, in_clear=True, tight=True):
             site.put(hood, spot)
@@ -215,7 +220,7 @@ def _above(site: Site, side: str, piece: Placed, fridge: Model | None) -> None:
 def _on_counter(site: Site, piece: Placed) -> None:
     if piece.model.category == "oven":
         if site.dice.chance(0.7):
-            site.on_top(piece, small.pot(site.dice, site.taste))
+            site.on_top(piece, tableware.pot(site.dice, site.taste))
         return
     if piece.model.category in ("kitchen cabinet", "dishwasher"):
         used = {p.model.category for p in site.placed}
@@ -227,20 +232,18 @@ def furnish_laundry(site: Site) -> None:
     """Washing machine and dryer side by side, then racks and baskets."""
     dice, taste = site.dice, site.taste
     washer = site.at_wall(
-        electronics.washing_machine(dice, taste), front=0.7, access=True, where="corner"
+        laundry.washing_machine(dice, taste), front=0.7, access=True, where="corner"
     )
-    scatter(site, washer, (small.detergent,), 1)
-    dryer = site.at_wall(
-        electronics.clothes_dryer(dice, taste), front=0.7, access=True, where="corner"
-    )
-    scatter(site, dryer, (small.detergent, small.basket), 1)
+    scatter(site, washer, (household.detergent,), 1)
+    dryer = site.at_wall(laundry.clothes_dryer(dice, taste), front=0.7, access=True, where="corner")
+    scatter(site, dryer, (household.detergent, household.basket), 1)
     for maker, chance in (
-        (belongings.laundry_basket, 0.9),
-        (belongings.ironing_board, 0.5),
-        (belongings.drying_rack, 0.5),
-        (storage.metal_shelf, 0.4),
-        (small.bucket, 0.5),
-        (small.broom, 0.5),
+        (laundry.laundry_basket, 0.9),
+        (laundry.ironing_board, 0.5),
+        (laundry.drying_rack, 0.5),
+        (shelves.metal_shelf, 0.4),
+        (household.bucket, 0.5),
+        (household.broom, 0.5),
         (electronics.vacuum_cleaner, 0.3),
     ):
         if dice.chance(chance):

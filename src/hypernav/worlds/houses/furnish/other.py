@@ -1,18 +1,23 @@
 """Halls, storage rooms and balconies."""
 
 from hypernav.worlds.houses.furnish.dressing import scatter
-from hypernav.worlds.houses.furnish.living import put_rug
-from hypernav.worlds.houses.furnish.site import SIDES, Site, Spot, turned_point
+from hypernav.worlds.houses.furnish.floor_things import put_rug
+from hypernav.worlds.houses.furnish.site import Site
+from hypernav.worlds.houses.furnish.spots import SIDES, Spot, turned_point
 from hypernav.worlds.houses.furniture import (
     belongings,
-    chairs,
+    desks,
     electronics,
-    leisure,
+    household,
+    laundry,
     lighting,
+    ornaments,
+    pets,
     plants,
-    small,
-    storage,
-    tables,
+    shelves,
+    sport,
+    stools,
+    tableware,
     textiles,
     walls,
 )
@@ -21,18 +26,16 @@ from hypernav.worlds.houses.furniture import (
 def furnish_hall(site: Site) -> None:
     """Shoes, coats, a table with a mirror, a runner; narrow halls stay nearly empty."""
     dice, taste = site.dice, site.taste
-    base = (
-        site.at_wall(tables.console_table(dice, taste), access=True) if dice.chance(0.6) else None
-    )
+    base = site.at_wall(desks.console_table(dice, taste), access=True) if dice.chance(0.6) else None
     if base is not None:
         scatter(
             site,
             base,
             (
                 plants.flower_vase,
-                small.bowl,
+                tableware.bowl,
                 lighting.table_lamp,
-                small.photo_frame,
+                ornaments.photo_frame,
                 belongings.handbag,
             ),
             2,
@@ -40,17 +43,17 @@ def furnish_hall(site: Site) -> None:
         site.on_wall(walls.mirror(dice, taste), sides=SIDES, z=1.15, near=base)
     for maker, chance in dice.shuffled(
         (
-            (storage.shoe_rack, 0.6),
-            (storage.coat_rack, 0.45),
+            (shelves.shoe_rack, 0.6),
+            (shelves.coat_rack, 0.45),
             (belongings.umbrella, 0.6),
-            (chairs.bench_seat, 0.2),
+            (stools.bench_seat, 0.2),
             (belongings.shoes, 0.4),
             (plants.snake_plant, 0.25),
             (belongings.suitcase, 0.12),
             (belongings.fire_extinguisher, 0.08),
             (belongings.backpack, 0.2),
-            (leisure.skateboard, 0.08),
-            (leisure.football, 0.08),
+            (sport.skateboard, 0.08),
+            (sport.football, 0.08),
         )
     ):
         if dice.chance(chance):
@@ -78,9 +81,9 @@ def furnish_hall(site: Site) -> None:
 def furnish_storage(site: Site) -> None:
     """Racks, boxes and what has no other place."""
     dice, taste = site.dice, site.taste
-    site.at_wall(storage.metal_shelf(dice, taste), access=True)
+    site.at_wall(shelves.metal_shelf(dice, taste), access=True)
     if dice.chance(0.5):
-        site.at_wall(storage.metal_shelf(dice, taste), access=True)
+        site.at_wall(shelves.metal_shelf(dice, taste), access=True)
     for maker, chance in dice.shuffled(
         (
             (belongings.cardboard_boxes, 0.9),
@@ -88,12 +91,12 @@ def furnish_storage(site: Site) -> None:
             (belongings.ladder, 0.5),
             (belongings.toolbox, 0.5),
             (belongings.suitcase, 0.5),
-            (small.broom, 0.5),
-            (small.bucket, 0.4),
-            (leisure.bicycle, 0.2),
-            (leisure.skateboard, 0.15),
-            (belongings.ironing_board, 0.25),
-            (leisure.bird_cage, 0.05),
+            (household.broom, 0.5),
+            (household.bucket, 0.4),
+            (sport.bicycle, 0.2),
+            (sport.skateboard, 0.15),
+            (laundry.ironing_board, 0.25),
+            (pets.bird_cage, 0.05),
         )
     ):
         if dice.chance(chance):
@@ -104,12 +107,12 @@ def furnish_balcony(site: Site) -> None:
     """A small table with chairs, planters, perhaps a bicycle."""
     dice, taste = site.dice, site.taste
     table = (
-        site.at_wall(tables.folding_table(dice, taste), where="corner", gap=0.08)
+        site.at_wall(desks.folding_table(dice, taste), where="corner", gap=0.08)
         if dice.chance(0.7)
         else None
     )
     if table is not None:
-        scatter(site, table, (plants.small_plant, small.cup, small.candle), 2)
+        scatter(site, table, (plants.small_plant, tableware.cup, ornaments.candle), 2)
         chair = belongings.folding_chair(dice, taste)
         for turn in (90.0, -90.0, 0.0, 180.0):
             dx, dy = turned_point(0.0, 0.5, table.yaw_deg + turn)
@@ -120,8 +123,8 @@ def furnish_balcony(site: Site) -> None:
         (
             (plants.hedge_box, 0.7),
             (plants.leafy_plant, 0.5),
-            (leisure.bicycle, 0.25),
-            (belongings.drying_rack, 0.25),
+            (sport.bicycle, 0.25),
+            (laundry.drying_rack, 0.25),
             (belongings.watering_can, 0.5),
             (plants.snake_plant, 0.3),
         )

@@ -4,7 +4,15 @@ from collections.abc import Sequence
 
 from hypernav.worlds.houses.assembly import Placed
 from hypernav.worlds.houses.dice import Dice
-from hypernav.worlds.houses.furnish import bathroom, bedroom, dressing, kitchen, living, other
+from hypernav.worlds.houses.furnish import (
+    bathroom,
+    bedroom,
+    dining,
+    dressing,
+    kitchen,
+    living,
+    other,
+)
 from hypernav.worlds.houses.furnish.sight import remove_unseen
 from hypernav.worlds.houses.furnish.site import Site
 from hypernav.worlds.houses.furniture import lighting
@@ -74,11 +82,9 @@ def _furnish(site: Site, kinds: Sequence[str]) -> None:
     if kind == "living room":
         if not has_kitchen:
             kitchen.place_units(site)
-        living.furnish_living(
-            site, with_dining=_dines_here(kinds, site.plan), with_kitchen=not has_kitchen
-        )
+        living.furnish_living(site, with_dining=_dines_here(kinds, site.plan))
     elif kind == "dining room":
-        living.furnish_dining(site)
+        dining.furnish_dining(site)
     elif kind == "kitchen":
         kitchen.furnish_kitchen(site, table=kitchen_table)
     elif kind == "bedroom":

@@ -9,7 +9,8 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from hypernav.worlds.houses.assembly import Placed
-from hypernav.worlds.houses.furnish.site import Site, Solid
+from hypernav.worlds.houses.furnish.site import Site
+from hypernav.worlds.houses.furnish.spots import Solid
 from hypernav.worlds.houses.kit.mesh import rotation_matrix
 from hypernav.worlds.houses.kit.model import Model
 

@@ -1,0 +1,1 @@
+"""Parametric furniture, one module per family."""

@@ -1,14 +1,14 @@
-"""What people own: bags, umbrellas, laundry, tools."""
+"""What people own: bags, umbrellas, tools."""
 
 from hypernav.worlds.houses.dice import Dice
-from hypernav.worlds.houses.furniture.storage import shoe_parts
+from hypernav.worlds.houses.furniture.shelves import shoe_parts
 from hypernav.worlds.houses.kit.mesh import Finish
 from hypernav.worlds.houses.kit.model import Bench, Model
 from hypernav.worlds.houses.kit.solids import box, cushion, panel
-from hypernav.worlds.houses.kit.surfaces import ball, cylinder, lathe, rod, tube
+from hypernav.worlds.houses.kit.surfaces import ball, cylinder, lathe
+from hypernav.worlds.houses.kit.tubes import rod, tube
 from hypernav.worlds.houses.palette import (
     BLACK_METAL,
-    CHROME,
     HUES,
     RUBBER,
     STEEL,
@@ -136,78 +136,6 @@ def umbrella(dice: Dice, taste: Taste) -> Model:
         if dice.chance(0.5):
             break
     return bench.model("umbrella", "umbrella stand", attributes=(hue,))
-
-
-def laundry_basket(dice: Dice, taste: Taste) -> Model:
-    """A hamper with clothes."""
-    bench = Bench()
-    body = dice.choice(
-        (
-            plastic("white"),
-            plastic(taste.accent),
-            Finish("wicker", (0.76, 0.62, 0.42), 0.2, "light brown", "wicker"),
-        )
-    )
-    bench.add(
-        body,
-        lathe(
-            [(0, 0), (0.18, 0), (0.23, 0.5), (0.235, 0.52), (0.22, 0.5), (0.17, 0.02)], sides=24
-        ).scaled(1.15, 0.85, 1),
-    )
-    for k in range(5):
-        cloth = fabric(dice.choice(("white", "blue", "red", "gray", "yellow", taste.linen)))
-        bench.add(
-            cloth,
-            ball(0.2, 0.16, 0.12, at=((k % 3 - 1) * 0.11, (k // 3 - 0.5) * 0.12, 0.5), sides=10),
-        )
-    return bench.model("laundry basket", "laundry hamper", "hamper", main=body)
-
-
-def drying_rack(dice: Dice, taste: Taste) -> Model:
-    """A folding clothes horse with laundry."""
-    bench = Bench()
-    for s in (-1.0, 1.0):
-        bench.add(
-            WHITE_METAL,
-            rod((s * 0.55, -0.25, 0), (s * 0.55, 0.25, 0.95), 0.01),
-            rod((s * 0.55, 0.25, 0), (s * 0.55, -0.25, 0.95), 0.01),
-        )
-    for k in range(7):
-        y = -0.25 + k * 0.5 / 6
-        bench.add(WHITE_METAL, rod((-0.55, y, 0.95), (0.55, y, 0.95), 0.005, sides=6))
-    for k in range(4):
-        cloth = fabric(dice.choice(("white", "blue", "gray", "pink", taste.linen, taste.accent)))
-        wide, drop = dice.uniform(0.22, 0.34), dice.uniform(0.3, 0.55)
-        x, y = -0.36 + 0.25 * k, dice.choice((-0.25, -0.083, 0.083, 0.25))
-        bench.add(
-            cloth,
-            box(wide * 0.7, 0.012, drop, at=(x, y + 0.012, 0.957 - drop)),
-            box(wide * 0.7, 0.012, drop * 0.7, at=(x, y - 0.012, 0.957 - drop * 0.7)),
-        )
-    return bench.model("drying rack", "clothes rack", "clothes horse", main=WHITE_METAL)
-
-
-def ironing_board(dice: Dice, taste: Taste) -> Model:
-    """An ironing board, open."""
-    bench = Bench()
-    cloth = fabric(
-        dice.choice((taste.linen, "light blue", "gray")),
-        dice.choice(("stripes", "floral", "fabric")),
-        0.5,
-    )
-    bench.add(
-        cloth,
-        cushion(1.05, 0.34, 0.03, radius=0.013, at=(-0.1, 0, 0.86)),
-        cylinder(0.165, 0.03, at=(0.42, 0, 0.86), sides=20),
-    )
-    for s in (-1.0, 1.0):
-        bench.add(
-            CHROME,
-            rod((s * 0.45, -0.16, 0.0), (-s * 0.4, -0.05, 0.86), 0.011),
-            rod((s * 0.45, 0.16, 0.0), (-s * 0.4, 0.05, 0.86), 0.011),
-            rod((s * 0.45, -0.17, 0.012), (s * 0.45, 0.17, 0.012), 0.012),
-        )
-    return bench.model("ironing board", main=cloth)
 
 
 def cardboard_boxes(dice: Dice, taste: Taste) -> Model:

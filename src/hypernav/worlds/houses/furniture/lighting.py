@@ -4,7 +4,8 @@ from hypernav.worlds.houses.dice import Dice
 from hypernav.worlds.houses.kit.mesh import Finish
 from hypernav.worlds.houses.kit.model import Bench, Model
 from hypernav.worlds.houses.kit.solids import box
-from hypernav.worlds.houses.kit.surfaces import ball, cylinder, lathe, rod, tube
+from hypernav.worlds.houses.kit.surfaces import ball, cylinder, lathe
+from hypernav.worlds.houses.kit.tubes import rod, tube
 from hypernav.worlds.houses.palette import (
     BLACK_METAL,
     BRASS,

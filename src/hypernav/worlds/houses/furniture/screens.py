@@ -4,7 +4,7 @@ from hypernav.worlds.houses.dice import Dice
 from hypernav.worlds.houses.kit.mesh import Finish
 from hypernav.worlds.houses.kit.model import Bench, Model
 from hypernav.worlds.houses.kit.solids import box, panel, tile
-from hypernav.worlds.houses.kit.surfaces import rod
+from hypernav.worlds.houses.kit.tubes import rod
 from hypernav.worlds.houses.palette import BLACK_METAL, STEEL, Taste, picture, plastic
 
 _FRAME = Finish("", (0.045, 0.045, 0.05), 1.0, "black", "plastic")
@@ -91,7 +91,7 @@ def laptop(dice: Dice, taste: Taste) -> Model:
     lid.add(body, box(0.34, 0.008, 0.225, bevel=0.003))
     lid.add(picture("screen desktop"), panel(0.325, 0.205, at=(0, 0.0045, 0.012)))
     for part in lid.parts:
-        bench.add(part.finish, part.mesh.turned(-(-16), "x").moved(0, -0.115, 0.012))
+        bench.add(part.finish, part.mesh.turned(16, "x").moved(0, -0.115, 0.012))
     return bench.model("laptop", "laptop computer", "notebook computer", main=body)
 
 

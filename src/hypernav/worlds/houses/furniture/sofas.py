@@ -7,7 +7,8 @@ from hypernav.worlds.houses.kit.joinery import four_legs
 from hypernav.worlds.houses.kit.mesh import Finish, Mesh, join
 from hypernav.worlds.houses.kit.model import Bench, Model
 from hypernav.worlds.houses.kit.solids import box, cushion
-from hypernav.worlds.houses.kit.surfaces import lathe, rod, sheet
+from hypernav.worlds.houses.kit.surfaces import lathe, sheet
+from hypernav.worlds.houses.kit.tubes import rod
 from hypernav.worlds.houses.palette import BLACK_METAL, Taste, fabric, leather
 
 

@@ -5,7 +5,8 @@ from hypernav.worlds.houses.furniture.sofas import throw_pillow
 from hypernav.worlds.houses.kit.mesh import Finish
 from hypernav.worlds.houses.kit.model import Bench, Model
 from hypernav.worlds.houses.kit.solids import box, cushion, tile
-from hypernav.worlds.houses.kit.surfaces import cylinder, rod
+from hypernav.worlds.houses.kit.surfaces import cylinder
+from hypernav.worlds.houses.kit.tubes import rod
 from hypernav.worlds.houses.palette import HUES, Taste, fabric, terry
 
 
@@ -80,6 +81,7 @@ def folded_blanket(dice: Dice, taste: Taste) -> Model:
 def folded_towels(dice: Dice, taste: Taste) -> Model:
     """A stack of towels."""
     bench = Bench()
+    cloth = terry("white")
     for k in range(3):
         cloth = terry(dice.choice((taste.accent, "white", taste.linen)))
         bench.add(cloth, cushion(0.32, 0.22, 0.055, radius=0.024, at=(0, 0, 0.054 * k)))

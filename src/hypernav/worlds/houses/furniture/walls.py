@@ -8,7 +8,8 @@ from hypernav.worlds.houses.dice import Dice
 from hypernav.worlds.houses.kit.mesh import Mesh
 from hypernav.worlds.houses.kit.model import Bench, Model
 from hypernav.worlds.houses.kit.solids import box, cushion, panel, prism
-from hypernav.worlds.houses.kit.surfaces import ball, cylinder, lathe, rod, rounded_outline, sheet
+from hypernav.worlds.houses.kit.surfaces import ball, cylinder, lathe, rounded_outline, sheet
+from hypernav.worlds.houses.kit.tubes import rod
 from hypernav.worlds.houses.palette import (
     BLACK_METAL,
     BRASS,

@@ -1,0 +1,1 @@
+"""What everything in a house is made of: meshes, solids, joints."""

@@ -5,7 +5,8 @@ import numpy as np
 from hypernav.worlds.houses.kit.mesh import Finish, Mesh, Vector, join
 from hypernav.worlds.houses.kit.model import Bench
 from hypernav.worlds.houses.kit.solids import box, prism
-from hypernav.worlds.houses.kit.surfaces import cylinder, rod
+from hypernav.worlds.houses.kit.surfaces import cylinder
+from hypernav.worlds.houses.kit.tubes import rod
 
 
 def four_legs(

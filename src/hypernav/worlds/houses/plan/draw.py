@@ -28,7 +28,7 @@ def draw_plan(dice: Dice, program: Program | None = None) -> FloorPlan:
 
 
 def _easier(program: Program) -> Program:
-    """A program with a hall, then with fewer rooms, and at last the small flat, which always fits."""
+    """First with a hall, then with fewer rooms, and at last the small flat, which always fits."""
     if not program.has_hall and len(program.public) > 1:
         return replace(program, has_hall=True)
     if len(program.private) > 4:

@@ -144,7 +144,7 @@ def _sliced(dice: Dice, rect: Rect, wishes: Sequence[Wish], tries: int = 5) -> C
 
 
 def _strips(dice: Dice, program: Program) -> Cells | None:
-    """Rows of rooms on both sides of a hall along x, or on one side; turned and mirrored at the end."""
+    """Rows of rooms on both sides of a hall, or on one; turned and mirrored at the end."""
     block = list(program.public) if dice.chance(0.7) else []
     rest = [*program.private, *([] if block else program.public)]
     columns = _columns(dice, rest)

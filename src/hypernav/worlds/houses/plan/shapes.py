@@ -135,7 +135,7 @@ class Opening:
         return (t, self.at) if self.along == "x" else (self.at, t)
 
     def strip(self, low: float, high: float, margin: float = 0.0) -> Rect:
-        """A rectangle across the opening, from ``low`` to ``high`` beside the wall's middle line."""
+        """A rectangle across the opening, from ``low`` to ``high`` of the wall's middle line."""
         a, b = self.start - margin, self.end + margin
         if self.along == "x":
             return Rect(a, self.at + low, b, self.at + high)

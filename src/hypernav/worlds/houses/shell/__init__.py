@@ -1,0 +1,1 @@
+"""The building itself: walls, floors, openings."""

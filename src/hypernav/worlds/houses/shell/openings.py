@@ -5,7 +5,7 @@ from hypernav.worlds.houses.dice import Dice
 from hypernav.worlds.houses.kit.mesh import Finish, Mesh
 from hypernav.worlds.houses.kit.model import Bench, Model
 from hypernav.worlds.houses.kit.solids import box, panel
-from hypernav.worlds.houses.kit.surfaces import rod
+from hypernav.worlds.houses.kit.tubes import rod
 from hypernav.worlds.houses.palette import BLACK_METAL, GLASS, STEEL, lacquer, picture, wood
 from hypernav.worlds.houses.plan.doors import LEAF_M, leaf_rect
 from hypernav.worlds.houses.plan.shapes import WALL_M, FloorPlan, Opening, Room

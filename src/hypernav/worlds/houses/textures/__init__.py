@@ -1,0 +1,1 @@
+"""Pictures for surfaces, painted by numbers."""
