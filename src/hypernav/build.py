@@ -4,7 +4,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from hypernav.agents.search import SearchAgent, SearchConfig
+from hypernav.agents.config import SearchConfig
+from hypernav.agents.search import SearchAgent
 from hypernav.core.config import RoomConfig
 from hypernav.core.errors import ConfigError, SceneError
 from hypernav.core.goal import Goal

@@ -2,14 +2,13 @@
 
 import math
 from dataclasses import dataclass
-from typing import Literal
 
 import cv2
 import numpy as np
 
+from hypernav.agents.config import SearchConfig
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
-from hypernav.core.config import RoomConfig
 from hypernav.core.errors import WorldError
 from hypernav.core.geometry import Pose2
 from hypernav.core.goal import Goal
@@ -27,38 +26,9 @@ GAVE_UP = "gave up"
 
 _CHOICES_PER_STEP = 4
 _PROGRESS_M = 0.1
-
-
-class SearchConfig(RoomConfig):
-    """When to look, when to stop, when to think again.
-
-    Attributes:
-        turn_angle_deg: Of one turn action.
-        stop_distance_m: Of the robot to the goal area, for the presence check and STOP.
-        approach_patience_steps: The robot stops where it is when it has not come nearer to the goal
-            area for so long: something stands around it.
-        arrival_distance_m: A destination of global perception counts as reached within this.
-        endurance_steps: A destination is given up after this many steps (paper: endurance limit).
-        look_around_at_start: Turn once around before the first step.
-        drop_explored: Give a destination up once nothing unknown is left around it.
-        drop_explored_radius_m: What "around it" means.
-        verify_view: The picture that the presence check sees: the "current" one (paper) or the
-            "best" of the approach, which still shows what stands too close or too low.
-        face_target: Turn towards the goal area before the presence check.
-        pursue_far_sightings: Go towards a goal that is seen beyond the range of depth.
-    """
-
-    turn_angle_deg: float = 30.0
-    stop_distance_m: float = 0.55
-    approach_patience_steps: int = 16
-    arrival_distance_m: float = 0.5
-    endurance_steps: int = 40
-    look_around_at_start: bool = True
-    drop_explored: bool = True
-    drop_explored_radius_m: float = 0.75
-    verify_view: Literal["current", "best"] = "best"
-    face_target: bool = True
-    pursue_far_sightings: bool = True
+_CLOSE_BY_M = 1.5
+"""From here on the straight distance tells whether the robot comes nearer; before, a way may lead
+around a wall."""
 
 
 @dataclass(frozen=True)
@@ -116,6 +86,8 @@ class SearchAgent:
         self._destination: Destination | None = None
         self._destination_age = 0
         self._turns_left = self._turns_of_a_circle() if self._config.look_around_at_start else 0
+        self._pursued: list[tuple[float, float]] = []
+        self._all_explored = False
         self._last_step = None
         self._step = 0
         self._forget_approach()
@@ -167,30 +139,37 @@ class SearchAgent:
         return decision.action
 
     def _approach(self, observation: Observation, clock: ModuleClock) -> _Decision | None:
-        """Go to the goal area, if there is one; None if there is none or no way to it."""
+        """Go to the goal area, if there is one; None if there is none or no way near it (yet)."""
         target = self._local.target
         if target is None:
             self._forget_approach()
             return None
-        if self._destination is not None:
-            self._events.append("goal seen")
-            self._destination = None
         robot = observation.robot
-        self._turns_left = 0
         if not self._is_near_enough(target, robot):
             with clock("plan"):
                 action = self._navigator.towards(self.grid, robot, target.area.points)
-            if action is not None:
-                return _Decision(action, Mode.APPROACH, f"going to the {self._goal.thing}")
-            if not self._navigator.arrived:
-                self._events.append("no path to the goal area")
+            path = self._navigator.path
+            leads_there = path is not None and path.gap_m <= self._config.stop_distance_m
+            if path is None or not (leads_there or self._all_explored):
+                self._forget_approach()
                 return None
+            if action is not None:
+                self._leave_exploration()
+                return _Decision(action, Mode.APPROACH, f"going to the {self._goal.thing}")
+        self._leave_exploration()
         return self._verify(observation, target, clock)
 
+    def _leave_exploration(self) -> None:
+        """Local perception wins."""
+        self._turns_left = 0
+        if self._destination is not None:
+            self._events.append("goal seen")
+            self._destination = None
+
     def _is_near_enough(self, target: Target, robot: Pose2) -> bool:
-        """Within the stop distance, or as near as the robot can come."""
+        """Within the stop distance, or close by and not coming any nearer."""
         left_m = target.area.distance_to(*robot.xy)
-        if left_m < self._nearest_m - _PROGRESS_M:
+        if left_m < self._nearest_m - _PROGRESS_M or left_m > _CLOSE_BY_M:
             self._nearest_m, self._steps_without_progress = left_m, 0
         else:
             self._steps_without_progress += 1
@@ -231,8 +210,7 @@ class SearchAgent:
                 with clock("global"):
                     self._choose_destination(robot)
             if self._destination is None:
-                self._events.append(GAVE_UP)
-                return _Decision(Action.STOP, Mode.STOP, "nothing is left to explore")
+                return self._end_of_exploration()
             with clock("plan"):
                 action = self._navigator.towards(self.grid, robot, np.array([self._destination.xy]))
             if action is not None:
@@ -242,18 +220,31 @@ class SearchAgent:
             self._end_destination("destination reached" if arrived else "no path to destination")
         return _Decision(Action.TURN_LEFT, Mode.EXPLORE, "no way to any destination, looking again")
 
+    def _end_of_exploration(self) -> _Decision:
+        """Nothing is left to explore: go as near as possible to a goal in sight, or give up."""
+        if self._local.target is not None and not self._all_explored:
+            self._all_explored = True
+            reason = f"all is explored, going as near to the {self._goal.thing} as possible"
+            return _Decision(Action.TURN_LEFT, Mode.APPROACH, reason)
+        self._events.append(GAVE_UP)
+        return _Decision(Action.STOP, Mode.STOP, "nothing is left to explore")
+
     def _pursue(self, robot: Pose2) -> None:
         """Head for a goal that is in sight but too far away to be measured."""
         bearing = self._local.far_bearing
         if bearing is None:
             return
         point = last_free_towards(self.grid, robot, bearing)
-        if robot.distance_to(*point) > 2.0 * self._config.arrival_distance_m:
-            reason = f"the {self._goal.thing} is in sight, too far away to be measured"
-            if self._destination is None or self._destination.reason != reason:
-                self._events.append("goal seen far away")
-            self._destination = Destination(*point, reason=reason)
-            self._destination_age = 0
+        near_m = 2.0 * self._config.arrival_distance_m
+        if robot.distance_to(*point) <= near_m:
+            return
+        # Been there, and the goal was still out of reach: explore instead of going to and fro.
+        if any(math.dist(point, place) <= near_m for place in self._pursued):
+            return
+        if self._destination is None or not self._destination.is_sighting:
+            self._events.append("goal seen far away")
+        reason = f"the {self._goal.thing} is in sight, too far away to be measured"
+        self._destination = Destination(*point, reason=reason, is_sighting=True)
 
     def _drop_finished_destination(self, robot: Pose2) -> None:
         """The conditions for a new destination: reached, endurance exceeded, nothing left there."""
@@ -264,14 +255,20 @@ class SearchAgent:
             self._end_destination("destination reached")
         elif self._destination_age >= config.endurance_steps:
             self._end_destination("endurance exceeded")
-        elif config.drop_explored and self._is_explored(destination):
+        elif (
+            config.drop_explored and not destination.is_sighting and self._is_explored(destination)
+        ):
             self._end_destination("destination explored")
 
     def _end_destination(self, event: str) -> None:
         if self._destination is not None:
             self._events.append(event)
-            self._explorer.remember_visit(*self._destination.xy)
+            if self._destination.is_sighting:
+                self._pursued.append(self._destination.xy)
+            else:
+                self._explorer.remember_visit(*self._destination.xy)
             self._destination = None
+            self._destination_age = 0
 
     def _choose_destination(self, robot: Pose2) -> None:
         self._destination = self._explorer.next_destination(self.grid, robot, self._trajectory)

@@ -22,12 +22,14 @@ class Destination:
         y: ``map`` frame, metres.
         reason: Why, in one short sentence for people.
         blocks: The blocks that were offered, for the trace; empty for explorers without blocks.
+        is_sighting: It was not chosen by an explorer: the goal is in sight in this direction.
     """
 
     x: float
     y: float
     reason: str
     blocks: tuple[Block, ...] = ()
+    is_sighting: bool = False
 
     @property
     def xy(self) -> tuple[float, float]:

@@ -1,0 +1,37 @@
+"""When an agent looks, stops and thinks again."""
+
+from typing import Literal
+
+from hypernav.core.config import RoomConfig
+
+
+class SearchConfig(RoomConfig):
+    """When to look, when to stop, when to think again.
+
+    Attributes:
+        turn_angle_deg: Of one turn action.
+        stop_distance_m: Of the robot to the goal area, for the presence check and STOP.
+        approach_patience_steps: Close to the goal area the robot stops where it is when it has not
+            come nearer for so long: something stands around it.
+        arrival_distance_m: A destination of global perception counts as reached within this.
+        endurance_steps: A destination is given up after this many steps (paper: endurance limit).
+        look_around_at_start: Turn once around before the first step.
+        drop_explored: Give a destination up once nothing unknown is left around it.
+        drop_explored_radius_m: What "around it" means.
+        verify_view: The picture that the presence check sees: the "current" one (paper) or the
+            "best" of the approach, which still shows what stands too close or too low.
+        face_target: Turn towards the goal area before the presence check.
+        pursue_far_sightings: Go towards a goal that is seen beyond the range of depth.
+    """
+
+    turn_angle_deg: float = 30.0
+    stop_distance_m: float = 0.45
+    approach_patience_steps: int = 16
+    arrival_distance_m: float = 0.5
+    endurance_steps: int = 40
+    look_around_at_start: bool = True
+    drop_explored: bool = True
+    drop_explored_radius_m: float = 0.75
+    verify_view: Literal["current", "best"] = "best"
+    face_target: bool = True
+    pursue_far_sightings: bool = True
