@@ -1,5 +1,6 @@
 """The one place where requests leave for an OpenAI-compatible server, through its SDK."""
 
+import json
 import os
 import re
 from collections.abc import Mapping
@@ -90,7 +91,7 @@ class HttpDoor:
         return reply
 
     def _status_error(self, error: openai.APIStatusError, path: str) -> Exception:
-        said = self._secretless(error.message)
+        said = self._secretless(_message(error))
         where = f"{self.url}{path} answered {error.status_code}"
         if _BLIND.search(said):  # llama.cpp answers 500
             return ModelRejectedError(f"{where}: {said}; this model cannot see, choose another")
@@ -133,6 +134,19 @@ def _key_for(url: str, environment: Mapping[str, str]) -> str:
     if own or not (parts.scheme == "https" or parts.hostname in _HERE):
         return own
     return environment.get("OPENAI_API_KEY", "")
+
+
+def _message(error: openai.APIStatusError) -> str:
+    """The server's own words: OpenAI's form, FastAPI's, or whatever it sent."""
+    text = error.response.text
+    try:
+        body = json.loads(text)
+    except (ValueError, RecursionError):
+        return text or error.message
+    for key in ("error", "message", "detail"):
+        if isinstance(body, dict) and body.get(key):
+            body = body[key]
+    return body if isinstance(body, str) else json.dumps(body)
 
 
 def _retry_after(error: openai.APIStatusError) -> float | None:

@@ -1,0 +1,119 @@
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pydantic import BaseModel
+
+from chat_models import picture
+from hypernav.core.chat import Fault, Question
+from hypernav.core.errors import ConfigError, ModelError
+from hypernav.models.chat_config import ChatConfig
+from hypernav.models.local_chat import LocalChat
+from hypernav.models.vlm_spec import open_chat
+
+VIEW = picture(0, 476, 644)
+OPEN = Question("ground", "Locate every bed", (VIEW,), max_tokens=12)
+WHICH = Question("choose block", "Which block?", (VIEW,), ("1", "3", "12"), max_tokens=8)
+
+
+@pytest.fixture(scope="module")
+def chat(tiny: Callable[[str], Path]) -> LocalChat:
+    return LocalChat(str(tiny("qwen25_vl")), ChatConfig(device="cpu"))
+
+
+def test_counts_the_tokens_of_text_and_picture(chat: LocalChat):
+    answer = chat.ask(OPEN)
+    patches = 476 * 644 // 28**2
+    assert patches < answer.usage.tokens_in < patches + 100
+    assert answer.usage.tokens_out <= 12
+    assert answer.seconds > 0.0
+    without = chat.ask(Question("ground", OPEN.text, max_tokens=1))
+    # The picture and the two tokens around it.
+    assert answer.usage.tokens_in - without.usage.tokens_in == patches + 2
+
+
+def test_says_the_same_twice(chat: LocalChat):
+    assert chat.ask(OPEN).text == chat.ask(OPEN).text
+
+
+def test_sampling_is_repeatable_by_its_seed(tiny: Callable[[str], Path]):
+    path = str(tiny("qwen25_vl"))
+    texts = [
+        LocalChat(path, ChatConfig(device="cpu", temperature=2.0, seed=seed)).ask(OPEN).text
+        for seed in (1, 1, 2)
+    ]
+    assert texts[0] == texts[1] != texts[2]
+
+
+def test_a_closed_question_can_only_get_an_allowed_answer(chat: LocalChat):
+    answer = chat.ask(WHICH)
+    assert answer.value in WHICH.allowed
+    assert set(answer.probabilities) == set(WHICH.allowed)
+    assert sum(answer.probabilities.values()) == pytest.approx(1.0)
+    assert answer.probabilities[answer.value] == max(answer.probabilities.values())
+
+
+def test_probabilities_are_those_of_the_model(chat: LocalChat):
+    """Against the definition, written out: P(1) and P(3) from the scores after the prompt."""
+    import torch
+
+    answer = chat.ask(Question("choose block", "Which block?", (VIEW,), ("1", "3")))
+    with torch.inference_mode():
+        inputs = chat._inputs(Question("choose block", "Which block?", (VIEW,)))
+        scores = chat._model(**inputs).logits[0, -1].double()
+    tokens = chat._processor.tokenizer.convert_tokens_to_ids(["1", "3"])
+    expected = torch.softmax(scores[tokens], 0).tolist()
+    assert [answer.probabilities["1"], answer.probabilities["3"]] == pytest.approx(
+        expected, abs=1e-4
+    )
+
+
+def test_the_order_of_the_answers_does_not_matter(chat: LocalChat):
+    turned = Question("choose block", WHICH.text, WHICH.images, WHICH.allowed[::-1])
+    first, second = chat.ask(WHICH).probabilities, chat.ask(turned).probabilities
+    assert {key: pytest.approx(value, abs=1e-5) for key, value in first.items()} == dict(second)
+
+
+def test_nonsense_for_a_form_is_a_fault(chat: LocalChat):
+    class Point(BaseModel):
+        x: float
+
+    answer = chat.ask(Question("point", "Where?", (VIEW,), form=Point, max_tokens=12))
+    assert answer.fault in {Fault.UNPARSABLE, Fault.INVALID}
+
+
+def test_two_pictures_are_two_pictures(chat: LocalChat):
+    one = chat.ask(Question("ground", "Compare", (VIEW,), max_tokens=2)).usage.tokens_in
+    two = chat.ask(Question("ground", "Compare", (VIEW, np.zeros_like(VIEW)), max_tokens=2))
+    assert two.usage.tokens_in - one == 476 * 644 // 28**2 + 2
+
+
+def test_opens_by_its_spec(tiny: Callable[[str], Path]):
+    chat = open_chat(f"local:{tiny('qwen25_vl')}", ChatConfig(device="cpu"))
+    assert chat.ask(WHICH).value in WHICH.allowed
+
+
+def test_missing_weights_say_how_to_get_them():
+    with pytest.raises(ModelError, match=r"hf download Qwen/Qwen2\.5-VL-3B"):
+        LocalChat("Qwen/Qwen2.5-VL-3B-Instruct")
+
+
+def test_a_folder_without_a_model(tmp_path: Path):
+    with pytest.raises(ModelError):
+        LocalChat(str(tmp_path))
+
+
+def test_a_model_of_another_kind(tiny: Callable[[str], Path]):
+    with pytest.raises(ModelError):
+        LocalChat(str(tiny("clip")))
+
+
+@pytest.mark.parametrize("device", ["toaster", "cuda:0"])
+def test_a_device_that_is_not_there(device: str):
+    import torch
+
+    if device.startswith("cuda") and torch.cuda.is_available():
+        pytest.skip("this machine has a GPU")
+    with pytest.raises(ConfigError, match=device):
+        LocalChat("anything", ChatConfig(device=device))

@@ -1,0 +1,104 @@
+"""SAM, open-vocabulary detectors and similarity, with random weights of the real shape."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from chat_models import picture
+from hypernav.core.boxes import Box
+from hypernav.core.camera import PinholeCamera
+from hypernav.core.errors import ModelError
+from hypernav.core.geometry import Pose2, Transform
+from hypernav.core.goal import Goal
+from hypernav.core.observation import Observation
+from hypernav.models.sam import SamConfig, SamSegmenter
+from hypernav.models.similarity import ImageTextSimilarity
+from hypernav.models.zero_shot import ZeroShotConfig, ZeroShotDetector
+
+Tiny = Callable[[str], Path]
+BOX = Box(10.0, 12.0, 50.0, 40.0)
+
+
+def observe(height: int, width: int) -> Observation:
+    camera = PinholeCamera.from_hfov(width, height, 79.0)
+    depth = np.ones((height, width), np.float32)
+    pose = Pose2(0.0, 0.0, 0.0)
+    return Observation(picture(0, height, width), depth, camera, Transform.identity(), pose)
+
+
+@pytest.mark.parametrize("name", ["sam", "sam2"])
+@pytest.mark.parametrize("size", [(48, 64), (96, 72)])
+def test_masks_have_the_pictures_size_and_stay_in_the_box(
+    tiny: Tiny, name: str, size: tuple[int, int]
+):
+    view = observe(*size)
+    free = SamSegmenter(str(tiny(name)), SamConfig(clip_to_box=False)).segment(view, BOX)
+    clipped = SamSegmenter(str(tiny(name))).segment(view, BOX)
+    assert free.shape == clipped.shape == size
+    assert free.dtype == clipped.dtype == np.bool_
+    inside = np.zeros(size, bool)
+    inside[12:40, 10:50] = True
+    np.testing.assert_array_equal(clipped, free & inside)
+    assert free.any()
+
+
+@pytest.mark.parametrize("name", ["sam", "sam2"])
+def test_another_box_gives_another_mask(tiny: Tiny, name: str):
+    segmenter = SamSegmenter(str(tiny(name)), SamConfig(clip_to_box=False))
+    view = observe(48, 64)
+    first = segmenter.segment(view, Box(0.0, 0.0, 8.0, 8.0))
+    second = segmenter.segment(view, Box(40.0, 20.0, 64.0, 48.0))
+    assert (first != second).any()
+
+
+def test_a_box_outside_the_picture_holds_nothing(tiny: Tiny):
+    segmenter = SamSegmenter(str(tiny("sam")))
+    assert not segmenter.segment(observe(48, 64), Box(70.0, 0.0, 90.0, 20.0)).any()
+
+
+@pytest.mark.parametrize("name", ["owlv2", "grounding_dino"])
+def test_open_vocabulary_boxes_lie_in_the_picture_best_first(tiny: Tiny, name: str):
+    config = ZeroShotConfig(score_threshold=0.0, min_side_px=0.0)
+    detector = ZeroShotDetector(str(tiny(name)), config)
+    found = detector.detect(observe(48, 64), Goal("red sofa"))
+    assert found
+    assert [one.label for one in found] == ["red sofa"] * len(found)
+    scores = [one.score for one in found]
+    assert scores == sorted(scores, reverse=True)
+    for one in found:
+        assert one.box == one.box.clipped(64, 48)
+        assert 0.0 <= one.score <= 1.0
+
+
+@pytest.mark.parametrize("name", ["owlv2", "grounding_dino"])
+def test_nothing_is_surer_than_certain(tiny: Tiny, name: str):
+    detector = ZeroShotDetector(str(tiny(name)), ZeroShotConfig(score_threshold=1.0))
+    assert detector.detect(observe(48, 64), Goal("bed")) == []
+
+
+@pytest.mark.parametrize("name", ["clip", "siglip", "blip2"])
+def test_similarity_is_a_number_that_depends_on_both_sides(tiny: Tiny, name: str):
+    model = ImageTextSimilarity(str(tiny(name)))
+    one, other = picture(0), picture(1)
+    values = {
+        model.similarity(one, "a bed"),
+        model.similarity(one, "a long red sofa"),
+        model.similarity(other, "a bed"),
+    }
+    assert len(values) == 3
+    assert all(0.0 <= value <= 1.0 for value in values)
+    assert model.similarity(one, "a bed") == model.similarity(one, "a bed")
+
+
+@pytest.mark.parametrize("load", [SamSegmenter, ZeroShotDetector, ImageTextSimilarity])
+def test_a_model_of_another_kind_is_refused(tiny: Tiny, load: Callable[[str], object]):
+    with pytest.raises(ModelError):
+        load(str(tiny("qwen25_vl")))
+
+
+@pytest.mark.parametrize("load", [SamSegmenter, ZeroShotDetector, ImageTextSimilarity])
+def test_missing_weights_say_how_to_get_them(load: Callable[[str], object]):
+    with pytest.raises(ModelError, match="hf download somebody/something"):
+        load("somebody/something")
