@@ -69,6 +69,14 @@ def test_a_map_drawn_by_others_is_read(test_data):
             "{image: no.pgm, resolution: 1, origin: [0, 0, 1], occupied_thresh: 1, free_thresh: 0}",
             "turned",
         ),
+        (
+            "{image: no.pgm, resolution: 0, origin: [0, 0, 0], occupied_thresh: 1, free_thresh: 0}",
+            "resolution must be positive",
+        ),
+        (
+            "{image: a, resolution: 1, origin: [0, 0, x], occupied_thresh: 1, free_thresh: 0}",
+            "expected image, resolution",
+        ),
     ],
 )
 def test_a_broken_map_says_what_is_wrong(tmp_path, content, words):

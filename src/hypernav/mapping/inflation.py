@@ -19,6 +19,20 @@ def inflate(
     cells: Bool[np.ndarray, "rows columns"] | UInt8[np.ndarray, "rows columns"],
     radius_m: float,
     cell_size_m: float,
+    *,
+    outside: bool = False,
 ) -> UInt8[np.ndarray, "rows columns"]:
-    """All cells within a radius of the given ones, those included: 1, and 0 elsewhere."""
-    return cv2.dilate(cells.astype(np.uint8), disc(radius_m, cell_size_m))
+    """All cells within a radius of the given ones, those included: 1, and 0 elsewhere.
+
+    Args:
+        cells: The given ones, not 0.
+        radius_m: Between middles of cells.
+        cell_size_m: Side of a cell.
+        outside: Whether all that lies outside the grid is given too.
+    """
+    return cv2.dilate(
+        cells.astype(np.uint8),
+        disc(radius_m, cell_size_m),
+        borderType=cv2.BORDER_CONSTANT,
+        borderValue=int(outside),
+    )

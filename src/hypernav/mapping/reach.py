@@ -61,7 +61,7 @@ class Reach:
         # A frontier beside an obstacle is seen from a clearance away, and one cell for diagonals.
         look_m = config.clearance_m + size
         in_view = inflate(reachable, look_m, size) > 0
-        beside_unknown = inflate(grid.cells == Cell.UNKNOWN, size, size) > 0
+        beside_unknown = inflate(grid.cells == Cell.UNKNOWN, size, size, outside=True) > 0
         return Reach(
             grid=grid,
             travel_m=travel_m,

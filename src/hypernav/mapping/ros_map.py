@@ -62,16 +62,21 @@ def load_ros_map(path: Path) -> OccupancyGrid:
     """
     facts = _read_facts(path)
     try:
-        resolution, (x, y, yaw) = float(facts["resolution"]), facts["origin"]
+        resolution, (x, y, yaw) = float(facts["resolution"]), map(float, facts["origin"])
         occupied, free = float(facts["occupied_thresh"]), float(facts["free_thresh"])
         picture = path.parent / str(facts["image"])
-        negate, corner = bool(facts.get("negate", 0)), (float(x), float(y))
+        negate, corner = bool(facts.get("negate", 0)), (x, y)
     except (KeyError, TypeError, ValueError) as error:
         raise MapError(
             f"{path}: expected image, resolution, origin [x, y, yaw], occupied_thresh and "
             f"free_thresh, got {facts}"
         ) from error
-    if float(yaw) != 0.0:
+    if not (resolution > 0.0 and np.isfinite([resolution, x, y]).all()):
+        raise MapError(
+            f"{path}: resolution must be positive and the origin finite, got {resolution} m and "
+            f"{corner}"
+        )
+    if yaw != 0.0:
         raise MapError(f"{path}: a map turned by {yaw} rad cannot be read; save it unturned")
     try:
         with Image.open(picture) as image:

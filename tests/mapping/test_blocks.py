@@ -1,0 +1,88 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from drawn_grids import drawn
+from hypernav.core.geometry import Pose2
+from hypernav.core.grid import Cell, OccupancyGrid
+from hypernav.mapping import MappingConfig, divide_into_blocks
+from hypernav.mapping.inflation import inflate
+
+CONFIG = MappingConfig()
+FLOOR = np.full((100, 140), Cell.FREE, np.uint8)  # 7 m wide, 5 m high
+CORNER = (-2.5, -1.0)
+
+
+def test_numbers_run_as_one_reads():
+    blocks = divide_into_blocks(OccupancyGrid(FLOOR, 0.05, CORNER), Pose2(0, 0, 0), CONFIG)
+    assert [b.number for b in blocks] == list(range(1, len(blocks) + 1))
+    places = [(-b.y_min, b.x_min) for b in blocks]
+    assert places == sorted(places)
+    assert (blocks[0].x_min, blocks[0].y_min) == (-4.0, 2.0)
+    assert len(blocks) == 5 * 3
+
+
+def test_squares_stay_where_they_are_when_the_map_grows():
+    small = divide_into_blocks(OccupancyGrid(FLOOR, 0.05, CORNER), Pose2(0, 0, 0), CONFIG)
+    cells = np.pad(FLOOR, ((37, 20), (51, 10)), constant_values=Cell.FREE)
+    corner = (CORNER[0] - 51 * 0.05, CORNER[1] - 37 * 0.05)
+    large = divide_into_blocks(OccupancyGrid(cells, 0.05, corner), Pose2(0, 0, 0), CONFIG)
+    assert {(b.x_min, b.y_min) for b in small} < {(b.x_min, b.y_min) for b in large}
+
+
+def test_a_block_with_a_frontier_is_gone_to_there_and_another_in_its_middle():
+    cells = FLOOR.copy()
+    cells[60:, 120:] = Cell.UNKNOWN
+    cells[:2], cells[-2:], cells[:, :2], cells[:, -2:] = (Cell.OCCUPIED,) * 4
+    blocks = divide_into_blocks(OccupancyGrid(cells, 0.05, (0, 0)), Pose2(1, 1, 0), CONFIG)
+    middle = next(b for b in blocks if (b.x_min, b.y_min) == (2.0, 2.0))
+    assert middle.frontier_cells == 0
+    assert middle.destination == pytest.approx((3.0, 3.0), abs=0.05)
+    assert middle.free_cells == 1600
+    corner = next(b for b in blocks if (b.x_min, b.y_min) == (4.0, 2.0))
+    assert corner.frontier_cells > 0
+    assert corner.destination == pytest.approx((5.95, 3.5), abs=0.3)
+
+
+def test_what_the_robot_cannot_enter_gets_no_number():
+    grid = drawn(
+        """
+        ..........####......
+        ..........####......
+        ..........####......
+        ..........####......
+        """,
+        scale=10,
+    )
+    blocks = divide_into_blocks(grid, Pose2(1.0, 1.0, 0.0), CONFIG)
+    assert max(b.x_min for b in blocks) < 5.0
+    assert all(b.destination[0] < 5.0 for b in blocks)
+
+
+def test_a_robot_that_is_walled_in_has_none():
+    grid = OccupancyGrid(np.full((60, 60), Cell.OCCUPIED, np.uint8), 0.05, (0.0, 0.0))
+    assert divide_into_blocks(grid, Pose2(1.5, 1.5, 0.0), CONFIG) == ()
+
+
+@settings(deadline=None)
+@given(arrays(np.uint8, (12, 14), elements=st.sampled_from([0, 1, 1, 1, 1, 2])), st.data())
+def test_destinations_are_safe_and_blocks_cover_what_is_reached(coarse, data):
+    grid = OccupancyGrid(np.kron(coarse, np.ones((6, 6), np.uint8)), 0.05, (-1.03, 0.37))
+    robot = Pose2(data.draw(st.floats(-1.0, 3.1)), data.draw(st.floats(0.4, 3.9)), 0.0)
+    closed = inflate(grid.occupied, CONFIG.clearance_m, 0.05)
+    config = MappingConfig(block_size_m=1.0, block_min_area_m2=0.0025)
+    blocks = divide_into_blocks(grid, robot, config)
+    assert len({(b.x_min, b.y_min) for b in blocks}) == len(blocks)
+    for block in blocks:
+        row, column = grid.cell_of(*block.destination)
+        assert grid.cells[row, column] == Cell.FREE
+        assert not closed[row, column]
+        assert np.isfinite(block.travel_m)
+        # Beside a frontier the robot may stand a clearance outside the square.
+        x, y = block.destination
+        assert block.x_min - 0.3 <= x <= block.x_min + 1.3
+        assert block.y_min - 0.3 <= y <= block.y_min + 1.3
+        assert (block.x_min % 1.0, block.y_min % 1.0) == (0.0, 0.0)
+        assert 0 < block.free_cells <= 400

@@ -1,0 +1,347 @@
+import itertools
+import math
+from functools import cache
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pydantic import ValidationError
+from scipy.spatial import cKDTree
+
+from box_views import CAMERA, FLOOR, distance_to_boxes, frame, room, turning, view_of
+from hypernav.core.errors import MapError
+from hypernav.core.geometry import Pose2, Transform
+from hypernav.core.grid import Cell
+from hypernav.core.observation import Observation
+from hypernav.mapping import MappingConfig, TopDownMap
+
+CONFIG = MappingConfig()
+BAND = (CONFIG.obstacle_min_height_m, CONFIG.obstacle_max_height_m)
+ROOM = [
+    *room(6.0, 4.0),
+    ((4.0, 2.5, 0.0), (4.6, 3.0, 0.4)),  # a low table
+    ((2.5, 3.4, 0.0), (2.53, 3.43, 1.5)),  # a pole, thinner than a cell
+]
+TABLE = ((2.0, -0.4, 0.0), (2.8, 0.4, 0.45))
+HERE = Pose2(0.0, 0.0, 0.0)
+
+
+def map_of(boxes, poses, **view):
+    world_map = TopDownMap(CONFIG)
+    for pose in poses:
+        world_map.integrate(view_of(boxes, pose, **view))
+    return world_map
+
+
+@cache
+def the_table():
+    return map_of([FLOOR, TABLE], [HERE])
+
+
+def points(world_map, state):
+    grid = world_map.grid
+    return grid.centres_of(np.argwhere(grid.cells == state))
+
+
+def known(world_map):
+    """All that is known, whatever the size of the grid: state by (row, column) of the frame."""
+    grid = world_map.grid
+    cells = np.argwhere(grid.cells != Cell.UNKNOWN)
+    first = np.round(np.array(grid.origin)[::-1] / grid.resolution_m).astype(int)
+    states = grid.cells[cells[:, 0], cells[:, 1]]
+    return {(r, c): s for (r, c), s in zip((cells + first).tolist(), states.tolist(), strict=True)}
+
+
+def moved(boxes, x, y):
+    """The same boxes in a frame whose origin lies elsewhere."""
+    return [tuple((c[0] + x, c[1] + y, c[2]) for c in box) for box in boxes]
+
+
+@pytest.mark.parametrize(
+    "view",
+    [{}, {"height_m": 1.3, "pitch_deg": 20.0}, {"height_m": 0.5}, {"pitch_deg": -5.0}],
+    ids=["level", "high and tilted down", "low", "tilted up"],
+)
+def test_the_map_of_a_room_agrees_with_the_room(view):
+    world_map = map_of(ROOM, [*turning(1.5, 1.5), *turning(4.5, 1.2)], **view)
+    occupied, free = points(world_map, Cell.OCCUPIED), points(world_map, Cell.FREE)
+    assert distance_to_boxes(occupied, ROOM, *BAND).max() < 0.05
+    inside = distance_to_boxes(free, [((0, 0, 0), (6, 4, 1))], *BAND) == 0.0
+    assert inside.mean() > 0.995  # but for rays that graze a corner of a wall cell
+    assert len(free) * 0.05**2 > 0.8 * 6.0 * 4.0
+    wall = np.array([(x, y) for x in np.arange(0.3, 5.7, 0.05) for y in (0.0, 4.0)])
+    nearest, _ = cKDTree(occupied).query(wall)
+    assert np.mean(nearest < 0.05) > 0.9
+
+
+def test_a_thin_pole_and_a_low_table_are_drawn():
+    grid = map_of(ROOM, turning(1.5, 1.5)).grid
+    assert grid.state_at(2.51, 3.41) == Cell.OCCUPIED
+    assert grid.state_at(4.02, 2.6) == Cell.OCCUPIED
+
+
+@pytest.mark.parametrize("far", [3.0, 4.5])
+def test_a_chair_leg_survives_being_seen_from_far(far):
+    leg = ((far, 0.1, 0.0), (far + 0.03, 0.13, 0.5))
+    world_map = map_of([FLOOR, leg], [Pose2(0.0, 0.0, yaw) for yaw in (0.0, 0.1, -0.1, 0.2)])
+    assert distance_to_boxes(points(world_map, Cell.OCCUPIED), [leg], *BAND).max() < 0.05
+    assert len(points(world_map, Cell.OCCUPIED)) > 0
+
+
+def test_a_wall_seen_at_a_grazing_angle_has_no_gaps_nearby():
+    wall = ((0.0, 0.6, 0.0), (6.0, 0.8, 2.0))
+    grid = map_of([FLOOR, wall], [Pose2(0.05 * k, 0.0, 0.0) for k in range(5)]).grid
+    drawn = [grid.state_at(x, 0.62) == Cell.OCCUPIED for x in np.arange(1.2, 3.0, 0.05)]
+    assert np.mean(drawn) > 0.95
+
+
+def test_ceilings_and_what_hangs_above_the_robot_are_ignored():
+    lamp = ((2.0, -0.5, 1.1), (2.6, 0.5, 1.4))
+    shelf = ((-3.0, -3.0, 2.0), (3.0, 3.0, 2.05))
+    world_map = map_of([FLOOR, lamp, shelf], turning(0.0, 0.0))
+    assert len(points(world_map, Cell.OCCUPIED)) == 0
+    assert world_map.grid.state_at(2.3, 0.0) == Cell.FREE
+
+
+def test_rugs_and_sills_are_floor():
+    world_map = map_of([FLOOR, ((1.5, -1.0, 0.0), (3.0, 1.0, 0.04))], [HERE])
+    assert len(points(world_map, Cell.OCCUPIED)) == 0
+    assert world_map.grid.state_at(2.2, 0.0) == Cell.FREE
+
+
+def test_the_floor_before_the_first_visible_one_is_free_where_the_lowest_ray_passes():
+    grid = map_of([FLOOR], [HERE]).grid
+    for x in (0.7, 1.0, 1.3):
+        assert grid.state_at(x, 0.0) == Cell.FREE
+    assert grid.state_at(-1.0, 0.0) == Cell.UNKNOWN
+
+
+def test_behind_an_obstacle_nothing_is_known():
+    wall = ((2.0, -3.0, 0.0), (2.1, 3.0, 0.8))  # lower than the camera: rays pass above it
+    grid = map_of([FLOOR, wall], [HERE]).grid
+    assert grid.state_at(2.02, 0.0) == Cell.OCCUPIED
+    assert [grid.state_at(x, 0.0) for x in (2.3, 3.0, 4.0)] == [Cell.UNKNOWN] * 3
+
+
+@pytest.mark.parametrize("value", [0.0, math.nan, math.inf, -math.inf, -1.0, 5.0, 65.5, 0.5])
+def test_depth_that_is_no_measurement_says_nothing(value):
+    before = map_of([FLOOR, TABLE], [HERE])
+    after = map_of([FLOOR, TABLE], [HERE])
+    after.integrate(frame(np.full((CAMERA.height, CAMERA.width), value, np.float32), HERE))
+    assert known(after) == known(before)
+
+
+@cache
+def room_views():
+    return [view_of(ROOM, pose) for pose in turning(1.5, 1.5)]
+
+
+@settings(max_examples=10, deadline=None)
+@given(st.integers(0, 2**32 - 1))
+def test_scattered_broken_pixels_leave_the_map_sound(seed):
+    rng = np.random.default_rng(seed)
+    world_map = TopDownMap(CONFIG)
+    for view in room_views():
+        depth = view.depth.copy()
+        broken = rng.random(depth.shape) < 0.3
+        depth[broken] = rng.choice([0.0, np.nan, np.inf, 5.0, 0.2, 70.0], broken.sum())
+        world_map.integrate(frame(depth, view.robot))
+    occupied = points(world_map, Cell.OCCUPIED)
+    assert distance_to_boxes(occupied, ROOM, *BAND).max() < 0.05
+    assert len(points(world_map, Cell.FREE)) * 0.05**2 > 10.0
+
+
+def test_single_noisy_pixels_draw_nothing_that_lasts():
+    rng = np.random.default_rng(1)
+    world_map = TopDownMap(CONFIG)
+    for _ in range(8):
+        depth = view_of([FLOOR], HERE).depth.copy()
+        noisy = rng.random(depth.shape) < 0.002
+        depth[noisy] = rng.uniform(0.6, 4.0, noisy.sum())
+        world_map.integrate(frame(depth, HERE))
+    assert len(points(world_map, Cell.OCCUPIED)) <= 2
+
+
+def test_an_obstacle_that_is_carried_away_disappears():
+    wall = ((3.8, -4.0, 0.0), (4.0, 4.0, 2.0))  # rays that meet nothing in range tell nothing
+    world_map = map_of([FLOOR, wall, TABLE], [HERE] * 10)
+    assert world_map.grid.state_at(2.02, 0.0) == Cell.OCCUPIED
+    for _ in range(CONFIG.max_evidence):
+        world_map.integrate(view_of([FLOOR, wall], HERE))
+    assert points(world_map, Cell.OCCUPIED)[:, 0].min() > 3.7
+    assert world_map.grid.state_at(2.3, 0.0) == Cell.FREE
+
+
+def test_looking_over_a_low_table_does_not_clear_it():
+    world_map = map_of([FLOOR, TABLE], [HERE])
+    close = Pose2(1.4, 0.0, 0.0)  # only what lies beyond the table is in the picture
+    before = {cell for cell, state in known(world_map).items() if state == Cell.OCCUPIED}
+    for _ in range(10):
+        world_map.integrate(view_of([FLOOR, TABLE], close))
+    assert before <= {cell for cell, state in known(world_map).items() if state == Cell.OCCUPIED}
+
+
+def test_what_is_too_near_to_be_measured_is_kept():
+    wall = ((1.0, -2.0, 0.0), (1.2, 2.0, 2.0))
+    world_map = map_of([FLOOR, wall], [HERE])
+    before = known(world_map)
+    near = Pose2(0.7, 0.0, 0.0)
+    depth = view_of([FLOOR, wall], near).depth
+    for value in (0.0, CONFIG.min_depth_m):  # no return, or clamped as Habitat does
+        world_map.integrate(frame(np.where(depth < 0.5, np.float32(value), depth), near))
+    lost = {c for c, s in before.items() if s == Cell.OCCUPIED and known(world_map)[c] != s}
+    assert not lost
+
+
+def test_the_robot_stands_on_free_floor():
+    world_map = map_of([FLOOR, TABLE], [HERE])
+    world_map.integrate(view_of([FLOOR], Pose2(2.4, 0.0, 0.0)))
+    assert world_map.grid.state_at(2.4, 0.0) == Cell.FREE
+    assert world_map.grid.state_at(2.1, 0.3) == Cell.OCCUPIED
+
+
+def test_a_bump_outlasts_clear_views_but_not_for_ever():
+    world_map = map_of([FLOOR], [HERE])
+    world_map.mark_occupied(np.array([[2.0, 0.0]]))
+    for _ in range(CONFIG.bump_persistence - 1):
+        world_map.integrate(view_of([FLOOR], HERE))
+    assert world_map.grid.state_at(2.0, 0.0) == Cell.OCCUPIED
+    world_map.integrate(view_of([FLOOR], HERE))
+    assert world_map.grid.state_at(2.0, 0.0) == Cell.FREE
+
+
+def test_a_bump_stays_while_nobody_looks_and_goes_when_the_robot_stands_there():
+    world_map = map_of([FLOOR], [HERE])
+    world_map.mark_occupied(np.array([[-0.4, 0.0], [0.2, 0.0]]))
+    for _ in range(40):
+        world_map.integrate(view_of([FLOOR], HERE))
+    assert world_map.grid.state_at(-0.4, 0.0) == Cell.OCCUPIED
+    assert world_map.grid.state_at(0.2, 0.0) == Cell.OCCUPIED  # beside the robot, not under it
+    world_map.integrate(view_of([FLOOR], Pose2(-0.4, 0.0, 0.0)))
+    assert world_map.grid.state_at(-0.4, 0.0) == Cell.FREE
+
+
+@settings(max_examples=20, deadline=None)
+@given(
+    st.lists(st.tuples(st.integers(-1500, 1500), st.integers(-1500, 1500)), min_size=1, max_size=4)
+)
+def test_growing_keeps_what_is_known(cells):
+    world_map = TopDownMap(CONFIG)
+    world_map.merge(the_table())
+    before = known(world_map)
+    for row, column in cells:
+        world_map.mark_occupied(np.array([[0.05 * (column + 0.5), 0.05 * (row + 0.5)]]))
+    assert known(world_map) == before | dict.fromkeys(cells, Cell.OCCUPIED)
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.integers(-400, 400), st.integers(-400, 400))
+def test_the_map_does_not_depend_on_where_the_frame_begins(row, column):
+    # A place of whole cells away, and a hair's breadth off the cells' edges against rounding.
+    x, y = 0.05 * column, 0.05 * row
+    here, boxes = Pose2(0.013, 0.017, 0.3), [FLOOR, TABLE]
+    there = Pose2(0.013 + x, 0.017 + y, 0.3)
+    first, second = map_of(boxes, [here]), map_of(moved(boxes, x, y), [there])
+    a, b = known(first), known(second)
+    shifted = {(r + row, c + column): state for (r, c), state in a.items()}
+    different = {cell for cell in shifted | b if shifted.get(cell) != b.get(cell)}
+    assert len(different) < 0.01 * len(a)
+
+
+def test_the_grid_is_a_view_that_cannot_be_written():
+    world_map = map_of([FLOOR], [HERE])
+    first, second = world_map.grid, world_map.grid
+    assert np.shares_memory(first.cells, second.cells)
+    with pytest.raises(ValueError, match="read-only"):
+        first.cells[0, 0] = Cell.FREE
+
+
+def test_a_new_map_knows_nothing_and_can_be_asked():
+    grid = TopDownMap(CONFIG).grid
+    assert not grid.explored.any()
+    assert grid.state_at(0.0, 0.0) == Cell.UNKNOWN
+
+
+def parts():
+    """Three maps that overlap and disagree: the table was carried away before the second."""
+    table = map_of([FLOOR, TABLE], [HERE])
+    empty = map_of([FLOOR], [Pose2(-3.0, 1.0, 0.2)] * 3)
+    bumped = map_of([FLOOR], [Pose2(20.0, -9.0, 2.0)])
+    bumped.mark_occupied(np.array([[2.4, 0.0], [1.0, 1.0]]))
+    return [table, empty, bumped]
+
+
+def test_merging_in_any_order_gives_the_same_map():
+    outcomes = []
+    for order in itertools.permutations(range(3)):
+        merged = TopDownMap(CONFIG)
+        for part in (parts()[i] for i in order):
+            merged.merge(part)
+        outcomes.append((merged.grid.origin, merged.grid.cells.tobytes()))
+    assert len(set(outcomes)) == 1
+
+
+def test_merging_keeps_obstacles_changes_nothing_twice_and_leaves_the_other_alone():
+    first, second, _ = parts()
+    before = known(second)
+    first.merge(second)
+    once = known(first)
+    first.merge(second)
+    assert known(first) == once
+    assert known(second) == before
+    table = {c for c, s in known(parts()[0]).items() if s == Cell.OCCUPIED}
+    assert all(once[cell] == Cell.OCCUPIED for cell in table)
+    assert before.keys() <= once.keys()
+
+
+def test_a_merged_map_goes_on_clearing():
+    merged = TopDownMap(CONFIG)
+    merged.merge(map_of([FLOOR, TABLE], [HERE]))
+    for _ in range(CONFIG.max_evidence):
+        merged.integrate(view_of([FLOOR], HERE))
+    assert merged.grid.state_at(2.02, 0.0) == Cell.FREE
+
+
+def test_maps_of_different_configurations_do_not_merge():
+    with pytest.raises(MapError, match="same configuration"):
+        TopDownMap(CONFIG).merge(TopDownMap(MappingConfig(cell_size_m=0.1)))
+
+
+@pytest.mark.parametrize(
+    ("robot", "camera_x", "words"),
+    [
+        (Pose2(math.nan, 0.0, 0.0), 0.0, "finite"),
+        (HERE, math.inf, "finite"),
+        (Pose2(1e6, 0.0, 0.0), 0.0, "max_side_m"),
+    ],
+)
+def test_an_impossible_pose_is_refused_and_changes_nothing(robot, camera_x, words):
+    world_map = map_of([FLOOR], [HERE])
+    before = known(world_map)
+    good = view_of([FLOOR], HERE)
+    pose = Transform(good.camera_to_map.rotation, np.array([camera_x, 0.0, 0.88]))
+    with pytest.raises(MapError, match=words):
+        world_map.integrate(Observation(good.rgb, good.depth, good.camera, pose, robot))
+    assert known(world_map) == before
+
+
+def test_a_bump_nowhere_is_refused():
+    with pytest.raises(MapError, match="finite"):
+        TopDownMap(CONFIG).mark_occupied(np.array([[math.nan, 0.0]]))
+    TopDownMap(CONFIG).mark_occupied(np.zeros((0, 2)))
+
+
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        ({"obstacle_max_height_m": 0.05}, "obstacle_min_height_m must be less"),
+        ({"min_depth_m": 6.0}, "min_depth_m must be less"),
+        ({"occupied_evidence": 7}, "must not exceed max_evidence"),
+        ({"voxel_height_m": 0.01}, "at most 32"),
+        ({"cell_size": 0.1}, "cell_size"),
+    ],
+)
+def test_a_wrong_configuration_says_why(wrong, words):
+    with pytest.raises(ValidationError, match=words):
+        MappingConfig(**wrong)
