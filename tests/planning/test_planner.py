@@ -1,0 +1,275 @@
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import array_shapes, arrays
+
+from drawn_grids import drawn
+from grid_graphs import cheapest_ways
+from hypernav.core.grid import Cell, OccupancyGrid
+from hypernav.planning import Path, Planner, PlanningConfig
+from hypernav.planning.motion_kernels import cost_of_line
+from hypernav.planning.planner import is_blocked
+from hypernav.planning.search import astar, costs_to_go
+from hypernav.planning.terrain import Terrain
+
+CONFIG = PlanningConfig()
+PAPER = PlanningConfig(comfort_cost=0.0, targets="nearest-straight", steering="waypoint")
+# Costs that floats hold exactly, so that equal ways are equal.
+cost_grids = arrays(
+    np.float32,
+    array_shapes(min_dims=2, max_dims=2, min_side=2, max_side=20),
+    elements=st.sampled_from([0.0, 1.0, 1.0, 1.0, 2.0, 6.0]),
+)
+coarse_maps = arrays(np.uint8, (8, 8), elements=st.sampled_from([0, 1, 1, 1, 1, 1, 2]))
+DOOR = """
+    .....##.....
+    .....##.....
+    ............
+    ............
+    .....##.....
+    .....##.....
+"""
+
+
+def grid_of(coarse, scale=5, origin=(-0.7, 1.3)):
+    return OccupancyGrid(np.kron(coarse, np.ones((scale, scale), np.uint8)), 0.05, origin)
+
+
+def middles(grid):
+    """Two places somewhere on the grid."""
+    rows, columns = grid.cells.shape
+    x, y = grid.origin
+    place = st.tuples(
+        st.floats(x + 0.01, x + columns * 0.05 - 0.01), st.floats(y + 0.01, y + rows * 0.05 - 0.01)
+    )
+    return st.tuples(place, place)
+
+
+def draw_cell(data, shape):
+    return tuple(data.draw(st.integers(0, side - 1)) for side in shape)
+
+
+@settings(deadline=None)
+@given(cost_grids, st.data())
+def test_astar_finds_the_cheapest_way(costs, data):
+    start, end = draw_cell(data, costs.shape), draw_cell(data, costs.shape)
+    costs[start] = max(costs[start], 1.0)
+    targets = np.zeros(costs.shape, np.uint8)
+    targets[end] = targets[draw_cell(data, costs.shape)] = 1
+    expected = cheapest_ways(costs, start)[targets > 0].min()
+    path, cost = astar(costs, start, targets)
+    assert cost == pytest.approx(expected, rel=1e-4)
+    assert (len(path) > 0) == np.isfinite(expected)
+    if len(path) > 0:
+        assert tuple(path[0]) == start
+        assert targets[tuple(path[-1])]
+        walked = 0.0
+        for (r, c), (s, d) in pairwise(path.tolist()):
+            assert max(abs(s - r), abs(d - c)) == 1
+            assert costs[s, d] > 0
+            assert costs[r, d] > 0  # no corner is cut
+            assert costs[s, c] > 0
+            walked += np.hypot(s - r, d - c) * (costs[r, c] + costs[s, d]) / 2
+        assert walked == pytest.approx(expected, rel=1e-4)
+
+
+@settings(deadline=None)
+@given(cost_grids, st.data())
+def test_costs_to_go_are_those_of_the_cheapest_ways(costs, data):
+    end, robot = draw_cell(data, costs.shape), draw_cell(data, costs.shape)
+    costs[end] = max(costs[end], 1.0)
+    expected = cheapest_ways(costs, end)
+    found = costs_to_go(costs, end, robot, 4.0)
+    needed = (
+        expected <= expected[robot] + 4.0 if np.isfinite(expected[robot]) else expected < np.inf
+    )
+    np.testing.assert_allclose(found[needed], expected[needed], rtol=1e-4)
+    assert (found >= expected * 0.9999).all()
+
+
+def test_no_target_is_no_way():
+    path, cost = astar(np.ones((4, 4), np.float32), (0, 0), np.zeros((4, 4), np.uint8))
+    assert len(path) == 0
+    assert cost == np.inf
+
+
+@settings(deadline=None)
+@given(cost_grids, st.data())
+def test_the_cost_of_a_line_is_the_sum_over_its_cells(costs, data):
+    rows, columns = costs.shape
+    ends = [data.draw(st.floats(0.01, side - 0.01)) for side in (rows, columns) * 2]
+    share = (np.arange(20000) + 0.5) / 20000
+    r = np.floor(ends[0] + share * (ends[2] - ends[0])).astype(int)
+    c = np.floor(ends[1] + share * (ends[3] - ends[1])).astype(int)
+    length = np.hypot(ends[2] - ends[0], ends[3] - ends[1])
+    cost = cost_of_line(costs, *ends)
+    if (costs[r, c] == 0).any():
+        assert cost == np.inf
+    elif np.isfinite(cost):  # it may touch a closed cell's corner between two samples
+        assert cost == pytest.approx(length * costs[r, c].mean(), rel=1e-3, abs=2e-3)
+        assert cost == pytest.approx(cost_of_line(costs, *ends[2:], *ends[:2]), rel=1e-6, abs=1e-9)
+
+
+@pytest.mark.parametrize("ends", [(0.5, 0.5, 1.5, 1.5), (1.5, 1.5, 0.5, 0.5)])
+@pytest.mark.parametrize("closed", [(0, 1), (1, 0)])
+def test_a_line_through_a_corner_touches_both_cells_beside_it(ends, closed):
+    costs = np.ones((2, 2), np.float32)
+    costs[closed] = 0.0
+    assert cost_of_line(costs, *ends) == np.inf
+
+
+def test_a_line_that_leaves_the_grid_is_closed():
+    costs = np.ones((3, 3), np.float32)
+    assert cost_of_line(costs, 1.5, 1.5, 1.5, 4.0) == np.inf
+    assert cost_of_line(costs, 1.5, -0.5, 1.5, 1.5) == np.inf
+
+
+@settings(deadline=None, max_examples=150)
+@given(coarse_maps, st.sampled_from([CONFIG, PAPER]), st.data())
+def test_a_path_never_touches_an_inflated_obstacle(coarse, config, data):
+    grid = grid_of(coarse)
+    start, target = data.draw(middles(grid))
+    path = Planner(config).plan(grid, start, np.array([target]))
+    assume(path is not None)
+    assert path.waypoints[0] == start
+    obstacles = grid.centres_of(np.argwhere(grid.occupied))
+    inflated = np.ones(grid.cells.shape, bool)
+    middle = grid.centres_of(np.argwhere(inflated))
+    away = np.full(len(middle), np.inf)
+    for obstacle in obstacles:
+        away = np.minimum(away, np.hypot(*(middle - obstacle).T))
+    inflated = (away <= config.inflation_m + 1e-9).reshape(grid.cells.shape)
+    corners = path.waypoints
+    if not grid.inside(*grid.cell_of(*start)) or inflated[grid.cell_of(*start)]:
+        corners = corners[1:]  # the way out
+    for a, b in pairwise(corners):
+        points = np.linspace(a, b, max(int(np.hypot(b[0] - a[0], b[1] - a[1]) / 0.002), 2))
+        cells = grid.cells_of(points)
+        cells = cells[((cells >= 0) & (cells < np.array(grid.cells.shape))).all(axis=1)]
+        assert not inflated[cells[:, 0], cells[:, 1]].any()
+    assert grid.state_at(*path.end) == Cell.FREE
+    assert path.length_m >= np.hypot(*(np.array(path.end) - start)) - 1e-9
+    assert path.gap_m <= config.max_gap_m
+    if path.gap_m == 0.0:
+        assert grid.cell_of(*path.end) == grid.cell_of(*target)
+
+
+def test_a_path_across_open_floor_is_one_straight_line():
+    path = Planner(CONFIG).plan(drawn("....\n" * 4, scale=20), (0.3, 0.4), np.array([[3.0, 1.7]]))
+    assert len(path.waypoints) == 2
+    assert path.length_m == pytest.approx(np.hypot(2.7, 1.3), abs=0.05)
+
+
+def test_a_way_through_a_door_keeps_to_its_middle_where_comfort_counts():
+    grid = drawn(DOOR, scale=10)  # the door is y 1 to 2, and the way could stay at y 1.25
+    start, target = (0.5, 1.25), np.array([[5.5, 1.25]])
+    direct = Planner(PAPER).plan(grid, start, target)
+    comfortable = Planner(CONFIG).plan(grid, start, target)
+    assert len(direct.waypoints) == 2
+    middle = max(y for x, y in comfortable.waypoints if 2.0 < x < 4.0)
+    assert middle == pytest.approx(1.45, abs=0.1)
+
+
+def test_the_unknown_is_dearer_or_forbidden_as_configured():
+    grid = drawn(
+        """
+        .....
+        .???.
+        .???.
+        .???.
+        """,
+        scale=10,
+    )
+    start, target = (0.25, 0.25), np.array([[2.25, 0.25]])
+    through = Planner(PlanningConfig(unknown_cost=1.0)).plan(grid, start, target)
+    assert through.length_m == pytest.approx(2.0, abs=0.05)
+    around = Planner(PlanningConfig(unknown_cost=9.0)).plan(grid, start, target)
+    assert around.length_m > 4.0
+    grid.cells[20:] = Cell.UNKNOWN
+    assert Planner(PlanningConfig(unknown_cost=9.0)).plan(grid, start, target) is not None
+    assert Planner(PlanningConfig(unknown_cost=0.0)).plan(grid, start, target) is None
+
+
+def test_of_several_targets_the_configured_one_is_gone_to():
+    grid = drawn(
+        """
+        ......
+        ......
+        #####.
+        ......
+        ......
+        """,
+        scale=10,
+    )
+    start = (0.5, 0.5)
+    targets = np.array([[0.5, 2.0], [2.6, 0.5]])  # near behind the wall, or farther on this side
+    assert Planner(PAPER).plan(grid, start, targets).end == pytest.approx((0.5, 2.0), abs=0.03)
+    assert Planner(CONFIG).plan(grid, start, targets).end == pytest.approx((2.6, 0.5), abs=0.03)
+
+
+def test_a_target_inside_an_obstacle_moves_to_the_nearest_open_cell():
+    grid = drawn("..........\n" * 4 + "....##....\n" * 2 + "..........\n" * 4, scale=10)
+    path = Planner(PAPER).plan(grid, (0.5, 2.5), np.array([[2.05, 2.5]]))
+    assert path.end == pytest.approx((1.75, 2.5), abs=0.06)
+    assert path.gap_m == pytest.approx(0.3, abs=0.06)
+
+
+def test_a_target_too_deep_inside_is_no_destination():
+    grid = drawn("....######\n" * 6, scale=10)
+    target = np.array([[4.0, 1.5]])
+    assert Planner(CONFIG).plan(grid, (0.5, 1.5), target) is None
+    far = PlanningConfig(max_gap_m=3.0)
+    assert Planner(far).plan(grid, (0.5, 1.5), target).gap_m == pytest.approx(2.25, abs=0.1)
+
+
+def test_a_target_off_the_map_moves_to_the_nearest_known_cell():
+    grid = drawn("....\n" * 4, scale=10)
+    path = Planner(CONFIG).plan(grid, (0.5, 1.0), np.array([[2.6, 1.0]]))
+    assert path.end == pytest.approx((1.975, 1.0), abs=0.06)
+    assert Planner(CONFIG).plan(grid, (0.5, 1.0), np.array([[40.0, 1.0]])) is None
+
+
+def test_a_robot_inside_an_inflated_obstacle_gets_out_first():
+    grid = drawn("#.........\n" * 4, scale=10)
+    path = Planner(CONFIG).plan(grid, (0.55, 1.0), np.array([[4.0, 1.0]]))
+    assert path.waypoints[0] == (0.55, 1.0)
+    assert path.waypoints[1][0] == pytest.approx(0.725, abs=0.03)
+
+
+def test_a_robot_that_is_walled_in_has_no_way():
+    grid = drawn("##########\n" * 8, scale=10)
+    assert Planner(CONFIG).plan(grid, (2.0, 2.0), np.array([[4.0, 2.0]])) is None
+
+
+def test_a_path_to_where_the_robot_is_has_no_length():
+    grid = drawn("....\n" * 4, scale=10)
+    path = Planner(CONFIG).plan(grid, (1.0, 1.0), np.array([[1.0, 1.0]]))
+    assert path.length_m < 0.05
+    assert len(path.waypoints) == 2
+
+
+def test_the_grid_is_not_changed():
+    grid = drawn(DOOR, scale=10)
+    before = grid.cells.copy()
+    grid.cells.flags.writeable = False
+    Planner(CONFIG).plan(grid, (0.5, 1.25), np.array([[5.5, 1.25]]))
+    np.testing.assert_array_equal(grid.cells, before)
+
+
+def test_a_path_is_blocked_once_an_obstacle_lies_on_it():
+    grid = drawn("............\n" * 4, scale=10)
+    way = ((0.5, 1.0), (3.0, 1.0), (5.0, 1.5))
+    assert not is_blocked(way, Terrain.of(grid, CONFIG))
+    for row, column in ((20, 20), (26, 80)):  # on the first leg, on the last
+        blocked = OccupancyGrid(grid.cells.copy(), 0.05, grid.origin)
+        blocked.cells[row, column] = Cell.OCCUPIED
+        assert is_blocked(way, Terrain.of(blocked, CONFIG))
+    grid.cells[20, 10] = Cell.OCCUPIED  # where the robot stands: it has to get out anyway
+    assert not is_blocked(way, Terrain.of(grid, CONFIG))
+
+
+def test_the_length_of_a_path_is_that_of_its_legs():
+    assert Path(((0.0, 0.0), (3.0, 4.0), (3.0, 5.0)), 0.0).length_m == pytest.approx(6.0)
