@@ -1,0 +1,212 @@
+"""Planning and following in closed loop."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from drawn_grids import drawn
+from hypernav.core.actions import Action
+from hypernav.core.geometry import Pose2
+from hypernav.core.grid import Cell, OccupancyGrid
+from hypernav.mapping.distance_kernels import travel_cells
+from hypernav.planning import Navigator, Path, PathFollower, Planner, PlanningConfig
+from hypernav.planning.terrain import Terrain
+from random_rooms import DrivenRobot, random_rooms
+
+CONFIG = PlanningConfig()
+PAPER = PlanningConfig(comfort_cost=0.0, targets="nearest-straight", steering="waypoint")
+HALL = drawn("....................\n" * 20, scale=10, origin=(-5.0, -5.0))
+WAY = Path(((0.0, 0.0), (2.0, 0.0), (2.0, 2.0)), 0.0)
+
+
+def follower(path, config=PAPER):
+    follower = PathFollower(config)
+    follower.follow(path)
+    return follower
+
+
+@pytest.mark.parametrize(
+    ("yaw_deg", "action"),
+    [
+        (0.0, Action.MOVE_FORWARD),
+        (15.0, Action.MOVE_FORWARD),
+        (-15.0, Action.MOVE_FORWARD),
+        (15.1, Action.TURN_RIGHT),
+        (-15.1, Action.TURN_LEFT),
+        (179.0, Action.TURN_RIGHT),
+        (-179.0, Action.TURN_LEFT),
+    ],
+)
+def test_it_turns_if_the_next_waypoint_is_too_far_off_and_goes_otherwise(yaw_deg, action):
+    assert follower(WAY).next_action(Pose2(0.0, 0.0, math.radians(yaw_deg))) is action
+
+
+def test_a_waypoint_that_was_stepped_over_does_not_come_back():
+    way = follower(Path(((0.0, 0.0), (0.7, 0.0), (3.0, 0.1)), 0.0))
+    for x in (0.0, 0.4, 1.1, 1.6, 2.1):
+        assert way.next_action(Pose2(x, 0.0, 0.0)) is Action.MOVE_FORWARD
+    assert way.remaining(Pose2(1.6, 0.0, 0.0)) == ((1.6, 0.0), (3.0, 0.1))
+
+
+def test_it_arrives_within_the_tolerance_and_not_before():
+    way = follower(WAY)
+    assert way.next_action(Pose2(2.0, 1.7, math.pi / 2)) is Action.MOVE_FORWARD
+    assert not way.arrived
+    assert way.next_action(Pose2(2.0, 1.8, math.pi / 2)) is None
+    assert way.arrived
+
+
+def test_it_does_not_turn_back_to_an_end_that_it_stepped_over():
+    way = follower(WAY)
+    assert way.next_action(Pose2(2.0, 1.7, math.pi / 2)) is Action.MOVE_FORWARD
+    assert way.next_action(Pose2(2.13, 2.25, math.pi / 2)) is None
+    assert way.arrived
+
+
+def test_without_a_path_there_is_nothing_to_do():
+    way = follower(None)
+    assert way.next_action(Pose2(0.0, 0.0, 0.0)) is None
+    assert not way.arrived
+    assert way.remaining(Pose2(0.0, 0.0, 0.0)) == ()
+
+
+@settings(deadline=None, max_examples=60)
+@given(
+    st.floats(-3.5, 3.5),
+    st.floats(-3.5, 3.5),
+    st.floats(-4.0, 4.0),
+    st.sampled_from([CONFIG, PAPER]),
+)
+def test_over_open_floor_it_arrives_without_dithering(x, y, yaw, config):
+    robot, navigator = DrivenRobot(HALL, Pose2(0.0, 0.0, yaw)), Navigator(config)
+    actions = []
+    while len(actions) < 80:
+        action = navigator.towards(HALL, robot.pose, np.array([[x, y]]))
+        if action is None:
+            break
+        actions.append(action)
+        robot.do(action)
+    assert navigator.arrived
+    # Where steps of half a metre cannot come nearer, half a step and its sideways error remain.
+    assert robot.pose.distance_to(x, y) <= 0.36
+    least = math.hypot(x, y)
+    assert robot.travelled_m <= 1.1 * least + 0.75
+    assert actions.count(Action.TURN_LEFT) + actions.count(Action.TURN_RIGHT) <= 9 + least
+
+
+def open_cell(rng, terrain, from_cell=None):
+    """A random open cell; with `from_cell`, one more than 2 m of way from it."""
+    if from_cell is None:
+        candidates = np.argwhere(terrain.is_open)
+    else:
+        travel = travel_cells(terrain.is_open, *from_cell)
+        candidates = np.argwhere(np.isfinite(travel) & (travel > 40))
+    row, column = candidates[rng.integers(len(candidates))]
+    return int(row), int(column)
+
+
+def drive(seed, config, *, door_m, limit=300):
+    """Drive from one random place to another in random rooms; None if there is no other."""
+    rng = np.random.default_rng(seed)
+    grid = random_rooms(rng, door_m=door_m)
+    terrain = Terrain.of(grid, CONFIG)
+    start = open_cell(rng, terrain)
+    end = open_cell(rng, terrain, start)
+    goal = np.array([terrain.grid.centre_of(*end)])
+    pose = Pose2(*terrain.grid.centre_of(*start), rng.uniform(-math.pi, math.pi))
+    robot, navigator = DrivenRobot(grid, pose), Navigator(config)
+    known = OccupancyGrid(grid.cells.copy(), grid.resolution_m, grid.origin)
+    for _ in range(limit):
+        for x, y in navigator.bumped_points(robot.pose):
+            known.cells[known.cell_of(x, y)] = Cell.OCCUPIED
+        action = navigator.towards(known, robot.pose, goal)
+        if action is None:
+            break
+        navigator.note_action(robot.pose, action)
+        robot.do(action)
+    else:
+        raise AssertionError(f"seed {seed}: still driving after {limit} actions")
+    planned = Planner(config).plan(grid, pose.xy, goal)
+    return robot, robot.pose.distance_to(*goal[0]), planned.length_m
+
+
+@settings(deadline=None, max_examples=25)
+@given(st.integers(0, 2**32 - 1), st.floats(0.55, 1.0))
+def test_it_never_touches_what_the_map_shows_and_always_comes_to_an_end(seed, door_m):
+    robot, _, _ = drive(seed, CONFIG, door_m=door_m)
+    assert robot.bumps == 0
+
+
+@pytest.mark.parametrize("door_m", [0.65, 0.8])
+def test_it_gets_through_doors_and_around_furniture(door_m):
+    outcomes = [drive(seed, CONFIG, door_m=door_m) for seed in range(30)]
+    there = [off <= 0.36 for _, off, _ in outcomes]
+    assert sum(there) >= 29
+    detours = [r.travelled_m / planned for r, off, planned in outcomes if off <= 0.36]
+    assert np.mean(detours) < 1.15
+
+
+def test_the_papers_follower_gets_through_doors_too():
+    outcomes = [drive(seed, PAPER, door_m=0.9) for seed in range(20)]
+    assert sum(off <= 0.5 for _, off, _ in outcomes) >= 17
+
+
+def test_a_path_that_becomes_blocked_is_planned_anew():
+    navigator, goal = Navigator(CONFIG), np.array([[4.0, 0.0]])
+    grid = OccupancyGrid(HALL.cells.copy(), 0.05, HALL.origin)
+    navigator.towards(grid, Pose2(-4.0, 0.0, 0.0), goal)
+    before = navigator.path
+    navigator.towards(grid, Pose2(-3.5, 0.0, 0.0), goal)
+    assert navigator.path is before
+    grid.cells[80:120, 100:104] = Cell.OCCUPIED
+    navigator.towards(grid, Pose2(-3.0, 0.0, 0.0), goal)
+    assert navigator.path is not before
+    assert navigator.path.length_m > 7.3
+
+
+def test_a_path_is_planned_anew_after_so_many_steps():
+    navigator, goal = Navigator(CONFIG), np.array([[4.0, 0.0]])
+    paths = []
+    for _ in range(25):
+        navigator.towards(HALL, Pose2(-4.0, 0.0, 0.0), goal)
+        paths.append(navigator.path)
+    assert len({id(path) for path in paths}) == 3
+
+
+def test_no_way_is_not_an_arrival():
+    grid = OccupancyGrid(HALL.cells.copy(), 0.05, HALL.origin)
+    grid.cells[:, 100:110] = Cell.OCCUPIED
+    navigator = Navigator(PlanningConfig(unknown_cost=0.0))
+    assert navigator.towards(grid, Pose2(-2.0, 0.0, 0.0), np.array([[3.0, 0.0]])) is None
+    assert not navigator.arrived
+    assert navigator.remaining(Pose2(-2.0, 0.0, 0.0)) == []
+
+
+def test_a_step_cut_short_is_a_bump_and_a_full_one_is_not():
+    navigator, before = Navigator(CONFIG), Pose2(0.0, 0.0, 0.0)
+    assert len(navigator.bumped_points(before)) == 0
+    navigator.note_action(before, Action.MOVE_FORWARD)
+    assert len(navigator.bumped_points(Pose2(0.5, 0.0, 0.0))) == 0
+    points = navigator.bumped_points(Pose2(0.1, 0.0, 0.0))
+    assert len(points) > 0
+    # Ahead of the robot, at its edge or beyond.
+    assert (points[:, 0] > 0.25).all()
+    assert (np.hypot(points[:, 0] - 0.1, points[:, 1]) > 0.18).all()
+    navigator.note_action(before, Action.TURN_LEFT)
+    assert len(navigator.bumped_points(before)) == 0
+
+
+def test_the_same_situation_gives_the_same_actions():
+    def actions():
+        robot, navigator = DrivenRobot(HALL, Pose2(0.0, 0.0, 1.0)), Navigator(CONFIG)
+        for _ in range(12):
+            action = navigator.towards(HALL, robot.pose, np.array([[3.0, -2.0]]))
+            if action is None:
+                return
+            yield action
+            robot.do(action)
+
+    assert list(actions()) == list(actions())
