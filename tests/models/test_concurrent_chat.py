@@ -2,8 +2,8 @@ import asyncio
 import time
 
 import pytest
-from chat_models import Parrot
 
+from chat_models import Parrot
 from hypernav.core.chat import Question
 from hypernav.core.errors import ModelUnavailableError
 from hypernav.models.chat_config import ChatConfig

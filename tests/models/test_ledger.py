@@ -2,8 +2,8 @@ import json
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
-from chat_models import Parrot
 
+from chat_models import Parrot
 from hypernav.core.chat import Question
 from hypernav.core.errors import ModelUnavailableError
 from hypernav.models.ledger import Ledger, LedgerChat

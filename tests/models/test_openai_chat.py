@@ -3,8 +3,8 @@ import threading
 
 import numpy as np
 import pytest
-from chat_models import picture
 
+from chat_models import picture
 from hypernav.core.chat import Fault, Question, Usage
 from hypernav.core.errors import ConfigError, ModelRejectedError, ModelUnavailableError
 from hypernav.models.chat_config import ChatConfig

@@ -2,8 +2,8 @@ import dataclasses
 from pathlib import Path
 
 import pytest
-from chat_models import Parrot, picture
 
+from chat_models import Parrot, picture
 from hypernav.core.chat import Question
 from hypernav.core.errors import ModelUnavailableError, RecordingError
 from hypernav.models.recording import RecordingChat, ReplayChat

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
-from chat_models import picture
 from hypothesis import given
 from hypothesis import strategies as st
 
+from chat_models import picture
 from hypernav.core.boxes import Box
 from hypernav.core.errors import ConfigError, ModelError
 from hypernav.models.vlm_families import FAMILIES, family_named, family_of, smart_resize
