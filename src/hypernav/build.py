@@ -57,7 +57,11 @@ def preset(name: PresetName) -> HyPerNavConfig:
         return HyPerNavConfig()
     return HyPerNavConfig(
         local=LocalConfig(
-            target="latest", pick="first", max_missed_share=1.0, largest_cluster_only=False
+            target="latest",
+            pick="first",
+            max_missed_share=1.0,
+            min_mean_score=0.0,
+            largest_cluster_only=False,
         ),
         planning=PlanningConfig(
             comfort_cost=0.0,

@@ -151,3 +151,14 @@ def test_a_far_sighting_behind_a_rejected_area_is_not_followed():
     local.reject_target()
     local.look(thing_before_wall(thing_m=7.0, wall_m=9.0, robot=Pose2(-5.0, 0.0, 0.0)))
     assert local.far_bearing is None
+
+
+def test_uncertain_detections_do_not_convince():
+    faint = [Detection(Box(60.0, 40.0, 100.0, 80.0), 0.31, "bed")]
+    local = perception(ScriptedDetector([faint, faint, seen()]), min_mean_score=0.45)
+    local.look(thing_before_wall())
+    local.look(thing_before_wall())
+    assert not local.is_convincing
+    local.look(thing_before_wall())
+    assert local.target.mean_score == pytest.approx((0.31 + 0.31 + 0.9) / 3)
+    assert local.is_convincing

@@ -187,7 +187,9 @@ class SearchAgent:
             return _Decision(turn, Mode.VERIFY, f"turning to face the {self._goal.thing}")
         view = target.best_view if self._config.verify_view == "best" else observation
         with clock("verify"):
-            present = self._presence is None or self._presence.is_present(view, self._goal)
+            present = self._local.is_convincing and (
+                self._presence is None or self._presence.is_present(view, self._goal)
+            )
         if present:
             self._events.append("goal reached")
             return _Decision(Action.STOP, Mode.STOP, f"here is the {self._goal.thing}")

@@ -17,7 +17,7 @@ from hypernav.core.errors import (
     UnparsableAnswerError,
 )
 
-Picture = UInt8[np.ndarray, "height width 3"]
+Picture = UInt8[np.ndarray, "_ _ 3"]
 
 
 @dataclass(frozen=True, eq=False)

@@ -39,6 +39,8 @@ class LocalConfig(RoomConfig):
         pick: Which of several detections becomes the target: the detector's "first" (paper), or
             the one "nearest" to the robot.
         min_sightings: A target counts only when seen in this many pictures.
+        min_mean_score: A target whose detections were less certain on average is rejected when the
+            robot stands before it.
         max_missed_share: A held target is dropped when, of the pictures that should have shown it,
             more than this share did not. 1 never drops one.
         min_verdicts: Pictures needed before that share is believed.
@@ -54,6 +56,7 @@ class LocalConfig(RoomConfig):
     target: Literal["latest", "hold"] = "hold"
     pick: Literal["first", "nearest"] = "nearest"
     min_sightings: int = 1
+    min_mean_score: float = 0.45
     max_missed_share: float = 0.75
     min_verdicts: int = 4
 
@@ -66,6 +69,7 @@ class Target:
         area: Where it is.
         best_view: The picture that showed it largest.
         best_pixels: How large that was, square pixels of the box.
+        mean_score: Of the detections in the pictures that showed it.
         sightings: Pictures that showed it.
         misses: Pictures that should have shown it and did not.
     """
@@ -73,6 +77,7 @@ class Target:
     area: GoalArea
     best_view: Observation
     best_pixels: float
+    mean_score: float
     sightings: int = 1
     misses: int = 0
 
@@ -125,6 +130,12 @@ class LocalPerception:
         if self._target is None or self._target.sightings < self._config.min_sightings:
             return None
         return self._target
+
+    @property
+    def is_convincing(self) -> bool:
+        """Whether the detections of the target were certain enough on average."""
+        target = self._target
+        return target is not None and target.mean_score >= self._config.min_mean_score
 
     def reject_target(self) -> None:
         """Drop the target and never take anything in its area for the goal again."""
@@ -216,13 +227,15 @@ class LocalPerception:
     def _merged(self, candidate: _Candidate, observation: Observation) -> Target:
         old, pixels = self._target, candidate.detection.box.area
         if old is None or not _same_place(candidate.area, old.area):
-            return Target(candidate.area, observation, pixels)
+            return Target(candidate.area, observation, pixels, float(candidate.detection.score))
         better = pixels > old.best_pixels
         hold = self._config.target == "hold"
         return Target(
             area=old.area.joined(candidate.area) if hold else candidate.area,
             best_view=observation if better else old.best_view,
             best_pixels=max(pixels, old.best_pixels),
+            mean_score=old.mean_score
+            + (float(candidate.detection.score) - old.mean_score) / (old.sightings + 1),
             sightings=old.sightings + 1,
             misses=old.misses,
         )
