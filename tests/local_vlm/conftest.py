@@ -28,7 +28,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 @pytest.fixture(scope="session", autouse=True)
 def torch_or_skip() -> None:
     """Skip all of this folder without torch; quiet and offline with it."""
-    pytest.importorskip("torch", reason=_HOW)
+    torch = pytest.importorskip("torch", reason=_HOW)
+    torch.set_num_threads(1)  # networks this small only wait for each other's threads
     os.environ["HF_HUB_OFFLINE"] = "1"
     from cpu_torchvision import prepare
 
@@ -72,7 +73,12 @@ def transformers_server(
         ],
         stdout=log,
         stderr=subprocess.STDOUT,
-        env={**os.environ, "HF_HUB_OFFLINE": "1", "HF_HUB_CACHE": str(cache)},
+        env={
+            **os.environ,
+            "HF_HUB_OFFLINE": "1",
+            "HF_HUB_CACHE": str(cache),
+            "OMP_NUM_THREADS": "1",
+        },
     )
     try:
         _wait_for(f"http://127.0.0.1:{port}/health", process, cache / "server.log")
