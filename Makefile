@@ -9,7 +9,7 @@ demo: $(VENV)/.installed  ## search for a bed in the built-in house
 	$(BIN)/hypernav find bed --out runs/demo
 
 test: $(VENV)/.installed-dev  ## the tests, in a few minutes
-	$(BIN)/pytest -n auto -m "not slow"
+	$(BIN)/pytest -n auto -m "not slow and not freeze"
 
 slow: $(VENV)/.installed-dev  ## the longer checks
 	$(BIN)/pytest -n auto -m slow

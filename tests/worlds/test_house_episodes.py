@@ -217,7 +217,7 @@ def test_a_cache_that_cannot_be_written_is_done_without(box_houses, tmp_path):
     assert episode_cache.cached_episodes(5, "categories", occupied).episodes
 
 
-@pytest.mark.slow
+@pytest.mark.freeze
 @pytest.mark.parametrize("name", ["houses-val", "houses-ovon"])
 def test_the_whole_split_obeys_the_laws(name):
     split = SPLITS[name]
