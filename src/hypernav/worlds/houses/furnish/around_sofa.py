@@ -24,12 +24,12 @@ def put_cushions(site: Site, couch: Placed) -> None:
     model = couch.model
     if model.width < 1.2 or site.dice.chance(0.25):
         return
-    back = model.low[1] + 0.33
+    back = model.low[1] + 0.47
     for s in (-1.0, 1.0):
         if site.dice.chance(0.7):
             cushion = textiles.sofa_cushion(site.dice, site.taste)
-            x, y = turned_point(s * (model.width / 2 - 0.42), back, couch.yaw_deg)
-            site.put(cushion, Spot(couch.x + x, couch.y + y, couch.yaw_deg, 0.46), on_top=True)
+            x, y = turned_point(s * (model.width / 2 - 0.47), back, couch.yaw_deg)
+            site.put(cushion, Spot(couch.x + x, couch.y + y, couch.yaw_deg, 0.475), on_top=True)
 
 
 def furnish_around(site: Site, couch: Placed) -> None:

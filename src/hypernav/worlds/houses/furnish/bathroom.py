@@ -59,7 +59,7 @@ def furnish_bathroom(site: Site, *, with_washer: bool) -> None:
             laundry.washing_machine(dice, taste), front=0.55, access=True, where="corner"
         )
         scatter(site, washer, (household.detergent, textiles.folded_towels), 1)
-    site.on_wall(walls.towel_rack(dice, taste), sides=SIDES, z=1.0)
+    site.on_wall(walls.towel_rack(dice, taste), sides=SIDES, z=0.82)
     site.on_wall(walls.toilet_paper(dice, taste), sides=SIDES, z=0.65)
     for maker, chance in (
         (household.trash_can, 0.6),

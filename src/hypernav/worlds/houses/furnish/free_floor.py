@@ -96,8 +96,14 @@ class FreeFloor:
         self._anchors += anchors
 
     def standing_points(self) -> Float64[np.ndarray, "n 2"]:
-        """Middles of the cells where a slim robot may stand, 10 cm apart."""
-        rows, columns = np.nonzero(self._standing[::2, ::2])
+        """Middles of the cells where a slim robot may stand and get to, 10 cm apart."""
+        _, parts, stats, _ = cv2.connectedComponentsWithStats(
+            self._standing.view(np.uint8), connectivity=4
+        )
+        if len(stats) < 2:
+            return np.zeros((0, 2))
+        largest = 1 + int(stats[1:, cv2.CC_STAT_AREA].argmax())
+        rows, columns = np.nonzero(parts[::2, ::2] == largest)
         x, y = self._origin
         return np.column_stack([x + (2 * columns + 0.5) * _CELL_M, y + (2 * rows + 0.5) * _CELL_M])
 

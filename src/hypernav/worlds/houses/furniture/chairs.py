@@ -242,7 +242,7 @@ def rocking_chair(dice: Dice, taste: Taste) -> Model:
     frame = taste.furniture_wood(dice)
     for s in (-1.0, 1.0):
         x = s * 0.25
-        runner = [(x, y, z - 1.1 + 1.118) for y, z in arc((0.0, 0.0), 1.1, 250, 290, 12)]
+        runner = [(x, y, z + 1.118) for y, z in arc((0.0, 0.0), 1.1, 250, 290, 12)]
         bench.add(frame, tube([(px, py, pz) for px, py, pz in runner], 0.018))
         bench.add(
             frame,

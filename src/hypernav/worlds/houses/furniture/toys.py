@@ -110,7 +110,7 @@ def dollhouse(dice: Dice, taste: Taste) -> Model:
         bench.add(wall, box(0.6, 0.3, 0.02, at=(0, 0, z)))
     slope = box(0.44, 0.34, 0.02)
     for s in (-1.0, 1.0):
-        bench.add(roof, slope.moved(s * -0.22, 0, 0).turned(s * 38, "y").moved(0, 0, 0.86))
+        bench.add(roof, slope.moved(s * -0.22, 0, 0).turned(-s * 38, "y").moved(0, 0, 0.86))
     for k in range(4):
         bench.add(
             plastic(dice.choice(("red", "yellow", "blue", "green"))),

@@ -169,18 +169,18 @@ def towel_rack(dice: Dice, taste: Taste) -> Model:
     """A rail with a towel or two."""
     bench = Bench()
     metal = dice.choice((CHROME, BLACK_METAL, BRASS))
-    for z in (0.35, 0.1):
+    for z in (0.53, 0.28):
         bench.add(metal, rod((-0.3, 0.05, z), (0.3, 0.05, z), 0.009))
     for s in (-1.0, 1.0):
         bench.add(
             metal,
-            rod((s * 0.3, -0.03, 0.35), (s * 0.3, 0.05, 0.35), 0.008),
-            rod((s * 0.3, -0.03, 0.1), (s * 0.3, 0.05, 0.1), 0.008),
+            rod((s * 0.3, -0.03, 0.53), (s * 0.3, 0.05, 0.53), 0.008),
+            rod((s * 0.3, -0.03, 0.28), (s * 0.3, 0.05, 0.28), 0.008),
         )
     hue = dice.choice((taste.accent, "white", "light blue", taste.linen))
     for x, wide, high in ((-0.11, 0.32, 0.55), (0.17, 0.18, 0.35)):
-        front = cushion(wide, 0.02, high, radius=0.009, at=(x, 0.066, 0.37 - high))
-        back = cushion(wide, 0.018, high * 0.8, radius=0.008, at=(x, 0.034, 0.37 - high * 0.8))
+        front = cushion(wide, 0.02, high, radius=0.009, at=(x, 0.066, 0.55 - high))
+        back = cushion(wide, 0.018, high * 0.8, radius=0.008, at=(x, 0.034, 0.55 - high * 0.8))
         bench.add(terry(hue), front, back)
     return bench.model("towel rack", "towel rail", "towel holder", main=metal)
 
