@@ -19,7 +19,14 @@ import tyro
 from rich.console import Console
 from rich.table import Table
 
-from hypernav.build import AgentName, PresetName, build_agent, build_scene, preset
+from hypernav.build import (
+    AgentName,
+    PartSpecs,
+    PresetName,
+    build_agent,
+    build_scene,
+    preset,
+)
 from hypernav.core.config import layered
 from hypernav.core.goal import Goal
 from hypernav.evaluation import Episode, EpisodeResult
@@ -66,7 +73,7 @@ def run(search: Search) -> tuple[Search, EpisodeResult, list[str]]:
     world = world_of(search.scene, search.preset, search.assignments)
     goal, rng = Goal(search.goal), np.random.default_rng(search.seed)
     start = random_start(world.walkable, rng, world.regions.of(goal))
-    parts = build_agent(config, agent=search.agent, detector=search.detector)
+    parts = build_agent(config, PartSpecs(agent=search.agent, detector=search.detector))
     episode = Episode(parts.agent, world, goal, start, rng=rng)
     events = [event for step in episode for event in step.trace.events]
     return search, episode.result(), events

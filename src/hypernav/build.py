@@ -2,98 +2,81 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Any
 
-from hypernav.agents.config import SearchConfig
 from hypernav.agents.search import SearchAgent
-from hypernav.core.config import RoomConfig
-from hypernav.core.errors import ConfigError, SceneError
+from hypernav.build_perception import (
+    build_detector,
+    build_reasoner,
+    build_segmenter,
+    part_words,
+    wrap_chat,
+)
+from hypernav.core.errors import SceneError
 from hypernav.core.goal import Goal
-from hypernav.core.protocols import Detector
+from hypernav.core.protocols import BlockReasoner, Detector, PresenceCheck, Segmenter
 from hypernav.core.trace import ExchangeLog
-from hypernav.mapping import MappingConfig, TopDownMap
-from hypernav.models.yolox import YoloxDetector
+from hypernav.mapping import TopDownMap
+from hypernav.models import Ledger, RecordingChat, YoloxDetector
+from hypernav.part_specs import AgentName, ChosenParts, PartSpecs, choose_parts
 from hypernav.perception.depth_cut import DepthCutSegmenter
-from hypernav.perception.geometric import GeometricConfig, GeometricReasoner
-from hypernav.perception.ground_truth import GroundTruthDetector
-from hypernav.perception.local import LocalConfig, LocalPerception
+from hypernav.perception.geometric import GeometricReasoner
+from hypernav.perception.local import LocalPerception
 from hypernav.perception.nearest_frontier import NearestFrontierExplorer
-from hypernav.perception.overview import BlockExplorer, OverviewConfig
-from hypernav.planning import Navigator, PlanningConfig
-from hypernav.worlds import Scene, SimulationConfig, load_scene
+from hypernav.perception.overview import BlockExplorer
+from hypernav.perception.presence import VlmPresenceCheck
+from hypernav.perception.vlm_detector import VlmDetector
+from hypernav.perception.vlm_reasoner import VlmReasoner
+from hypernav.planning import Navigator
+from hypernav.presets import HyPerNavConfig, PresetName, PriceConfig, preset
+from hypernav.worlds import Scene, load_scene
 from hypernav.worlds.houses import BUILTIN_HOUSE, cached_house
 
-AgentName = Literal["hypernav", "frontier"]
-PresetName = Literal["default", "paper"]
+__all__ = [
+    "AgentName",
+    "AgentParts",
+    "HyPerNavConfig",
+    "PartSpecs",
+    "PresetName",
+    "build_agent",
+    "build_scene",
+    "build_search",
+    "house_number",
+    "preset",
+]
 
 _HOUSE_DIGITS = 9
 
 
-class HyPerNavConfig(RoomConfig):
-    """Everything that can be set, one section a room.
-
-    Attributes:
-        world: The simulated robot, its camera and its actions.
-        mapping: How the map is drawn.
-        local: How a detection becomes a goal area.
-        overview: How the map question is asked.
-        geometric: How blocks are weighed without a model.
-        planning: How the robot drives.
-        search: When to look, when to stop, when to think again.
-    """
-
-    world: SimulationConfig = SimulationConfig()
-    mapping: MappingConfig = MappingConfig()
-    local: LocalConfig = LocalConfig()
-    overview: OverviewConfig = OverviewConfig()
-    geometric: GeometricConfig = GeometricConfig()
-    planning: PlanningConfig = PlanningConfig()
-    search: SearchConfig = SearchConfig()
-
-
-def preset(name: PresetName) -> HyPerNavConfig:
-    """A named configuration: the published method, or the one that we measured to be better."""
-    if name == "default":
-        return HyPerNavConfig()
-    return HyPerNavConfig(
-        local=LocalConfig(
-            target="latest",
-            pick="first",
-            max_missed_share=1.0,
-            min_mean_score=0.0,
-            largest_cluster_only=False,
-        ),
-        planning=PlanningConfig(
-            comfort_cost=0.0,
-            targets="nearest-straight",
-            steering="waypoint",
-            replan_every_steps=10,
-        ),
-        search=SearchConfig(look_around_at_start=False, drop_explored=False, verify_view="current"),
-    )
-
-
-_REASONER_WORDS: dict[AgentName, str] = {
-    "hypernav": "geometric",
-    "frontier": "nearest frontier",
-}
-
-
 @dataclass(frozen=True)
 class AgentParts:
-    """An agent, and who in it sees and thinks, in words for people.
+    """An agent, who in it sees and thinks, and the books about what they were asked.
 
     Attributes:
         agent: Ready for `reset`.
         detector: What sees the goal.
-        detector_words: The same in words.
+        chosen: What it was built from.
+        detector_words: Who sees the goal, in words.
         reasoner_words: Who chooses where to look, in words.
+        segmenter_words: Who finds the pixels, in words.
+        ledger: What the chat model was asked; stays at zero without one.
+        price: Of its tokens.
+        reasoner: Chooses blocks; None for an agent without blocks.
+        presence: Looks once more; None if nobody does.
+        recording: Where exchanges with the chat model are written; None if nowhere.
     """
 
     agent: SearchAgent
     detector: Detector
+    chosen: ChosenParts
     detector_words: str
     reasoner_words: str
+    segmenter_words: str
+    ledger: Ledger
+    price: PriceConfig
+    reasoner: BlockReasoner | None = None
+    presence: PresenceCheck | None = None
+    recording: RecordingChat | None = None
 
     def check_goal(self, goal: Goal) -> None:
         """Refuse a goal that a detector with fixed classes can never see.
@@ -104,30 +87,97 @@ class AgentParts:
         if isinstance(self.detector, YoloxDetector):
             self.detector.check_goal(goal)
 
+    def take_report(self) -> dict[str, Any]:
+        """What the chat model was asked since the last report, for ``result.json``.
+
+        Returns:
+            ``ledger``: calls, tokens, seconds and retries per kind of question, and the cost if a
+            price is configured. ``fallbacks``: what was done in place of answers that could not
+            be used. Empty without a chat model.
+        """
+        if self.chosen.vlm is None:
+            return {}
+        ledger = self.ledger.as_dict(
+            price_in_per_million=self.price.in_per_million,
+            price_out_per_million=self.price.out_per_million,
+        )
+        self.ledger.clear()
+        fallbacks: dict[str, Any] = {}
+        if isinstance(self.detector, VlmDetector):
+            fallbacks["rejected_boxes"] = dict(sorted(self.detector.rejected.items()))
+            self.detector.rejected.clear()
+        if isinstance(self.reasoner, VlmReasoner):
+            fallbacks["geometric_choices"] = self.reasoner.fallbacks
+            self.reasoner.fallbacks = 0
+        if isinstance(self.presence, VlmPresenceCheck):
+            fallbacks["unsure_presence_checks"] = self.presence.unsure
+            self.presence.unsure = 0
+        return {"ledger": ledger, "fallbacks": fallbacks}
+
+    def close(self) -> None:
+        """End a recording; what was recorded is on disk already."""
+        if self.recording is not None:
+            self.recording.close()
+
 
 def build_agent(
-    config: HyPerNavConfig, *, agent: AgentName = "hypernav", detector: str = "ground-truth"
+    config: HyPerNavConfig, specs: PartSpecs | None = None, *, record: Path | None = None
 ) -> AgentParts:
     """Put an agent together.
 
     Args:
         config: Values of the method.
-        agent: How it explores.
-        detector: ``ground-truth``, or ``yolox:PATH.onnx``.
+        specs: Who sees and thinks; without a model by default.
+        record: Where to write every exchange with the chat model.
 
     Raises:
-        ConfigError: There is no such detector.
-        ModelError: Its file cannot be used.
-        MissingExtraError: It needs a package that is not installed.
+        ConfigError: Parts that do not exist, or do not go together.
+        ModelError: A model's file cannot be used.
+        RecordingError: A recording is missing, broken or in the way.
+        MissingExtraError: A part needs a package that is not installed.
     """
-    log = ExchangeLog()
-    seer, seer_words = build_detector(detector)
-    search = build_search(config, seer, log, agent=agent)
-    return AgentParts(search, seer, seer_words, _REASONER_WORDS[agent])
+    chosen = choose_parts(specs or PartSpecs(), presence=config.presence.enabled)
+    log, ledger = ExchangeLog(), Ledger()
+    chat, recording = wrap_chat(chosen, config, ledger, record)
+    detector = build_detector(chosen, config, chat, log)
+    segmenter = build_segmenter(chosen.segmenter, config)
+    reasoner = build_reasoner(chosen, config, chat, log)
+    presence = None
+    if chat is not None and chosen.presence == "vlm":
+        presence = VlmPresenceCheck(chat, log, config.presence)
+    agent = build_search(
+        config,
+        detector,
+        log,
+        agent=chosen.agent,
+        segmenter=segmenter,
+        reasoner=reasoner,
+        presence=presence,
+    )
+    return AgentParts(
+        agent=agent,
+        detector=detector,
+        chosen=chosen,
+        detector_words=part_words(chosen.detector, chosen, chat),
+        reasoner_words=part_words(chosen.reasoner, chosen, chat),
+        segmenter_words=part_words(chosen.segmenter, chosen, chat),
+        ledger=ledger,
+        price=config.price,
+        reasoner=reasoner,
+        presence=presence,
+        recording=recording,
+    )
 
 
 def build_search(
-    config: HyPerNavConfig, detector: Detector, log: ExchangeLog, *, agent: AgentName = "hypernav"
+    config: HyPerNavConfig,
+    detector: Detector,
+    log: ExchangeLog,
+    *,
+    agent: AgentName = "hypernav",
+    segmenter: Segmenter | None = None,
+    reasoner: BlockReasoner | None = None,
+    presence: PresenceCheck | None = None,
 ) -> SearchAgent:
     """An agent around any detector, for example one of your own.
 
@@ -136,38 +186,29 @@ def build_search(
         detector: Sees the goal.
         log: Where detector and reasoner write what they were asked.
         agent: How it explores.
+        segmenter: Finds the pixels in a box; cuts by depth unless given.
+        reasoner: Chooses blocks; geometric unless given.
+        presence: Looks once more before STOP; nobody unless given.
     """
     if agent == "hypernav":
-        reasoner = GeometricReasoner(log, config.geometric)
+        reasoner = reasoner or GeometricReasoner(log, config.geometric)
         explorer = BlockExplorer(reasoner, config.overview, config.mapping)
     else:
         explorer = NearestFrontierExplorer(log, config.mapping)
     return SearchAgent(
         world_map=TopDownMap(config.mapping),
         local=LocalPerception(
-            detector, DepthCutSegmenter(), config.local, cell_size_m=config.mapping.cell_size_m
+            detector,
+            segmenter or DepthCutSegmenter(),
+            config.local,
+            cell_size_m=config.mapping.cell_size_m,
         ),
         explorer=explorer,
         navigator=Navigator(config.planning),
-        presence=None,
+        presence=presence,
         log=log,
         config=config.search,
     )
-
-
-def build_detector(spec: str) -> tuple[Detector, str]:
-    """A detector and its name in words.
-
-    Raises:
-        ConfigError: The specification is not understood.
-    """
-    kind, _, place = spec.partition(":")
-    if spec == "ground-truth":
-        return GroundTruthDetector(), "ground truth"
-    if kind == "yolox" and place:
-        detector = YoloxDetector(Path(place))
-        return detector, f"YOLOX ({Path(place).name})"
-    raise ConfigError(f"unknown detector '{spec}'; use ground-truth or yolox:PATH.onnx")
 
 
 def build_scene(spec: str) -> Scene:

@@ -11,14 +11,17 @@ import tyro
 from rich.console import Console
 from rich.status import Status
 
-from hypernav.build import AgentName, PresetName, build_agent, build_scene, preset
-from hypernav.core.config import layered
+from hypernav.build import build_scene
+from hypernav.cli.agent_options import AgentOptions, FlatAgentOptions
 from hypernav.core.errors import ConfigError
 from hypernav.core.geometry import Pose2
 from hypernav.core.goal import Goal
 from hypernav.evaluation import Episode, EpisodeResult, EpisodeStep, Outcome
 from hypernav.evaluation.recorder import EpisodeRecorder
 from hypernav.worlds import SimulatedWorld, random_start
+
+MODEL_UNAVAILABLE_STATUS = 3
+"""Exit status of a command whose model stayed away longer than the configured patience."""
 
 _WORDS = {
     Outcome.FOUND: "[green]found[/] the {goal}",
@@ -38,12 +41,8 @@ class Find:
     """What to find: bed, "L-shaped sofa", …"""
     scene: str = "builtin"
     """The building: builtin, houses:N (any whole number N), or the path of a GLB."""
-    agent: AgentName = "hypernav"
-    """How it explores: by blocks of the map, or to the nearest frontier."""
-    preset: PresetName = "default"
-    """Values of the method: the published ones, or those that we measured to be better."""
-    detector: str = "ground-truth"
-    """Who sees the goal: ground-truth, or yolox:PATH.onnx."""
+    options: FlatAgentOptions = field(default_factory=AgentOptions)
+    """Who searches."""
     start: Annotated[tuple[float, float, float] | None, tyro.conf.arg(metavar="X Y YAW")] = None
     """Where to start in the scene: metres, and degrees counter-clockwise from x; else at random."""
     seed: int = 0
@@ -52,12 +51,6 @@ class Find:
     """Step limit."""
     out: Path | None = None
     """Folder for the results; runs/<time>-<goal> by default."""
-    config: Path | None = None
-    """YAML file with sections like those of result.json's config; only what differs."""
-    set: Annotated[tuple[str, ...], tyro.conf.arg(metavar="SECTION.KEY=VALUE")] = field(
-        default_factory=tuple
-    )
-    """Single values of the configuration, for example search.endurance_steps=60."""
     quiet: bool = False
     """Say nothing but errors."""
 
@@ -65,15 +58,15 @@ class Find:
         """Run the command.
 
         Returns:
-            0 if the goal was found, 1 if not.
+            0 if the goal was found, 1 if not, 3 if a model was not available.
         """
         if self.max_steps < 1:
             raise ConfigError(f"--max-steps {self.max_steps}: a search needs at least one step")
         if self.seed < 0:
             raise ConfigError(f"--seed {self.seed}: a seed is 0 or more")
         goal = Goal(self.goal)
-        config = layered(preset(self.preset), file=self.config, assignments=self.set)
-        parts = build_agent(config, agent=self.agent, detector=self.detector)
+        config = self.options.resolve()
+        parts = self.options.build(config)
         parts.check_goal(goal)
         console = Console(stderr=True, quiet=self.quiet, highlight=False)
         with console.status("loading the building …") as status:
@@ -85,7 +78,7 @@ class Find:
             with EpisodeRecorder(
                 folder,
                 goal=goal.text,
-                agent=self.agent,
+                agent=self.options.agent,
                 detector=parts.detector_words,
                 reasoner=parts.reasoner_words,
                 step_limit=self.max_steps,
@@ -98,19 +91,20 @@ class Find:
                     {
                         "goal": goal.text,
                         "scene": world.scene.name,
-                        "agent": self.agent,
-                        "preset": self.preset,
-                        "detector": parts.detector_words,
-                        "reasoner": parts.reasoner_words,
+                        **self.options.describe(parts),
                         "seed": self.seed,
                         "start": [start.x, start.y, float(np.degrees(start.yaw))],
                         **_numbers(outcome),
+                        **parts.take_report(),
                         "config": config.model_dump(mode="json"),
                     }
                 )
+        parts.close()
         self._say(console, outcome, folder)
         if interrupted:
             raise KeyboardInterrupt
+        if outcome.outcome is Outcome.MODEL_UNAVAILABLE:
+            return MODEL_UNAVAILABLE_STATUS
         return 0 if outcome.metrics.success else 1
 
     def _start(self, world: SimulatedWorld, goal: Goal, rng: np.random.Generator) -> Pose2:
@@ -132,6 +126,8 @@ class Find:
     def _say(self, console: Console, result: EpisodeResult, folder: Path) -> None:
         metrics = result.metrics
         console.print(_WORDS[result.outcome].format(goal=Goal(self.goal).thing))
+        if result.detail:
+            console.print(f"  {result.detail}", soft_wrap=True)
         console.print(
             f"  {result.steps} steps, {metrics.path_length_m:.1f} m driven, shortest "
             f"{metrics.shortest_path_m:.1f} m, SPL {metrics.spl:.2f}, "
@@ -149,6 +145,7 @@ def _live_line(step: EpisodeStep, goal: str) -> str:
 def _numbers(result: EpisodeResult) -> dict[str, Any]:
     return {
         "outcome": result.outcome.value,
+        "detail": result.detail,
         "steps": result.steps,
         "model_calls": result.model_calls,
         **asdict(result.metrics),

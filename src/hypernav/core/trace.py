@@ -60,6 +60,7 @@ class Exchange(_Record):
     Attributes:
         kind: "ground", "choose block" or "verify".
         asked: Who was asked: a model's name, "geometric", "ground truth".
+        by_model: Whether that was a chat model.
         question: The text.
         answer: The text.
         chosen: The block, for a map question.
@@ -68,11 +69,14 @@ class Exchange(_Record):
         tokens_in: Prompt tokens, 0 where there is no model.
         tokens_out: Answer tokens.
         seconds: How long it took.
+        fault: Why the answer could not be used: "refused", "unparsable" or "invalid"; empty if it
+            could.
         remarks: What was odd about the answer ("1 box inverted", "fell back to geometric").
     """
 
     kind: str
     asked: str
+    by_model: bool = False
     question: str
     answer: str
     chosen: int | None = None
@@ -81,6 +85,7 @@ class Exchange(_Record):
     tokens_in: int = 0
     tokens_out: int = 0
     seconds: float = 0.0
+    fault: str = ""
     remarks: list[str] = Field(default_factory=list)
 
 

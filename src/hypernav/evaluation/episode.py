@@ -9,6 +9,7 @@ import numpy as np
 from hypernav.agents.search import GAVE_UP
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
+from hypernav.core.errors import ModelUnavailableError
 from hypernav.core.geometry import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.grid import OccupancyGrid
@@ -45,6 +46,7 @@ class EpisodeResult:
         steps: Actions taken, STOP included.
         model_calls: Questions that were put to a model.
         seconds: Wall-clock time: "total", "world" (the simulator's share) and per module.
+        detail: Why a model was not available; empty otherwise.
     """
 
     outcome: Outcome
@@ -52,10 +54,14 @@ class EpisodeResult:
     steps: int
     model_calls: int
     seconds: dict[str, float]
+    detail: str = ""
 
 
 class Episode:
     """One search, step by step, so that it can be watched, recorded and interrupted.
+
+    It also ends when a model stays away longer than the configured patience: the steps up to then
+    stand, and the outcome says so.
 
     Example:
         >>> episode = Episode(agent, world, Goal("bed"), start)  # doctest: +SKIP
@@ -102,6 +108,7 @@ class Episode:
         self._steps = 0
         self._model_calls = 0
         self._gave_up = False
+        self._outage = ""
         agent.reset(goal)
 
     @property
@@ -112,14 +119,19 @@ class Episode:
     def __iter__(self) -> Iterator[EpisodeStep]:
         """Run to the end, one step at a time."""
         while self._steps < self._max_steps and not self._world.stopped and not self._gave_up:
-            yield self._step()
+            try:
+                step = self._step()
+            except ModelUnavailableError as error:
+                self._outage = str(error)
+                return
+            yield step
 
     def _step(self) -> EpisodeStep:
         observation = self._observation
         action = self._agent.act(observation)
         trace, grid = self._explanation(observation, action)
         self._steps += 1
-        self._model_calls += sum(exchange.tokens_in > 0 for exchange in trace.exchanges)
+        self._model_calls += sum(exchange.by_model for exchange in trace.exchanges)
         for module, seconds in trace.seconds.items():
             self._clock.seconds[module] = self._clock.seconds.get(module, 0.0) + seconds
         self._gave_up = GAVE_UP in trace.events
@@ -154,9 +166,12 @@ class Episode:
             steps=self._steps,
             model_calls=self._model_calls,
             seconds={"total": time.perf_counter() - self._began, **self._clock.seconds},
+            detail=self._outage,
         )
 
     def _outcome(self, metrics: EpisodeMetrics) -> Outcome:
+        if self._outage:
+            return Outcome.MODEL_UNAVAILABLE
         if metrics.success:
             return Outcome.FOUND
         if self._world.stopped:

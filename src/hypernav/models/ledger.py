@@ -76,6 +76,11 @@ class Ledger:
         """Count a question that was given up."""
         self._add(question.kind, LedgerRow(calls=1, faults=Counter(unavailable=1)))
 
+    def clear(self) -> None:
+        """Back to zero."""
+        with self._lock:
+            self._rows.clear()
+
     @property
     def total(self) -> LedgerRow:
         """The sums over all kinds."""

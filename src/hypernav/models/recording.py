@@ -87,6 +87,7 @@ class RecordingChat:
         self._model = model
         self.path = Path(path)
         self._lock = threading.Lock()
+        self._name = ""
         if self.path.exists():
             raise RecordingError(f"{self.path} exists already; delete it or record to another file")
         try:
@@ -97,14 +98,15 @@ class RecordingChat:
 
     def identify(self) -> str:
         """The model's name."""
-        return self._model.identify()
+        self._name = self._model.identify()
+        return self._name
 
     def ask(self, question: Question) -> Answer:
         """Ask the model and write down both."""
         try:
             answer = self._model.ask(question)
         except ModelUnavailableError as error:
-            self._write(question, _RecordedAnswer(model="", unavailable=str(error)))
+            self._write(question, _RecordedAnswer(model=self._name, unavailable=str(error)))
             raise
         recorded = _RecordedAnswer(
             text=answer.text,

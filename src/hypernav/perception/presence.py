@@ -7,7 +7,8 @@ from hypernav.core.config import RoomConfig
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.protocols import ChatModel
-from hypernav.core.trace import Exchange, ExchangeLog
+from hypernav.core.trace import ExchangeLog
+from hypernav.perception.exchanges import exchange_of
 
 _PROMPT = "Is there a {goal} in this picture? Answer yes or no."
 
@@ -16,11 +17,13 @@ class PresenceConfig(RoomConfig):
     """How the last question is asked.
 
     Attributes:
+        enabled: Ask it at all, where a chat model is at hand.
         prompt: The question; ``{goal}`` is filled in.
         unsure: What an answer that is neither counts as. "yes" trusts the detector.
         min_probability: Of "yes", where the model tells probabilities.
     """
 
+    enabled: bool = True
     prompt: str = _PROMPT
     unsure: Literal["yes", "no"] = "yes"
     min_probability: float = 0.5
@@ -68,17 +71,5 @@ class VlmPresenceCheck:
             present = answer.probabilities["yes"] >= self._config.min_probability
         else:
             present = answer.value == "yes"
-        self._log.record(
-            Exchange(
-                kind=question.kind,
-                asked=answer.model,
-                question=question.text,
-                answer=answer.text,
-                probabilities={key: round(p, 6) for key, p in answer.probabilities.items()},
-                tokens_in=answer.usage.tokens_in,
-                tokens_out=answer.usage.tokens_out,
-                seconds=answer.seconds,
-                remarks=remarks,
-            )
-        )
+        self._log.record(exchange_of(question, answer, remarks=remarks))
         return present

@@ -12,8 +12,9 @@ from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import Observation
 from hypernav.core.protocols import ChatModel
-from hypernav.core.trace import Exchange, ExchangeLog
+from hypernav.core.trace import ExchangeLog
 from hypernav.models.vlm_families import FamilyName, VlmFamily, family_named, family_of
+from hypernav.perception.exchanges import exchange_of
 from hypernav.perception.grounding_format import GroundedBox, Grounding, read_grounding
 
 _PROMPT = (
@@ -142,18 +143,7 @@ class VlmDetector:
             min_side_px=self._config.min_side_px,
         )
         boxes, remarks = self._judge(answer, grounding, goal)
-        self._log.record(
-            Exchange(
-                kind=question.kind,
-                asked=answer.model,
-                question=question.text,
-                answer=answer.text,
-                tokens_in=answer.usage.tokens_in,
-                tokens_out=answer.usage.tokens_out,
-                seconds=answer.seconds,
-                remarks=remarks,
-            )
-        )
+        self._log.record(exchange_of(question, answer, remarks=remarks))
         return [Detection(one.box, one.score, one.label or goal.text) for one in boxes]
 
     def _judge(

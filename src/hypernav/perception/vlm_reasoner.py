@@ -10,8 +10,9 @@ from hypernav.core.config import RoomConfig
 from hypernav.core.goal import Goal
 from hypernav.core.overview import BlockChoice, Overview
 from hypernav.core.protocols import BlockReasoner, ChatModel
-from hypernav.core.trace import Exchange, ExchangeLog
+from hypernav.core.trace import ExchangeLog
 from hypernav.models.answer_reading import shortened, without_thinking
+from hypernav.perception.exchanges import exchange_of
 
 _CONTEXT = (
     "A robot searches an unknown building for: {goal}. The picture is the map that it has drawn so "
@@ -175,19 +176,7 @@ class VlmReasoner:
         remarks: list[str],
     ) -> None:
         self._log.record(
-            Exchange(
-                kind=question.kind,
-                asked=answer.model,
-                question=question.text,
-                answer=answer.text,
-                chosen=number,
-                excluded=sorted(excluded),
-                probabilities={key: round(p, 6) for key, p in answer.probabilities.items()},
-                tokens_in=answer.usage.tokens_in,
-                tokens_out=answer.usage.tokens_out,
-                seconds=answer.seconds,
-                remarks=remarks,
-            )
+            exchange_of(question, answer, chosen=number, excluded=sorted(excluded), remarks=remarks)
         )
 
 

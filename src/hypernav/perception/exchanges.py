@@ -1,0 +1,40 @@
+"""Writing a question to a chat model and its answer into the trace."""
+
+from collections.abc import Sequence
+
+from hypernav.core.chat import Answer, Question
+from hypernav.core.trace import Exchange
+
+
+def exchange_of(
+    question: Question,
+    answer: Answer,
+    *,
+    chosen: int | None = None,
+    excluded: Sequence[int] = (),
+    remarks: Sequence[str] = (),
+) -> Exchange:
+    """What the trace keeps of an answered question.
+
+    Args:
+        question: What was asked.
+        answer: What the model said.
+        chosen: The block, for a map question.
+        excluded: Blocks that were ruled out beforehand.
+        remarks: What was odd about the answer.
+    """
+    return Exchange(
+        kind=question.kind,
+        asked=answer.model,
+        by_model=True,
+        question=question.text,
+        answer=answer.text,
+        chosen=chosen,
+        excluded=list(excluded),
+        probabilities={key: round(float(p), 6) for key, p in answer.probabilities.items()},
+        tokens_in=answer.usage.tokens_in,
+        tokens_out=answer.usage.tokens_out,
+        seconds=answer.seconds,
+        fault="" if answer.fault is None else answer.fault.value,
+        remarks=list(remarks),
+    )

@@ -1,0 +1,98 @@
+"""All that can be configured, and the named configurations."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from hypernav.agents.config import SearchConfig
+from hypernav.core.config import RoomConfig
+from hypernav.mapping import MappingConfig
+from hypernav.models import ChatConfig, YoloxConfig
+from hypernav.models.sam import SamConfig
+from hypernav.models.sam_onnx import OnnxSamConfig
+from hypernav.models.zero_shot import ZeroShotConfig
+from hypernav.perception.geometric import GeometricConfig
+from hypernav.perception.local import LocalConfig
+from hypernav.perception.overview import OverviewConfig
+from hypernav.perception.presence import PresenceConfig
+from hypernav.perception.vlm_detector import VlmDetectorConfig
+from hypernav.perception.vlm_reasoner import VlmReasonerConfig
+from hypernav.planning import PlanningConfig
+from hypernav.worlds import SimulationConfig
+
+PresetName = Literal["default", "paper"]
+
+
+class PriceConfig(RoomConfig):
+    """What a model's tokens cost; None leaves the cost out of the results.
+
+    Attributes:
+        in_per_million: A million prompt tokens, in any currency.
+        out_per_million: A million answer tokens.
+    """
+
+    in_per_million: float | None = Field(default=None, ge=0.0)
+    out_per_million: float | None = Field(default=None, ge=0.0)
+
+
+class HyPerNavConfig(RoomConfig):
+    """Everything that can be set, one section a room.
+
+    Attributes:
+        world: The simulated robot, its camera and its actions.
+        mapping: How the map is drawn.
+        local: How a detection becomes a goal area.
+        overview: How the map question is drawn and repeated.
+        geometric: How blocks are weighed without a model.
+        planning: How the robot drives.
+        search: When to look, when to stop, when to think again.
+        chat: How chat models are reached and how patient we are with them.
+        grounding: How a chat model is asked for boxes.
+        block_choice: How a chat model is asked the map question.
+        presence: How a chat model is asked whether the goal is really there.
+        price: Of tokens, for the cost in the results.
+        yolox: How a YOLOX export is used.
+        zero_shot: How an open-vocabulary detector is used.
+        sam: How a SAM model is used.
+        onnx_sam: How an exported SAM is used.
+    """
+
+    world: SimulationConfig = SimulationConfig()
+    mapping: MappingConfig = MappingConfig()
+    local: LocalConfig = LocalConfig()
+    overview: OverviewConfig = OverviewConfig()
+    geometric: GeometricConfig = GeometricConfig()
+    planning: PlanningConfig = PlanningConfig()
+    search: SearchConfig = SearchConfig()
+    chat: ChatConfig = ChatConfig()
+    grounding: VlmDetectorConfig = VlmDetectorConfig()
+    block_choice: VlmReasonerConfig = VlmReasonerConfig()
+    presence: PresenceConfig = PresenceConfig()
+    price: PriceConfig = PriceConfig()
+    yolox: YoloxConfig = YoloxConfig()
+    zero_shot: ZeroShotConfig = ZeroShotConfig()
+    sam: SamConfig = SamConfig()
+    onnx_sam: OnnxSamConfig = OnnxSamConfig()
+
+
+def preset(name: PresetName) -> HyPerNavConfig:
+    """A named configuration: the published method, or the one that we measured to be better."""
+    if name == "default":
+        return HyPerNavConfig()
+    return HyPerNavConfig(
+        local=LocalConfig(
+            target="latest",
+            pick="first",
+            max_missed_share=1.0,
+            min_mean_score=0.0,
+            largest_cluster_only=False,
+        ),
+        planning=PlanningConfig(
+            comfort_cost=0.0,
+            targets="nearest-straight",
+            steering="waypoint",
+            replan_every_steps=10,
+        ),
+        search=SearchConfig(look_around_at_start=False, drop_explored=False, verify_view="current"),
+        block_choice=VlmReasonerConfig(mode="paper", skip_only_block=False),
+    )
