@@ -3,9 +3,9 @@
 import numpy as np
 from numba import njit
 
-_CONTRAST = 24
+_CONTRAST = 28
 # A strong contrast needs less of a bend: ceilings meet walls at a slant that depth hardly shows.
-_BEND_CONTRAST = 0.2
+_BEND_CONTRAST = 0.35
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -3,6 +3,9 @@
 `light` is the third of three passes from rays to colours, see `geometry_kernels`.
 """
 
+# The values of a cell are set when it changes, which is the case at the first one.
+# pyright: reportPossiblyUnboundVariable=false
+
 import numpy as np
 from numba import njit
 
@@ -13,16 +16,12 @@ TONE_STEPS = 8192
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _at_node_cell(nodes, at, columns, layer, fx, fy, fz):
-    """One byte of the eight nodes of a cell, interpolated."""
-    row = 8 * columns
-    a = nodes[at] + fx * (np.int64(nodes[at + 8]) - nodes[at])
-    b = nodes[at + row] + fx * (np.int64(nodes[at + row + 8]) - nodes[at + row])
-    at += layer
-    c = nodes[at] + fx * (np.int64(nodes[at + 8]) - nodes[at])
-    d = nodes[at + row] + fx * (np.int64(nodes[at + row + 8]) - nodes[at + row])
-    low, high = a + fy * (b - a), c + fy * (d - c)
-    return low + fz * (high - low)
+def _towards(nodes, node, nx, ny, nz):
+    """Light that falls from one node on a surface with this normal, 0 to 255."""
+    x_side = nodes[node + (0 if nx > 0.0 else 1)]
+    y_side = nodes[node + (2 if ny > 0.0 else 3)]
+    z_side = nodes[node + (4 if nz > 0.0 else 5)]
+    return nx * nx * x_side + ny * ny * y_side + nz * nz * z_side
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -66,7 +65,8 @@ def light(
     missing = 0
     ox, oy, oz, per_m = origin[0], origin[1], origin[2], 1.0 / cell_m
     rows, columns = shape[1], shape[2]
-    layer = 8 * rows * columns
+    row, layer = 8 * columns, 8 * rows * columns
+    last, last_x, last_y, last_z = -1, np.float32(0.0), np.float32(0.0), np.float32(0.0)
     limit_x, limit_y, limit_z = columns - 1.001, rows - 1.001, shape[0] - 1.001
     for ray in range(hits.shape[0]):
         face = hits[ray]
@@ -90,16 +90,28 @@ def light(
         ix, iy, iz = int(x), int(y), int(z)
         fx, fy, fz = x - ix, y - iy, z - iz
         at = ((iz * rows + iy) * columns + ix) * 8
-        known = 1
-        for corner in (7, 15, 8 * columns + 7, 8 * columns + 15):
-            known &= nodes[at + corner] & nodes[at + layer + corner]
-        if known == 0 and (missing == 0 or wanted[missing - 1] != at // 8):
-            wanted[missing] = at // 8
-            missing += 1
-        x_side = _at_node_cell(nodes, at + (0 if nx > 0.0 else 1), columns, layer, fx, fy, fz)
-        y_side = _at_node_cell(nodes, at + (2 if ny > 0.0 else 3), columns, layer, fx, fy, fz)
-        z_side = _at_node_cell(nodes, at + (4 if nz > 0.0 else 5), columns, layer, fx, fy, fz)
-        total = nx * nx * x_side + ny * ny * y_side + nz * nz * z_side
+        if at != last or nx != last_x or ny != last_y or nz != last_z:
+            # Mostly the next ray meets the same cell under the same normal.
+            last, last_x, last_y, last_z = at, nx, ny, nz
+            known = nodes[at + 7] & nodes[at + 15] & nodes[at + row + 7] & nodes[at + row + 15]
+            up = at + layer
+            known &= nodes[up + 7] & nodes[up + 15] & nodes[up + row + 7] & nodes[up + row + 15]
+            if known == 0:
+                wanted[missing] = at // 8
+                missing += 1
+            a = _towards(nodes, at, nx, ny, nz)
+            a_x = _towards(nodes, at + 8, nx, ny, nz) - a
+            b = _towards(nodes, at + row, nx, ny, nz)
+            b_x = _towards(nodes, at + row + 8, nx, ny, nz) - b
+            c = _towards(nodes, up, nx, ny, nz)
+            c_x = _towards(nodes, up + 8, nx, ny, nz) - c
+            d = _towards(nodes, up + row, nx, ny, nz)
+            d_x = _towards(nodes, up + row + 8, nx, ny, nz) - d
+        low = a + fx * a_x
+        low += fy * (b + fx * b_x - low)
+        high = c + fx * c_x
+        high += fy * (d + fx * d_x - high)
+        total = low + fz * (high - low)
         shine = shares[0] * total / 255.0 + shares[1] * surface[ray, FACING]
         for channel in range(3):
             code = colors[ray, channel] * (1.0 / 255.0)

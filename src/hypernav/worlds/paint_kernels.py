@@ -148,11 +148,11 @@ def paint(
             if long > 1.5 * short:
                 taps = int(min(long / max(short, 1e-9) + 0.5, MAX_TAPS))
             size = max(long / taps, short, 1.0)
-            while size >= 1.7 and level < coarsest:
+            while size >= 1.6 and level < coarsest:
                 size *= 0.5
                 level += 1
             if level < coarsest:
-                blend = max((size - 1.3) * 2.5, 0.0)
+                blend = max((size - 1.35) * 4.0, 0.0)
         texture_red, texture_green, texture_blue = 0.0, 0.0, 0.0
         for tap in range(taps):
             at = (tap + 0.5) / taps - 0.5
