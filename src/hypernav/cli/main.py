@@ -9,11 +9,12 @@ from typing import NoReturn
 
 import tyro
 
+from hypernav.cli.eval import Eval
 from hypernav.cli.find import Find
 from hypernav.cli.houses import HousesCommand, houses
 from hypernav.core.errors import HyPerNavError
 
-_COMMANDS = {"find": Find, "houses": houses}
+_COMMANDS = {"find": Find, "eval": Eval, "houses": houses}
 _BOX = re.compile(r"[\u2500-\u257f]+")
 
 
@@ -30,7 +31,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         sys.exit(status)
 
 
-def _parse(arguments: list[str]) -> Find | HousesCommand:
+def _parse(arguments: list[str]) -> Find | Eval | HousesCommand:
     """Read the command line; what tyro says in a box is said in one line."""
     said = io.StringIO()
     try:

@@ -87,5 +87,9 @@ class ModelRejectedError(ModelUnavailableError):
     """A server will never answer this: wrong address, key, model name or kind of input."""
 
 
+class RunFolderError(HyPerNavError):
+    """The folder of an evaluation is in use, damaged, of another configuration, or can't be written."""
+
+
 class RecordingError(HyPerNavError):
     """A recording of a chat model is broken, or does not hold the question that was asked."""

@@ -19,5 +19,7 @@ class Outcome(StrEnum):
     """The scene holds the goal, but no way leads there from the start."""
     MODEL_UNAVAILABLE = "model_unavailable"
     """A model stayed away longer than the configured patience."""
+    SIMULATOR_ERROR = "simulator_error"
+    """The world failed, or the process that ran it was lost again and again."""
     INTERRUPTED = "interrupted"
     """Somebody stopped the program."""

@@ -1,0 +1,80 @@
+"""One owner at a time for a folder, kept by the operating system.
+
+A lock that a killed process held is free at once, so no stale lock ever needs to be removed.
+"""
+
+import os
+import socket
+import sys
+from pathlib import Path
+from types import TracebackType
+
+from hypernav.core.errors import RunFolderError
+
+LOCK_NAME = ".lock"
+
+
+class FolderLock:
+    """Holds a folder while the ``with`` block runs."""
+
+    def __init__(self, folder: Path) -> None:
+        """Name the folder; it must exist when the lock is taken."""
+        self._path = folder / LOCK_NAME
+        self._file: int | None = None
+
+    def __enter__(self) -> "FolderLock":
+        """Take the lock.
+
+        Raises:
+            RunFolderError: Another process holds it.
+        """
+        file = os.open(self._path, os.O_RDWR | os.O_CREAT, 0o644)
+        if not _lock(file):
+            owner = os.read(file, 200).decode(errors="replace").strip()
+            os.close(file)
+            raise RunFolderError(
+                f"{self._path.parent} is in use by another run ({owner or 'owner unknown'}); wait "
+                "for it, stop it, or choose another --out"
+            )
+        os.ftruncate(file, 0)
+        os.write(file, f"process {os.getpid()} on {socket.gethostname()}\n".encode())
+        self._file = file
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Give it back."""
+        if self._file is not None:
+            os.close(self._file)
+            self._file = None
+
+
+if sys.platform == "win32":
+    import msvcrt
+
+    _FAR_AWAY = 1 << 30
+
+    def _lock(file: int) -> bool:
+        # A region far behind the text, so that others can still read who the owner is.
+        os.lseek(file, _FAR_AWAY, os.SEEK_SET)
+        try:
+            msvcrt.locking(file, msvcrt.LK_NBLCK, 1)
+        except OSError:
+            return False
+        finally:
+            os.lseek(file, 0, os.SEEK_SET)
+        return True
+
+else:
+    import fcntl
+
+    def _lock(file: int) -> bool:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return False
+        return True

@@ -1,0 +1,14 @@
+"""How much memory this process has used at most."""
+
+import sys
+
+
+def peak_memory_mb() -> float:
+    """Peak resident memory of this process, megabytes; 0 where the system doesn't tell."""
+    if sys.platform == "win32":
+        return 0.0
+    import resource
+
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    unit = 1024 if sys.platform == "linux" else 1
+    return round(peak * unit / 1e6, 1)

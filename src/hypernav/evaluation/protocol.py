@@ -1,0 +1,52 @@
+"""What counts as success: every protocol in use scores the same episode at once.
+
+Publications differ in two things. The success distance runs from 0.1 m (Habitat's challenges) to
+1.0 m. And some count a robot that runs out of steps beside the goal, without ever having said that
+it is there. A result keeps the lengths that all of them need, so nothing has to be run again.
+"""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from hypernav.core.metrics import EpisodeMetrics, measure
+from hypernav.evaluation.record import EpisodeRecord
+from hypernav.worlds.referee import SUCCESS_DISTANCE_M
+
+SUCCESS_DISTANCES_M = (0.1, 0.2, 0.25, 0.3, 1.0)
+"""All success distances that results are scored under."""
+
+
+class StopRule(StrEnum):
+    """Who must say that the goal is reached."""
+
+    STOP_REQUIRED = "stop required"
+    """The robot itself, by STOP (Habitat, Anderson et al. 2018)."""
+    TIMEOUT_COUNTS = "time-out near the goal counts"
+    """Nobody: an episode that ends near the goal is a success however it ended."""
+
+
+@dataclass(frozen=True)
+class Protocol:
+    """One way to score an episode.
+
+    Attributes:
+        success_distance_m: Geodesic distance to the nearest view point that is near enough.
+        stop_rule: Who must say so.
+    """
+
+    success_distance_m: float = SUCCESS_DISTANCE_M
+    stop_rule: StopRule = StopRule.STOP_REQUIRED
+
+    def score(self, record: EpisodeRecord) -> EpisodeMetrics:
+        """The measures of an episode under this protocol."""
+        return measure(
+            stopped=record.stopped or self.stop_rule is StopRule.TIMEOUT_COUNTS,
+            distance_to_goal_m=record.distance_to_goal_m,
+            shortest_path_m=record.shortest_path_m,
+            path_length_m=record.path_length_m,
+            success_distance_m=self.success_distance_m,
+        )
+
+
+PROTOCOLS = tuple(Protocol(distance, rule) for rule in StopRule for distance in SUCCESS_DISTANCES_M)
+"""Every success distance with every stop rule."""

@@ -1,0 +1,80 @@
+"""What a run is made of: its configuration, as it is kept beside the results."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field
+from importlib.metadata import version
+from typing import Any
+
+from hypernav.evaluation.datasets import EpisodeSpec, fingerprint
+from hypernav.evaluation.protocol import StopRule
+from hypernav.part_specs import PartSpecs
+from hypernav.presets import HyPerNavConfig, PresetName
+from hypernav.worlds.referee import SUCCESS_DISTANCE_M
+
+
+@dataclass(frozen=True)
+class Selection:
+    """Which episodes of a data set. What is None takes all.
+
+    Attributes:
+        episodes: Places in the data set's order, ``FIRST:END``.
+        scenes: Scenes with commas between them.
+        goals: Goals with commas between them.
+    """
+
+    episodes: str | None = None
+    scenes: str | None = None
+    goals: str | None = None
+
+
+@dataclass(frozen=True)
+class RunPlan:
+    """All that decides about the results of a run. How many workers there are does not.
+
+    Attributes:
+        dataset: Its name, as for `hypernav.evaluation.datasets.load_episodes`.
+        selection: Which of its episodes.
+        preset: Name of the configuration that `config` began with.
+        specs: Who sees and thinks, as it was asked for.
+        who: The same in words and with nothing left open, for people and reports.
+        config: Values of the method, the robot and the camera.
+        max_steps: Step limit.
+        success_distance_m: Of the run's own protocol; results can be scored under all others.
+        seed: Of all noise.
+    """
+
+    dataset: str
+    selection: Selection = Selection()
+    preset: PresetName = "default"
+    specs: PartSpecs = field(default_factory=PartSpecs)
+    who: dict[str, Any] = field(default_factory=dict)
+    config: HyPerNavConfig = field(default_factory=HyPerNavConfig)
+    max_steps: int = 500
+    success_distance_m: float = SUCCESS_DISTANCE_M
+    seed: int = 0
+
+    def configuration(self, episodes: Sequence[EpisodeSpec]) -> dict[str, Any]:
+        """For ``run.json``.
+
+        Args:
+            episodes: The chosen ones. Their fingerprint is part of the configuration: the same name
+                with other episodes (a newer generator of houses) is another run.
+        """
+        return {
+            "hypernav": version("hypernav"),
+            "dataset": self.dataset,
+            "selection": asdict(self.selection),
+            "episodes": {
+                "count": len(episodes),
+                "scenes": len({episode.scene_id for episode in episodes}),
+                "fingerprint": fingerprint(episodes),
+            },
+            "who": self.who,
+            "protocol": {
+                "max_steps": self.max_steps,
+                "success_distance_m": self.success_distance_m,
+                "stop_rule": StopRule.STOP_REQUIRED.value,
+                "seed": self.seed,
+            },
+            "config": self.config.model_dump(mode="json"),
+        }

@@ -1,0 +1,70 @@
+"""The numbers of a run, or of a part of it."""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from hypernav.evaluation.failures import Failure
+from hypernav.evaluation.protocol import Protocol
+from hypernav.evaluation.record import EpisodeRecord
+from hypernav.evaluation.statistics import DRAWS, Estimate, mean_with_interval
+
+
+@dataclass(frozen=True)
+class Summary:
+    """How well some episodes went under one protocol. Episodes that don't count are left out.
+
+    Attributes:
+        success: Success rate.
+        spl: Mean SPL.
+        soft_spl: Mean SoftSPL.
+        distance_to_goal_m: Mean over episodes whose goal can be reached.
+        steps: Mean number of actions.
+    """
+
+    success: Estimate
+    spl: Estimate
+    soft_spl: Estimate
+    distance_to_goal_m: Estimate
+    steps: Estimate
+
+
+def counted(records: Sequence[EpisodeRecord]) -> list[EpisodeRecord]:
+    """The episodes that say something about navigation."""
+    return [record for record in records if record.counts]
+
+
+def summarise(
+    records: Sequence[EpisodeRecord], protocol: Protocol | None = None, *, draws: int = DRAWS
+) -> Summary:
+    """The numbers of some episodes.
+
+    Args:
+        records: Of one run.
+        protocol: What counts as success; Habitat's by default.
+        draws: Bootstrap samples of the intervals.
+    """
+    protocol = protocol or Protocol()
+    records = counted(records)
+    scores = [protocol.score(record) for record in records]
+    scenes = [record.scene_id for record in records]
+
+    def estimate(values: list[float]) -> Estimate:
+        return mean_with_interval(values, scenes, draws=draws)
+
+    near = [r for r in records if r.distance_to_goal_m < float("inf")]
+    return Summary(
+        success=estimate([float(score.success) for score in scores]),
+        spl=estimate([score.spl for score in scores]),
+        soft_spl=estimate([score.soft_spl for score in scores]),
+        distance_to_goal_m=mean_with_interval(
+            [r.distance_to_goal_m for r in near], [r.scene_id for r in near], draws=draws
+        ),
+        steps=estimate([float(record.steps) for record in records]),
+    )
+
+
+def failure_counts(records: Sequence[EpisodeRecord]) -> dict[Failure, int]:
+    """How often each class occurs, in the order of `Failure`; those that don't are left out."""
+    counts = Counter(record.failure for record in records if record.failure is not None)
+    return {failure: counts[failure] for failure in Failure if counts[failure]}
