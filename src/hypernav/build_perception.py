@@ -94,7 +94,7 @@ def build_segmenter(spec: str, config: HyPerNavConfig) -> Segmenter:
     if kind == "onnx-sam":
         encoder, _, decoder = place.partition(",")
         return OnnxSamSegmenter(encoder, decoder, config.onnx_sam)
-    return DepthCutSegmenter()
+    return DepthCutSegmenter(config.depth_cut)
 
 
 def build_reasoner(

@@ -11,6 +11,7 @@ from hypernav.models import ChatConfig, YoloxConfig
 from hypernav.models.sam import SamConfig
 from hypernav.models.sam_onnx import OnnxSamConfig
 from hypernav.models.zero_shot import ZeroShotConfig
+from hypernav.perception.depth_cut import DepthCutConfig
 from hypernav.perception.geometric import GeometricConfig
 from hypernav.perception.local import LocalConfig
 from hypernav.perception.overview import OverviewConfig
@@ -51,6 +52,7 @@ class HyPerNavConfig(RoomConfig):
         block_choice: How a chat model is asked the map question.
         presence: How a chat model is asked whether the goal is really there.
         price: Of tokens, for the cost in the results.
+        depth_cut: How the pixels in a box are found without a model.
         yolox: How a YOLOX export is used.
         zero_shot: How an open-vocabulary detector is used.
         sam: How a SAM model is used.
@@ -69,6 +71,7 @@ class HyPerNavConfig(RoomConfig):
     block_choice: VlmReasonerConfig = VlmReasonerConfig()
     presence: PresenceConfig = PresenceConfig()
     price: PriceConfig = PriceConfig()
+    depth_cut: DepthCutConfig = DepthCutConfig()
     yolox: YoloxConfig = YoloxConfig()
     zero_shot: ZeroShotConfig = ZeroShotConfig()
     sam: SamConfig = SamConfig()

@@ -45,18 +45,18 @@ def failing(times: int, error: Exception) -> Callable[[float], str]:
 
 def test_waits_double_up_to_the_longest():
     time = Time()
-    result, attempts = patience(time, longest_wait_s=3.0).call(
+    result, lost = patience(time, longest_wait_s=3.0).call(
         failing(5, ChatTransportError("lost")), who="m"
     )
-    assert (result, attempts) == ("done", 6)
+    assert (result, lost) == ("done", {"transport": 5})
     assert time.waits == [0.5, 1.0, 2.0, 3.0, 3.0]
 
 
 def test_heeds_what_the_server_asks_for_within_bounds():
     time = Time()
     attempt = failing(1, RetryLaterError("busy", 2.5))
-    assert patience(time).call(attempt, who="m") == ("done", 2)
-    assert patience(time).call(failing(1, RetryLaterError("busy", 900.0)), who="m")[1] == 2
+    assert patience(time).call(attempt, who="m") == ("done", {"transport": 1})
+    assert patience(time).call(failing(1, RetryLaterError("busy", 900.0)), who="m")[1].total() == 1
     assert time.waits == [2.5, 8.0]
 
 
@@ -73,6 +73,20 @@ def test_gives_up_within_the_patience(limit: float, first: float, longest: float
             failing(10**6, error), who="m"
         )
     assert time.now <= limit
+
+
+def test_lost_attempts_are_counted_by_reason():
+    def attempt(limit_s: float) -> str:
+        if errors:
+            raise errors.pop()
+        return "done"
+
+    errors: list[Exception] = [
+        ChatTimeoutError("a"),
+        ChatTransportError("b"),
+        ChatTimeoutError("c"),
+    ]
+    assert patience(Time()).call(attempt, who="m")[1] == {"timeout": 2, "transport": 1}
 
 
 def test_no_patience_means_one_attempt():

@@ -1,8 +1,14 @@
 import numpy as np
 import pytest
 
+from box_scenes import room_boxes, scene_of
 from hypernav.core.boxes import Box
+from hypernav.core.geometry import Pose2
+from hypernav.core.goal import Goal
 from hypernav.perception.depth_cut import DepthCutSegmenter
+from hypernav.perception.goal_area import points_under_mask
+from hypernav.perception.ground_truth import GroundTruthDetector
+from hypernav.worlds import SimulatedWorld, SimulationConfig
 from pictures import THING, thing_before_wall
 
 
@@ -46,3 +52,26 @@ def test_a_box_outside_the_picture_holds_nothing(box):
 def test_extreme_boxes_do_not_break_it(box):
     mask = DepthCutSegmenter().segment(thing_before_wall(), Box(*map(float, box)))
     assert mask.shape == (120, 160)
+
+
+def seen_in_a_room(name, low, high):
+    """What a robot sees that stands in a room, 2 m before a thing."""
+    config = SimulationConfig.model_validate({"camera": {"width": 160, "height": 120}})
+    world = SimulatedWorld(scene_of(*room_boxes(6.0, 4.0), (name, low, high)), config)
+    observation = world.reset(Pose2(1.5, 1.2, 0.0))
+    (detection,) = GroundTruthDetector().detect(observation, Goal(name))
+    return observation, detection
+
+
+def test_the_floor_before_a_thing_is_no_part_of_it():
+    observation, bed = seen_in_a_room("bed", (3.5, 0.4, 0.0), (5.5, 1.8, 0.5))
+    mask = DepthCutSegmenter().segment(observation, bed.box)
+    points = points_under_mask(mask, observation, min_depth_m=0.5, max_depth_m=5.0)
+    assert points[:, 2].min() > 0.04
+    assert overlap(mask, bed.mask) > 0.8
+
+
+def test_what_lies_on_the_floor_is_kept():
+    observation, rug = seen_in_a_room("rug", (3.0, 0.6, 0.0), (4.6, 1.8, 0.02))
+    mask = DepthCutSegmenter().segment(observation, rug.box)
+    assert overlap(mask, rug.mask) > 0.6

@@ -90,7 +90,7 @@ class Answer:
         usage: Tokens.
         seconds: From asking to knowing, waits between attempts included.
         probabilities: How likely each allowed answer was, where the model tells; sums to 1.
-        attempts: How often it was asked until it answered.
+        lost: Earlier attempts that came to nothing, by reason: "transport" or "timeout".
         fault: Why the text cannot be used; None if it can.
         detail: The fault in words.
     """
@@ -101,9 +101,14 @@ class Answer:
     usage: Usage = Usage()
     seconds: float = 0.0
     probabilities: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
-    attempts: int = 1
+    lost: Mapping[str, int] = field(default_factory=lambda: MappingProxyType({}))
     fault: Fault | None = None
     detail: str = ""
+
+    @property
+    def attempts(self) -> int:
+        """How often the model was asked until it answered."""
+        return 1 + sum(self.lost.values())
 
     def require(self) -> Any:
         """The value.

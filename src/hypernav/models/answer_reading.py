@@ -35,7 +35,7 @@ def read_answer(
     model: str,
     usage: Usage | None = None,
     seconds: float = 0.0,
-    attempts: int = 1,
+    lost: Mapping[str, int] | None = None,
     probabilities: Mapping[str, float] | None = None,
     refused: bool = False,
 ) -> Answer:
@@ -47,7 +47,7 @@ def read_answer(
         model: Its name.
         usage: Tokens.
         seconds: How long it took.
-        attempts: How often it was asked.
+        lost: Earlier attempts that came to nothing, by reason.
         probabilities: Of the allowed answers.
         refused: The server itself says that the model declined.
     """
@@ -58,7 +58,7 @@ def read_answer(
         model=model,
         usage=usage or Usage(),
         seconds=seconds,
-        attempts=attempts,
+        lost=lost or {},
         probabilities=probabilities or {},
     )
     said = without_thinking(text)

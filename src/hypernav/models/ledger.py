@@ -20,6 +20,7 @@ class LedgerRow:
         tokens_out: Answer tokens.
         seconds: Time spent waiting; questions that overlapped count in full.
         retries: Attempts beyond the first.
+        lost: Why they were needed: "transport" or "timeout".
         faults: Unusable answers and given-up questions, by their reason.
     """
 
@@ -28,6 +29,7 @@ class LedgerRow:
     tokens_out: int = 0
     seconds: float = 0.0
     retries: int = 0
+    lost: Counter[str] = field(default_factory=Counter)
     faults: Counter[str] = field(default_factory=Counter)
 
     def add(self, other: "LedgerRow") -> None:
@@ -37,6 +39,7 @@ class LedgerRow:
         self.tokens_out += other.tokens_out
         self.seconds += other.seconds
         self.retries += other.retries
+        self.lost.update(other.lost)
         self.faults.update(other.faults)
 
     def as_dict(self) -> dict[str, Any]:
@@ -47,6 +50,7 @@ class LedgerRow:
             "tokens_out": self.tokens_out,
             "seconds": self.seconds,
             "retries": self.retries,
+            "lost": dict(sorted(self.lost.items())),
             "faults": dict(sorted(self.faults.items())),
         }
 
@@ -67,6 +71,7 @@ class Ledger:
             tokens_out=answer.usage.tokens_out,
             seconds=answer.seconds,
             retries=answer.attempts - 1,
+            lost=Counter(answer.lost),
         )
         if answer.fault is not None:
             row.faults[answer.fault.value] += 1

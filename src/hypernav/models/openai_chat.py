@@ -113,7 +113,7 @@ class OpenAiChat:
         begin = self._clock()
         server = self.server()
         try:
-            reply, attempts = self._patience.call(
+            reply, lost = self._patience.call(
                 lambda limit_s: self._attempt(server, question, limit_s), who=self._who()
             )
         except ModelRejectedError as error:
@@ -124,7 +124,7 @@ class OpenAiChat:
             model=server.model,
             usage=reply.usage,
             seconds=self._clock() - begin,
-            attempts=attempts,
+            lost=lost,
             probabilities=reply.probabilities,
             refused=reply.refused,
         )

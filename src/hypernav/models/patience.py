@@ -2,6 +2,7 @@
 
 import logging
 import time
+from collections import Counter
 from collections.abc import Callable
 from typing import TypeVar
 
@@ -52,7 +53,9 @@ class Patience:
         self._sleep = sleep
         self._clock = clock
 
-    def call(self, attempt: Callable[[float], _Result], *, who: str) -> tuple[_Result, int]:
+    def call(
+        self, attempt: Callable[[float], _Result], *, who: str
+    ) -> tuple[_Result, Counter[str]]:
         """Attempt until it works.
 
         Args:
@@ -60,7 +63,7 @@ class Patience:
             who: Is asked, for messages.
 
         Returns:
-            The result, and how many attempts it took.
+            The result, and how many attempts before it were lost to "transport" and "timeout".
 
         Raises:
             ModelUnavailableError: The patience is used up.
@@ -68,24 +71,27 @@ class Patience:
         config = self._config
         begin = self._clock()
         wait = config.first_wait_s
-        attempts = 0
+        lost: Counter[str] = Counter()
         while True:
-            attempts += 1
             left = config.patience_s - (self._clock() - begin)
             limit = min(config.timeout_s, left) if config.patience_s > 0.0 else config.timeout_s
             try:
-                return attempt(limit), attempts
+                return attempt(limit), lost
             except (ChatTransportError, ChatTimeoutError) as error:
+                lost["timeout" if isinstance(error, ChatTimeoutError) else "transport"] += 1
                 asked_for = error.wait_s if isinstance(error, RetryLaterError) else None
                 pause = wait if asked_for is None else asked_for
                 pause = min(max(pause, 0.0), config.longest_wait_s)
                 left = config.patience_s - (self._clock() - begin)
                 if pause >= left:
+                    attempts = lost.total()
                     raise ModelUnavailableError(
                         f"{who} gave no answer in {attempts} "
                         f"{'attempt' if attempts == 1 else 'attempts'} within a patience of "
                         f"{config.patience_s:g} s; last: {error}"
                     ) from error
-                _log.warning("%s; asking again in %.1f s (attempt %d)", error, pause, attempts + 1)
+                _log.warning(
+                    "%s; asking again in %.1f s (attempt %d)", error, pause, lost.total() + 1
+                )
                 self._sleep(pause)
                 wait = min(wait * 2.0, config.longest_wait_s)

@@ -64,7 +64,7 @@ class _RecordedAnswer(_Line):
     tokens_in: int = 0
     tokens_out: int = 0
     seconds: float = 0.0
-    attempts: int = 1
+    lost: dict[str, int] = Field(default_factory=dict)
     probabilities: dict[str, float] = Field(default_factory=dict)
     refused: bool = False
     unavailable: str = ""
@@ -114,7 +114,7 @@ class RecordingChat:
             tokens_in=answer.usage.tokens_in,
             tokens_out=answer.usage.tokens_out,
             seconds=answer.seconds,
-            attempts=answer.attempts,
+            lost=dict(sorted(answer.lost.items())),
             probabilities=dict(answer.probabilities),
             refused=answer.fault is Fault.REFUSED,
         )
@@ -178,7 +178,7 @@ class ReplayChat:
             model=answer.model,
             usage=Usage(answer.tokens_in, answer.tokens_out),
             seconds=answer.seconds,
-            attempts=answer.attempts,
+            lost=answer.lost,
             probabilities=answer.probabilities,
             refused=answer.refused,
         )

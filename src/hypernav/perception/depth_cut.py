@@ -19,12 +19,18 @@ class DepthCutConfig(RoomConfig):
         margin: Part of the box's size that is taken around it as certain background.
         depth_gap_m: A jump in depth of this size ends the object.
         iterations: Of GrabCut.
+        floor_height_m: What is lower than this is floor, not the object: it touches the object
+            without a jump in depth and often has its colour. 0 keeps it.
+        max_floor_share: If more of the box than this is floor, the object lies on it (a rug), and
+            the floor is kept.
     """
 
     work_size_px: int = 120
     margin: float = 0.15
     depth_gap_m: float = 0.30
     iterations: int = 2
+    floor_height_m: float = 0.06
+    max_floor_share: float = 0.6
 
 
 class DepthCutSegmenter:
@@ -63,12 +69,32 @@ class DepthCutSegmenter:
             round((by0 - y0) * sy) : max(round((by1 - y0) * sy), 1),
             round((bx0 - x0) * sx) : max(round((bx1 - x0) * sx), 1),
         ] = True
+        floor = inside & self._is_floor(observation, depth, (x0, y0), (sx, sy))
+        if floor.sum() <= self._config.max_floor_share * inside.sum():
+            inside &= ~floor
         cut = self._cut(rgb, depth, inside)
         whole = cv2.resize(
             cut.astype(np.uint8), (x1 - x0, y1 - y0), interpolation=cv2.INTER_NEAREST
         )
         mask[y0:y1, x0:x1] = whole.astype(bool)
         return mask
+
+    def _is_floor(
+        self,
+        observation: Observation,
+        depth: Float32[np.ndarray, "h w"],
+        corner: tuple[int, int],
+        scale: tuple[float, float],
+    ) -> Bool[np.ndarray, "h w"]:
+        """Pixels of the reduced crop whose points lie on the floor of the ``map`` frame."""
+        camera = observation.camera
+        columns = corner[0] + (np.arange(depth.shape[1]) + 0.5) / scale[0]
+        rows = corner[1] + (np.arange(depth.shape[0]) + 0.5) / scale[1]
+        x = (columns[None, :] - camera.cx) / camera.fx * depth
+        y = (rows[:, None] - camera.cy) / camera.fy * depth
+        points = np.stack([x, y, depth], axis=-1).reshape(-1, 3).astype(np.float64)
+        height = observation.camera_to_map.apply(points)[:, 2].reshape(depth.shape)
+        return (depth > 0) & (height < self._config.floor_height_m)
 
     def _cut(
         self,

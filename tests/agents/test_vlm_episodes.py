@@ -1,0 +1,218 @@
+"""Whole searches through a model server that tells the simulator's truth, and fails as told."""
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from hypernav.build import AgentParts, PartSpecs, build_agent
+from hypernav.core.geometry import Pose2
+from hypernav.core.goal import Goal
+from hypernav.core.trace import StepTrace, without_timings
+from hypernav.evaluation import Episode, EpisodeResult, Outcome
+from servers.scripted import ScriptedServer
+from servers.truth import Errors, Truth, TruthfulBrain, watching
+from small_worlds import small_config, two_rooms
+
+START = Pose2(2.5, 1.0, math.pi / 2)
+BED = Goal("bed")
+QUICK = {"timeout_s": 5.0, "patience_s": 10.0, "first_wait_s": 0.01, "longest_wait_s": 0.1}
+FAULTS = {"429": 0.03, "500": 0.03, "reset": 0.02, "half": 0.01, "broken json": 0.01}
+
+
+@pytest.fixture(scope="module")
+def one_server() -> Iterator[ScriptedServer]:
+    with ScriptedServer() as server:
+        yield server
+
+
+@pytest.fixture
+def server(one_server: ScriptedServer) -> Iterator[ScriptedServer]:
+    one_server.reset()
+    with watching(Truth()) as truth:
+        one_server.brain = TruthfulBrain(truth)
+        yield one_server
+
+
+def agent_on(vlm: str, preset: str = "default", record: Path | None = None, **more) -> AgentParts:
+    config = small_config(preset, chat={**QUICK, **more})
+    return build_agent(config, PartSpecs(vlm=vlm), record=record)
+
+
+def search(parts: AgentParts, max_steps: int = 150) -> tuple[list[StepTrace], EpisodeResult]:
+    episode = Episode(parts.agent, two_rooms(), BED, START, max_steps=max_steps)
+    return [step.trace for step in episode], episode.result()
+
+
+def bend(server: ScriptedServer, errors: Errors) -> None:
+    assert isinstance(server.brain, TruthfulBrain)
+    server.brain.errors = errors
+
+
+@pytest.mark.parametrize("preset", ["default", "paper"])
+def test_a_truthful_model_finds_what_ground_truth_finds(server: ScriptedServer, preset: str):
+    steps, result = search(agent_on(server.spec, preset))
+    _, told = search(build_agent(small_config(preset)))
+    assert result.outcome is told.outcome is Outcome.FOUND
+    assert result.metrics.spl > 0.8 * told.metrics.spl
+    kinds = {exchange.kind for step in steps for exchange in step.exchanges}
+    assert {"ground", "choose block", "verify"} <= kinds
+
+
+def test_the_ledger_and_the_trace_tell_the_same(server: ScriptedServer):
+    parts = agent_on(server.spec, "paper")
+    steps, result = search(parts)
+    report = parts.take_report()
+    exchanges = [one for step in steps for one in step.exchanges if one.by_model]
+    total = report["ledger"]["total"]
+    assert result.model_calls == total["calls"] == len(exchanges) == len(server.requests)
+    assert total["tokens_in"] == sum(one.tokens_in for one in exchanges) > 0
+    assert total["tokens_out"] == sum(one.tokens_out for one in exchanges) > 0
+    for kind, row in report["ledger"]["kinds"].items():
+        assert row["calls"] == sum(one.kind == kind for one in exchanges)
+    assert report["fallbacks"]["geometric_choices"] == 0
+
+
+def test_every_report_begins_at_zero(server: ScriptedServer):
+    parts = agent_on(server.spec)
+    search(parts, max_steps=3)
+    assert parts.take_report()["ledger"]["total"]["calls"] > 0
+    assert parts.take_report()["ledger"]["total"]["calls"] == 0
+
+
+def test_transport_faults_lose_nothing_and_change_nothing(server: ScriptedServer):
+    traces = []
+    for rates in ({}, FAULTS):
+        server.rates = rates
+        parts = agent_on(server.spec)
+        steps, result = search(parts)
+        assert result.outcome is Outcome.FOUND
+        traces.append([without_timings(step.model_dump(mode="json")) for step in steps])
+    total = parts.take_report()["ledger"]["total"]
+    assert traces[0] == traces[1]
+    assert total["retries"] == len(server.failures) - server.failures.count("ok") > 0
+    assert total["lost"] == {"transport": total["retries"]}
+
+
+@pytest.mark.slow
+def test_over_many_starts_faults_lose_no_episode(server: ScriptedServer):
+    """With 10% transport faults as many are found as with none, and as with ground truth."""
+    outcomes: dict[str, list[Outcome]] = {"truth": [], "model": [], "faulty model": []}
+    for number in range(6):
+        start = Pose2(1.5 + 0.25 * number, 2.0, number * 0.7)
+        for name in outcomes:
+            server.rates = FAULTS if name == "faulty model" else {}
+            parts = build_agent(small_config()) if name == "truth" else agent_on(server.spec)
+            episode = Episode(parts.agent, two_rooms(), BED, start, max_steps=150)
+            list(episode)
+            outcomes[name].append(episode.result().outcome)
+    assert outcomes["model"] == outcomes["faulty model"]
+    found = {name: each.count(Outcome.FOUND) for name, each in outcomes.items()}
+    assert found["model"] >= found["truth"] == 6
+    assert len(server.failures) - server.failures.count("ok") > 10
+
+
+def test_a_careless_model_still_finds_the_bed(server: ScriptedServer):
+    bend(server, Errors(miss=0.2, prose=0.5, truncate=0.1, jitter_px=1.0, babble=0.1))
+    steps, result = search(agent_on(server.spec))
+    assert result.outcome is Outcome.FOUND
+    assert any(one.remarks for step in steps for one in step.exchanges)
+
+
+def test_a_wrong_coordinate_space_is_seen_in_trace_and_report(server: ScriptedServer):
+    bend(server, Errors(wrong_space=1.0))
+    parts = agent_on(server.spec)
+    steps, _ = search(parts)
+    assert parts.take_report()["fallbacks"]["rejected_boxes"]["outside the picture"] > 0
+    remarks = [mark for step in steps for one in step.exchanges for mark in one.remarks]
+    assert any("outside the picture" in remark for remark in remarks)
+
+
+def test_another_label_is_seen_in_the_trace(server: ScriptedServer):
+    bend(server, Errors(wrong_label=1.0))
+    steps, _ = search(agent_on(server.spec))
+    labels = {found.label for step in steps for found in step.detections}
+    assert labels == {"window curtain"}
+
+
+def test_a_babbling_model_falls_back_and_is_counted(server: ScriptedServer):
+    server.personality.honours = ()
+    bend(server, Errors(babble=1.0))
+    parts = agent_on(server.spec)
+    steps, result = search(parts)
+    report = parts.take_report()
+    assert result.outcome is Outcome.FOUND
+    assert report["fallbacks"]["geometric_choices"] > 0
+    assert report["fallbacks"]["unsure_presence_checks"] > 0
+    faults = [one.fault for step in steps for one in step.exchanges if one.fault]
+    assert report["ledger"]["total"]["faults"] == {"unparsable": len(faults)}
+
+
+def test_a_model_that_denies_the_goal_has_the_place_rejected(server: ScriptedServer):
+    truthful = server.brain
+
+    def denying(asked):
+        return "no" if asked.kind == "verify" else truthful(asked)
+
+    server.brain = denying
+    steps, result = search(agent_on(server.spec))
+    events = [event for step in steps for event in step.events]
+    assert result.outcome is Outcome.NOT_FOUND
+    assert events.count("goal area rejected") == 1
+    reasons = {found.reason for step in steps for found in step.detections}
+    assert "rejected before" in reasons
+
+
+def test_a_recorded_search_replays_to_the_same_trace(server: ScriptedServer, tmp_path: Path):
+    bend(server, Errors(miss=0.2, prose=0.5))
+    path = tmp_path / "run.jsonl"
+    recorded = agent_on(server.spec, record=path)
+    first, _ = search(recorded)
+    recorded.close()
+    asked = len(server.requests)
+    replayed = agent_on(f"replay:{path}")
+    second, _ = search(replayed)
+    assert len(server.requests) == asked
+    traces = [[step.model_dump(mode="json") for step in steps] for steps in (first, second)]
+    assert [without_timings(step) for step in traces[0]] == [
+        without_timings(step) for step in traces[1]
+    ]
+    waits = [[one.seconds for step in steps for one in step.exchanges] for steps in (first, second)]
+    assert waits[0] == waits[1]
+    assert replayed.take_report() == recorded.take_report()
+
+
+def test_a_server_that_dies_ends_the_search_within_the_patience():
+    with ScriptedServer() as server, watching(Truth()) as truth:
+        server.brain = TruthfulBrain(truth)
+        parts = agent_on(server.spec, "paper", patience_s=0.5)
+        episode = Episode(parts.agent, two_rooms(), BED, START, max_steps=150)
+        seen = []
+        for step in episode:
+            seen.append(step.trace)
+            if len(seen) == 5:
+                server.stop()
+        result = episode.result()
+    assert (result.outcome, result.steps, len(seen)) == (Outcome.MODEL_UNAVAILABLE, 5, 5)
+    assert "patience of 0.5 s" in result.detail
+    assert not result.metrics.success
+    assert parts.take_report()["ledger"]["total"]["faults"] == {"unavailable": 1}
+    assert all(step.exchanges for step in seen)
+
+
+def test_a_server_that_is_restarted_in_time_loses_nothing():
+    with ScriptedServer() as server, watching(Truth()) as truth:
+        server.brain = TruthfulBrain(truth)
+        traces = []
+        for restarts in (0, 1):
+            parts = agent_on(server.spec)
+            steps = []
+            for step in Episode(parts.agent, two_rooms(), BED, START, max_steps=150):
+                steps.append(without_timings(step.trace.model_dump(mode="json")))
+                if restarts and len(steps) == 5:
+                    server.stop()
+                    server.start()
+            traces.append(steps)
+    assert traces[0] == traces[1]
+    assert "goal reached" in traces[0][-1]["events"]

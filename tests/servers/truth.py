@@ -1,0 +1,173 @@
+"""A brain for the scripted server that answers from the simulator's truth, with set error rates.
+
+It knows every picture that an agent has seen and recognises the one it is sent, so it tells the
+truth about that very picture, whenever it is asked.
+"""
+
+import json
+import random
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+
+from hypernav.core.boxes import Box
+from hypernav.core.chat import Question
+from hypernav.core.goal import Goal
+from hypernav.core.observation import Observation
+from hypernav.core.overview import Overview
+from hypernav.core.trace import ExchangeLog
+from hypernav.models.vlm_families import family_named
+from hypernav.perception.geometric import GeometricReasoner
+from hypernav.perception.ground_truth import GroundTruthDetector
+from hypernav.perception.presence import VlmPresenceCheck
+from hypernav.perception.vlm_detector import VlmDetector
+from hypernav.perception.vlm_reasoner import VlmReasoner
+from servers.scripted import Asked
+
+
+@dataclass
+class Errors:
+    """How often the truth is bent, each from 0 to 1.
+
+    Attributes:
+        miss: The goal is in the picture, and it says that it is not.
+        wrong_label: It calls the thing something else.
+        wrong_space: It answers in thousandths where pixels are expected.
+        prose: It writes sentences around the JSON.
+        truncate: It stops in the middle.
+        jitter_px: How far a box's edges are off, standard deviation.
+        babble: It answers a closed question with nonsense.
+    """
+
+    miss: float = 0.0
+    wrong_label: float = 0.0
+    wrong_space: float = 0.0
+    prose: float = 0.0
+    truncate: float = 0.0
+    jitter_px: float = 0.0
+    babble: float = 0.0
+
+
+@dataclass
+class Truth:
+    """What an agent has seen so far, by a small version of each picture."""
+
+    observations: list[tuple[np.ndarray, Observation]] = field(default_factory=list)
+    overviews: list[tuple[np.ndarray, Overview]] = field(default_factory=list)
+
+    def see(self, observation: Observation) -> None:
+        """Remember a camera picture."""
+        self.observations.append((_small(observation.rgb), observation))
+
+    def draw(self, overview: Overview) -> None:
+        """Remember a map."""
+        self.overviews.append((_small(overview.picture), overview))
+
+
+def _small(picture: np.ndarray) -> np.ndarray:
+    small = cv2.resize(picture, (64, 48), interpolation=cv2.INTER_AREA)
+    return small.astype(np.float32)
+
+
+def _recognised(picture: np.ndarray, known: list) -> object:
+    small = _small(picture)
+    return min(reversed(known), key=lambda one: float(np.abs(one[0] - small).mean()))[1]
+
+
+@contextmanager
+def watching(truth: Truth) -> Iterator[Truth]:
+    """While it lasts, all that is asked about in this process becomes known to the truth."""
+    about_picture, about_map = VlmDetector.question, VlmReasoner.question
+    is_present = VlmPresenceCheck.is_present
+
+    def watched_picture(self: VlmDetector, observation: Observation, goal: Goal) -> Question:
+        truth.see(observation)
+        return about_picture(self, observation, goal)
+
+    def watched_map(self: VlmReasoner, overview: Overview, *others: Any, **more: Any) -> Question:
+        truth.draw(overview)
+        return about_map(self, overview, *others, **more)
+
+    def watched_presence(self: VlmPresenceCheck, observation: Observation, goal: Goal) -> bool:
+        truth.see(observation)
+        return is_present(self, observation, goal)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(VlmDetector, "question", watched_picture)
+        patch.setattr(VlmReasoner, "question", watched_map)
+        patch.setattr(VlmPresenceCheck, "is_present", watched_presence)
+        yield truth
+
+
+class TruthfulBrain:
+    """Answers the questions of the method."""
+
+    def __init__(self, truth: Truth, errors: Errors | None = None, seed: int = 0) -> None:
+        self._truth = truth
+        self.errors = errors or Errors()
+        self._rng = random.Random(seed)
+        self._detector = GroundTruthDetector()
+        self._reasoner = GeometricReasoner(ExchangeLog())
+
+    def __call__(self, asked: Asked) -> str:
+        match asked.kind:
+            case "ground":
+                return self._ground(asked)
+            case "choose block":
+                return self._choose(asked)
+            case "verify":
+                return self._verify(asked)
+        return "I was not asked a question that I know."
+
+    def _happens(self, rate: float) -> bool:
+        return self._rng.random() < rate
+
+    def _ground(self, asked: Asked) -> str:
+        match = re.match(r"Locate every (.+?) in the picture", asked.text)
+        goal = Goal(match[1] if match else "nothing")
+        view = _recognised(asked.pictures[0], self._truth.observations)
+        assert isinstance(view, Observation)
+        things = [] if self._happens(self.errors.miss) else self._detector.detect(view, goal)
+        height, width = view.rgb.shape[:2]
+        space = "thousandths" if self._happens(self.errors.wrong_space) else "qwen2.5-vl"
+        label = "window curtain" if self._happens(self.errors.wrong_label) else goal.text
+        found = []
+        for thing in things:
+            edges = [thing.box.x_min, thing.box.y_min, thing.box.x_max, thing.box.y_max]
+            edges = [edge + self._rng.gauss(0.0, self.errors.jitter_px) for edge in edges]
+            said = family_named(space).from_picture(Box(*edges), width, height)
+            numbers = [round(edge) for edge in (said.x_min, said.y_min, said.x_max, said.y_max)]
+            found.append({"bbox_2d": numbers, "label": label})
+        text = f"```json\n{json.dumps(found)}\n```"
+        if self._happens(self.errors.prose):
+            text = f"Certainly! I looked closely and here is what I see:\n{text}\nAnything else?"
+        if self._happens(self.errors.truncate):
+            text = text[: self._rng.randint(0, len(text))]
+        return text
+
+    def _choose(self, asked: Asked) -> str:
+        if self._happens(self.errors.babble):
+            return "The kitchen smells of 4 or 5 sorts of cheese."
+        match = re.search(r"Don't answer number \[([\d, ]+)\]", asked.text)
+        excluded = frozenset(map(int, match[1].split(","))) if match else frozenset[int]()
+        overview = _recognised(asked.pictures[0], self._truth.overviews)
+        assert isinstance(overview, Overview)
+        number = self._reasoner.choose(overview, Goal("anything"), excluded).number
+        if number is not None:
+            return f"The robot should go to block {number}." if not asked.allowed else str(number)
+        return asked.allowed[0] if asked.allowed else "nowhere"
+
+    def _verify(self, asked: Asked) -> str:
+        if self._happens(self.errors.babble):
+            return "Beauty lies in the eye of the beholder."
+        match = re.match(r"Is there a (.+?) in this picture", asked.text)
+        goal = Goal(match[1] if match else "nothing")
+        view = _recognised(asked.pictures[0], self._truth.observations)
+        assert isinstance(view, Observation)
+        return "yes" if self._detector.detect(view, goal) else "no"
