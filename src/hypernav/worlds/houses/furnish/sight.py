@@ -12,13 +12,15 @@ from hypernav.worlds.houses.assembly import Placed
 from hypernav.worlds.houses.furnish.site import Site
 from hypernav.worlds.houses.furnish.spots import Solid
 from hypernav.worlds.houses.kit.mesh import rotation_matrix
-from hypernav.worlds.houses.kit.model import Model
+from hypernav.worlds.houses.plan.shapes import Rect
 
 _EYE_M = 0.88
 _REACH_M = 0.85
 _POINTS = 20
 _PLACES = 12
 _LEAST_SHARE = 0.2
+_LEAST_PLACES = 2
+_ON_TOP_M = 0.02
 
 
 def remove_unseen(site: Site) -> None:
@@ -38,33 +40,52 @@ def _is_seen(piece: Placed, site: Site, spots: Float64[np.ndarray, "n 2"]) -> bo
         return False
     near = near[:: max(len(near) // _PLACES, 1)]
     targets = _surface_points(piece)
-    others = [s for s in site.solids if s is not own and not _carries(s, own)]
     eyes = np.column_stack([near, np.full(len(near), _EYE_M)])
     clear = _in_sight(
-        np.repeat(eyes, len(targets), axis=0), np.tile(targets, (len(eyes), 1)), others
+        np.repeat(eyes, len(targets), axis=0),
+        np.tile(targets, (len(eyes), 1)),
+        _in_the_way(own, site),
     )
-    return bool((clear.reshape(len(eyes), -1).mean(axis=1) >= _LEAST_SHARE).any())
+    seeing = clear.reshape(len(eyes), -1).mean(axis=1) >= _LEAST_SHARE
+    return int(seeing.sum()) >= min(_LEAST_PLACES, len(eyes))
 
 
-def _carries(lower: Solid, upper: Solid) -> bool:
-    """Whether something stands on or lies in another: that one's box says nothing."""
-    return lower.rect.holds(upper.rect) and lower.low < upper.low
+def _in_the_way(own: Solid, site: Site) -> list[Solid]:
+    """All that may hide something: of what it lies in, as a cushion on a sofa, single parts."""
+    others = [s for s in site.solids if s is not own and not _holds(s, own)]
+    for piece in site.placed:
+        if site.takes_space(piece) and _holds(site.solid_of(piece), own):
+            others += [s for s in _parts_of(piece) if not _holds(s, own)]
+    return others
+
+
+def _holds(outer: Solid, inner: Solid) -> bool:
+    """Whether something lies in another, not on it."""
+    return outer.rect.holds(inner.rect) and outer.low < inner.low < outer.high - _ON_TOP_M
+
+
+def _parts_of(piece: Placed) -> list[Solid]:
+    """Boxes around the parts of something."""
+    solids = []
+    for part in piece.model.parts:
+        points = _in_scene(part.mesh.positions, piece)
+        (x0, y0, z0), (x1, y1, z1) = points.min(axis=0).tolist(), points.max(axis=0).tolist()
+        solids.append(Solid(Rect(x0, y0, x1, y1), z0, z1))
+    return solids
 
 
 def _surface_points(piece: Placed) -> Float64[np.ndarray, "n 3"]:
     """Some of an object's vertices in the scene."""
-    points = _some_vertices(piece.model)
+    points = np.concatenate([part.mesh.positions for part in piece.model.parts])
+    return _in_scene(points[:: max(len(points) // _POINTS, 1)], piece)
+
+
+def _in_scene(points: Float64[np.ndarray, "n 3"], piece: Placed) -> Float64[np.ndarray, "n 3"]:
+    """Points of a model, where it stands."""
     r = rotation_matrix(piece.yaw_deg)
-    x, y = (
-        points[:, 0] * r[0, 0] + points[:, 1] * r[0, 1],
-        points[:, 0] * r[1, 0] + points[:, 1] * r[1, 1],
-    )
+    x = points[:, 0] * r[0, 0] + points[:, 1] * r[0, 1]
+    y = points[:, 0] * r[1, 0] + points[:, 1] * r[1, 1]
     return np.column_stack([x + piece.x, y + piece.y, points[:, 2] + piece.z])
-
-
-def _some_vertices(model: Model) -> Float64[np.ndarray, "n 3"]:
-    points = np.concatenate([part.mesh.positions for part in model.parts])
-    return points[:: max(len(points) // _POINTS, 1)]
 
 
 def _in_sight(

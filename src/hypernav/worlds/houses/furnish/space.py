@@ -222,9 +222,13 @@ class Space:
         """The space that a placed model takes."""
         return self._solid_of[id(piece)]
 
+    def takes_space(self, piece: Placed) -> bool:
+        """Whether a placed model is more than flat."""
+        return id(piece) in self._solid_of
+
     def is_loose(self, piece: Placed) -> bool:
         """Whether it may go again: it takes space, carries nothing and has no place reserved."""
-        return id(piece) in self._solid_of and id(piece) not in self._fixed | self._carriers
+        return self.takes_space(piece) and id(piece) not in self._fixed | self._carriers
 
     def remove(self, piece: Placed) -> None:
         """Take something away; the floor under it stays taken."""

@@ -177,14 +177,38 @@ def _outside(bench: Bench, plan: FloorPlan, number: int) -> None:
     for along, at, start, end, side in outer_walls(plan.rooms, number):
         holes = [h for h in _holes(openings, along, at) if h[0] < end and h[1] > start]
         plane = at + side * OUTER_M
-        bench.add(
-            _FACADE,
-            wall_face(along, plane, side, start - OUTER_M, end + OUTER_M, plan.height + 0.0, holes),
-        )
-        cap = (start - OUTER_M, end + OUTER_M, *sorted((at, plane)))
+        low = start - _corner(plan, along, at, start, side, -1.0)
+        high = end + _corner(plan, along, at, end, side, 1.0)
+        if high <= low:
+            continue
+        bench.add(_FACADE, wall_face(along, plane, side, low, high, plan.height, holes))
+        cap = (low, high, *sorted((at, plane)))
         rect = (
             Rect(cap[0], cap[2], cap[1], cap[3])
             if along == "x"
             else Rect(cap[2], cap[0], cap[3], cap[1])
         )
         bench.add(_CAP, floor_quad(rect.x0, rect.y0, rect.x1, rect.y1, plan.height + 0.001))
+
+
+def _corner(
+    plan: FloorPlan, along: str, at: float, end: float, side: float, forward: float
+) -> float:
+    """How far an outer wall reaches beyond its end: around an outer corner, not into an inner one.
+
+    Args:
+        plan: Of the house.
+        along: Where the wall runs.
+        at: Its middle line.
+        end: Coordinate of the end along the wall.
+        side: Where outside is: 1 to larger, -1 to smaller coordinates.
+        forward: Where the end looks along the wall: 1 or -1.
+    """
+    step = 0.01
+    t = end + forward * step
+    for across, reach in ((at + side * step, -OUTER_M), (at - side * step, 0.0)):
+        x, y = (t, across) if along == "x" else (across, t)
+        point = Rect(x, y, x, y)
+        if any(not room.is_outside and room.cell.holds(point) for room in plan.rooms):
+            return reach
+    return OUTER_M
