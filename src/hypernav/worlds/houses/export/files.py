@@ -12,6 +12,7 @@ from jaxtyping import UInt8
 from hypernav.core.errors import SceneError
 from hypernav.worlds.houses.assembly import CompactScene
 from hypernav.worlds.houses.build import build_compact, plan_of
+from hypernav.worlds.houses.export.descriptions import describe
 from hypernav.worlds.houses.export.glb import write_house, write_semantics
 from hypernav.worlds.loading import OBJECTS_FILE
 from hypernav.worlds.scene import Instance, Scene
@@ -100,6 +101,7 @@ def _object(instance: Instance, triangles: int, category: str) -> dict[str, Any]
         "attributes": list(label.attributes) if label else [],
         "room": label.room if label else "",
         "beside": list(label.beside) if label else [],
+        "description": describe(label) if label else "",
     }
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import UInt8
 
 from hypernav.core.camera import PinholeCamera
+from hypernav.core.errors import SceneError
 from hypernav.core.geometry import Pose2, Transform
 from hypernav.show.site import page_environment, picture_uri
 from hypernav.worlds.embodiment import CameraConfig
@@ -33,11 +34,13 @@ def house_page(number: int, out: Path) -> Path:
 
     Returns:
         The page.
+
+    Raises:
+        SceneError: The page cannot be written.
     """
     plan = plan_of(number)
     scene = to_scene(build_compact(number), f"houses:{number}")
     path = out if out.suffix == ".html" else out / f"house_{number}.html"
-    path.parent.mkdir(parents=True, exist_ok=True)
     rooms = [room for room in plan.rooms if not room.is_outside]
     things = [
         i.label for i in scene.instances if i.label is not None and i.label.category != "window"
@@ -72,7 +75,11 @@ def house_page(number: int, out: Path) -> Path:
             triangles=f"{len(scene.faces):,}",
         )
     )
-    path.write_text(text, encoding="utf-8")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise SceneError(f"{path}: cannot be written ({error.strerror or error})") from error
     return path
 
 
