@@ -5,7 +5,7 @@ counts as reached: a description is only used if it is true of something and fal
 else that bears the same name.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import count, cycle, islice
 from typing import Literal
@@ -14,6 +14,7 @@ from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel, canonical
 from hypernav.worlds.house_episodes.site import Site
 from hypernav.worlds.houses.dice import Dice
+from hypernav.worlds.houses.near_misses import near_misses
 from hypernav.worlds.scene import Instance
 
 Vocabulary = Literal["seen", "synonym", "unseen"]
@@ -44,8 +45,7 @@ class Ask:
             the name of another kind of thing.
         is_description: Whether the text says more than a name.
         instances: What satisfies it.
-        near_misses: What doesn't, but has the same name (of a description) or a name with the same
-            last word (a shower curtain for a window curtain).
+        near_misses: What doesn't, but comes close.
     """
 
     text: str
@@ -125,7 +125,7 @@ def _largest_side_m2(instance: Instance) -> float:
 
 def _name_ask(site: Site, name: str, vocabulary: Vocabulary) -> Ask:
     wanted = site.satisfying(name)
-    return Ask(name, vocabulary, False, wanted, _namesakes(site, name, wanted))
+    return Ask(name, vocabulary, False, wanted, near_misses(site.scene, Goal(name)))
 
 
 def _description(dice: Dice, site: Site, name: str, vocabulary: Vocabulary) -> Ask:
@@ -142,8 +142,7 @@ def _description(dice: Dice, site: Site, name: str, vocabulary: Vocabulary) -> A
         wanted = site.satisfying(phrase)
         if target in wanted:
             text = f"the {phrase}" if len(wanted) == 1 else phrase
-            missed = tuple(b for b in bearers if b not in wanted)
-            return Ask(text, vocabulary, True, wanted, missed)
+            return Ask(text, vocabulary, True, wanted, near_misses(site.scene, goal))
     return _name_ask(site, name, vocabulary)
 
 
@@ -156,16 +155,6 @@ def _phrases(name: str, label: ObjectLabel) -> list[str]:
         in_room = f"in the {label.room}"
         phrases += [f"{text} {in_room}" for text in (name, *looks)]
     return phrases
-
-
-def _namesakes(site: Site, name: str, wanted: Sequence[Instance]) -> tuple[Instance, ...]:
-    """Things that a careless reader of the last word would take for what is wanted."""
-    last = canonical(name).rsplit(" ", maxsplit=1)[-1]
-    return tuple(
-        i
-        for i in site.scene.instances
-        if i.label is not None and i not in wanted and i.label.is_named(last)
-    )
 
 
 def _label_of(instance: Instance) -> ObjectLabel:

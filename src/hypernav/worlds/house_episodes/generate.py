@@ -112,11 +112,11 @@ class _Writer:
             "euclidean_distance": round(start.euclidean_m, 4),
             "rooms_on_path": start.rooms,
             "closest_goal_object_id": self._nearest(ask, start),
+            "near_miss_object_ids": [i.id for i in ask.near_misses],
         }
         if style == "phrases":
             info["vocabulary"] = ask.vocabulary
             info["is_description"] = ask.is_description
-            info["near_miss_object_ids"] = [i.id for i in ask.near_misses]
         return Episode(
             episode_id=str(number),
             scene_id=self._site.scene.name,
