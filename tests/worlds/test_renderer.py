@@ -356,3 +356,15 @@ def test_strange_numbers_in_a_file_are_survived(wrap: Wrap) -> None:
         for pose in (looking(-1.0, 0.0, 0.0, 0.0), looking(0.0, -3.0, 90.0, 0.0)):
             view = renderer.render(CAMERA, pose)
             assert np.isfinite(view.depth).all()
+
+
+def test_without_colours_depth_and_instances_are_the_same():
+    scene = scene_of(*room_boxes(), ("bed", (2.0, 1.0, 0.0), (4.0, 3.0, 0.6)))
+    pose = Pose2(1.0, 2.0, 0.3).to_transform() @ optical_to_base(0.88, 0.0)
+    camera = PinholeCamera.from_hfov(160, 120, 79.0)
+    seen = EmbreeRenderer(scene).render(camera, pose)
+    blind = EmbreeRenderer(scene, RenderConfig(colours=False)).render(camera, pose)
+    assert np.array_equal(blind.depth, seen.depth)
+    assert np.array_equal(blind.instance_ids, seen.instance_ids)
+    assert seen.rgb.any()
+    assert not blind.rgb.any()

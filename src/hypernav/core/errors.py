@@ -88,7 +88,7 @@ class ModelRejectedError(ModelUnavailableError):
 
 
 class RunFolderError(HyPerNavError):
-    """The folder of an evaluation is in use, damaged, of another configuration, or can't be written."""
+    """The folder of an evaluation is in use, damaged, of another run, or can't be written."""
 
 
 class RecordingError(HyPerNavError):

@@ -73,7 +73,9 @@ class Workbench:
             HyPerNavError: It can't be built.
         """
         self._job = job
-        self._agent, self._words = _agent_of(job)
+        self._agent, self._words, looks = _agent_of(job)
+        # Drawing is most of the work, and ground truth needs no colours.
+        self._render = RenderConfig(threads=1, colours=looks or job.save != "none")
         self._scene_id = ""
         self._world: SimulatedWorld | None = None
 
@@ -105,7 +107,7 @@ class Workbench:
         if self._world is None or self._scene_id != scene_id:
             self._world, self._scene_id = None, ""  # the old one's memory, before the new one's
             scene = self._job.open_scene(scene_id)
-            renderer = EmbreeRenderer(scene, RenderConfig(threads=1))
+            renderer = EmbreeRenderer(scene, self._render)
             self._world = SimulatedWorld(scene, self._job.config.world, renderer=renderer)
             self._scene_id = scene_id
         return self._world
@@ -225,18 +227,20 @@ def folder_name(spec: EpisodeSpec) -> str:
     return re.sub(r"[^a-z0-9]+", "-", text).strip("-")[:120]
 
 
-def _agent_of(job: Job) -> tuple[Agent, dict[str, str]]:
-    """The agent, and who in it sees and thinks, in words."""
+def _agent_of(job: Job) -> tuple[Agent, dict[str, str], bool]:
+    """The agent, who in it sees and thinks in words, and whether it looks at colours."""
     if job.make_agent is not None:
         agent = job.make_agent()
-        return agent, {"agent": type(agent).__name__, "detector": "its own", "reasoner": "its own"}
+        words = {"agent": type(agent).__name__, "detector": "its own", "reasoner": "its own"}
+        return agent, words, True
     parts = build_agent(job.config, job.specs)
     words = {
         "agent": job.specs.agent,
         "detector": parts.detector_words,
         "reasoner": parts.reasoner_words,
     }
-    return parts.agent, words
+    looks = parts.chosen.detector != "ground-truth" or parts.chosen.vlm is not None
+    return parts.agent, words, looks
 
 
 def _count(step: EpisodeStep, questions: Counter[str], tokens: Counter[str]) -> None:

@@ -128,12 +128,15 @@ class Shader:
         self._tone = _tone_curve(exposure)
         self._background = np.array(background, dtype=np.uint8)
 
-    def see(self, camera: Float64[np.ndarray, "4 3"], rays: Rays) -> Unlit | None:
+    def see(
+        self, camera: Float64[np.ndarray, "4 3"], rays: Rays, *, colours: bool = True
+    ) -> Unlit | None:
         """Fill depth, instance and colour of rays.
 
         Args:
             camera: As for `geometry_kernels.fill_rays`.
             rays: Origins and directions are read, the rest is filled.
+            colours: Whether the colours are filled as well.
 
         Returns:
             What waits for light, None if nothing does.
@@ -142,6 +145,8 @@ class Shader:
         self._locate(camera, hits, rays)
         if self._has_holes:
             self._look_through_holes(camera, hits, rays)
+        if not colours:
+            return None
         paint(
             hits, rays.surface, self._geometry.colors, *self._materials, *self._textures, rays.paint
         )
