@@ -27,7 +27,7 @@ def remove_unseen(site: Site) -> None:
     """Take away small things and pictures that no robot could find."""
     spots = site.standing_points()
     for piece in [p for p in site.placed if site.is_loose(p)]:
-        if not _is_seen(piece, site, spots):
+        if site.takes_space(piece) and not _is_seen(piece, site, spots):
             site.remove(piece)
 
 

@@ -117,8 +117,9 @@ class Site(Space):
                     continue
                 if self._covers_opening(rect, low, high):
                     continue
-                self._carriers.add(id(base))
-                return self.put(model, spot, on_top=True)
+                piece = self.put(model, spot, on_top=True)
+                self.carry(base, piece)
+                return piece
         return None
 
     def _top_spot(

@@ -42,7 +42,7 @@ class Space:
         self.solids: list[Solid] = []
         self._clear: list[Rect] = []
         self._solid_of: dict[int, Solid] = {}
-        self._carriers: set[int] = set()
+        self._carried: dict[int, list[Placed]] = {}
         self._fixed: set[int] = set()
         self._floor = FreeFloor(plan, number)
         for opening in self.openings:
@@ -227,11 +227,18 @@ class Space:
         return id(piece) in self._solid_of
 
     def is_loose(self, piece: Placed) -> bool:
-        """Whether it may go again: it takes space, carries nothing and has no place reserved."""
-        return self.takes_space(piece) and id(piece) not in self._fixed | self._carriers
+        """Whether it may go again: it takes space and has no place reserved before it."""
+        return self.takes_space(piece) and id(piece) not in self._fixed
+
+    def carry(self, base: Placed, piece: Placed) -> None:
+        """Note that a piece stands on another and goes with it."""
+        self._carried.setdefault(id(base), []).append(piece)
 
     def remove(self, piece: Placed) -> None:
-        """Take something away; the floor under it stays taken."""
+        """Take something away with all that stands on it; the floor under it stays taken."""
+        for upper in self._carried.pop(id(piece), []):
+            if self.takes_space(upper):
+                self.remove(upper)
         self.placed = [p for p in self.placed if p is not piece]
         solid = self._solid_of.pop(id(piece))
         self.solids = [s for s in self.solids if s is not solid]
