@@ -9,12 +9,13 @@ from typing import NoReturn
 
 import tyro
 
+from hypernav.cli.doctor import Doctor
 from hypernav.cli.eval import Eval
 from hypernav.cli.find import Find
 from hypernav.cli.houses import HousesCommand, houses
 from hypernav.core.errors import HyPerNavError
 
-_COMMANDS = {"find": Find, "eval": Eval, "houses": houses}
+_COMMANDS = {"find": Find, "eval": Eval, "doctor": Doctor, "houses": houses}
 _BOX = re.compile(r"[\u2500-\u257f]+")
 
 
@@ -31,7 +32,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         sys.exit(status)
 
 
-def _parse(arguments: list[str]) -> Find | Eval | HousesCommand:
+def _parse(arguments: list[str]) -> Find | Eval | Doctor | HousesCommand:
     """Read the command line; what tyro says in a box is said in one line."""
     said = io.StringIO()
     try:

@@ -1,7 +1,7 @@
 """What workers are to the one who owns a run, wherever they are."""
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from hypernav.evaluation.datasets import EpisodeSpec
 from hypernav.evaluation.record import EpisodeRecord
@@ -64,6 +64,7 @@ class Refused:
 Report = Done | Lost | Crashed | Refused
 
 
+@runtime_checkable
 class Crew(Protocol):
     """Workers. Each runs one episode at a time; results come back through `wait` alone."""
 

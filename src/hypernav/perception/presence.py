@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from hypernav.core.chat import Question
+from hypernav.core.chat import Picture, Question
 from hypernav.core.config import RoomConfig
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
@@ -27,6 +27,17 @@ class PresenceConfig(RoomConfig):
     prompt: str = _PROMPT
     unsure: Literal["yes", "no"] = "yes"
     min_probability: float = 0.5
+
+
+def presence_question(config: PresenceConfig, picture: Picture, goal: Goal) -> Question:
+    """What a model is asked at the goal."""
+    return Question(
+        kind="verify",
+        text=config.prompt.replace("{goal}", goal.text.strip()),
+        images=(picture,),
+        allowed=("yes", "no"),
+        max_tokens=8,
+    )
 
 
 class VlmPresenceCheck:
@@ -54,13 +65,7 @@ class VlmPresenceCheck:
         Raises:
             ModelUnavailableError: The model stayed away for longer than the configured patience.
         """
-        question = Question(
-            kind="verify",
-            text=self._config.prompt.replace("{goal}", goal.text.strip()),
-            images=(observation.rgb,),
-            allowed=("yes", "no"),
-            max_tokens=8,
-        )
+        question = presence_question(self._config, observation.rgb, goal)
         answer = self._chat.ask(question)
         remarks = []
         if answer.fault is not None:

@@ -6,7 +6,7 @@ from typing import Literal
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 from hypernav.core.boxes import Detection
-from hypernav.core.chat import Answer, Question
+from hypernav.core.chat import Answer, Picture, Question
 from hypernav.core.config import RoomConfig
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel
@@ -73,6 +73,20 @@ class _Things(BaseModel):
     objects: list[_Thing]
 
 
+def grounding_question(
+    config: VlmDetectorConfig, family: VlmFamily, picture: Picture, goal: Goal
+) -> Question:
+    """What a model of a family is asked about one picture."""
+    example = "[y1, x1, y2, x2]" if family.rows_first else "[x1, y1, x2, y2]"
+    return Question(
+        kind="ground",
+        text=config.prompt.format(goal=goal.text.strip(), key=family.box_key, example=example),
+        images=(family.prepared(picture),),
+        form=_Things if config.constrained else None,
+        max_tokens=config.max_tokens,
+    )
+
+
 class VlmDetector:
     """Asks for boxes of the goal. Whatever comes back is read, counted and never raises."""
 
@@ -109,16 +123,7 @@ class VlmDetector:
 
     def question(self, observation: Observation, goal: Goal) -> Question:
         """What is asked about one picture."""
-        family = self.family
-        config = self._config
-        example = "[y1, x1, y2, x2]" if family.rows_first else "[x1, y1, x2, y2]"
-        return Question(
-            kind="ground",
-            text=config.prompt.format(goal=goal.text.strip(), key=family.box_key, example=example),
-            images=(family.prepared(observation.rgb),),
-            form=_Things if config.constrained else None,
-            max_tokens=config.max_tokens,
-        )
+        return grounding_question(self._config, self.family, observation.rgb, goal)
 
     def detect(self, observation: Observation, goal: Goal) -> list[Detection]:
         """All candidates, in the model's order.

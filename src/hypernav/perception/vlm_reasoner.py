@@ -1,11 +1,12 @@
 """Choosing a block with a vision-language model that looks at the map (paper: global)."""
 
 import re
+from collections.abc import Sequence
 from typing import Literal
 
 from pydantic import Field
 
-from hypernav.core.chat import Answer, Question
+from hypernav.core.chat import Answer, Picture, Question
 from hypernav.core.config import RoomConfig
 from hypernav.core.goal import Goal
 from hypernav.core.overview import BlockChoice, Overview
@@ -46,6 +47,30 @@ class VlmReasonerConfig(RoomConfig):
     attempts: int = Field(default=2, ge=1)
     max_tokens: int = Field(default=300, ge=16)
     skip_only_block: bool = True
+
+
+def map_question(
+    config: VlmReasonerConfig,
+    picture: Picture,
+    goal: Goal,
+    blocks: Sequence[int],
+    excluded: frozenset[int] = frozenset(),
+    *,
+    hint: str = "",
+) -> Question:
+    """What a model is asked about one picture of a map."""
+    paper = config.mode == "paper"
+    context = _CONTEXT.format(goal=goal.text.strip(), numbers=", ".join(map(str, blocks)))
+    asked = (_FREE if paper else _CONSTRAINED).format(goal=goal.text.strip())
+    # The paper's words for what was visited already.
+    avoid = f" Don't answer number {sorted(excluded)}." if excluded else ""
+    return Question(
+        kind="choose block",
+        text=f"{context}\n\n{asked}{avoid}{hint}",
+        images=(picture,),
+        allowed=() if paper else tuple(str(number) for number in blocks if number not in excluded),
+        max_tokens=config.max_tokens if paper else 8,
+    )
 
 
 class VlmReasoner:
@@ -110,20 +135,8 @@ class VlmReasoner:
             excluded: Blocks that must not be answered.
             hint: Said in addition, about an answer that could not be used.
         """
-        numbers = [block.number for block in overview.blocks if block.number not in excluded]
-        paper = self._config.mode == "paper"
-        named = ", ".join(str(block.number) for block in overview.blocks)
-        context = _CONTEXT.format(goal=goal.text.strip(), numbers=named)
-        asked = (_FREE if paper else _CONSTRAINED).format(goal=goal.text.strip())
-        # The paper's words for what was visited already.
-        avoid = f" Don't answer number {sorted(excluded)}." if excluded else ""
-        return Question(
-            kind="choose block",
-            text=f"{context}\n\n{asked}{avoid}{hint}",
-            images=(overview.picture,),
-            allowed=() if paper else tuple(map(str, numbers)),
-            max_tokens=self._config.max_tokens if paper else 8,
-        )
+        blocks = [block.number for block in overview.blocks]
+        return map_question(self._config, overview.picture, goal, blocks, excluded, hint=hint)
 
     def _read(
         self, question: Question, answer: Answer, numbers: list[int], excluded: frozenset[int]

@@ -1,0 +1,66 @@
+"""`hypernav doctor`: examine a vision-language model before relying on it."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+from rich.console import Console
+from rich.markup import escape
+
+from hypernav.core.config import layered
+from hypernav.core.errors import ConfigError
+from hypernav.models import open_chat, parse_vlm_spec
+from hypernav.perception.vlm_checkup import Finding, State, check_up
+from hypernav.presets import preset
+
+_MARKS = {
+    State.GOOD: "[green]ok[/]   ",
+    State.NOTE: "[yellow]note[/] ",
+    State.FAULT: "[red]FAULT[/]",
+}
+
+
+@dataclass(frozen=True)
+class Doctor:
+    """Examine a vision-language model and its server, and say what to change."""
+
+    vlm: str
+    """The model: openai:URL[#MODEL] or local:PATH_OR_ID."""
+    config: Path | None = None
+    """YAML file with sections like those of result.json's config; only what differs."""
+    set: Annotated[tuple[str, ...], tyro.conf.arg(metavar="SECTION.KEY=VALUE")] = field(
+        default_factory=tuple
+    )
+    """Single values of the configuration, for example grounding.family=qwen3-vl."""
+
+    def run(self) -> int:
+        """Run the command.
+
+        Returns:
+            0 if all is well, 1 if there is a fault.
+        """
+        spec = parse_vlm_spec(self.vlm)
+        if spec.kind == "replay":
+            raise ConfigError(f"--vlm {self.vlm}: a recording cannot be examined, only a model")
+        config = layered(preset("default"), file=self.config, assignments=self.set)
+        # A fault is to show now, not after two minutes of trying again.
+        chat = open_chat(spec, config.chat.model_copy(update={"patience_s": 0.0}))
+        console = Console(highlight=False, soft_wrap=True)
+        faults = []
+        with console.status("asking the model …"):
+            findings = check_up(chat, config.grounding, config.block_choice, config.presence)
+            for finding in findings:
+                console.print(_line(finding))
+                faults += [finding] if finding.state is State.FAULT else []
+        if not faults:
+            console.print("all is well")
+            return 0
+        console.print("what to change:")
+        for fault in faults:
+            console.print(f"  {fault.check}: {escape(fault.remedy)}")
+        return 1
+
+
+def _line(finding: Finding) -> str:
+    return f"{_MARKS[finding.state]} {finding.check + ':':22} {escape(finding.said)}"

@@ -1,0 +1,233 @@
+"""Finding out what is wrong with a model and its server before a robot relies on them.
+
+Every check asks about something whose answer is known: a plain colour, a rectangle drawn at a known
+place, a question that a free model would answer at length.
+"""
+
+from collections.abc import Generator, Iterator
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import get_args
+
+import numpy as np
+
+from hypernav.core.boxes import Box
+from hypernav.core.chat import Answer, Picture, Question
+from hypernav.core.errors import ConfigError, ModelRejectedError, ModelUnavailableError
+from hypernav.core.goal import Goal
+from hypernav.core.protocols import ChatModel
+from hypernav.models.answer_reading import shortened, without_thinking
+from hypernav.models.openai_chat import OpenAiChat
+from hypernav.models.vlm_families import FamilyName, VlmFamily, family_named, family_of
+from hypernav.perception.grounding_format import read_grounding
+from hypernav.perception.presence import PresenceConfig, presence_question
+from hypernav.perception.vlm_detector import VlmDetectorConfig, grounding_question
+from hypernav.perception.vlm_reasoner import VlmReasonerConfig, map_question
+
+_GOAL = Goal("red rectangle")
+_WIDTH, _HEIGHT = 640, 480
+_PLACE = Box(380.0, 90.0, 560.0, 330.0)
+_MAP_SIDE = 768
+_MATCH = 0.5
+_COLOURS: dict[str, tuple[int, int, int]] = {"blue": (30, 60, 220), "green": (40, 160, 60)}
+_BLOCKS = (1, 2, 3, 4)
+_WAIT = "look into the server's log; --set chat.timeout_s=… waits longer for an answer"
+
+
+class State(StrEnum):
+    """How a check came out."""
+
+    GOOD = "good"
+    NOTE = "note"
+    FAULT = "fault"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What one check found.
+
+    Attributes:
+        check: Its name.
+        state: How it came out.
+        said: What was found.
+        remedy: What to change; empty if nothing.
+    """
+
+    check: str
+    state: State
+    said: str
+    remedy: str = ""
+
+
+def check_up(
+    chat: ChatModel,
+    grounding: VlmDetectorConfig,
+    block_choice: VlmReasonerConfig,
+    presence: PresenceConfig,
+) -> Iterator[Finding]:
+    """Examine a model, one finding after the other; stops where going on makes no sense.
+
+    Args:
+        chat: The model; best without patience, so that faults show at once.
+        grounding: How it is asked for boxes.
+        block_choice: How it is asked the map question.
+        presence: How it is asked whether the goal is there.
+    """
+    try:
+        answers = True
+        if isinstance(chat, OpenAiChat):
+            answers = yield from _check_server(chat)
+        if answers and (yield from _check_sight(chat)):
+            yield from _check_places(chat, grounding)
+            yield from _check_constraints(chat)
+            yield from _time_questions(chat, block_choice, presence)
+        elif answers:
+            yield from _check_constraints(chat)
+    except ModelUnavailableError as error:
+        yield Finding("answers", State.FAULT, str(error), _WAIT)
+
+
+def drawn_shape() -> Picture:
+    """A red rectangle at a known place on a plain, light ground."""
+    picture = np.full((_HEIGHT, _WIDTH, 3), 225, dtype=np.uint8)
+    x_min, y_min, x_max, y_max = _PLACE.pixels()
+    picture[y_min:y_max, x_min:x_max] = (215, 30, 30)
+    return picture
+
+
+def _check_server(chat: OpenAiChat) -> Generator[Finding, None, bool]:
+    """Whether it can be reached and has the model."""
+    try:
+        server = chat.server()
+    except ModelUnavailableError as error:
+        remedy = "start the server, or correct the URL after openai:"
+        yield Finding("server", State.FAULT, str(error), remedy)
+        return False
+    about = f"{chat.url} answers and speaks the dialect '{server.dialect.name}'"
+    yield Finding("server", State.GOOD, about)
+    # Some servers list nothing, or list other names than they take: only an answer tells.
+    try:
+        answer = chat.ask(Question("hello", "Answer with the word: ready", max_tokens=16))
+    except ModelRejectedError as error:
+        remedy = "name one of the server's models after #"
+        yield Finding("model name", State.FAULT, str(error), remedy)
+        return False
+    told = f"{server.model} answers"
+    if answer.usage.tokens_in == 0:
+        yield Finding("model name", State.NOTE, f"{told}, but its server counts no tokens")
+    else:
+        yield Finding("model name", State.GOOD, told)
+    return True
+
+
+def _check_sight(chat: ChatModel) -> Generator[Finding, None, bool]:
+    """Whether it takes pictures and tells one colour from another."""
+    wrong = []
+    for colour, rgb in _COLOURS.items():
+        plain = np.full((224, 224, 3), rgb, dtype=np.uint8)
+        text = "What colour is this picture? Answer with one word."
+        try:
+            answer = chat.ask(Question("colour", text, (plain,), max_tokens=16))
+        except ModelRejectedError as error:
+            remedy = "serve a model that takes pictures (llama.cpp: with --mmproj)"
+            yield Finding("pictures", State.FAULT, f"no vision: {error}", remedy)
+            return False
+        said = without_thinking(answer.text)
+        if colour not in said.lower():
+            wrong.append(f"{colour} is '{shortened(said, 30)}'")
+    if wrong:
+        said = f"no vision: asked about plain colours, it says that {', '.join(wrong)}"
+        remedy = "serve a model that takes pictures; some servers drop them silently"
+        yield Finding("pictures", State.FAULT, said, remedy)
+        return False
+    yield Finding("pictures", State.GOOD, "it tells blue from green")
+    return True
+
+
+def _check_places(chat: ChatModel, config: VlmDetectorConfig) -> Iterator[Finding]:
+    """In which coordinates it answers, by a shape at a known place."""
+    family, unknown = _family(chat, config)
+    answer = chat.ask(grounding_question(config, family, drawn_shape(), _GOAL))
+    best = max(get_args(FamilyName), key=lambda name: _overlap(answer.text, family_named(name)))
+    scale = _scale(answer.text)
+    if _overlap(answer.text, family) >= _MATCH and not unknown:
+        yield Finding("coordinates", State.GOOD, f"boxes are right, read as '{family.name}'")
+    elif _overlap(answer.text, family_named(best)) >= _MATCH:
+        why = unknown or f"boxes are wrong when read as '{family.name}', and right as '{best}'"
+        yield Finding("coordinates", State.FAULT, why, f"--set grounding.family={best}")
+    elif scale is not None:
+        said = f"boxes are {scale:.2f} times too large: the server resizes pictures"
+        remedy = "raise its limit of pixels (vLLM: --mm-processor-kwargs with max_pixels)"
+        yield Finding("coordinates", State.FAULT, said, remedy)
+    else:
+        said = f"no box is where the shape is, in no coordinates: '{shortened(answer.text, 60)}'"
+        remedy = "use a model that was trained on grounding, or another --detector"
+        yield Finding("coordinates", State.FAULT, said, remedy)
+    yield _timed(answer, "ground")
+
+
+def _check_constraints(chat: ChatModel) -> Iterator[Finding]:
+    """Whether only what is allowed can be answered."""
+    text = "Describe in two sentences what a robot is."
+    answer = chat.ask(
+        Question("constraint", text, allowed=("alpha", "bravo", "charlie"), max_tokens=24)
+    )
+    rejected = isinstance(chat, OpenAiChat) and "constraint" in chat.dropped
+    if answer.fault is None and not rejected:
+        told = "with" if answer.probabilities else "without"
+        said = f"only what is allowed comes back, {told} probabilities"
+        yield Finding("constraints", State.GOOD, said)
+        return
+    how = "rejects" if rejected else "ignores"
+    yield Finding(
+        "constraints",
+        State.FAULT,
+        f"the server {how} constraints: allowed were alpha, bravo and charlie, and it said "
+        f"'{shortened(answer.text, 40)}'",
+        "name its kind with --set chat.dialect=…, or let it answer freely with "
+        "--set block_choice.mode=paper; answers are checked either way",
+    )
+
+
+def _time_questions(
+    chat: ChatModel, block_choice: VlmReasonerConfig, presence: PresenceConfig
+) -> Iterator[Finding]:
+    """What the other questions of a search take."""
+    picture = drawn_shape()
+    overview = np.full((_MAP_SIDE, _MAP_SIDE, 3), 200, dtype=np.uint8)
+    yield _timed(chat.ask(map_question(block_choice, overview, _GOAL, _BLOCKS)), "choose block")
+    yield _timed(chat.ask(presence_question(presence, picture, _GOAL)), "verify")
+
+
+def _timed(answer: Answer, kind: str) -> Finding:
+    usage = answer.usage
+    said = f"{answer.seconds:.2f} s, {usage.tokens_in} tokens in, {usage.tokens_out} out"
+    return Finding(f"question '{kind}'", State.GOOD, said)
+
+
+def _family(chat: ChatModel, config: VlmDetectorConfig) -> tuple[VlmFamily, str]:
+    """The configured family, and why it is not known, if so."""
+    if config.family != "auto":
+        return family_named(config.family), ""
+    name = chat.identify()
+    try:
+        return family_of(name), ""
+    except ConfigError:
+        return family_named("pixels"), f"the name '{name}' does not tell in which coordinates"
+
+
+def _overlap(text: str, family: VlmFamily) -> float:
+    """Of the best box, when read as of this family, with the shape."""
+    boxes = read_grounding(text, family, _WIDTH, _HEIGHT).boxes
+    return max((one.box.iou(_PLACE) for one in boxes), default=0.0)
+
+
+def _scale(text: str) -> float | None:
+    """By which one factor the answer differs from the shape in pixels, if there is one."""
+    huge = VlmFamily("pixels", "pixels")
+    for one in read_grounding(text, huge, 20 * _WIDTH, 20 * _HEIGHT).boxes:
+        factor = (one.box.x_max - one.box.x_min) / (_PLACE.x_max - _PLACE.x_min)
+        edges = (_PLACE.x_min, _PLACE.y_min, _PLACE.x_max, _PLACE.y_max)
+        if one.box.iou(Box(*(factor * edge for edge in edges))) >= _MATCH:
+            return factor
+    return None

@@ -1,0 +1,154 @@
+from collections.abc import Iterator
+
+import pytest
+
+from hypernav.cli.main import main
+from servers.eyes import SeeingBrain
+from servers.scripted import ScriptedServer, closed_port
+
+
+@pytest.fixture(scope="module")
+def one_server() -> Iterator[ScriptedServer]:
+    with ScriptedServer() as server:
+        yield server
+
+
+@pytest.fixture
+def server(one_server: ScriptedServer) -> ScriptedServer:
+    one_server.reset()
+    one_server.brain = SeeingBrain()
+    return one_server
+
+
+def examine(capsys: pytest.CaptureFixture[str], spec: str, *options: str) -> tuple[int, list[str]]:
+    """Exit status and the lines that doctor prints."""
+    with pytest.raises(SystemExit) as stop:
+        main(["doctor", "--vlm", spec, *options])
+    said = capsys.readouterr()
+    return int(stop.value.code or 0), (said.out or said.err).splitlines()
+
+
+def faults(lines: list[str]) -> list[str]:
+    return [line for line in lines if line.startswith("FAULT")]
+
+
+def test_a_healthy_server_is_well(server: ScriptedServer, capsys: pytest.CaptureFixture[str]):
+    status, lines = examine(capsys, server.spec)
+    assert (status, lines[-1]) == (0, "all is well")
+    for word in ("server", "model name", "pictures", "coordinates", "constraints"):
+        assert any(line.startswith(f"ok    {word}:") for line in lines)
+    timed = [line for line in lines if "tokens in" in line]
+    assert [kind for line in timed for kind in ("ground", "choose block", "verify") if kind in line]
+    assert len(timed) == 3
+
+
+def test_broken_1_wrong_url(capsys: pytest.CaptureFixture[str]):
+    with closed_port() as port:
+        status, lines = examine(capsys, f"openai:http://127.0.0.1:{port}/v1")
+    assert status == 1
+    (fault,) = faults(lines)
+    assert "server:" in fault
+    assert "Connection refused" in fault
+    assert "correct the URL" in lines[-1]
+
+
+def test_a_url_without_its_path(server: ScriptedServer, capsys: pytest.CaptureFixture[str]):
+    status, lines = examine(capsys, server.spec.removesuffix("/v1"))
+    assert status == 1
+    assert f"try {server.spec}" in faults(lines)[0]
+
+
+def test_broken_2_wrong_model_name(server: ScriptedServer, capsys: pytest.CaptureFixture[str]):
+    status, lines = examine(capsys, f"{server.spec}#scripted/Qwen2-VL-7B")
+    assert status == 1
+    (fault,) = faults(lines)
+    assert "model name:" in fault
+    assert f"try {server.spec}#scripted/Qwen2.5-VL-7B" in fault
+
+
+def test_broken_3_no_vision(server: ScriptedServer, capsys: pytest.CaptureFixture[str]):
+    server.personality.sees = False
+    status, lines = examine(capsys, server.spec)
+    assert status == 1
+    (fault,) = faults(lines)
+    assert "pictures:" in fault
+    assert "no vision" in fault
+
+
+def test_pictures_that_are_dropped_silently(
+    server: ScriptedServer, capsys: pytest.CaptureFixture[str]
+):
+    eyes = SeeingBrain()
+    server.brain = lambda asked: "I see no picture." if asked.pictures else eyes(asked)
+    status, lines = examine(capsys, server.spec)
+    assert status == 1
+    assert "blue is 'I see no picture.'" in faults(lines)[0]
+
+
+@pytest.mark.parametrize("family", ["thousandths", "unit", "gemini"])
+def test_broken_4_wrong_coordinate_space(
+    server: ScriptedServer, family: str, capsys: pytest.CaptureFixture[str]
+):
+    server.brain = SeeingBrain(family)
+    status, lines = examine(capsys, server.spec)
+    assert status == 1
+    (fault,) = faults(lines)
+    assert "coordinates:" in fault
+    assert "wrong when read as 'qwen2.5-vl'" in fault
+    remedy = lines[-1].rpartition("--set ")[2]
+    assert examine(capsys, server.spec, "--set", remedy)[0] == 0
+
+
+def test_a_server_that_shrinks_pictures(server: ScriptedServer, capsys: pytest.CaptureFixture[str]):
+    server.brain = SeeingBrain(scale=0.5)
+    status, lines = examine(capsys, server.spec)
+    assert status == 1
+    assert "0.50 times" in faults(lines)[0]
+    assert "limit of pixels" in lines[-1]
+
+
+def test_a_model_of_an_unknown_family(server: ScriptedServer, capsys: pytest.CaptureFixture[str]):
+    server.personality.models = ("wise-owl",)
+    server.brain = SeeingBrain("thousandths")
+    status, lines = examine(capsys, server.spec)
+    assert status == 1
+    assert "the name 'wise-owl' does not tell" in faults(lines)[0]
+    assert "grounding.family=" in lines[-1]
+
+
+def test_broken_5_ignores_constraints(server: ScriptedServer, capsys: pytest.CaptureFixture[str]):
+    server.personality.honours = ()
+    status, lines = examine(capsys, server.spec)
+    assert status == 1
+    (fault,) = faults(lines)
+    assert "constraints:" in fault
+    assert "ignores constraints" in fault
+    assert "block_choice.mode=paper" in lines[-1]
+
+
+def test_a_server_that_rejects_constraints(
+    server: ScriptedServer, capsys: pytest.CaptureFixture[str]
+):
+    server.personality.rejects = ("structured_outputs", "logprobs")
+    status, lines = examine(capsys, server.spec)
+    assert status == 1
+    assert "rejects constraints" in faults(lines)[0]
+
+
+def test_a_hanging_server_is_given_up(server: ScriptedServer, capsys: pytest.CaptureFixture[str]):
+    server.plan.append("hang")
+    status, lines = examine(capsys, server.spec, "--set", "chat.timeout_s=0.2")
+    assert status == 1
+    assert "no answer within 0.2 s" in faults(lines)[0]
+
+
+def test_a_missing_key_is_named(server: ScriptedServer, capsys: pytest.CaptureFixture[str]):
+    server.personality.key = "secret"
+    status, lines = examine(capsys, server.spec)
+    assert status == 1
+    assert "HYPERNAV_API_KEY" in faults(lines)[0]
+
+
+@pytest.mark.parametrize("spec", ["http://localhost/v1", "replay:a.jsonl"])
+def test_bad_usage_is_exit_status_2(spec: str, capsys: pytest.CaptureFixture[str]):
+    assert examine(capsys, spec)[0] == 2

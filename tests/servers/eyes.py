@@ -1,0 +1,45 @@
+"""A brain for the scripted server that really looks: at plain colours and red rectangles."""
+
+import json
+
+import numpy as np
+
+from hypernav.core.boxes import Box
+from hypernav.models.vlm_families import family_named
+from servers.scripted import Asked
+
+_ESSAY = "A robot is a machine that senses and acts. It may drive around a house."
+
+
+class SeeingBrain:
+    """Answers what a healthy model answers, in the coordinates of a family."""
+
+    def __init__(self, family: str = "qwen2.5-vl", *, scale: float = 1.0) -> None:
+        self._family = family_named(family)
+        self._scale = scale
+
+    def __call__(self, asked: Asked) -> str:
+        if asked.text.startswith("What colour"):
+            red, green, blue = asked.pictures[0].reshape(-1, 3).mean(axis=0)
+            return "It is blue." if blue > max(red, green) else "Green"
+        match asked.kind:
+            case "ground":
+                return json.dumps([{"bbox_2d": self._red(asked.pictures[0]), "label": "red"}])
+            case "choose block":
+                return "2"
+            case "verify":
+                return "yes"
+        return _ESSAY
+
+    def _red(self, picture: np.ndarray) -> list[float]:
+        pixels = picture.astype(int)
+        red = (pixels[..., 0] > 150) & (pixels[..., 1] < 100)
+        rows, columns = np.nonzero(red)
+        height, width = red.shape
+        x, y = 640 / width, 480 / height
+        box = Box(columns.min() * x, rows.min() * y, (columns.max() + 1) * x, (rows.max() + 1) * y)
+        said = self._family.from_picture(box, 640, 480)
+        edges = [said.x_min, said.y_min, said.x_max, said.y_max]
+        if self._family.rows_first:
+            edges = [edges[1], edges[0], edges[3], edges[2]]
+        return [round(float(edge) * self._scale, 3) for edge in edges]
