@@ -8,6 +8,17 @@ from hypernav.evaluation.record import EpisodeRecord
 
 
 @dataclass(frozen=True)
+class Ready:
+    """A worker that was hired can take its first episode.
+
+    Attributes:
+        worker: Which.
+    """
+
+    worker: int
+
+
+@dataclass(frozen=True)
 class Done:
     """A worker has finished its episode.
 
@@ -61,7 +72,7 @@ class Refused:
     error: str
 
 
-Report = Done | Lost | Crashed | Refused
+Report = Ready | Done | Lost | Crashed | Refused
 
 
 @runtime_checkable
@@ -69,11 +80,11 @@ class Crew(Protocol):
     """Workers. Each runs one episode at a time; results come back through `wait` alone."""
 
     def start(self, worker: int) -> None:
-        """Hire a worker of this number; one that was lost may be hired anew."""
+        """Hire a worker of this number; `wait` tells when it is ready. A lost one may be replaced."""
         ...
 
     def send(self, worker: int, episode: EpisodeSpec) -> None:
-        """Give an idle worker an episode. That it is gone will be reported by `wait`."""
+        """Give a ready worker an episode. That it is gone will be reported by `wait`."""
         ...
 
     def wait(self, seconds: float) -> list[Report]:

@@ -14,9 +14,10 @@ from multiprocessing.process import BaseProcess
 from pathlib import Path
 
 from hypernav.core.errors import HyPerNavError
-from hypernav.evaluation.crew import Crashed, Done, Lost, Refused, Report
+from hypernav.evaluation.crew import Crashed, Done, Lost, Ready, Refused, Report
 from hypernav.evaluation.datasets import EpisodeSpec
 from hypernav.evaluation.peak_memory import peak_memory_mb
+from hypernav.evaluation.record import EpisodeRecord
 from hypernav.evaluation.workbench import Job, Workbench
 
 _ONE_THREAD = {
@@ -92,12 +93,16 @@ class ProcessCrew:
         hired = self._hired[worker]
         try:
             # What a worker sent before it died is still in the pipe.
-            kind, content, peak_mb = hired.pipe.recv()
+            said = hired.pipe.recv()
         except (EOFError, OSError):
             return self._obituary(worker)
-        if kind == "refused":
-            return Refused(worker, content)
-        return Done(worker, content, peak_mb)
+        match said:
+            case str():
+                return Refused(worker, said)
+            case (EpisodeRecord() as record, peak_mb):
+                return Done(worker, record, peak_mb)
+            case _:
+                return Ready(worker)
 
     def _obituary(self, worker: int) -> Report:
         hired = self._hired.pop(worker)
@@ -112,17 +117,18 @@ class ProcessCrew:
 
 
 def _work(job: Job, pipe: Connection, log: Path) -> None:
-    """A worker's life."""
+    """A worker's life. It says None when it is ready, and why if the run can't go on."""
     _die_with_owner()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the owner's business
     os.dup2(os.open(log, os.O_WRONLY | os.O_APPEND), sys.stderr.fileno())
     try:
         bench = Workbench(job)
+        pipe.send(None)
         while True:
             record = bench.run(pipe.recv())
-            pipe.send(("done", record, peak_memory_mb()))
+            pipe.send((record, peak_memory_mb()))
     except HyPerNavError as error:
-        pipe.send(("refused", str(error), peak_memory_mb()))
+        pipe.send(str(error))
     except (EOFError, BrokenPipeError):
         return  # The owner is gone.
 

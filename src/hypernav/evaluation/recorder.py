@@ -20,7 +20,8 @@ class EpisodeRecorder:
     ``with`` block finishes the video in any case.
 
     ============================ =====================================================
-    ``trace.jsonl``              one `StepTrace` a line
+    ``trace.jsonl``              one `StepTrace` a line, equal for equal runs
+    ``timings.jsonl``            seconds per module, a line for each of the trace
     ``trajectory.tum``           ``step x y z qx qy qz qw`` in the ``map`` frame
     ``episode.mp4``              what the robot saw, knew and decided
     ``map.png``                  the final map with the whole way
@@ -55,6 +56,7 @@ class EpisodeRecorder:
         self.steps: list[StepTrace] = []
         self._grid: OccupancyGrid | None = None
         self._trace = (folder / "trace.jsonl").open("w", encoding="utf-8")
+        self._timings = (folder / "timings.jsonl").open("w", encoding="utf-8")
         self._video = EpisodeVideo(
             folder / "episode.mp4",
             goal,
@@ -76,13 +78,17 @@ class EpisodeRecorder:
     ) -> None:
         """Close trace and video."""
         self._trace.close()
+        self._timings.close()
         self._video.close()
 
     def add(self, step: EpisodeStep) -> None:
         """Record a step: what the agent saw, what it did, and its map if it has one."""
         self.steps.append(step.trace)
-        self._trace.write(step.trace.model_dump_json() + "\n")
+        self._trace.write(step.trace.model_dump_json(exclude={"seconds"}) + "\n")
         self._trace.flush()
+        timing = {"step": step.trace.step, "seconds": step.trace.seconds}
+        self._timings.write(json.dumps(timing) + "\n")
+        self._timings.flush()
         if step.grid is not None:
             self._grid = step.grid
             self._video.add(step.observation, step.trace, step.grid)

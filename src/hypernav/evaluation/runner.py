@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from hypernav.core.errors import HyPerNavError
-from hypernav.evaluation.crew import Crashed, Crew, Done, Lost, Refused, Report
+from hypernav.evaluation.crew import Crashed, Crew, Done, Lost, Ready, Refused, Report
 from hypernav.evaluation.datasets import EpisodeSpec
 from hypernav.evaluation.failures import Failure
 from hypernav.evaluation.record import EpisodeRecord
@@ -101,11 +101,12 @@ class _Owner:
         self.workers = workers
         for worker in range(workers):
             self.crew.start(worker)
-            self._give_work(worker)
 
     def take(self, report: Report) -> None:
         """Deal with what happened to one worker."""
         match report:
+            case Ready(worker):
+                self._give_work(worker)
             case Done(worker, record, peak_mb):
                 self.news.peak_mb[worker] = max(self.news.peak_mb.get(worker, 0.0), peak_mb)
                 self.schedule.done(worker)
@@ -159,11 +160,9 @@ class _Owner:
             )
 
     def _replace(self, worker: int) -> None:
-        """Hire a new worker for a lost one, if there is work."""
-        episode = self.schedule.next_for(worker)
-        if episode is not None:
+        """Hire a new worker for a lost one, if anything waits."""
+        if self.schedule.has_waiting:
             self.crew.start(worker)
-            self.crew.send(worker, episode)
 
     def _give_work(self, worker: int) -> None:
         episode = self.schedule.next_for(worker)

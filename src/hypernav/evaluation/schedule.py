@@ -36,6 +36,11 @@ class Schedule:
         """Whether nothing is left."""
         return self.left == 0
 
+    @property
+    def has_waiting(self) -> bool:
+        """Whether some are not in flight."""
+        return any(self._waiting.values())
+
     def next_for(self, worker: int) -> EpisodeSpec | None:
         """What an idle worker shall run; None if nothing waits (others may still be running)."""
         scene = self._scene_for(worker)

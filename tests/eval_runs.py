@@ -1,0 +1,89 @@
+"""Small evaluations for tests: a room on disk, and the commands that run through it."""
+
+import json
+from pathlib import Path
+
+import trimesh
+
+from box_scenes import Box, room_boxes
+from hypernav.core.geometry import Pose2
+from hypernav.evaluation.datasets import EpisodeSpec
+from hypernav.evaluation.failures import Failure
+from hypernav.evaluation.outcome import Outcome
+from hypernav.evaluation.record import EpisodeRecord
+
+SMALL = ("--set", "world.camera.width=160", "world.camera.height=120")
+
+_TO_GLTF = [[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]]
+
+
+def write_glb(path: Path, boxes: list[Box]) -> Path:
+    """Boxes as a GLB whose nodes carry the names."""
+    scene = trimesh.Scene()
+    for number, (name, low, high) in enumerate(boxes):
+        mesh = trimesh.creation.box(bounds=[low, high])
+        mesh.apply_transform(_TO_GLTF)
+        scene.add_geometry(mesh, node_name=f"{name or 'wall'}_{number:02d}")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    scene.export(path)
+    return path
+
+
+def write_room(path: Path) -> Path:
+    """A room with a bed and a sofa."""
+    return write_glb(
+        path,
+        [
+            *room_boxes(6.0, 4.0),
+            ("bed", (4.0, 0.1, 0.0), (5.9, 1.7, 0.5)),
+            ("sofa", (0.1, 2.6, 0.0), (1.9, 3.9, 0.7)),
+        ],
+    )
+
+
+def spec(episode_id: str = "0", scene_id: str = "house") -> EpisodeSpec:
+    """An episode that nobody will really run."""
+    return EpisodeSpec(scene_id, episode_id, "bed", Pose2(0.0, 0.0, 0.0))
+
+
+def record(episode_id: str = "0", scene_id: str = "house", **values) -> EpisodeRecord:
+    """A success, unless the values say something else."""
+    if values.get("failure") is not None:
+        values = {"outcome": Outcome.NOT_FOUND, "success": False, "spl": 0.0} | values
+    defaults = {
+        "scene_id": scene_id,
+        "episode_id": episode_id,
+        "goal": "bed",
+        "outcome": Outcome.FOUND,
+        "failure": None,
+        "success": True,
+        "spl": 0.5,
+        "soft_spl": 0.5,
+        "distance_to_goal_m": 0.05,
+        "shortest_path_m": 4.0,
+        "path_length_m": 8.0,
+        "stopped": True,
+        "steps": 20,
+        "model_calls": 0,
+        "seconds": {"total": 1.0, "world": 0.6, "map": 0.1},
+    }
+    return EpisodeRecord.model_validate(defaults | values)
+
+
+def apart(episode_id: str = "0", scene_id: str = "house") -> EpisodeRecord:
+    """An episode that an outage ended."""
+    return record(
+        episode_id,
+        scene_id,
+        failure=Failure.MODEL_UNAVAILABLE,
+        outcome=Outcome.MODEL_UNAVAILABLE,
+        stopped=False,
+    )
+
+
+def timeless_lines(folder: Path) -> list[dict]:
+    """What two runs of the same episodes must have in common, in a fixed order."""
+    lines = [json.loads(line) for line in (folder / "episodes.jsonl").read_text().splitlines()]
+    for line in lines:
+        del line["seconds"]
+    return sorted(lines, key=lambda line: (line["scene_id"], line["episode_id"]))

@@ -1,0 +1,178 @@
+"""Runs that are killed give what uninterrupted runs give."""
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from eval_runs import SMALL, timeless_lines, write_room
+from hypernav.build import build_agent
+from hypernav.evaluation.crew import Lost, Ready
+from hypernav.evaluation.datasets import load_episodes
+from hypernav.evaluation.processes import ProcessCrew
+from hypernav.evaluation.runner import run_episodes
+from hypernav.evaluation.store import RunStore, read_records
+from hypernav.evaluation.workbench import Job
+from small_worlds import small_config
+
+MAX_STEPS = 25
+
+
+class Slow:
+    """An agent that takes its time, so that there is something to interrupt."""
+
+    def __init__(self):
+        self._agent = build_agent(small_config()).agent
+
+    def reset(self, goal):
+        self._agent.reset(goal)
+
+    def act(self, observation):
+        time.sleep(0.02)
+        return self._agent.act(observation)
+
+    @property
+    def last_step(self):
+        return self._agent.last_step
+
+    @property
+    def grid(self):
+        return self._agent.grid
+
+
+class KillingCrew(ProcessCrew):
+    """Workers of which one is killed now and then."""
+
+    def __init__(self, job, rng, kills):
+        super().__init__(job)
+        self._rng, self.kills_left, self._next = rng, kills, time.monotonic() + 3.0
+
+    def wait(self, seconds):
+        if self.kills_left and time.monotonic() > self._next and self._hired:
+            victim = self._rng.choice(sorted(self._hired))
+            os.kill(self._hired[victim].process.pid, signal.SIGKILL)
+            self.kills_left -= 1
+            self._next = time.monotonic() + self._rng.uniform(0.0, 4.0)
+        return super().wait(min(seconds, 0.05))
+
+
+def run(folder, room, crew_of, workers=2, starts=6):
+    config = small_config()
+    episodes = load_episodes(f"scene:{room}#{starts}", config.world)
+    job = Job(folder, config, max_steps=MAX_STEPS, make_agent=Slow)
+    with RunStore(folder, {"test": "survival"}) as store:
+        return run_episodes(episodes, store, crew_of(job), workers=workers)
+
+
+@pytest.fixture(scope="module")
+def room(tmp_path_factory):
+    return write_room(tmp_path_factory.mktemp("scene") / "room.glb")
+
+
+@pytest.mark.slow
+def test_results_depend_neither_on_the_number_of_workers_nor_on_their_deaths(tmp_path, room):
+    run(tmp_path / "one", room, ProcessCrew, workers=1)
+    rng = random.Random(1)
+    news = run(tmp_path / "killed", room, lambda job: KillingCrew(job, rng, 6))
+    assert news.losses == 6
+    assert timeless_lines(tmp_path / "killed") == timeless_lines(tmp_path / "one")
+    assert len(timeless_lines(tmp_path / "one")) == 12
+
+
+@pytest.mark.slow
+def test_a_run_killed_at_20_random_moments_equals_an_uninterrupted_one(tmp_path, room):
+    def command(folder):
+        program = "from hypernav.cli.main import main; main()"
+        options = ["--workers", "2", "--max-steps", str(MAX_STEPS), "--quiet", *SMALL]
+        where = [f"scene:{room}#20", "--out", str(folder)]
+        return [sys.executable, "-c", program, "eval", *where, *options]
+
+    subprocess.run(command(tmp_path / "whole"), check=True)
+    rng, killed = random.Random(7), tmp_path / "killed"
+    kills, lines = 0, []
+    while kills < 20:
+        process = subprocess.Popen(command(killed))
+        # Half of the moments are while it starts, half soon after results begin to come.
+        deadline = time.monotonic() + rng.uniform(0.0, 12.0)
+        while time.monotonic() < deadline and process.poll() is None:
+            time.sleep(0.02)
+            now = len(read_whole_lines(killed))
+            if now > len(lines) and rng.random() < 0.2:
+                break
+        if process.poll() is not None:
+            assert process.returncode == 0
+            break
+        os.kill(process.pid, signal.SIGKILL)
+        process.wait()
+        kills += 1
+        before, lines = lines, read_whole_lines(killed)
+        assert lines[: len(before)] == before  # nothing that was written is ever lost
+    subprocess.run(command(killed), check=True)
+    assert kills == 20
+    assert timeless_lines(killed) == timeless_lines(tmp_path / "whole")
+    assert len(read_records(killed)) == 40
+
+
+def read_whole_lines(folder):
+    path = folder / "episodes.jsonl"
+    content = path.read_bytes() if path.exists() else b""
+    return content[: content.rfind(b"\n") + 1].splitlines()
+
+
+@pytest.mark.slow
+def test_workers_die_with_their_owner(tmp_path, room):
+    program = (
+        "import sys, time; from pathlib import Path\n"
+        "from hypernav.evaluation.processes import ProcessCrew\n"
+        "from hypernav.evaluation.workbench import Job\n"
+        "if __name__ == '__main__':\n"
+        f"    crew = ProcessCrew(Job(Path({str(tmp_path)!r})))\n"
+        "    crew.start(0)\n"
+        "    print(crew._hired[0].process.pid, flush=True)\n"
+        "    time.sleep(60)\n"
+    )
+    script = tmp_path / "owner.py"
+    script.write_text(program)
+    owner = subprocess.Popen([sys.executable, str(script)], stdout=subprocess.PIPE, text=True)
+    worker = int(owner.stdout.readline())
+    time.sleep(5.0)
+    os.kill(owner.pid, signal.SIGKILL)
+    owner.wait()
+    owner.stdout.close()
+    deadline = time.monotonic() + 20.0
+    while time.monotonic() < deadline and is_alive(worker):
+        time.sleep(0.1)
+    assert not is_alive(worker)
+
+
+def is_alive(process_id):
+    try:
+        with open(f"/proc/{process_id}/stat") as file:
+            return file.read().rpartition(")")[2].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+def test_what_a_worker_sent_before_it_died_counts(tmp_path, room):
+    config = small_config()
+    episode = load_episodes(f"scene:{room}#1", config.world)[0]
+    crew = ProcessCrew(Job(tmp_path, config, max_steps=3))
+    try:
+        crew.start(0)
+        hired = crew._hired[0]
+        assert hired.pipe.poll(60)
+        assert crew.wait(1.0) == [Ready(0)]
+        crew.send(0, episode)
+        assert hired.pipe.poll(60)
+        os.kill(hired.process.pid, signal.SIGKILL)
+        hired.process.join()
+        first, second = crew.wait(1.0), crew.wait(1.0)
+    finally:
+        crew.close()
+    assert first[0].record.key == episode.key
+    assert isinstance(second[0], Lost)
+    assert "SIGKILL" in second[0].why
