@@ -1,8 +1,10 @@
 """Scenes out of boxes, built by hand for tests."""
 
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
+import trimesh
 
 from hypernav.core.labels import ObjectLabel
 from hypernav.worlds.scene import Instance, Material, Scene
@@ -65,3 +67,16 @@ def room_boxes(width: float = 6.0, depth: float = 4.0, *, ceiling: bool = True) 
     if ceiling:
         boxes.append((None, (-0.1, -0.1, 2.5), (width + 0.1, depth + 0.1, 2.6)))
     return boxes
+
+
+def room_glb(path: Path) -> Path:
+    """A room of 6 m by 4 m with a bed as a GLB whose nodes carry the names."""
+    scene = trimesh.Scene()
+    to_gltf = [[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]]
+    boxes = [*room_boxes(6.0, 4.0), ("bed", (4.0, 0.1, 0.0), (5.9, 1.7, 0.5))]
+    for number, (name, low, high) in enumerate(boxes):
+        mesh = trimesh.creation.box(bounds=[low, high])
+        mesh.apply_transform(to_gltf)
+        scene.add_geometry(mesh, node_name=f"{name or 'wall'}_{number:02d}")
+    scene.export(path)
+    return path

@@ -63,4 +63,4 @@ class Doctor:
 
 
 def _line(finding: Finding) -> str:
-    return f"{_MARKS[finding.state]} {finding.check + ':':22} {escape(finding.said)}"
+    return f"{_MARKS[finding.state]} {finding.check + ':':24} {escape(finding.said)}"

@@ -13,6 +13,7 @@ from rich.status import Status
 
 from hypernav.build import build_scene
 from hypernav.cli.agent_options import AgentOptions, FlatAgentOptions
+from hypernav.cli.warnings_shown import warnings_on
 from hypernav.core.errors import ConfigError
 from hypernav.core.geometry import Pose2
 from hypernav.core.goal import Goal
@@ -69,7 +70,7 @@ class Find:
         parts = self.options.build(config)
         parts.check_goal(goal)
         console = Console(stderr=True, quiet=self.quiet, highlight=False)
-        with console.status("loading the building …") as status:
+        with warnings_on(console), console.status("loading the building …") as status:
             world = SimulatedWorld(build_scene(self.scene), config.world)
             rng = np.random.default_rng(self.seed)
             start = self._start(world, goal, rng)

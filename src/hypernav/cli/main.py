@@ -21,7 +21,7 @@ _BOX = re.compile(r"[\u2500-\u257f]+")
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run a command and leave with its exit status: 2 for bad usage or input."""
-    command = _parse(sys.argv[1:] if arguments is None else list(arguments))
+    command = _parse(_with_one_set(sys.argv[1:] if arguments is None else list(arguments)))
     try:
         status = command.run()
     except HyPerNavError as error:
@@ -47,6 +47,19 @@ def _parse(arguments: list[str]) -> Find | Eval | Doctor | HousesCommand:
         if stop.code == 0:
             raise
         _fail(" ".join(_BOX.sub(" ", said.getvalue()).split()))
+
+
+def _with_one_set(arguments: list[str]) -> list[str]:
+    """Several ``--set`` made one, because of a repeated option only the last would count."""
+    others: list[str] = []
+    values: list[str] = []
+    into = others
+    for argument in arguments:
+        if argument.startswith("-"):
+            into = values if argument == "--set" else others
+        if argument != "--set":
+            into.append(argument)
+    return [*others, "--set", *values] if values else arguments
 
 
 def _fail(message: str, status: int = 2) -> NoReturn:

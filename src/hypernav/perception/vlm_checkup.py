@@ -7,7 +7,6 @@ place, a question that a free model would answer at length.
 from collections.abc import Generator, Iterator
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import get_args
 
 import numpy as np
 
@@ -18,7 +17,7 @@ from hypernav.core.goal import Goal
 from hypernav.core.protocols import ChatModel
 from hypernav.models.answer_reading import shortened, without_thinking
 from hypernav.models.openai_chat import OpenAiChat
-from hypernav.models.vlm_families import FamilyName, VlmFamily, family_named, family_of
+from hypernav.models.vlm_families import VlmFamily, family_named, family_of
 from hypernav.perception.grounding_format import read_grounding
 from hypernav.perception.presence import PresenceConfig, presence_question
 from hypernav.perception.vlm_detector import VlmDetectorConfig, grounding_question
@@ -30,6 +29,7 @@ _PLACE = Box(380.0, 90.0, 560.0, 330.0)
 _MAP_SIDE = 768
 _MATCH = 0.5
 _COLOURS: dict[str, tuple[int, int, int]] = {"blue": (30, 60, 220), "green": (40, 160, 60)}
+_READINGS = ("pixels", "thousandths", "unit", "gemini")
 _BLOCKS = (1, 2, 3, 4)
 _WAIT = "look into the server's log; --set chat.timeout_s=… waits longer for an answer"
 
@@ -148,7 +148,7 @@ def _check_places(chat: ChatModel, config: VlmDetectorConfig) -> Iterator[Findin
     """In which coordinates it answers, by a shape at a known place."""
     family, unknown = _family(chat, config)
     answer = chat.ask(grounding_question(config, family, drawn_shape(), _GOAL))
-    best = max(get_args(FamilyName), key=lambda name: _overlap(answer.text, family_named(name)))
+    best = max(_READINGS, key=lambda name: _overlap(answer.text, family_named(name)))
     scale = _scale(answer.text)
     if _overlap(answer.text, family) >= _MATCH and not unknown:
         yield Finding("coordinates", State.GOOD, f"boxes are right, read as '{family.name}'")

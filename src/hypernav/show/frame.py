@@ -147,7 +147,7 @@ def _draw_notes(frame: Picture, title: Title, step: StepTrace, decision: Decisio
     reason = words.sentence(step.reason or words.MODES_EXPLAINED[step.mode])
     line = shortened(reason, 17, width, bold=True)
     draw_text(frame, line, (_MARGIN, _NOTES_TOP + 9), 17, bold=True)
-    sees = shortened(f"Camera: {words.seen_words(step.detections)}", 14, width)
+    sees = shortened(f"Camera: {words.camera_words(step)}", 14, width)
     draw_text(frame, sees, (_MARGIN, _NOTES_TOP + 33), 14, color=palette.MUTED)
     if decision is not None:
         strokes.rectangle(

@@ -12,7 +12,7 @@ _AT_A_DECISION = 6
 
 def decisions(step: StepTrace) -> list[Exchange]:
     """The questions of a step that changed where the robot goes."""
-    return [exchange for exchange in step.exchanges if exchange.kind != "ground"]
+    return [one for one in step.exchanges if one.kind not in {"ground", "attention"}]
 
 
 def frames_of(step: StepTrace) -> int:

@@ -66,6 +66,9 @@ def write_page(
         phases=[_band(phase, len(steps)) for phase in story.phases(steps)],
         shares=story.mode_shares(steps),
         moments=story.moments(steps),
+        accounts=story.accounts(result),
+        cost=_cost(result),
+        fallbacks=_fallbacks(result),
         modules=story.module_times(result, steps),
         total_seconds=story.total_seconds(result),
         steps=steps,
@@ -172,6 +175,24 @@ def _figures(result: Mapping[str, Any], steps: Sequence[StepTrace]) -> list[_Fig
     if read or written:
         figures.append(_Figure("Tokens", f"{read:,} + {written:,}", "read + written by models"))
     return figures
+
+
+def _cost(result: Mapping[str, Any]) -> str:
+    """What the tokens cost; empty if no price is known."""
+    cost = (result.get("ledger") or {}).get("cost")
+    return f"{cost:.4f}" if isinstance(cost, int | float) else ""
+
+
+def _fallbacks(result: Mapping[str, Any]) -> str:
+    """What was done in place of unusable answers, in one sentence; empty if nothing."""
+    counts = result.get("fallbacks") or {}
+    boxes = counts.get("rejected_boxes") or {}
+    told = [f"{count} boxes or answers about the picture {why}" for why, count in boxes.items()]
+    if counts.get("geometric_choices"):
+        told.append(f"{counts['geometric_choices']} blocks chosen by the geometric rule instead")
+    if counts.get("unsure_presence_checks"):
+        told.append(f"{counts['unsure_presence_checks']} checks neither yes nor no")
+    return "; ".join(told)
 
 
 def _yaml(configuration: object) -> str:

@@ -13,6 +13,7 @@ from hypernav.show import words
 _NESTED_NAMES = ("modules", "per_module")
 _SMALLEST_REMAINDER = 0.01
 _MOST_BARS = 5
+_EVERY_STEP = frozenset({"ground", "attention"})
 
 
 @dataclass(frozen=True)
@@ -104,10 +105,55 @@ def moments(steps: Sequence[StepTrace]) -> list[Moment]:
     told = []
     for place, step in enumerate(steps):
         seen = bool(step.events and step.detections)
-        asked = tuple(_asked(e, step) for e in step.exchanges if e.kind != "ground" or seen)
+        asked = tuple(_asked(e, step) for e in step.exchanges if seen or e.kind not in _EVERY_STEP)
         if asked or step.events:
             told.append(Moment(place, step, asked))
     return told
+
+
+@dataclass(frozen=True)
+class Account:
+    """What the questions of one kind took.
+
+    Attributes:
+        name: Of the kind, in plain words.
+        calls: How many were asked.
+        tokens_in: Read by the model.
+        tokens_out: Written by it.
+        seconds: Waited for it.
+        retries: Asked again, because something got lost.
+        unusable: Answers that could not be used, with their reasons; empty if all could.
+    """
+
+    name: str
+    calls: int
+    tokens_in: int
+    tokens_out: int
+    seconds: float
+    retries: int
+    unusable: str
+
+
+def accounts(result: Mapping[str, Any]) -> list[Account]:
+    """The ledger of a result, a row per kind of question and the total last; empty without one."""
+    ledger = result.get("ledger")
+    if not isinstance(ledger, Mapping) or not ledger.get("kinds"):
+        return []
+    rows = [(words.QUESTIONS.get(kind, kind), row) for kind, row in ledger["kinds"].items()]
+    return [_account(name, row) for name, row in [*rows, ("All together", ledger["total"])]]
+
+
+def _account(name: str, row: Mapping[str, Any]) -> Account:
+    faults = ", ".join(f"{count} {reason}" for reason, count in row.get("faults", {}).items())
+    return Account(
+        name=name,
+        calls=row["calls"],
+        tokens_in=row["tokens_in"],
+        tokens_out=row["tokens_out"],
+        seconds=float(row["seconds"]),
+        retries=row["retries"],
+        unusable=faults,
+    )
 
 
 def _asked(exchange: Exchange, step: StepTrace) -> Asked:

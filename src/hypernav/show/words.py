@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from hypernav.core.trace import DetectionRecord, Exchange, Mode
+from hypernav.core.trace import DetectionRecord, Exchange, Mode, StepTrace
 
 Tone = Literal["good", "bad", "neutral"]
 
@@ -29,6 +29,8 @@ QUESTIONS: dict[str, str] = {
     "ground": "Is it in the picture?",
     "choose block": "Where to look next?",
     "verify": "Is it really there?",
+    "summarise": "Which number was meant?",
+    "attention": "Is there anything new to see?",
 }
 
 MODULES: dict[str, str] = {
@@ -96,10 +98,23 @@ def seen_words(detections: list[DetectionRecord]) -> str:
     accepted = [detection for detection in detections if detection.accepted]
     if accepted:
         best = max(accepted, key=lambda detection: detection.score)
-        return f"sees {quoted(best.label)}, {best.score:.0%} sure"
+        # Chat models and labels give no score, and 1 stands for that.
+        sure = f", {best.score:.0%} sure" if best.score < 1.0 else ""
+        return f"sees {quoted(best.label)}{sure}"
     best = max(detections, key=lambda detection: detection.score)
     why = f": {best.reason}" if best.reason else ""
     return f"{quoted(best.label)} not accepted{why}"
+
+
+def camera_words(step: StepTrace) -> str:
+    """What was asked about the camera picture of a step and what came of it, in one line."""
+    asked = [exchange for exchange in step.exchanges if exchange.kind in {"ground", "attention"}]
+    if not asked:
+        return seen_words(step.detections)
+    answer = " ".join(asked[-1].answer.replace("```json", "").replace("```", "").split())
+    if asked[-1].kind == "attention":
+        return f"not looked at, {answer}"
+    return f"{seen_words(step.detections)}  ·  {asked[-1].asked}: {quoted(answer)}"
 
 
 @dataclass(frozen=True)
@@ -151,6 +166,8 @@ def headline(result: Mapping[str, Any]) -> Headline:
     if outcome == "found":
         outcome = "wrong_place"
     text, detail = _ENDINGS.get(outcome, (f"Ended: {outcome.replace('_', ' ') or 'unknown'}", ""))
+    if result.get("detail"):
+        detail = f"{detail} {result['detail']}"
     tone: Tone = "neutral" if outcome in _OUTAGES else "bad"
     return Headline(text.replace("{goal}", goal), tone, detail)
 

@@ -1,0 +1,22 @@
+"""Showing the package's warnings to the person at the terminal."""
+
+import logging
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from rich.console import Console
+from rich.logging import RichHandler
+
+
+@contextmanager
+def warnings_on(console: Console) -> Iterator[None]:
+    """While it lasts, warnings (a server that is asked again, …) appear on the console."""
+    logger = logging.getLogger("hypernav")
+    handler = RichHandler(
+        logging.WARNING, console, show_time=False, show_level=False, show_path=False
+    )
+    logger.addHandler(handler)
+    try:
+        yield
+    finally:
+        logger.removeHandler(handler)
