@@ -41,6 +41,8 @@ class MappingConfig(RoomConfig):
         block_min_area_m2: Squares with less reachable floor get no number.
         clearance_m: How far from obstacles a place must be to count as reachable, where the caller
             hands in no travel field of its planner.
+        squeeze_m: Where nothing is left to explore at this clearance, what can be reached with so
+            much less is explored too; 0 (paper) gives up instead.
     """
 
     cell_size_m: float = Field(default=0.05, gt=0.0)
@@ -64,6 +66,7 @@ class MappingConfig(RoomConfig):
     block_size_m: float = Field(default=2.0, gt=0.0)
     block_min_area_m2: float = Field(default=0.1, ge=0.0)
     clearance_m: float = Field(default=0.22, ge=0.0)
+    squeeze_m: float = Field(default=0.04, ge=0.0)
 
     @model_validator(mode="after")
     def _check_ranges(self) -> "MappingConfig":
@@ -88,6 +91,14 @@ class MappingConfig(RoomConfig):
                 "use a larger voxel_height_m"
             )
         return self
+
+    @property
+    def clearances(self) -> tuple["MappingConfig", ...]:
+        """This configuration, and the one to explore with once it leaves nothing."""
+        if self.squeeze_m <= 0.0:
+            return (self,)
+        tight_m = max(self.clearance_m - self.squeeze_m, 0.0)
+        return (self, self.model_copy(update={"clearance_m": tight_m}))
 
     @property
     def layers(self) -> int:

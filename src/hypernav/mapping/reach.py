@@ -11,9 +11,7 @@ from hypernav.core.grid import Cell, OccupancyGrid
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.distance_kernels import nearest_open_cell, travel_cells
 from hypernav.mapping.inflation import inflate
-
-_START_WITHIN_M = 1.0
-"""How far away an open cell may be for a robot that stands inside an inflated obstacle."""
+from hypernav.mapping.way_out import WayOut
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,21 +39,21 @@ class Reach:
 
         Args:
             grid: The map.
-            robot: Where the robot is. If that is no reachable place itself, the nearest one counts.
+            robot: Where the robot is. If that is no reachable place itself, the one nearest by way
+                counts.
             config: Gives the clearance.
         """
         grid = grid.cropped()
         size = grid.resolution_m
         free = grid.cells == Cell.FREE
-        closed = inflate(grid.cells == Cell.OCCUPIED, config.clearance_m, size)
+        occupied = grid.cells == Cell.OCCUPIED
+        closed = inflate(occupied, config.clearance_m, size)
         is_open = (free & (closed == 0)).view(np.uint8)
-        row, column = nearest_open_cell(
-            is_open, *grid.cell_of(*robot.xy), math.ceil(_START_WITHIN_M / size)
-        )
-        if row < 0:
+        way_out = WayOut.find(occupied, is_open, grid.cell_of(*robot.xy), size)
+        if way_out is None:
             travel_m = np.full(free.shape, np.inf, dtype=np.float32)
         else:
-            travel_m = travel_cells(is_open, row, column)
+            travel_m = travel_cells(is_open, *way_out.exit)
             travel_m *= np.float32(size)
         reachable = np.isfinite(travel_m).view(np.uint8)
         # A frontier beside an obstacle is seen from a clearance away, and one cell for diagonals.

@@ -41,9 +41,13 @@ class NearestFrontierExplorer:
         self, grid: OccupancyGrid, robot: Pose2, trajectory: Sequence[tuple[float, float]]
     ) -> Destination | None:
         """The nearest frontier by travel distance; None if all is explored."""
-        frontiers = find_frontiers(grid, robot, self._mapping)
-        fresh = [frontier for frontier in frontiers if not self._was_visited(frontier)]
-        nearest = min(fresh, key=lambda frontier: frontier.travel_m, default=None)
+        nearest = None
+        for mapping in self._mapping.clearances:
+            frontiers = find_frontiers(grid, robot, mapping)
+            fresh = [frontier for frontier in frontiers if not self._was_visited(frontier)]
+            nearest = min(fresh, key=lambda frontier: frontier.travel_m, default=None)
+            if nearest is not None:
+                break
         reason = "no frontier is left that can be reached"
         if nearest is not None:
             reason = f"nearest frontier: {nearest.size_m:.1f} m long, {nearest.travel_m:.1f} m away"

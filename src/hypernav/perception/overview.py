@@ -63,7 +63,24 @@ class BlockExplorer:
         self, grid: OccupancyGrid, robot: Pose2, trajectory: Sequence[tuple[float, float]]
     ) -> Destination | None:
         """Ask until a block is named that was not visited; None if there is none."""
-        blocks = divide_into_blocks(grid, robot, self._mapping)
+        offered: tuple[Block, ...] = ()
+        for mapping in self._mapping.clearances:
+            blocks = divide_into_blocks(grid, robot, mapping)
+            if _squares(blocks) == _squares(offered):
+                break
+            offered = blocks
+            destination = self._ask(blocks, grid, robot, trajectory)
+            if destination is not None:
+                return destination
+        return None
+
+    def _ask(
+        self,
+        blocks: tuple[Block, ...],
+        grid: OccupancyGrid,
+        robot: Pose2,
+        trajectory: Sequence[tuple[float, float]],
+    ) -> Destination | None:
         size = self._config.picture_px
         overview = Overview(
             lambda: draw_overview(grid, blocks, robot, trajectory, size=size), blocks, robot
@@ -82,3 +99,8 @@ class BlockExplorer:
     def _was_visited(self, block: Block) -> bool:
         radius = self._config.visited_radius_m
         return any(math.dist(block.destination, place) < radius for place in self._visited)
+
+
+def _squares(blocks: tuple[Block, ...]) -> set[tuple[float, float, int]]:
+    """Where there are blocks, and how much boundary to the unknown they have."""
+    return {(block.x_min, block.y_min, block.frontier_cells) for block in blocks}

@@ -12,6 +12,8 @@ class PlanningConfig(RoomConfig):
 
     Attributes:
         inflation_m: Obstacles are dilated by this: the robot's radius and a margin.
+        squeeze_m: Where no way leads, one is searched with obstacles dilated by so much less; 0
+            (paper) does without.
         comfort_m: Within this distance beyond the inflation a way costs more, so that it keeps to
             the middle of doors where there is room.
         comfort_cost: By how much; 0 switches it off (paper).
@@ -31,6 +33,7 @@ class PlanningConfig(RoomConfig):
     """
 
     inflation_m: float = Field(default=0.22, ge=0.0)
+    squeeze_m: float = Field(default=0.04, ge=0.0)
     comfort_m: float = Field(default=0.20, ge=0.0)
     comfort_cost: float = Field(default=1.0, ge=0.0)
     unknown_cost: float = Field(default=3.0, ge=0.0)
@@ -42,3 +45,10 @@ class PlanningConfig(RoomConfig):
     waypoint_tolerance_m: float = Field(default=0.25, gt=0.0)
     forward_m: float = Field(default=0.5, gt=0.0)
     turn_angle_deg: float = Field(default=30.0, gt=0.0, le=180.0)
+
+    @property
+    def inflations_m(self) -> tuple[float, ...]:
+        """By how much obstacles are dilated, in the order to try."""
+        if self.squeeze_m <= 0.0:
+            return (self.inflation_m,)
+        return (self.inflation_m, max(self.inflation_m - self.squeeze_m, 0.0))

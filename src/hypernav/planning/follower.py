@@ -26,8 +26,6 @@ _SURROUNDINGS_M = 4.0
 """Half the side of the part of the map that actions are searched in."""
 _SIDEWAYS_M = 1.0
 """How much longer than now the way to the aim may become in between."""
-_WAY_OUT_CELLS = 3
-"""How deep in an inflated obstacle the robot may stand and still find out."""
 _SAME_PLACE_M = 0.02
 _SAME_HEADING_RAD = 0.02
 _ANGLE_SLACK = 1e-9
@@ -90,7 +88,8 @@ class PathFollower:
         if self._path is None:
             return None
         self._pass_waypoints(self._path, robot)
-        if self._config.steering == "lattice" and terrain is not None:
+        # A way out of an inflated obstacle is too narrow for a search over whole steps.
+        if self._config.steering == "lattice" and terrain is not None and not terrain.is_tight:
             action = self._by_lattice(self._path, robot, terrain)
         else:
             action = self._to_waypoint(self._path, robot)
@@ -242,22 +241,12 @@ def _along(
 def _surroundings(
     terrain: Terrain, robot: Pose2
 ) -> tuple[Float32[np.ndarray, "rows columns"], tuple[int, int]]:
-    """A copy of the costs around the robot, and row and column of its corner.
-
-    Where the robot itself stands in an inflated obstacle, there is a way out.
-    """
+    """The costs around the robot, and row and column of their corner."""
     row, column = terrain.grid.cell_of(*robot.xy)
     reach = math.ceil(_SURROUNDINGS_M / terrain.grid.resolution_m)
     bottom, left = max(row - reach, 0), max(column - reach, 0)
-    costs = terrain.costs[bottom : row + reach + 1, left : column + reach + 1].copy()
-    row, column = row - bottom, column - left
-    if 0 <= row < costs.shape[0] and 0 <= column < costs.shape[1] and costs[row, column] <= 0.0:
-        way_out = costs[
-            max(row - _WAY_OUT_CELLS, 0) : row + _WAY_OUT_CELLS + 1,
-            max(column - _WAY_OUT_CELLS, 0) : column + _WAY_OUT_CELLS + 1,
-        ]
-        way_out[way_out <= 0.0] = 1.0
-    return costs, (bottom, left)
+    costs = terrain.costs[bottom : row + reach + 1, left : column + reach + 1]
+    return np.ascontiguousarray(costs), (bottom, left)
 
 
 def _is_open(costs: Float32[np.ndarray, "rows columns"], cell: tuple[int, int]) -> bool:

@@ -28,7 +28,7 @@ class Navigator:
     def reset(self) -> None:
         """Forget path and last action."""
         self._follower.follow(None)
-        self._age = 0
+        self._age, self._inflation_m = 0, self._config.inflation_m
         self._targets: Float64[np.ndarray, "n 2"] = np.zeros((0, 2))
         self._last: tuple[Pose2, Action] | None = None
 
@@ -56,14 +56,14 @@ class Navigator:
             The action. None if there is no way, or if no step brings the robot nearer; `arrived`
             tells which.
         """
-        terrain = Terrain.of(grid, self._config)
-        fresh = self._renew_path(terrain, robot, targets)
-        action = self._follower.next_action(robot, terrain)
-        if action is None and self.path is not None and not fresh:
-            self._plan(terrain, robot, targets)
-            action = self._follower.next_action(robot, terrain)
         self._age += 1
-        return action
+        if self._path_is_fresh(targets):
+            terrain = Terrain.of(grid, self._config, robot.xy, self._inflation_m)
+            if not is_blocked(self._follower.remaining(robot), terrain):
+                action = self._follower.next_action(robot, terrain)
+                if action is not None or self.arrived:
+                    return action
+        return self._plan(grid, robot, targets)
 
     def note_action(self, robot: Pose2, action: Action) -> None:
         """Remember what the robot was ordered to do, to notice a bump in the next step."""
@@ -80,7 +80,7 @@ class Navigator:
         moved = self._last[0].distance_to(*robot.xy)
         if moved >= _MOVED_SHARE * self._config.forward_m:
             return np.zeros((0, 2))
-        angles = robot.yaw + np.radians([-20.0, 0.0, 20.0])
+        angles = robot.yaw + np.radians(np.arange(-30.0, 31.0, 10.0))
         return np.array(robot.xy) + self._config.inflation_m * np.stack(
             [np.cos(angles), np.sin(angles)], axis=1
         )
@@ -90,21 +90,23 @@ class Navigator:
         points = self._follower.remaining(robot)
         return [*points[:1], *((round(x, 3), round(y, 3)) for x, y in points[1:])]
 
-    def _renew_path(
-        self, terrain: Terrain, robot: Pose2, targets: Float64[np.ndarray, "n 2"]
-    ) -> bool:
-        """Plan again if the destination is new, the plan is old, or the path is blocked."""
-        if (
+    def _path_is_fresh(self, targets: Float64[np.ndarray, "n 2"]) -> bool:
+        return (
             self.path is not None
             and np.array_equal(targets, self._targets)
             and self._age < self._config.replan_every_steps
-            and not is_blocked(self._follower.remaining(robot), terrain)
-        ):
-            return False
-        self._plan(terrain, robot, targets)
-        return True
+        )
 
-    def _plan(self, terrain: Terrain, robot: Pose2, targets: Float64[np.ndarray, "n 2"]) -> None:
-        self._targets = targets
-        self._follower.follow(self._planner.plan_on(terrain, robot.xy, targets))
-        self._age = 0
+    def _plan(
+        self, grid: OccupancyGrid, robot: Pose2, targets: Float64[np.ndarray, "n 2"]
+    ) -> Action | None:
+        """Plan anew, closer to obstacles where there is no way otherwise, and begin."""
+        self._targets, self._age = targets, 0
+        for inflation_m in self._config.inflations_m:
+            self._inflation_m = inflation_m
+            terrain = Terrain.of(grid, self._config, robot.xy, inflation_m)
+            self._follower.follow(self._planner.plan_on(terrain, robot.xy, targets))
+            action = self._follower.next_action(robot, terrain)
+            if action is not None or self.arrived:
+                return action
+        return None

@@ -54,9 +54,9 @@ class Planner:
     ) -> Path | None:
         """The cheapest way to a destination.
 
-        A start inside an inflated obstacle moves to the nearest open cell; then the first leg is
-        the way out. A destination that cannot be entered moves to the reachable cell nearest to it,
-        at most `PlanningConfig.max_gap_m` away.
+        From inside an inflated obstacle the way first leads out of it. A destination that cannot
+        be entered moves to the reachable cell nearest to it, at most `PlanningConfig.max_gap_m`
+        away. Where no way leads, obstacles are inflated less (`PlanningConfig.squeeze_m`).
 
         Args:
             grid: The map.
@@ -66,7 +66,12 @@ class Planner:
         Returns:
             The way; None if there is none.
         """
-        return self.plan_on(Terrain.of(grid, self._config), start, targets)
+        for inflation_m in self._config.inflations_m:
+            terrain = Terrain.of(grid, self._config, start, inflation_m)
+            path = self.plan_on(terrain, start, targets)
+            if path is not None:
+                return path
+        return None
 
     def plan_on(
         self,
@@ -78,44 +83,39 @@ class Planner:
         if self._config.targets == "nearest-straight":
             offsets = ((targets - np.array(start)) ** 2).sum(axis=1)
             targets = targets[[int(offsets.argmin())]]
-        here = terrain.grid.cell_of(*start)
-        first = terrain.nearest_open(*here)
-        if first is None:
+        if terrain.way_out is None:
             return None
-        goal, gap_m = _reachable_goal(terrain, first, targets)
+        here = terrain.grid.cell_of(*start)
+        goal, gap_m = _reachable_goal(terrain, here, targets)
         if gap_m > self._config.max_gap_m:
             return None
-        cells, _ = astar(terrain.costs, first, goal)
+        cells, _ = astar(terrain.costs, here, goal)
         if len(cells) == 0:
             return None
-        inside = first == here
-        place = terrain.continuous(*start) if inside else (first[0] + 0.5, first[1] + 0.5)
-        corners = cells[pull_string(terrain.costs, cells, *place)]
+        corners = cells[pull_string(terrain.costs, cells, *terrain.continuous(*start))]
         points = [(float(x), float(y)) for x, y in terrain.grid.centres_of(corners)]
-        return Path((start, *(points[1:] if inside and len(points) > 1 else points)), gap_m)
+        return Path((start, *(points[1:] if len(points) > 1 else points)), gap_m)
 
 
 def is_blocked(points: tuple[tuple[float, float], ...], terrain: Terrain) -> bool:
     """Whether the map shows an obstacle on a polyline.
 
     Args:
-        points: Its corners, metres. If the first lies inside an inflated obstacle, the first leg is
-            the way out of it and is not looked at.
+        points: Its corners, metres.
         terrain: The inflated map.
     """
     places = [terrain.continuous(*point) for point in points]
-    if np.isinf(cost_of_line(terrain.costs, *places[0], *places[0])):
-        places = places[1:]
     return any(np.isinf(cost_of_line(terrain.costs, *a, *b)) for a, b in pairwise(places))
 
 
 def _reachable_goal(
-    terrain: Terrain, first: tuple[int, int], targets: Float64[np.ndarray, "n 2"]
+    terrain: Terrain, here: tuple[int, int], targets: Float64[np.ndarray, "n 2"]
 ) -> tuple[UInt8[np.ndarray, "rows columns"], float]:
     """Cells to go to (1), and how far from the destination they are, metres."""
     # Diagonal steps need both neighbours, so what is 8-reachable is 4-connected.
-    _, parts = cv2.connectedComponents(terrain.is_open, connectivity=4)
-    reachable = parts == parts[first]
+    passable = (terrain.costs > 0.0).view(np.uint8)
+    _, parts = cv2.connectedComponents(passable, connectivity=4)
+    reachable = (parts == parts[here]) & (terrain.is_open > 0)
     wanted = np.zeros(reachable.shape, dtype=bool)
     cells = terrain.grid.cells_of(targets)
     inside = ((cells >= 0) & (cells < np.array(reachable.shape))).all(axis=1)
