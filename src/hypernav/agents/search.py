@@ -3,10 +3,8 @@
 import math
 from dataclasses import dataclass
 
-import cv2
-import numpy as np
-
 from hypernav.agents.config import SearchConfig
+from hypernav.agents.exploration import Exploration
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
 from hypernav.core.errors import WorldError
@@ -15,16 +13,15 @@ from hypernav.core.goal import Goal
 from hypernav.core.grid import OccupancyGrid
 from hypernav.core.observation import Observation
 from hypernav.core.protocols import PresenceCheck
-from hypernav.core.trace import BlockRecord, ExchangeLog, Mode, StepTrace
+from hypernav.core.trace import ExchangeLog, Mode, StepTrace
 from hypernav.mapping import TopDownMap
-from hypernav.perception.explorer import Destination, Explorer, last_free_towards
+from hypernav.perception.explorer import Explorer
 from hypernav.perception.local import LocalPerception, Target
 from hypernav.planning import Navigator
 
 GAVE_UP = "gave up"
 """Event of the last step when an agent stops because nothing is left to explore."""
 
-_CHOICES_PER_STEP = 4
 _PROGRESS_M = 0.1
 _CLOSE_BY_M = 1.5
 """From here on the straight distance tells whether the robot comes nearer; before, a way may lead
@@ -67,7 +64,7 @@ class SearchAgent:
         """
         self._map = world_map
         self._local = local
-        self._explorer = explorer
+        self._exploration = Exploration(explorer, navigator, config)
         self._navigator = navigator
         self._presence = presence
         self._log = log
@@ -79,14 +76,11 @@ class SearchAgent:
         self._goal = goal
         self._map = TopDownMap(self._map.config)
         self._local.reset(goal)
-        self._explorer.reset(goal)
+        self._exploration.reset(goal)
         self._navigator.reset()
         self._log.drain()
         self._trajectory: list[tuple[float, float]] = []
-        self._destination: Destination | None = None
-        self._destination_age = 0
         self._turns_left = self._turns_of_a_circle() if self._config.look_around_at_start else 0
-        self._pursued: list[tuple[float, float]] = []
         self._all_explored = False
         self._last_step = None
         self._step = 0
@@ -110,7 +104,6 @@ class SearchAgent:
     def act(self, observation: Observation) -> Action:
         """Look, decide, and say what to do next."""
         clock, self._events = ModuleClock(), list[str]()
-        self._blocks: list[BlockRecord] = []
         self._trajectory.append(observation.robot.xy)
         with clock("map"):
             self._map.integrate(observation)
@@ -130,7 +123,7 @@ class SearchAgent:
             path=list(self._navigator.remaining(robot)),
             goal_area=target.area.outlines if target else [],
             detections=detections,
-            blocks=self._blocks,
+            blocks=self._exploration.drain_offered(),
             exchanges=self._log.drain(),
             events=self._events,
             seconds=clock.seconds,
@@ -162,9 +155,9 @@ class SearchAgent:
     def _leave_exploration(self) -> None:
         """Local perception wins."""
         self._turns_left = 0
-        if self._destination is not None:
+        if self._exploration.destination is not None:
             self._events.append("goal seen")
-            self._destination = None
+            self._exploration.destination = None
 
     def _is_near_enough(self, target: Target, robot: Pose2) -> bool:
         """Within the stop distance, or close by and not coming any nearer."""
@@ -200,27 +193,20 @@ class SearchAgent:
 
     def _explore(self, observation: Observation, clock: ModuleClock) -> _Decision:
         """Drive to a destination of global perception."""
-        robot = observation.robot
         if self._turns_left > 0:
             self._turns_left -= 1
             return _Decision(Action.TURN_LEFT, Mode.LOOK_AROUND, "looking around first")
-        self._drop_finished_destination(robot)
-        if self._config.pursue_far_sightings:
-            self._pursue(robot)
-        for _ in range(_CHOICES_PER_STEP):
-            if self._destination is None:
-                with clock("global"):
-                    self._choose_destination(robot)
-            if self._destination is None:
-                return self._end_of_exploration()
-            with clock("plan"):
-                action = self._navigator.towards(self.grid, robot, np.array([self._destination.xy]))
-            if action is not None:
-                self._destination_age += 1
-                return _Decision(action, Mode.EXPLORE, self._destination.reason)
-            arrived = self._navigator.arrived
-            self._end_destination("destination reached" if arrived else "no path to destination")
-        return _Decision(Action.TURN_LEFT, Mode.EXPLORE, "no way to any destination, looking again")
+        chosen = self._exploration.next_action(
+            self.grid,
+            observation.robot,
+            self._trajectory,
+            far_bearing=self._local.far_bearing,
+            clock=clock,
+            events=self._events,
+        )
+        if chosen is None:
+            return self._end_of_exploration()
+        return _Decision(chosen[0], Mode.EXPLORE, chosen[1])
 
     def _end_of_exploration(self) -> _Decision:
         """Nothing is left to explore: go as near as possible to a goal in sight, or give up."""
@@ -231,72 +217,11 @@ class SearchAgent:
         self._events.append(GAVE_UP)
         return _Decision(Action.STOP, Mode.STOP, "nothing is left to explore")
 
-    def _pursue(self, robot: Pose2) -> None:
-        """Head for a goal that is in sight but too far away to be measured."""
-        bearing = self._local.far_bearing
-        if bearing is None:
-            return
-        point = last_free_towards(self.grid, robot, bearing)
-        near_m = 2.0 * self._config.arrival_distance_m
-        if robot.distance_to(*point) <= near_m:
-            return
-        # Been there, and the goal was still out of reach: explore instead of going to and fro.
-        if any(math.dist(point, place) <= near_m for place in self._pursued):
-            return
-        if self._destination is None or not self._destination.is_sighting:
-            self._events.append("goal seen far away")
-        reason = f"the {self._goal.thing} is in sight, too far away to be measured"
-        self._destination = Destination(*point, reason=reason, is_sighting=True)
-
-    def _drop_finished_destination(self, robot: Pose2) -> None:
-        """The conditions for a new destination: reached, endurance exceeded, nothing left there."""
-        destination, config = self._destination, self._config
-        if destination is None:
-            return
-        if robot.distance_to(*destination.xy) < config.arrival_distance_m:
-            self._end_destination("destination reached")
-        elif self._destination_age >= config.endurance_steps:
-            self._end_destination("endurance exceeded")
-        elif (
-            config.drop_explored and not destination.is_sighting and self._is_explored(destination)
-        ):
-            self._end_destination("destination explored")
-
-    def _end_destination(self, event: str) -> None:
-        if self._destination is not None:
-            self._events.append(event)
-            if self._destination.is_sighting:
-                self._pursued.append(self._destination.xy)
-            else:
-                self._explorer.remember_visit(*self._destination.xy)
-            self._destination = None
-            self._destination_age = 0
-
-    def _choose_destination(self, robot: Pose2) -> None:
-        self._destination = self._explorer.next_destination(self.grid, robot, self._trajectory)
-        self._destination_age = 0
-        if self._destination is not None:
-            self._blocks = [
-                BlockRecord(number=b.number, x_min=b.x_min, y_min=b.y_min, size_m=b.size_m)
-                for b in self._destination.blocks
-            ]
-
-    def _is_explored(self, destination: Destination) -> bool:
-        """Whether nothing unknown is left around a destination."""
-        grid = self.grid
-        row, column = grid.cell_of(*destination.xy)
-        reach = math.ceil(self._config.drop_explored_radius_m / grid.resolution_m)
-        window = (
-            slice(max(row - reach, 0), row + reach + 1),
-            slice(max(column - reach, 0), column + reach + 1),
-        )
-        beside_unknown = cv2.dilate((~grid.explored[window]).astype(np.uint8), np.ones((3, 3)))
-        return not bool((grid.free[window] & (beside_unknown > 0)).any())
-
     def _destination_point(self, target: Target | None) -> tuple[float, float] | None:
         if target is not None:
             return target.area.centre
-        return None if self._destination is None else self._destination.xy
+        destination = self._exploration.destination
+        return None if destination is None else destination.xy
 
     def _turn_towards(self, robot: Pose2, point: tuple[float, float]) -> Action | None:
         bearing = robot.bearing_to(*point)

@@ -1,0 +1,155 @@
+"""Driving from one destination of global perception to the next, while the goal is out of sight."""
+
+import math
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+
+from hypernav.agents.config import SearchConfig
+from hypernav.core.actions import Action
+from hypernav.core.clock import ModuleClock
+from hypernav.core.geometry import Pose2
+from hypernav.core.goal import Goal
+from hypernav.core.grid import OccupancyGrid
+from hypernav.core.overview import Block
+from hypernav.core.trace import BlockRecord
+from hypernav.perception.explorer import Destination, Explorer, last_free_towards
+from hypernav.planning import Navigator
+
+_CHOICES_PER_STEP = 4
+
+
+class Exploration:
+    """Holds a destination until it is reached, given up or explored; then asks for the next.
+
+    Attributes:
+        destination: Where the robot is going.
+    """
+
+    def __init__(self, explorer: Explorer, navigator: Navigator, config: SearchConfig) -> None:
+        """Put it together.
+
+        Args:
+            explorer: Says where to go.
+            navigator: Drives there.
+            config: When a destination ends.
+        """
+        self._explorer = explorer
+        self._navigator = navigator
+        self._config = config
+        self.reset(Goal("nothing yet"))
+
+    def reset(self, goal: Goal) -> None:
+        """Forget all destinations."""
+        self._explorer.reset(goal)
+        self._goal = goal
+        self._age = 0
+        self._pursued: list[tuple[float, float]] = []
+        self.destination: Destination | None = None
+        self._offered: tuple[Block, ...] = ()
+
+    def next_action(
+        self,
+        grid: OccupancyGrid,
+        robot: Pose2,
+        trajectory: Sequence[tuple[float, float]],
+        *,
+        far_bearing: float | None,
+        clock: ModuleClock,
+        events: list[str],
+    ) -> tuple[Action, str] | None:
+        """What to do now, and why.
+
+        Args:
+            grid: The map.
+            robot: Where the robot is.
+            trajectory: Where it was.
+            far_bearing: Direction of a goal that is in sight but too far away to be measured.
+            clock: Takes the time.
+            events: Takes what happened to destinations.
+
+        Returns:
+            None if nothing is left to explore.
+        """
+        self._drop_finished(grid, robot, events)
+        if self._config.pursue_far_sightings and far_bearing is not None:
+            self._pursue(grid, robot, far_bearing, events)
+        for _ in range(_CHOICES_PER_STEP):
+            if self.destination is None:
+                with clock("global"):
+                    self.destination = self._explorer.next_destination(grid, robot, trajectory)
+                self._age = 0
+                if self.destination is None:
+                    return None
+                self._offered = self.destination.blocks
+            with clock("plan"):
+                action = self._navigator.towards(grid, robot, np.array([self.destination.xy]))
+            if action is not None:
+                self._age += 1
+                return action, self.destination.reason
+            arrived = self._navigator.arrived
+            self._end("destination reached" if arrived else "no path to destination", events)
+        return Action.TURN_LEFT, "no way to any destination, looking again"
+
+    def drain_offered(self) -> list[BlockRecord]:
+        """The blocks of the map question that was asked since the last call, if any."""
+        offered, self._offered = self._offered, ()
+        return [
+            BlockRecord(
+                number=block.number, x_min=block.x_min, y_min=block.y_min, size_m=block.size_m
+            )
+            for block in offered
+        ]
+
+    def _pursue(self, grid: OccupancyGrid, robot: Pose2, bearing: float, events: list[str]) -> None:
+        """Head for a goal that is in sight but too far away to be measured."""
+        point = last_free_towards(grid, robot, bearing)
+        near_m = 2.0 * self._config.arrival_distance_m
+        if robot.distance_to(*point) <= near_m:
+            return
+        # Been there, and the goal was still out of reach: explore instead of going to and fro.
+        if any(math.dist(point, place) <= near_m for place in self._pursued):
+            return
+        if self.destination is None or not self.destination.is_sighting:
+            events.append("goal seen far away")
+        reason = f"the {self._goal.thing} is in sight, too far away to be measured"
+        self.destination = Destination(*point, reason=reason, is_sighting=True)
+
+    def _drop_finished(self, grid: OccupancyGrid, robot: Pose2, events: list[str]) -> None:
+        """The conditions for a new destination: reached, endurance exceeded, nothing left there."""
+        destination, config = self.destination, self._config
+        if destination is None:
+            return
+        if robot.distance_to(*destination.xy) < config.arrival_distance_m:
+            self._end("destination reached", events)
+        elif self._age >= config.endurance_steps:
+            self._end("endurance exceeded", events)
+        elif (
+            config.drop_explored
+            and not destination.is_sighting
+            and is_explored(grid, destination.xy, config.drop_explored_radius_m)
+        ):
+            self._end("destination explored", events)
+
+    def _end(self, event: str, events: list[str]) -> None:
+        if self.destination is None:
+            return
+        events.append(event)
+        if self.destination.is_sighting:
+            self._pursued.append(self.destination.xy)
+        else:
+            self._explorer.remember_visit(*self.destination.xy)
+        self.destination, self._age = None, 0
+
+
+def is_explored(grid: OccupancyGrid, place: tuple[float, float], radius_m: float) -> bool:
+    """Whether no free floor borders on the unknown around a place ``(x, y)``, metres."""
+    row, column = grid.cell_of(*place)
+    reach = math.ceil(radius_m / grid.resolution_m)
+    window = (
+        slice(max(row - reach, 0), row + reach + 1),
+        slice(max(column - reach, 0), column + reach + 1),
+    )
+    beside_unknown = cv2.dilate((~grid.explored[window]).astype(np.uint8), np.ones((3, 3)))
+    return not bool((grid.free[window] & (beside_unknown > 0)).any())
