@@ -13,9 +13,10 @@ from hypernav.cli.doctor import Doctor
 from hypernav.cli.eval import Eval
 from hypernav.cli.find import Find
 from hypernav.cli.houses import HousesCommand, houses
+from hypernav.cli.report import Report
 from hypernav.core.errors import HyPerNavError
 
-_COMMANDS = {"find": Find, "eval": Eval, "doctor": Doctor, "houses": houses}
+_COMMANDS = {"find": Find, "eval": Eval, "report": Report, "doctor": Doctor, "houses": houses}
 _BOX = re.compile(r"[\u2500-\u257f]+")
 
 
@@ -32,7 +33,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         sys.exit(status)
 
 
-def _parse(arguments: list[str]) -> Find | Eval | Doctor | HousesCommand:
+def _parse(arguments: list[str]) -> Find | Eval | Report | Doctor | HousesCommand:
     """Read the command line; what tyro says in a box is said in one line."""
     said = io.StringIO()
     try:

@@ -80,7 +80,7 @@ class Crew(Protocol):
     """Workers. Each runs one episode at a time; results come back through `wait` alone."""
 
     def start(self, worker: int) -> None:
-        """Hire a worker of this number; `wait` tells when it is ready. A lost one may be replaced."""
+        """Hire a worker of this number, or another one for a lost one; `wait` says: ready."""
         ...
 
     def send(self, worker: int, episode: EpisodeSpec) -> None:

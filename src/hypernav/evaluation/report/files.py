@@ -1,0 +1,124 @@
+"""The files beside a report's page: every episode as CSV, the main tables as LaTeX."""
+
+import csv
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+from hypernav.evaluation.protocol import PROTOCOLS, Protocol, StopRule
+from hypernav.evaluation.report import tables
+from hypernav.evaluation.report.run_data import RunData
+from hypernav.evaluation.statistics import Estimate
+
+_TEX_SPECIAL = str.maketrans(
+    {
+        "\\": r"\textbackslash{}",
+        "&": r"\&",
+        "%": r"\%",
+        "$": r"\$",
+        "#": r"\#",
+        "_": r"\_",
+        "{": r"\{",
+        "}": r"\}",
+        "~": r"\textasciitilde{}",
+        "^": r"\textasciicircum{}",
+    }
+)
+
+
+def write_csv(path: Path, runs: Sequence[RunData]) -> None:
+    """One line for every episode of every run, with success and SPL under every protocol."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(
+            [
+                *("run", "scene_id", "episode_id", "goal", "group", "outcome", "failure", "why"),
+                *("counts", "stopped", "steps", "path_length_m", "shortest_path_m"),
+                *("distance_to_goal_m", "soft_spl", "model_calls", "tokens_in", "tokens_out"),
+                "seconds",
+                *(f"{name}_{_column(p)}" for p in PROTOCOLS for name in ("success", "spl")),
+            ]
+        )
+        for run in runs:
+            for r in run.records:
+                scores = [protocol.score(r) for protocol in PROTOCOLS]
+                writer.writerow(
+                    [
+                        *(run.name, r.scene_id, r.episode_id, r.goal, r.group, r.outcome.value),
+                        *(r.failure.value if r.failure else "", r.why, int(r.counts)),
+                        *(int(r.stopped), r.steps, _length(r.path_length_m)),
+                        *(_length(r.shortest_path_m), _length(r.distance_to_goal_m)),
+                        *(f"{r.soft_spl:.4f}", r.model_calls, r.tokens_in, r.tokens_out),
+                        f"{r.seconds.get('total', 0.0):.3f}",
+                        *(x for s in scores for x in (int(s.success), f"{s.spl:.4f}")),
+                    ]
+                )
+
+
+def write_tex(path: Path, runs: Sequence[RunData]) -> None:
+    """The overall table and the one by scene, for a paper (package ``booktabs``)."""
+    path.write_text(f"{_overall(runs)}\n{_by_scene(runs)}", encoding="utf-8")
+
+
+def tex(text: str) -> str:
+    """Text as LaTeX takes it."""
+    return text.translate(_TEX_SPECIAL)
+
+
+def _overall(runs: Sequence[RunData]) -> str:
+    told = runs[0].configuration
+    distance = f"{told['protocol']['success_distance_m']:g}"
+    lines = [
+        r"\begin{tabular}{lcccr}",
+        r"\toprule",
+        r"Method & SR (\%) $\uparrow$ & SPL $\uparrow$ & SoftSPL $\uparrow$ & Episodes \\",
+        r"\midrule",
+    ]
+    for run, summary in zip(runs, tables.overall(runs), strict=True):
+        cells = [
+            tex(run.name),
+            _with_interval(summary.success, 100.0, 1),
+            _with_interval(summary.spl, 1.0, 3),
+            _with_interval(summary.soft_spl, 1.0, 3),
+            str(summary.success.count),
+        ]
+        lines.append(" & ".join(cells) + r" \\")
+    lines += [
+        r"\bottomrule",
+        r"\end{tabular}",
+        f"% {runs[0].dataset}; STOP within {distance} m (geodesic) of a view point, at most "
+        f"{told['protocol']['max_steps']} steps; brackets: 95% bootstrap over scenes",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _by_scene(runs: Sequence[RunData]) -> str:
+    heads = " & ".join(rf"\multicolumn{{2}}{{c}}{{{tex(run.name)}}}" for run in runs)
+    lines = [
+        r"\begin{tabular}{lr" + "cc" * len(runs) + "}",
+        r"\toprule",
+        rf"Scene & Episodes & {heads} \\",
+        " & " + "".join(r" & SR (\%) & SPL" for _ in runs) + r" \\",
+        r"\midrule",
+    ]
+    for group in tables.by_scene(runs):
+        cells = [tex(group.name), str(group.count)]
+        for success, spl in zip(group.success, group.spl, strict=True):
+            cells.append("--" if success is None else f"{100 * success.mean:.1f}")
+            cells.append("--" if spl is None else f"{spl.mean:.3f}")
+        lines.append(" & ".join(cells) + r" \\")
+    return "\n".join([*lines, r"\bottomrule", r"\end{tabular}"]) + "\n"
+
+
+def _with_interval(estimate: Estimate, factor: float, digits: int) -> str:
+    mean, low, high = (factor * v for v in (estimate.mean, estimate.low, estimate.high))
+    return f"{mean:.{digits}f} [{low:.{digits}f}, {high:.{digits}f}]"
+
+
+def _column(protocol: Protocol) -> str:
+    rule = "stop" if protocol.stop_rule is StopRule.STOP_REQUIRED else "timeout"
+    return f"{protocol.success_distance_m:g}m_{rule}"
+
+
+def _length(value: float) -> str:
+    return f"{value:.4f}" if math.isfinite(value) else ""

@@ -1,0 +1,138 @@
+"""The page of a report: what a colleague should see of a run, or of several side by side."""
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+import yaml
+
+from hypernav.core.errors import RunFolderError
+from hypernav.evaluation.failures import RULES, Failure
+from hypernav.evaluation.protocol import SUCCESS_DISTANCES_M, StopRule
+from hypernav.evaluation.record import EpisodeRecord
+from hypernav.evaluation.report import tables, wording
+from hypernav.evaluation.report.files import write_csv, write_tex
+from hypernav.evaluation.report.published import PUBLISHED
+from hypernav.evaluation.report.run_data import RunData
+from hypernav.show import words
+from hypernav.show.site import page_environment, plain
+
+_SHOWN_FAILURES = 200
+
+
+def write_report(folder: Path, runs: Sequence[RunData], *, compare: bool = False) -> Path:
+    """Write ``report.html``, ``report.csv`` and ``report.tex``.
+
+    Args:
+        folder: Made if missing.
+        runs: At least one.
+        compare: Compare every run with the first one, episode by episode.
+
+    Returns:
+        Path of the page; it needs no network, but links to the pages of saved episodes.
+
+    Raises:
+        RunFolderError: Runs to be compared share no episode, or the folder can't be written.
+    """
+    pairs = [tables.pair(runs[0], other) for other in runs[1:]] if compare else []
+    if missing := [p for p in pairs if p.count == 0]:
+        raise RunFolderError(
+            f"{missing[0].first} and {missing[0].second} have no episode in common; only runs of "
+            "the same data set can be compared"
+        )
+    page = page_environment("hypernav.evaluation").get_template("report.html.j2")
+    text = page.render(**_content(folder, runs, pairs))
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / "report.html").write_text(text, encoding="utf-8")
+        write_csv(folder / "report.csv", runs)
+        write_tex(folder / "report.tex", runs)
+    except OSError as error:
+        raise RunFolderError(f"{folder} cannot be written: {error.strerror or error}") from error
+    return folder / "report.html"
+
+
+def _content(folder: Path, runs: Sequence[RunData], pairs: Sequence[tables.Pair]) -> dict[str, Any]:
+    summaries = tables.overall(runs)
+    return {
+        "runs": runs,
+        "title": wording.title(runs),
+        "lead": wording.lead(runs, summaries),
+        "warnings": wording.warnings(runs),
+        "summaries": list(zip(runs, summaries, strict=True)),
+        "pairs": pairs,
+        "verdicts": [wording.verdict(pair) for pair in pairs],
+        "distances": SUCCESS_DISTANCES_M,
+        "stop_rules": list(StopRule),
+        "matrices": [(run, tables.protocol_matrix(run)) for run in runs],
+        "own": [tables.own_protocol(run) for run in runs],
+        "failures": tables.failures(runs),
+        "rules": [(failure, _rule_words(failure)) for failure, _ in RULES],
+        "failed": _failed(folder, runs),
+        "shown_failures": _SHOWN_FAILURES,
+        "by_distance": tables.by_distance(runs),
+        "by_goal": tables.by_goal(runs),
+        "by_part": tables.by_part(runs),
+        "by_scene": tables.by_scene(runs),
+        "modules": tables.module_times(runs),
+        "questions": tables.questions_a_step(runs),
+        "calls": [_calls(run) for run in runs],
+        "protocol": wording.protocol_lines(runs[0]),
+        "other_protocols": [(r, wording.other_protocol_lines(r, runs[0])) for r in runs[1:]],
+        "configurations": [(run, _yaml(run.configuration)) for run in runs],
+        "published": PUBLISHED,
+        "saved": _saved(folder, runs),
+        "sessions": [(run, wording.session_lines(run)) for run in runs],
+        "words": words,
+        "wording": wording,
+    }
+
+
+def _failed(folder: Path, runs: Sequence[RunData]) -> list[tuple[RunData, EpisodeRecord, str]]:
+    """All failed episodes with their pages, by run."""
+    return [
+        (run, record, _link(folder, run, record))
+        for run in runs
+        for record in sorted(run.records, key=lambda r: r.key)
+        if record.failure is not None
+    ]
+
+
+def _saved(folder: Path, runs: Sequence[RunData]) -> list[tuple[RunData, EpisodeRecord, str]]:
+    """All saved episodes with their pages, by run."""
+    return [
+        (run, record, _link(folder, run, record))
+        for run in runs
+        for record in sorted(run.records, key=lambda r: r.key)
+        if record.saved
+    ]
+
+
+def _link(folder: Path, run: RunData, record: EpisodeRecord) -> str:
+    """Address of an episode's page as seen from the report, empty if it was not saved."""
+    if not record.saved:
+        return ""
+    page = run.folder.resolve() / record.saved / "index.html"
+    return quote(Path(os.path.relpath(page, folder.resolve())).as_posix())
+
+
+def _calls(run: RunData) -> dict[str, float]:
+    episodes, steps = len(run.records), max(sum(r.steps for r in run.records), 1)
+    calls = sum(record.model_calls for record in run.records)
+    return {
+        "total": calls,
+        "per_episode": calls / episodes,
+        "per_step": calls / steps,
+        "tokens_in": sum(record.tokens_in for record in run.records),
+        "tokens_out": sum(record.tokens_out for record in run.records),
+    }
+
+
+def _rule_words(failure: Failure) -> str:
+    return wording.RULES_IN_WORDS[failure]
+
+
+def _yaml(configuration: object) -> str:
+    return yaml.safe_dump(plain(configuration), sort_keys=False, allow_unicode=True)

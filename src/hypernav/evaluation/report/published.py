@@ -1,0 +1,54 @@
+"""What others have published, with what is different about how they measured it.
+
+Only numbers that stand in the cited publication's own text are listed. They are there for
+orientation: data sets, success distances, stop rules and step sizes differ, so no number here can
+be set against another row without reading the last column.
+"""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Published:
+    """One result of a publication.
+
+    Attributes:
+        method: Its name there.
+        dataset: What it was measured on.
+        success_percent: Success rate.
+        spl_percent: SPL.
+        protocol: What is known about the protocol, and how it differs from ours.
+        source: The publication.
+        url: Where it can be read.
+    """
+
+    method: str
+    dataset: str
+    success_percent: float
+    spl_percent: float
+    protocol: str
+    source: str
+    url: str
+
+
+PUBLISHED: tuple[Published, ...] = (
+    Published(
+        "InstructNav",
+        "HM3D-v1 val",
+        58.0,
+        20.9,
+        "real scans, detection by GLEE and GPT-4 in the loop; 2,000 episodes of six categories",
+        "as reported by Aghaei et al., When Engineering Outruns Intelligence, 2025",
+        "https://arxiv.org/abs/2507.20021",
+    ),
+    Published(
+        "DWFE (frontiers, no language model)",
+        "HM3D-v1 val",
+        61.1,
+        36.0,
+        "real scans, a real detector; 2,000 episodes of six categories",
+        "Aghaei et al., When Engineering Outruns Intelligence, 2025",
+        "https://arxiv.org/abs/2507.20021",
+    ),
+)
+"""In the order in which they are shown."""

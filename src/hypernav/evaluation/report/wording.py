@@ -1,0 +1,219 @@
+"""What a report says in words."""
+
+from collections.abc import Sequence
+
+from hypernav.evaluation.failures import MISPLACED_M, Failure
+from hypernav.evaluation.report.run_data import RunData
+from hypernav.evaluation.report.tables import Pair
+from hypernav.evaluation.statistics import Estimate
+from hypernav.evaluation.summary import Summary
+from hypernav.evaluation.witness import SIGHT_SHARE
+from hypernav.show import words
+from hypernav.worlds import NoiseConfig
+
+SIGNIFICANT = 0.05
+
+RULES_IN_WORDS: dict[Failure, str] = {
+    Failure.MODEL_UNAVAILABLE: "A model stayed away longer than the patience. Not counted.",
+    Failure.SIMULATOR_ERROR: "The world, or the process that ran it, failed. Not counted.",
+    Failure.UNREACHABLE: "The scene holds the goal, but no way leads there from the start.",
+    Failure.LANGUAGE: "What the robot took for the goal comes near it by name only.",
+    Failure.FALSE_DETECTION: "What it took for the goal is neither the goal nor near it by name.",
+    Failure.MAP_QUALITY: (
+        f"It held the right object, but the goal area lay more than {MISPLACED_M:g} m beside it, "
+        "or its map closed off what is open in truth."
+    ),
+    Failure.TARGET_SURROUNDED: (
+        "It held the right object, but in truth there is no place to stand within the stop "
+        "distance of the goal area."
+    ),
+    Failure.STOPPED_TOO_FAR: (
+        "It held the right object and stopped, but beyond the success distance."
+    ),
+    Failure.PATH_PLANNING: (
+        "It held the right object, its map has a way there, but it didn't arrive in time."
+    ),
+    Failure.SEEN_BUT_MISSED: (
+        f"The goal filled at least {100 * SIGHT_SHARE:g} % of some picture, but the robot ended "
+        "without a goal area."
+    ),
+    Failure.NEVER_SEEN: "The goal was never in the picture.",
+}
+"""The rules of `hypernav.evaluation.failures`, for people."""
+
+
+def title(runs: Sequence[RunData]) -> str:
+    """Data set and who searched."""
+    names = [run.name for run in runs]
+    listed = names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+    datasets = dict.fromkeys(run.dataset for run in runs)
+    return f"{', '.join(datasets)}: {listed}"
+
+
+def lead(runs: Sequence[RunData], summaries: Sequence[Summary]) -> str:
+    """The result in a sentence or two."""
+    parts = []
+    for run, summary in zip(runs, summaries, strict=True):
+        parts.append(
+            f"{run.name} found its goal in {percent(summary.success)} of "
+            f"{summary.success.count:,} episodes (95 % interval {interval(summary.success, 100.0)}"
+            f" %) with an SPL of {summary.spl.mean:.3f} ({interval(summary.spl)})"
+        )
+    return "; ".join(parts) + "."
+
+
+def warnings(runs: Sequence[RunData]) -> list[str]:
+    """All that a reader must know before believing a number."""
+    found = []
+    told = [run.name for run in runs if run.is_told_truth]
+    if told:
+        found.append(
+            f"{' and '.join(told)}: the simulator told the robot what it sees (ground-truth "
+            "detection). This measures exploration, mapping, planning and stopping, and says "
+            "nothing about recognition."
+        )
+    for run in runs:
+        if len(run.records) < run.wanted:
+            found.append(
+                f"{run.name} is not finished: {len(run.records):,} of {run.wanted:,} episodes."
+            )
+        apart = len(run.records) - len(run.counted)
+        if apart:
+            found.append(
+                f"{run.name}: {apart} episodes ended by a model or simulator outage are counted "
+                "apart and are in no rate. Running the command again repeats them."
+            )
+        if len({record.scene_id for record in run.counted}) == 1:
+            found.append(
+                f"{run.name} has a single scene: its intervals say nothing about other scenes."
+            )
+    fingerprints = {run.configuration["episodes"]["fingerprint"] for run in runs}
+    if len(fingerprints) > 1:
+        found.append("The runs are not of the same episodes; only --compare pairs them up.")
+    return found
+
+
+def verdict(pair: Pair) -> str:
+    """What a comparison says."""
+    parts = []
+    for name, compared, unit in (("SR", pair.success, 100.0), ("SPL", pair.spl, 1.0)):
+        gap = compared.difference
+        size = f"{unit * abs(gap.mean):.1f} points" if unit > 1 else f"{abs(gap.mean):.3f}"
+        if compared.p_value < SIGNIFICANT:
+            side = "higher" if gap.mean > 0 else "lower"
+            parts.append(f"its {name} is {size} {side} (p {p_value(compared.p_value)})")
+        else:
+            parts.append(f"no difference in {name} is shown (p {p_value(compared.p_value)})")
+    return (
+        f"{pair.second} against {pair.first} on the {pair.count:,} episodes that count in both: "
+        + ", and ".join(parts)
+        + "."
+    )
+
+
+def protocol_lines(run: RunData) -> list[tuple[str, str]]:
+    """The protocol in full, as name and value."""
+    told, world = run.configuration["protocol"], run.configuration["config"]["world"]
+    camera, robot, actions = world["camera"], world["robot"], world["actions"]
+    episodes, who = run.configuration["episodes"], run.who
+    chosen = {k: v for k, v in run.configuration["selection"].items() if v is not None}
+    part = ", ".join(f"{name} {value}" for name, value in chosen.items())
+    noise = {} if NoiseConfig.model_validate(world["noise"]).is_off else world["noise"]
+    return [
+        ("Data set", run.dataset + (f" ({part})" if part else "")),
+        (
+            "Episodes",
+            f"{episodes['count']:,} in {episodes['scenes']} scenes, fingerprint "
+            f"{episodes['fingerprint']}",
+        ),
+        (
+            "Success",
+            f"{told['stop_rule']}; geodesic distance to the nearest view point under "
+            f"{told['success_distance_m']:g} m. View points: places to stand within 1.0 m of the "
+            "object's box from which it is visible",
+        ),
+        ("Steps", f"at most {told['max_steps']}, STOP included"),
+        ("SPL", "success x shortest way / max(shortest way, way walked), lengths in metres"),
+        ("SoftSPL", "the same with 1 - distance at the end / distance at the start for success"),
+        (
+            "Actions",
+            f"forward {actions['forward_m']:g} m, turn {actions['turn_angle_deg']:g}°, sliding "
+            f"{'on' if actions['sliding'] else 'off'}",
+        ),
+        (
+            "Camera",
+            f"{camera['width']}×{camera['height']}, {camera['hfov_deg']:g}° wide, "
+            f"{camera['height_m']:g} m high, depth {camera['min_depth_m']:g} to "
+            f"{camera['max_depth_m']:g} m",
+        ),
+        (
+            "Robot",
+            f"radius {robot['radius_m']:g} m, height {robot['height_m']:g} m, steps over "
+            f"{robot['max_step_m']:g} m",
+        ),
+        ("Noise", ", ".join(f"{name} {value}" for name, value in noise.items() if value) or "none"),
+        ("Agent", f"{who['agent']}, preset {who['preset']}"),
+        ("Sees with", words.part_in_use(str(who["detector"]))),
+        ("Decides with", words.part_in_use(str(who["reasoner"]))),
+        ("Seed", str(told["seed"])),
+        ("Software", f"hypernav {run.configuration['hypernav']}"),
+        (
+            "Intervals",
+            "95 %, percentile bootstrap over scenes (10,000 draws); with a rate of 0 or 100 % in "
+            "every scene the interval has no width, which overstates what is known",
+        ),
+    ]
+
+
+def other_protocol_lines(run: RunData, first: RunData) -> list[tuple[str, str]]:
+    """Where the protocol of a run differs from that of the first run of a report."""
+    known = dict(protocol_lines(first))
+    return [(name, value) for name, value in protocol_lines(run) if known.get(name) != value]
+
+
+def setting(run: RunData) -> str:
+    """The protocol in a line, to stand beside published ones."""
+    told, actions = run.configuration["protocol"], run.configuration["config"]["world"]["actions"]
+    scenes = "generated houses" if run.dataset.startswith("houses-") else "one scene"
+    sees = "ground-truth detection" if run.is_told_truth else f"sees with {run.who['detector']}"
+    return (
+        f"{scenes}; {sees}; STOP within {told['success_distance_m']:g} m of a view point, at most "
+        f"{told['max_steps']} steps, forward {actions['forward_m']:g} m"
+    )
+
+
+def session_lines(run: RunData) -> list[str]:
+    """Every start of the program in a line."""
+    lines = []
+    for session in run.sessions:
+        hours = session["seconds"] / 3600
+        rate = session["episodes"] / hours if hours else 0.0
+        peaks = [float(value) for value in session["peak_memory_mb"].values()]
+        text = (
+            f"{session['began']}: {session['episodes']:,} episodes in "
+            f"{words.duration(session['seconds'])} with {session['workers']} "
+            f"worker{'' if session['workers'] == 1 else 's'} on {session['cores']} cores "
+            f"({rate:,.0f} an hour), {session['ended']}"
+        )
+        if peaks:
+            text += f"; a worker used at most {max(peaks):,.0f} MB"
+        if session["workers_lost"]:
+            text += f"; {session['workers_lost']} workers were lost and replaced"
+        lines.append(text)
+    return lines
+
+
+def percent(estimate: Estimate) -> str:
+    """The mean as a percentage."""
+    return f"{100 * estimate.mean:.1f} %"
+
+
+def interval(estimate: Estimate, factor: float = 1.0) -> str:
+    """The interval, in the number's own digits."""
+    digits = 1 if factor > 1.0 else 3
+    return f"{factor * estimate.low:.{digits}f} to {factor * estimate.high:.{digits}f}"
+
+
+def p_value(value: float) -> str:
+    """As papers write it."""
+    return "< 0.001" if value < 0.001 else f"= {value:.3f}"
