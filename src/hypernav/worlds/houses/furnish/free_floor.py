@@ -14,6 +14,9 @@ _MARGIN_M = 0.6
 STANDING_M = 0.19
 """Radius of a robot that may stand wherever it fits: all such places must be one connected part."""
 
+_SURE_M = 0.225
+"""The same with the loss of any raster: what is seen only from tighter places counts as unseen."""
+
 WALKING_M = 0.375
 """Half of the clear width of the ways between doors and to the furniture."""
 
@@ -47,11 +50,13 @@ class FreeFloor:
         clearance = (np.asarray(distance_transform_edt(floor)) - 0.5) * _CELL_M
         self._standing = clearance > STANDING_M
         self._walking = clearance > WALKING_M
+        self._sure = clearance > _SURE_M
         # Cells in the doors' throats belong to the neighbours as well; ways end before them.
         room = np.zeros_like(floor)
         room[self._cells(inner)] = True
         self._standing &= room
         self._walking &= room
+        self._sure &= room
 
     def _cells(self, rect: Rect) -> tuple[slice, slice]:
         x, y = self._origin
@@ -93,12 +98,14 @@ class FreeFloor:
     def take(self, rects: list[Rect], anchors: list[Point]) -> None:
         """Occupy the floor for good."""
         self._standing, self._walking = self._without(rects)
+        for rect in rects:
+            self._sure[self._cells(rect.grown(_SURE_M))] = False
         self._anchors += anchors
 
     def standing_points(self) -> Float64[np.ndarray, "n 2"]:
-        """Middles of the cells where a slim robot may stand and get to, 10 cm apart."""
+        """Middles of the cells where a slim robot surely stands and gets to, 10 cm apart."""
         _, parts, stats, _ = cv2.connectedComponentsWithStats(
-            self._standing.view(np.uint8), connectivity=4
+            self._sure.view(np.uint8), connectivity=4
         )
         if len(stats) < 2:
             return np.zeros((0, 2))

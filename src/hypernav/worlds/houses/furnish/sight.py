@@ -15,7 +15,7 @@ from hypernav.worlds.houses.kit.mesh import rotation_matrix
 from hypernav.worlds.houses.plan.shapes import Rect
 
 _EYE_M = 0.88
-_REACH_M = 0.85
+_REACH_M = 0.92
 _POINTS = 20
 _PLACES = 12
 _LEAST_SHARE = 0.2
