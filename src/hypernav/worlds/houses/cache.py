@@ -132,13 +132,13 @@ def _label(stored: dict[str, Any]) -> ObjectLabel:
 def _load_textures(house: CompactScene, folder: Path) -> None:
     """Bring the textures of a house into the library, from files where there are any."""
     for key in dict.fromkeys(f.texture for f in house.finishes if f.texture):
-        if known_texture(key):
-            continue
         path = folder / f"{key.replace(' ', '_')}.npy"
+        if known_texture(key) and path.exists():
+            continue
         try:
             with path.open("rb") as file:
                 picture = np.load(file, allow_pickle=False)
-            if is_picture(picture):
+            if is_picture(picture) and not known_texture(key):
                 keep_texture(key, picture)
                 continue
         except FileNotFoundError:
