@@ -1,10 +1,16 @@
+from pathlib import Path
+
 import pytest
 
 from box_houses import box_house
 from hypernav.build import build_scene
 from hypernav.cli.main import main
+from hypernav.core.goal import Goal
 from hypernav.datasets import read_episodes
 from hypernav.worlds.house_episodes import cache as episode_cache
+from hypernav.worlds.houses import build_house
+from hypernav.worlds.houses.export import page
+from hypernav.worlds.houses.near_misses import near_misses
 
 
 @pytest.fixture(autouse=True)
@@ -105,3 +111,64 @@ def test_houses_are_scenes_by_name(monkeypatch):
     monkeypatch.setattr("hypernav.build.cached_house", box_house)
     assert build_scene("houses:1234").name == "houses:1234"
     assert build_scene("builtin").name == "houses:0"
+
+
+def test_a_house_is_exported_and_opens_again(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert hypernav("houses", "export", "0") == 0
+    said = capsys.readouterr().err
+    glb = Path("runs/house-0/house_0.glb")
+    assert f"--scene {glb}" in said
+    assert "scene_dataset_config.json" in said
+    assert len(build_scene(str(glb)).instances) > 40
+
+
+def test_a_house_is_shown_on_a_page(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(page, "interior_views", lambda *_: [])
+    assert hypernav("houses", "show", "houses:0", "--out", tmp_path / "new") == 0
+    path = tmp_path / "new" / "house_0.html"
+    assert str(path) in capsys.readouterr().err.replace("\n", "")
+    assert "<title>House 0" in path.read_text()
+
+
+@pytest.mark.parametrize("command", ["export", "show"])
+def test_what_is_no_house_and_where_nothing_can_be_written_is_one_line(command, tmp_path, capsys):
+    (tmp_path / "file").write_text("in the way")
+    for arguments, words in (
+        (["abc"], "there is no house 'abc'"),
+        (["0", "--out", tmp_path / "file" / "in"], "cannot be written"),
+        ([], "ID"),
+    ):
+        assert hypernav("houses", command, *arguments) == 2
+        said = capsys.readouterr().err
+        assert words in said
+        assert said.count("\n") == 1
+
+
+HOUSE_IN_THE_DOCS = 1234
+
+
+@pytest.mark.parametrize(
+    ("text", "count"),
+    [
+        ("L-shaped sofa", 1),
+        ("settee", 1),
+        ("bedside table", 3),
+        ("the black chair in the office", 1),
+        ("the blue chair beside the desk", 1),
+        ("the red chair in the office", 0),
+        ("the black chair in the kitchen", 0),
+    ],
+)
+def test_phrases_of_the_docs_mean_what_they_say(house_of_the_docs, text, count):
+    satisfying = [
+        i for i in house_of_the_docs.instances if i.label and i.label.satisfies(Goal(text))
+    ]
+    assert len(satisfying) == count
+    if count == 1:
+        assert near_misses(house_of_the_docs, Goal(text))
+
+
+@pytest.fixture(scope="module")
+def house_of_the_docs():
+    return build_house(HOUSE_IN_THE_DOCS)

@@ -1,4 +1,4 @@
-"""`hypernav houses`: the generated houses and their episodes."""
+"""`hypernav houses`: the generated houses, their splits and their episodes."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,9 +9,11 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
+from hypernav.build import house_number
 from hypernav.core.errors import ConfigError, EpisodeError
 from hypernav.datasets import write_episodes
 from hypernav.worlds.house_episodes import SPLITS, Difficulty, difficulty, load_split, split_named
+from hypernav.worlds.houses.export import export_house, house_page
 
 
 @dataclass(frozen=True)
@@ -77,18 +79,90 @@ class Splits:
         return 0
 
 
-HousesCommand = Episodes | Splits
+@dataclass(frozen=True)
+class Export:
+    """Write a house as GLB with objects.json, and with all that Habitat needs."""
+
+    house: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="ID")]
+    """Number of the house, for example 1234."""
+    out: Path | None = None
+    """Folder to write to; runs/house-ID by default."""
+    quiet: bool = False
+    """Say nothing but errors."""
+
+    def run(self) -> int:
+        """Run the command.
+
+        Returns:
+            0.
+        """
+        number = _number_of(self.house)
+        folder = _folder_for(number) if self.out is None else self.out
+        console = Console(stderr=True, quiet=self.quiet, highlight=False)
+        with console.status(f"building and writing house {number} …"):
+            files = export_house(number, folder)
+        console.print(f"house {number} in {folder}:", soft_wrap=True)
+        for path, what in (
+            (files.glb, "the house; opens in Blender, web viewers and hypernav"),
+            (files.objects, "what its nodes are"),
+            (files.dataset_config, "for Habitat's scene_dataset_config_file"),
+            (files.semantic_glb, "its instances in colours, for Habitat's semantic sensor"),
+            (files.semantic_txt, "what the colours mean"),
+        ):
+            size = f"{path.stat().st_size / 1e6:.1f} MB"
+            console.print(f"  {path.name:34} {size:>8}  {what}", soft_wrap=True)
+        console.print(f"  try: hypernav find bed --scene {files.glb}", soft_wrap=True)
+        return 0
+
+
+@dataclass(frozen=True)
+class Show:
+    """Make a page about a house: floor plan, top view, interior views, list of things."""
+
+    house: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="ID")]
+    """Number of the house, for example 1234."""
+    out: Path | None = None
+    """The page (.html), or the folder for it; runs/house-ID by default."""
+    quiet: bool = False
+    """Say nothing but errors."""
+
+    def run(self) -> int:
+        """Run the command.
+
+        Returns:
+            0.
+        """
+        number = _number_of(self.house)
+        console = Console(stderr=True, quiet=self.quiet, highlight=False)
+        with console.status(f"building and drawing house {number} …"):
+            page = house_page(number, _folder_for(number) if self.out is None else self.out)
+        console.print(f"house {number}: open {page}", soft_wrap=True)
+        return 0
+
+
+HousesCommand = Episodes | Splits | Export | Show
 
 
 def houses(
     command: Annotated[
-        Annotated[Episodes, tyro.conf.subcommand("episodes")]
+        Annotated[Show, tyro.conf.subcommand("show")]
+        | Annotated[Export, tyro.conf.subcommand("export")]
+        | Annotated[Episodes, tyro.conf.subcommand("episodes")]
         | Annotated[Splits, tyro.conf.subcommand("splits")],
         tyro.conf.arg(name=""),
     ],
 ) -> HousesCommand:
-    """Generated houses: their splits and episodes."""
+    """Generated houses: pages about them, files for other programs, splits and episodes."""
     return command
+
+
+def _number_of(text: str) -> int:
+    """The number of a house, written as 1234 or houses:1234."""
+    return house_number(text.removeprefix("houses:"))
+
+
+def _folder_for(number: int) -> Path:
+    return Path("runs") / f"house-{number}"
 
 
 def _range_of(text: str) -> range:

@@ -1,13 +1,14 @@
+import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from hypernav.worlds.houses import build_house, cached_house
+from hypernav.worlds.houses import BUILTIN_HOUSE, build_house, cached_house
 from hypernav.worlds.houses.cache import cache_folder, generator_version
 from hypernav.worlds.scene import Scene
 
-NUMBER = 3
+NUMBER = BUILTIN_HOUSE
 
 
 @pytest.fixture(scope="module")
@@ -15,9 +16,16 @@ def built() -> Scene:
     return build_house(NUMBER)
 
 
+@pytest.fixture(scope="module")
+def master(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("master")
+    cached_house(NUMBER, folder)
+    return folder
+
+
 @pytest.fixture
-def filled(tmp_path: Path) -> Path:
-    cached_house(NUMBER, tmp_path)
+def filled(master: Path, tmp_path: Path) -> Path:
+    shutil.copytree(master, tmp_path, dirs_exist_ok=True)
     return tmp_path
 
 

@@ -11,12 +11,12 @@ from hypernav.core.geometry import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel
 from hypernav.worlds import EmbreeRenderer, load_scene
-from hypernav.worlds.houses import build_house
+from hypernav.worlds.houses import BUILTIN_HOUSE, build_house
 from hypernav.worlds.houses.export import describe, export_house, house_page
 from hypernav.worlds.houses.export.files import ExportedHouse
 from hypernav.worlds.scene import Scene
 
-NUMBER = 3
+NUMBER = BUILTIN_HOUSE
 
 
 @pytest.fixture(scope="module")

@@ -59,10 +59,10 @@ def export_house(number: int, out_dir: Path) -> ExportedHouse:
         out_dir / f"{name}.semantic.glb",
         out_dir / f"{name}.semantic.txt",
     )
-    house = build_compact(number)
-    rooms = [room.name for room in plan_of(number).rooms]
     try:
         out_dir.mkdir(parents=True, exist_ok=True)
+        house = build_compact(number)
+        rooms = [room.name for room in plan_of(number).rooms]
         scene = write_house(house, files.glb)
         files.objects.write_text(json.dumps(_objects(scene, house), indent=1) + "\n")
         colors = _colors(len(house.names))

@@ -1,9 +1,10 @@
 """A page about one house: plan, picture from above, views from inside, list of things."""
 
 import math
-from collections import Counter
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from jaxtyping import UInt8
@@ -11,6 +12,7 @@ from jaxtyping import UInt8
 from hypernav.core.camera import PinholeCamera
 from hypernav.core.errors import SceneError
 from hypernav.core.geometry import Pose2, Transform
+from hypernav.core.labels import ObjectLabel
 from hypernav.show.site import page_environment, picture_uri
 from hypernav.worlds.embodiment import CameraConfig
 from hypernav.worlds.houses.assembly import to_scene
@@ -38,29 +40,22 @@ def house_page(number: int, out: Path) -> Path:
     Raises:
         SceneError: The page cannot be written.
     """
+    path = out if out.suffix == ".html" else out / f"house_{number}.html"
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(_page(number), encoding="utf-8")
+    except OSError as error:
+        raise SceneError(f"{path}: cannot be written ({error.strerror or error})") from error
+    return path
+
+
+def _page(number: int) -> str:
     plan = plan_of(number)
     scene = to_scene(build_compact(number), f"houses:{number}")
-    path = out if out.suffix == ".html" else out / f"house_{number}.html"
     rooms = [room for room in plan.rooms if not room.is_outside]
-    things = [
-        i.label for i in scene.instances if i.label is not None and i.label.category != "window"
-    ]
-    counts = Counter(label.category for label in things)
-    listed = [
-        {
-            "category": category,
-            "count": count,
-            "names": sorted(
-                {s for label in things if label.category == category for s in label.synonyms}
-            ),
-            "rooms": sorted({label.room for label in things if label.category == category}),
-            "looks": sorted(
-                {a for label in things if label.category == category for a in label.attributes}
-            ),
-        }
-        for category, count in sorted(counts.items())
-    ]
-    text = (
+    labels = [i.label for i in scene.instances if i.label is not None]
+    things = [label for label in labels if label.category != "window"]
+    return (
         page_environment("hypernav.worlds.houses")
         .get_template("house.html.j2")
         .render(
@@ -70,17 +65,28 @@ def house_page(number: int, out: Path) -> Path:
             plan=draw_plan(plan, scene.instances),
             above=picture_uri(view_from_above(scene)),
             views=[picture_uri(view) for view in interior_views(scene, plan, number, 4)],
-            things=listed,
+            things=_listed(things),
             total=len(things),
             triangles=f"{len(scene.faces):,}",
         )
     )
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise SceneError(f"{path}: cannot be written ({error.strerror or error})") from error
-    return path
+
+
+def _listed(things: Sequence[ObjectLabel]) -> list[dict[str, Any]]:
+    """One entry per kind: how many, and all that is said of them."""
+    kinds: dict[str, list[ObjectLabel]] = {}
+    for label in things:
+        kinds.setdefault(label.category, []).append(label)
+    return [
+        {
+            "category": category,
+            "count": len(own),
+            "names": sorted({name for label in own for name in label.synonyms}),
+            "rooms": sorted({label.room for label in own}),
+            "looks": sorted({word for label in own for word in label.attributes}),
+        }
+        for category, own in sorted(kinds.items())
+    ]
 
 
 def view_from_above(scene: Scene, width: int = 1280) -> Picture:
