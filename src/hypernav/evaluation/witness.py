@@ -12,7 +12,7 @@ from hypernav.core.grid import OccupancyGrid
 from hypernav.core.observation import LabelledPixels
 from hypernav.core.trace import DetectionRecord
 from hypernav.evaluation.episode import EpisodeResult, EpisodeStep
-from hypernav.evaluation.failures import Belief, Facts, Held
+from hypernav.evaluation.failures import MISPLACED_M, Belief, Facts, Held
 from hypernav.planning import Planner
 from hypernav.presets import HyPerNavConfig
 from hypernav.worlds import GoalRegion, Instance, SimulatedWorld
@@ -111,16 +111,23 @@ class Witness:
         return self._world.map_to_scene.apply(lifted)[:, :2]
 
     def _object_of(self, area: Float64[np.ndarray, "n 2"]) -> Instance | None:
-        """The object whose pixels gave the goal area; without any, the one that lies there."""
-        instances = self._world.scene.instances
-        if self._votes:
-            # Of equally many votes the nearer object wins, so that chance plays no part.
-            middle = (area.min(axis=0) + area.max(axis=0)) / 2.0
-            most = max(self._votes.values())
-            best = [instances[n] for n, votes in self._votes.items() if votes == most]
-            winner = min(best, key=lambda i: (_gap(i, middle), i.id))
-            return winner if winner.label is not None else None
-        return _nearest(self._world, (area.min(axis=0) + area.max(axis=0)) / 2.0, _BESIDE_M)
+        """The object that the goal area stands for; None if that is part of the building.
+
+        It is one whose pixels were accepted while there was a goal area. A picture may show several
+        such objects and the robot holds only one: of those at the goal area that with most
+        sightings, and if there is none, the nearest.
+        """
+        middle = (area.min(axis=0) + area.max(axis=0)) / 2.0
+        if not self._votes:
+            return _nearest(self._world, middle, _BESIDE_M)
+        seen = [self._world.scene.instances[number] for number in self._votes]
+        there = [i for i in seen if _gap(i, middle) <= MISPLACED_M]
+        if there:
+            # Of equally many sightings the nearer object wins, so that chance plays no part.
+            winner = max(there, key=lambda i: (self._votes[i.id], -_gap(i, middle), -i.id))
+        else:
+            winner = min(seen, key=lambda i: (_gap(i, middle), i.id))
+        return winner if winner.label is not None else None
 
     def _beside_robot(self) -> Held:
         """What a robot that explains nothing means by STOP: the goal if it is near, else the next.
