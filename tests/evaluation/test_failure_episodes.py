@@ -21,6 +21,7 @@ from hypernav.evaluation.workbench import Job, Workbench
 from hypernav.perception.ground_truth import GroundTruthDetector
 from small_worlds import small_config
 
+LIVING_ROOM = Pose2(3.0, 2.0, 0.0)
 BED = (7.0, 0.1, 0.0), (8.9, 1.7, 0.5)
 
 
@@ -121,7 +122,7 @@ class Mute:
         return Action.STOP
 
 
-def run(agent, *, scene=flat, goal="bed", start=Pose2(3.0, 2.0, 0.0), config=None, max_steps=120):
+def run(agent, *, scene=flat, goal="bed", start=LIVING_ROOM, config=None, max_steps=120):
     """The record of one episode."""
     job = Job(
         Path("unused"),

@@ -21,7 +21,9 @@ from hypernav.core.errors import ConfigError, GoalError
 from hypernav.core.goal import Goal
 from hypernav.evaluation.crew import Crew
 from hypernav.evaluation.datasets import EpisodeSpec, load_episodes, select
+from hypernav.evaluation.usage import cpu_seconds_of_ended_workers
 from hypernav.evaluation.processes import ProcessCrew
+from hypernav.evaluation.ray_workers import RayCrew
 from hypernav.evaluation.run_plan import RunPlan, Selection
 from hypernav.evaluation.runner import RunNews, run_episodes
 from hypernav.evaluation.store import RunStore
@@ -158,7 +160,7 @@ class Eval:
         return self.workers or _cores()
 
     def _crew(self, job: Job) -> Crew:
-        return ProcessCrew(job)
+        return ProcessCrew(job) if self.ray is None else RayCrew(job, self.ray)
 
     def _watch(
         self,
@@ -202,6 +204,7 @@ class _Session:
                 "began": self.began_at,
                 "ended": how,
                 "seconds": round(self.seconds, 1),
+                "cpu_seconds": cpu_seconds_of_ended_workers(),
                 "workers": self.workers,
                 "cores": _cores(),
                 "episodes": news.done_now if news else 0,

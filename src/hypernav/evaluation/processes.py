@@ -16,11 +16,11 @@ from pathlib import Path
 from hypernav.core.errors import HyPerNavError
 from hypernav.evaluation.crew import Crashed, Done, Lost, Ready, Refused, Report
 from hypernav.evaluation.datasets import EpisodeSpec
-from hypernav.evaluation.peak_memory import peak_memory_mb
 from hypernav.evaluation.record import EpisodeRecord
+from hypernav.evaluation.usage import peak_memory_mb
 from hypernav.evaluation.workbench import Job, Workbench
 
-_ONE_THREAD = {
+ONE_THREAD = {
     name: "1"
     for name in ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 }
@@ -57,7 +57,7 @@ class ProcessCrew:
         process = self._context.Process(
             target=_work, args=(self._job, theirs, log), name=f"hypernav-worker-{worker}"
         )
-        with _environment(_ONE_THREAD):
+        with _environment(ONE_THREAD):
             process.start()
         # Ours alone must keep the pipe open, else nobody notices when the worker is gone.
         theirs.close()
