@@ -24,6 +24,11 @@ from hypernav.worlds.renderer import EmbreeRenderer
 from hypernav.worlds.scene import Scene
 from hypernav.worlds.walkable import WalkableGrid
 
+_TRIES = 16
+_DULL = ("window", "door", "ceiling lamp", "picture", "doormat")
+_SMALL = 0.003
+_NEAR_M = 1.0
+
 Picture = UInt8[np.ndarray, "height width 3"]
 
 
@@ -124,9 +129,9 @@ def interior_views(scene: Scene, plan: FloorPlan, number: int, count: int) -> li
     for room in plan.rooms:
         places = _places_in(room.inner, grid)
         tries = []
-        for _ in range(min(8, len(places))):
+        for _ in range(min(_TRIES, len(places))):
             pose = Pose2(*places[dice.integer(0, len(places) - 1)], dice.uniform(-math.pi, math.pi))
-            tries.append((_interest(renderer, grid, config, pose), pose))
+            tries.append((_interest(scene, renderer, _camera_pose(grid, config, pose)), pose))
         best += [max(tries, key=lambda t: t[0])] if tries else []
     chosen = sorted(best, key=lambda t: -t[0])[:count]
     return [
@@ -146,10 +151,15 @@ def _camera_pose(grid: WalkableGrid, config: CameraConfig, pose: Pose2) -> Trans
     return pose.to_transform(grid.height_at(*pose.xy)) @ config.camera_to_base
 
 
-def _interest(
-    renderer: EmbreeRenderer, grid: WalkableGrid, config: CameraConfig, pose: Pose2
-) -> float:
-    """How much there is to see: things in view, and no wall right before the camera."""
-    small = CameraConfig(width=160, height=120).intrinsics
-    seen = renderer.render(small, _camera_pose(grid, config, pose))
-    return len(np.unique(seen.instance_ids)) + 6.0 * float(np.median(seen.depth) > 1.5)
+def _interest(scene: Scene, renderer: EmbreeRenderer, pose: Transform) -> float:
+    """How much there is to see: many things that are not too small, and nothing too near."""
+    seen = renderer.render(CameraConfig(width=160, height=120).intrinsics, pose)
+    pixels = np.bincount(seen.instance_ids[seen.instance_ids >= 0], minlength=len(scene.instances))
+    share = pixels / seen.instance_ids.size
+    shown = [
+        float(share[i.id])
+        for i in scene.instances
+        if i.label is not None and i.label.category not in _DULL and share[i.id] > _SMALL
+    ]
+    near = float((seen.depth < _NEAR_M).mean())
+    return len(shown) + 12.0 * min(sum(shown), 0.5) - 15.0 * near
