@@ -83,11 +83,14 @@ def preset(name: PresetName) -> HyPerNavConfig:
     if name == "default":
         return HyPerNavConfig()
     return HyPerNavConfig(
+        mapping=MappingConfig(squeeze_m=0.0),
         local=LocalConfig(
             target="latest",
             pick="first",
             max_missed_share=1.0,
             min_mean_score=0.0,
+            sure_score=0.0,
+            weigh_rivals=False,
             largest_cluster_only=False,
         ),
         planning=PlanningConfig(
@@ -95,7 +98,14 @@ def preset(name: PresetName) -> HyPerNavConfig:
             targets="nearest-straight",
             steering="waypoint",
             replan_every_steps=10,
+            squeeze_m=0.0,
         ),
-        search=SearchConfig(look_around_at_start=False, drop_explored=False, verify_view="current"),
+        search=SearchConfig(
+            look_around_at_start=False,
+            drop_explored=False,
+            verify_view="current",
+            face_target=False,
+            pursue_far_sightings=False,
+        ),
         block_choice=VlmReasonerConfig(mode="paper", skip_only_block=False),
     )

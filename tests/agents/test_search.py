@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -119,3 +120,26 @@ def test_an_agent_that_has_not_acted_has_no_trace():
     agent.reset(Goal("bed"))
     with pytest.raises(WorldError, match=r"reset\(goal\), then act"):
         _ = agent.last_step
+
+
+class DoubtfulDetector:
+    """Is never sure, and takes the sofa for a bed from one half of the room."""
+
+    def detect(self, observation, goal):
+        truth = GroundTruthDetector()
+        beds, sofas = truth.detect(observation, goal), truth.detect(observation, Goal("sofa"))
+        fooled = observation.robot.x < 1.0
+        return [
+            *(replace(one, score=0.6) for one in beds),
+            *(replace(one, score=0.6, is_goal=fooled) for one in sofas),
+        ]
+
+
+@pytest.mark.parametrize(("sure_score", "outcome"), [(0.0, "wrong_place"), (0.75, "found")])
+def test_a_second_look_from_another_side_unmasks_a_sofa(sure_score, outcome):
+    agent = search(detector=DoubtfulDetector(), local={"sure_score": sure_score})
+    steps, result = run(agent, "bed")
+    events = [event for step in steps for event in step.events]
+    assert result.outcome == outcome
+    assert ("second look wanted" in events) == (sure_score > 0.0)
+    assert ("goal area rejected" in events) == (sure_score > 0.0)

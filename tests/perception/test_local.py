@@ -162,3 +162,61 @@ def test_uncertain_detections_do_not_convince():
     local.look(thing_before_wall())
     assert local.target.mean_score == pytest.approx((0.31 + 0.31 + 0.9) / 3)
     assert local.is_convincing
+
+
+def rival(score, box=(58.0, 42.0, 102.0, 80.0)):
+    return Detection(Box(*box), score, "couch", is_goal=False)
+
+
+def test_a_target_that_looks_more_like_something_else_is_dropped():
+    doubtful = [Detection(Box(60.0, 40.0, 100.0, 80.0), 0.5, "bed"), rival(0.6)]
+    local = perception(ScriptedDetector([list(doubtful) for _ in range(4)]), min_verdicts=4)
+    for _ in range(3):
+        local.look(thing_before_wall())
+        assert not local.is_convincing
+        assert local.is_contradicted
+    local.look(thing_before_wall())
+    assert local.target is None
+
+
+def test_a_weaker_rival_does_no_harm():
+    local = perception(ScriptedDetector([[*seen(), rival(0.4)] for _ in range(6)]))
+    for _ in range(6):
+        local.look(thing_before_wall())
+    assert local.is_convincing
+    assert not local.is_contradicted
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        rival(0.95, box=(105.0, 40.0, 145.0, 80.0)),  # beside it
+        rival(0.95, box=(0.0, 40.0, 160.0, 80.0)),  # much wider
+        rival(0.95, box=(58.0, 0.0, 102.0, 24.0)),  # above it, on the wall behind
+    ],
+)
+def test_what_is_elsewhere_is_no_rival(other):
+    local = perception(ScriptedDetector([[*seen(), other] for _ in range(5)]))
+    for _ in range(5):
+        local.look(thing_before_wall(thing_m=2.0, wall_m=4.0))
+    assert local.target.rival_score == 0.0
+
+
+def test_rivals_are_not_weighed_in_the_paper_s_way():
+    local = perception(ScriptedDetector([[*seen(), rival(0.95)]] * 5), weigh_rivals=False)
+    for _ in range(5):
+        local.look(thing_before_wall())
+    assert local.is_convincing
+
+
+def test_only_uncertain_targets_need_a_second_look_and_only_one():
+    local = perception(sure_score=0.75)
+    local.look(thing_before_wall())  # ground truth is certain
+    assert not local.needs_second_look
+    faint = [Detection(Box(60.0, 40.0, 100.0, 80.0), 0.6, "bed")]
+    local = perception(ScriptedDetector([faint, faint]), sure_score=0.75)
+    local.look(thing_before_wall())
+    assert local.needs_second_look
+    local.confirm_target()
+    local.look(thing_before_wall())
+    assert not local.needs_second_look

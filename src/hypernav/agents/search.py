@@ -3,8 +3,11 @@
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from hypernav.agents.config import SearchConfig
 from hypernav.agents.exploration import Exploration
+from hypernav.agents.second_look import place_for_second_look
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
 from hypernav.core.errors import WorldError
@@ -16,7 +19,8 @@ from hypernav.core.protocols import PresenceCheck
 from hypernav.core.trace import ExchangeLog, Mode, StepTrace
 from hypernav.mapping import TopDownMap
 from hypernav.perception.explorer import Explorer
-from hypernav.perception.local import LocalPerception, Target
+from hypernav.perception.local import LocalPerception
+from hypernav.perception.target import Target
 from hypernav.planning import Navigator
 
 GAVE_UP = "gave up"
@@ -88,6 +92,7 @@ class SearchAgent:
 
     def _forget_approach(self) -> None:
         self._nearest_m, self._steps_without_progress = math.inf, 0
+        self._second_look: tuple[float, float] | None = None
 
     @property
     def last_step(self) -> StepTrace:
@@ -138,6 +143,8 @@ class SearchAgent:
             self._forget_approach()
             return None
         robot = observation.robot
+        if self._second_look is not None:
+            return self._look_again(observation, target, self._second_look, clock)
         if not self._is_near_enough(target, robot):
             with clock("plan"):
                 action = self._navigator.towards(self.grid, robot, target.area.points)
@@ -178,6 +185,19 @@ class SearchAgent:
         turn = self._turn_towards(observation.robot, target.area.centre)
         if self._config.face_target and turn is not None:
             return _Decision(turn, Mode.VERIFY, f"turning to face the {self._goal.thing}")
+        if self._local.needs_second_look:
+            with clock("verify"):
+                place = place_for_second_look(
+                    self.grid,
+                    observation.robot,
+                    target.area,
+                    target.best_view.robot.xy,
+                    self._map.config,
+                )
+            if place is not None:
+                self._second_look, self._second_look_steps = place, 0
+                self._events.append("second look wanted")
+                return self._look_again(observation, target, place, clock)
         view = target.best_view if self._config.verify_view == "best" else observation
         with clock("verify"):
             present = self._local.is_convincing and (
@@ -186,10 +206,38 @@ class SearchAgent:
         if present:
             self._events.append("goal reached")
             return _Decision(Action.STOP, Mode.STOP, f"here is the {self._goal.thing}")
+        return self._reject()
+
+    def _look_again(
+        self,
+        observation: Observation,
+        target: Target,
+        place: tuple[float, float],
+        clock: ModuleClock,
+    ) -> _Decision | None:
+        """Look at an uncertain target from another side; go back to it, or reject it (None)."""
+        robot, thing = observation.robot, self._goal.thing
+        self._second_look_steps += 1
+        if self._second_look_steps <= self._config.endurance_steps:
+            with clock("plan"):
+                action = self._navigator.towards(self.grid, robot, np.array([place]))
+            if action is not None:
+                reason = f"is it really the {thing}? going to look from another side"
+                return _Decision(action, Mode.VERIFY, reason)
+        turn = self._turn_towards(robot, target.area.centre)
+        if turn is not None:
+            return _Decision(turn, Mode.VERIFY, f"turning to face the {thing} from another side")
+        if self._local.is_contradicted:
+            return self._reject()
+        self._local.confirm_target()
+        self._forget_approach()
+        return self._approach(observation, clock)
+
+    def _reject(self) -> None:
+        """Drop the target, for good."""
         self._events.append("goal area rejected")
         self._local.reject_target()
         self._forget_approach()
-        return None
 
     def _explore(self, observation: Observation, clock: ModuleClock) -> _Decision:
         """Drive to a destination of global perception."""

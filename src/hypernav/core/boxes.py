@@ -59,9 +59,12 @@ class Detection:
         score: Confidence, 0 to 1.
         label: The detector's own word for it.
         mask: The object's pixels, from detectors that segment as well; else a segmenter is asked.
+        is_goal: Whether it satisfies the goal. A detector that knows other labels too may return
+            what it takes for something else: evidence that the goal is not there.
     """
 
     box: Box
     score: float
     label: str
     mask: Bool[np.ndarray, "height width"] | None = None
+    is_goal: bool = True

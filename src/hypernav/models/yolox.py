@@ -4,6 +4,7 @@ Source: Ge et al., "YOLOX: Exceeding YOLO Series in 2021", and the reference cod
 Megvii-BaseDetection/YOLOX (``yolox/data/data_augment.py::preproc``, ``yolox/utils/demo_utils.py``).
 """
 
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -77,13 +78,16 @@ class YoloxDetector:
         return self.config.classes[class_for(goal, self.config.classes)]
 
     def detect(self, observation: Observation, goal: Goal) -> list[Detection]:
-        """All things of the goal's class, best first.
+        """All things, best first; those of other classes are marked as no goal.
 
         Raises:
             GoalError: The network cannot see such a thing.
         """
         wanted = self.check_goal(goal)
-        return [found for found in self.detect_all(observation.rgb) if found.label == wanted]
+        return [
+            replace(found, is_goal=found.label == wanted)
+            for found in self.detect_all(observation.rgb)
+        ]
 
     def detect_all(self, rgb: UInt8[np.ndarray, "height width 3"]) -> list[Detection]:
         """Everything the network sees, of all classes, best first."""

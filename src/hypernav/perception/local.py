@@ -16,6 +16,7 @@ from hypernav.core.observation import Observation
 from hypernav.core.protocols import Detector, Segmenter
 from hypernav.core.trace import DetectionRecord
 from hypernav.perception.goal_area import GoalArea, points_under_mask
+from hypernav.perception.target import Target, same_place, seems_to_hold, should_be_visible
 
 _NO_DEPTH = "too few points with depth"
 _BESIDE_REJECTED_DEG = 10.0
@@ -41,6 +42,10 @@ class LocalConfig(RoomConfig):
         min_sightings: A target counts only when seen in this many pictures.
         min_mean_score: A target whose detections were less certain on average is rejected when the
             robot stands before it.
+        sure_score: A target whose detections were less certain on average is looked at once more,
+            from another side, before it is believed; 0 (paper) does without.
+        weigh_rivals: Take what the detector calls by other names into account: a target that looks
+            more like something else is dropped.
         max_missed_share: A held target is dropped when, of the pictures that should have shown it,
             more than this share did not. 1 never drops one.
         min_verdicts: Pictures needed before that share is believed.
@@ -57,29 +62,10 @@ class LocalConfig(RoomConfig):
     pick: Literal["first", "nearest"] = "nearest"
     min_sightings: int = 1
     min_mean_score: float = 0.45
+    sure_score: float = 0.75
+    weigh_rivals: bool = True
     max_missed_share: float = 0.75
     min_verdicts: int = 4
-
-
-@dataclass(frozen=True, eq=False)
-class Target:
-    """What the robot believes to be the goal.
-
-    Attributes:
-        area: Where it is.
-        best_view: The picture that showed it largest.
-        best_pixels: How large that was, square pixels of the box.
-        mean_score: Of the detections in the pictures that showed it.
-        sightings: Pictures that showed it.
-        misses: Pictures that should have shown it and did not.
-    """
-
-    area: GoalArea
-    best_view: Observation
-    best_pixels: float
-    mean_score: float
-    sightings: int = 1
-    misses: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,6 +100,7 @@ class LocalPerception:
         self._target: Target | None = None
         self._rejected: list[GoalArea] = []
         self._far_bearing: float | None = None
+        self._score_now = 0.0
 
     @property
     def far_bearing(self) -> float | None:
@@ -135,7 +122,31 @@ class LocalPerception:
     def is_convincing(self) -> bool:
         """Whether the detections of the target were certain enough on average."""
         target = self._target
-        return target is not None and target.mean_score >= self._config.min_mean_score
+        return (
+            target is not None
+            and target.mean_score >= self._config.min_mean_score
+            and not target.is_outdone
+        )
+
+    @property
+    def needs_second_look(self) -> bool:
+        """Whether the target is too uncertain to be believed from one side."""
+        target = self._target
+        return (
+            target is not None
+            and not target.confirmed
+            and target.mean_score < self._config.sure_score
+        )
+
+    @property
+    def is_contradicted(self) -> bool:
+        """Whether the target looks more like something else in the latest picture."""
+        return self._score_now < 0.0
+
+    def confirm_target(self) -> None:
+        """Note that the target was looked at once more."""
+        if self._target is not None:
+            self._target = replace(self._target, confirmed=True)
 
     def reject_target(self) -> None:
         """Drop the target and never take anything in its area for the goal again."""
@@ -152,7 +163,8 @@ class LocalPerception:
         records: list[DetectionRecord] = []
         candidates: list[_Candidate] = []
         self._far_bearing = None
-        for detection in self._detector.detect(observation, self._goal):
+        detections = self._detector.detect(observation, self._goal)
+        for detection in (one for one in detections if one.is_goal):
             mask = self._refined_mask(detection, observation)
             area, reason = self._area(mask, observation)
             if area is not None:
@@ -161,6 +173,8 @@ class LocalPerception:
                 self._far_bearing = self._bearing_of(detection, observation)
             records.append(_record(detection, mask, accepted=area is not None, reason=reason))
         self._update(candidates, observation)
+        if self._config.weigh_rivals:
+            self._weigh_rivals([one for one in detections if not one.is_goal], observation)
         return records
 
     def _refined_mask(
@@ -213,62 +227,49 @@ class LocalPerception:
     def _update(self, candidates: list[_Candidate], observation: Observation) -> None:
         if self._config.pick == "nearest":
             candidates = sorted(candidates, key=lambda c: c.area.distance_to(*observation.robot.xy))
-        if self._target is None or self._config.target == "latest":
-            if candidates:
-                self._target = self._merged(candidates[0], observation)
-            return
-        same = next((c for c in candidates if _same_place(c.area, self._target.area)), None)
+        target = self._target
+        if target is None or self._config.target == "latest":
+            same = candidates[0] if candidates else None
+        else:
+            same = next((c for c in candidates if same_place(c.area, target.area)), None)
+        self._score_now = 0.0 if same is None else float(same.detection.score)
         if same is not None:
             self._target = self._merged(same, observation)
-        elif _should_be_visible(self._target.area, observation):
-            self._target = replace(self._target, misses=self._target.misses + 1)
+        elif (
+            target is not None
+            and self._config.target == "hold"
+            and should_be_visible(target.area, observation)
+        ):
+            self._target = replace(target, misses=target.misses + 1)
+            self._drop_if_refuted()
+
+    def _weigh_rivals(self, others: list[Detection], observation: Observation) -> None:
+        """Note by what score the target looks like something else in this picture."""
+        if self._target is None:
+            return
+        area = self._target.area
+        scores = [float(one.score) for one in others if seems_to_hold(one.box, area, observation)]
+        if scores:
+            strongest = max(scores)
+            self._target = replace(self._target, rival_score=self._target.rival_score + strongest)
+            self._score_now -= strongest
             self._drop_if_refuted()
 
     def _merged(self, candidate: _Candidate, observation: Observation) -> Target:
-        old, pixels = self._target, candidate.detection.box.area
-        if old is None or not _same_place(candidate.area, old.area):
-            return Target(candidate.area, observation, pixels, float(candidate.detection.score))
-        better = pixels > old.best_pixels
+        old, detection = self._target, candidate.detection
+        if old is None or not same_place(candidate.area, old.area):
+            score = float(detection.score)
+            return Target(candidate.area, observation, detection.box.area, score)
         hold = self._config.target == "hold"
-        return Target(
-            area=old.area.joined(candidate.area) if hold else candidate.area,
-            best_view=observation if better else old.best_view,
-            best_pixels=max(pixels, old.best_pixels),
-            mean_score=old.mean_score
-            + (float(candidate.detection.score) - old.mean_score) / (old.sightings + 1),
-            sightings=old.sightings + 1,
-            misses=old.misses,
-        )
+        return old.seen_again(candidate.area, detection, observation, join=hold)
 
     def _drop_if_refuted(self) -> None:
         target = self._target
         if target is None:
             return
-        verdicts = target.sightings + target.misses
-        share = target.misses / verdicts
-        if verdicts >= self._config.min_verdicts and share > self._config.max_missed_share:
+        is_refuted = target.missed_share > self._config.max_missed_share or target.is_outdone
+        if is_refuted and target.verdicts >= self._config.min_verdicts:
             self.reject_target()
-
-
-def _same_place(a: GoalArea, b: GoalArea) -> bool:
-    return a.covers(b) > 0.0 or b.covers(a) > 0.0
-
-
-def _should_be_visible(area: GoalArea, observation: Observation) -> bool:
-    """Whether most of an area lies in free sight of the camera, near enough to be recognised."""
-    camera = observation.camera
-    points = np.zeros((len(area.seen_points), 3))
-    points[:, :2] = area.seen_points
-    in_camera = observation.camera_to_map.inverse().apply(points)
-    distance = in_camera[:, 2]
-    column = camera.fx * in_camera[:, 0] / np.maximum(distance, 1e-6) + camera.cx
-    good = (distance > 1.0) & (distance < 4.0) & (column >= 0) & (column < camera.width)
-    if good.sum() < 0.8 * len(points):
-        return False
-    # Nothing may stand in between: compare with the farthest return in the column.
-    columns = column[good].astype(int)
-    farthest = observation.depth.max(axis=0)[columns]
-    return bool(((farthest > distance[good] - 0.3) | (farthest == 0)).mean() > 0.8)
 
 
 def _record(

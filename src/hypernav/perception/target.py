@@ -1,0 +1,127 @@
+"""What the robot believes to be the goal, and the evidence for and against it."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float64
+
+from hypernav.core.boxes import Box, Detection
+from hypernav.core.observation import Observation
+from hypernav.perception.goal_area import GoalArea
+
+_NEAREST_M = 0.3
+_SAME_WIDTH = 0.5
+"""Overlap over union of the columns of a box and of an area."""
+_DEPTH_SLACK_M = 0.5
+_RECOGNISABLE_M = (1.0, 4.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Target:
+    """What the robot believes to be the goal.
+
+    Attributes:
+        area: Where it is.
+        best_view: The picture that showed it largest.
+        best_pixels: How large that was, square pixels of the box.
+        mean_score: Of the detections in the pictures that showed it.
+        sightings: Pictures that showed it.
+        misses: Pictures that should have shown it and did not.
+        rival_score: Sum over all pictures of the score by which the detector took it for something
+            else.
+        confirmed: Whether it was looked at once more, from another side.
+    """
+
+    area: GoalArea
+    best_view: Observation
+    best_pixels: float
+    mean_score: float
+    sightings: int = 1
+    misses: int = 0
+    rival_score: float = 0.0
+    confirmed: bool = False
+
+    @property
+    def is_outdone(self) -> bool:
+        """Whether it looked more like something else than like the goal."""
+        return self.rival_score > self.mean_score * self.sightings
+
+    @property
+    def missed_share(self) -> float:
+        """Of the pictures that should have shown it, the share that did not."""
+        return self.misses / self.verdicts
+
+    @property
+    def verdicts(self) -> int:
+        """Pictures that showed it or should have."""
+        return self.sightings + self.misses
+
+    def seen_again(
+        self, area: GoalArea, detection: Detection, observation: Observation, *, join: bool
+    ) -> "Target":
+        """After one more picture that shows it.
+
+        Args:
+            area: Where that picture shows it.
+            detection: What the detector said.
+            observation: The picture.
+            join: Keep what other pictures have shown of it, instead of the latest alone.
+        """
+        pixels, score = detection.box.area, float(detection.score)
+        better = pixels > self.best_pixels
+        return replace(
+            self,
+            area=self.area.joined(area) if join else area,
+            best_view=observation if better else self.best_view,
+            best_pixels=max(pixels, self.best_pixels),
+            mean_score=self.mean_score + (score - self.mean_score) / (self.sightings + 1),
+            sightings=self.sightings + 1,
+        )
+
+
+def same_place(a: GoalArea, b: GoalArea) -> bool:
+    """Whether two areas touch."""
+    return a.covers(b) > 0.0 or b.covers(a) > 0.0
+
+
+def should_be_visible(area: GoalArea, observation: Observation) -> bool:
+    """Whether most of an area lies in free sight of the camera, near enough to be recognised."""
+    distance, column = _projected(area, observation)
+    nearest, farthest = _RECOGNISABLE_M
+    good = (distance > nearest) & (distance < farthest)
+    good &= (column >= 0) & (column < observation.camera.width)
+    if good.sum() < 0.8 * len(distance):
+        return False
+    # Nothing may stand in between: compare with the farthest return in the column.
+    returns = observation.depth.max(axis=0)[column[good].astype(int)]
+    return bool(((returns > distance[good] - 0.3) | (returns == 0)).mean() > 0.8)
+
+
+def seems_to_hold(box: Box, area: GoalArea, observation: Observation) -> bool:
+    """Whether a box seems to hold the thing in an area: it is as wide, and as far away."""
+    distance, column = _projected(area, observation)
+    ahead = distance > _NEAREST_M
+    if not ahead.any():
+        return False
+    distance, column = distance[ahead], column[ahead]
+    left, right = np.clip([column.min(), column.max()], 0.0, observation.camera.width)
+    overlap = min(right, box.x_max) - max(left, box.x_min)
+    union = max(right, box.x_max) - min(left, box.x_min)
+    x_min, y_min, x_max, y_max = box.pixels()
+    depth = observation.depth[y_min:y_max, x_min:x_max]
+    depth = depth[depth > 0.0]
+    if overlap < _SAME_WIDTH * union or len(depth) == 0:
+        return False
+    middle = float(np.median(depth))
+    return bool(distance.min() - _DEPTH_SLACK_M < middle < distance.max() + _DEPTH_SLACK_M)
+
+
+def _projected(
+    area: GoalArea, observation: Observation
+) -> tuple[Float64[np.ndarray, " n"], Float64[np.ndarray, " n"]]:
+    """How far ahead the seen cells of an area are, metres, and in which columns of the picture."""
+    points = np.zeros((len(area.seen_points), 3))
+    points[:, :2] = area.seen_points
+    in_camera = observation.camera_to_map.inverse().apply(points)
+    camera, distance = observation.camera, in_camera[:, 2]
+    return distance, camera.fx * in_camera[:, 0] / np.maximum(distance, 1e-6) + camera.cx
