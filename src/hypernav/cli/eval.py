@@ -5,7 +5,7 @@ import re
 import signal
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
@@ -16,20 +16,22 @@ from rich.console import Console
 from rich.live import Live
 
 from hypernav.cli.agent_options import AgentOptions, FlatAgentOptions
-from hypernav.cli.eval_table import outcome_lines, progress_table
+from hypernav.cli.eval_table import outcome_lines, progress_line, progress_table
 from hypernav.core.errors import ConfigError, GoalError
 from hypernav.core.goal import Goal
 from hypernav.evaluation.crew import Crew
 from hypernav.evaluation.datasets import EpisodeSpec, load_episodes, select
-from hypernav.evaluation.usage import cpu_seconds_of_ended_workers
 from hypernav.evaluation.processes import ProcessCrew
 from hypernav.evaluation.ray_workers import RayCrew
 from hypernav.evaluation.run_plan import RunPlan, Selection
 from hypernav.evaluation.runner import RunNews, run_episodes
 from hypernav.evaluation.store import RunStore
+from hypernav.evaluation.usage import cpu_seconds_of_ended_workers
 from hypernav.evaluation.workbench import Job, SaveChoice
 from hypernav.presets import HyPerNavConfig
 from hypernav.worlds.referee import SUCCESS_DISTANCE_M
+
+_LINE_EVERY_S = 60.0
 
 
 @dataclass(frozen=True)
@@ -170,13 +172,20 @@ class Eval:
         crew: Crew,
         session: "_Session",
     ) -> RunNews:
-        """Run it under a live table, or with a line now and then where there is no terminal."""
-        with Live(console=console, refresh_per_second=2, transient=True) as live:
+        """Run it under a live table; where there is no terminal, say a line now and then."""
+        live = Live(console=console, refresh_per_second=2, transient=True)
+        said = 0.0
 
-            def watch(news: RunNews) -> None:
-                session.news = news
+        def watch(news: RunNews) -> None:
+            nonlocal said
+            session.news = news
+            if console.is_terminal:
                 live.update(progress_table(news, session.seconds))
+            elif session.seconds - said >= _LINE_EVERY_S:
+                said = session.seconds
+                console.print(progress_line(news, session.seconds), soft_wrap=True)
 
+        with live if console.is_terminal else nullcontext():
             return run_episodes(episodes, store, crew, workers=self._workers, watch=watch)
 
 

@@ -1,10 +1,11 @@
 """What `hypernav eval` shows while it runs, and when it has ended."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from rich.table import Table
 
+from hypernav.evaluation.failures import Failure
 from hypernav.evaluation.runner import RunNews
 from hypernav.evaluation.statistics import Estimate
 from hypernav.evaluation.summary import failure_counts, summarise
@@ -19,8 +20,7 @@ def progress_table(news: RunNews, seconds: float) -> Table:
         news: Of the run.
         seconds: Since this session began.
     """
-    done = len(news.records)
-    rate = news.done_now / seconds if seconds > 0.0 else 0.0
+    done, rate = len(news.records), news.done_now / max(seconds, 1e-9)
     left = f"{duration((news.total - done) / rate)} left" if rate > 0.0 else "starting …"
     table = Table(show_header=False, box=None, padding=(0, 2, 0, 0))
     table.add_row("done", f"{done} of {news.total}", f"{3600 * rate:.0f} an hour, {left}")
@@ -32,6 +32,16 @@ def progress_table(news: RunNews, seconds: float) -> Table:
     if news.crashes:
         table.add_row("[red]errors[/]", str(len(news.crashes)), "episodes could not be run")
     return table
+
+
+def progress_line(news: RunNews, seconds: float) -> str:
+    """The same in a line, for log files."""
+    done, rate = len(news.records), news.done_now / max(seconds, 1e-9)
+    text = f"{done} of {news.total} episodes, {3600 * rate:.0f} an hour"
+    if done:
+        summary = summarise(news.records, draws=1)
+        text += f", SR {100 * summary.success.mean:.1f} %, SPL {summary.spl.mean:.3f}"
+    return text
 
 
 def outcome_lines(news: RunNews, folder: Path) -> Iterator[str]:
@@ -60,7 +70,7 @@ def _numbers(news: RunNews) -> Iterator[tuple[str, str, str]]:
         yield "failures", str(sum(counts.values())), words_of(counts)
 
 
-def words_of(counts: dict) -> str:
+def words_of(counts: Mapping[Failure, int]) -> str:
     """Failure classes with their numbers, most frequent first."""
     ranked = sorted(counts.items(), key=lambda item: -item[1])
     return ", ".join(f"{count} {failure.words}" for failure, count in ranked)

@@ -30,7 +30,7 @@ class Report:
             0.
         """
         if not self.runs:
-            raise ConfigError("hypernav report: name at least one folder of an evaluation")
+            raise ConfigError("name at least one folder of an evaluation")
         if self.compare and len(self.runs) < 2:
             raise ConfigError("--compare needs at least two folders")
         several = len(self.runs) > 1

@@ -1,0 +1,157 @@
+import csv
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from eval_runs import SMALL, timeless_lines, write_room
+from hypernav.cli.main import main
+
+QUICK = ("--workers", "1", "--max-steps", "30", *SMALL)
+
+
+@pytest.fixture(scope="module")
+def room(tmp_path_factory):
+    return write_room(tmp_path_factory.mktemp("scene") / "room.glb")
+
+
+def hypernav(*arguments):
+    """Run the command; returns its exit status."""
+    with pytest.raises(SystemExit) as stop:
+        main([str(argument) for argument in arguments])
+    return stop.value.code
+
+
+@pytest.fixture(scope="module")
+def runs(room, tmp_path_factory):
+    """The same two episodes by both agents; the first run keeps its pages."""
+    folder = tmp_path_factory.mktemp("runs")
+    common = (f"scene:{room}#1", *QUICK, "--quiet")
+    assert hypernav("eval", *common, "--out", folder / "hypernav", "--save", "videos") == 0
+    assert hypernav("eval", *common, "--out", folder / "frontier", "--agent", "frontier") == 0
+    return folder
+
+
+def test_a_run_leaves_its_episodes_and_its_configuration(runs):
+    lines = timeless_lines(runs / "hypernav")
+    assert [line["goal"] for line in lines] == ["bed", "sofa"]
+    assert {
+        "scene_id", "episode_id", "goal", "outcome", "failure", "success", "spl", "soft_spl",
+        "distance_to_goal_m", "steps", "path_length_m", "model_calls",
+    } <= set(lines[0])  # fmt: skip
+    configuration = json.loads((runs / "hypernav" / "run.json").read_text())["configuration"]
+    assert configuration["who"]["detector"] == "ground truth"
+    assert configuration["config"]["world"]["camera"]["width"] == 160
+    session = json.loads((runs / "hypernav" / "sessions.jsonl").read_text())
+    assert (session["ended"], session["episodes"]) == ("finished", 2)
+    assert session["peak_memory_mb"]["0"] > 50
+
+
+def test_saved_episodes_have_a_page_and_colours_change_no_result(runs, room, tmp_path):
+    lines = timeless_lines(runs / "hypernav")
+    for line in lines:
+        assert (runs / "hypernav" / line["saved"] / "index.html").is_file()
+        assert (runs / "hypernav" / line["saved"] / "episode.mp4").is_file()
+    hypernav("eval", f"scene:{room}#1", *QUICK, "--quiet", "--out", tmp_path)
+    unseen = timeless_lines(tmp_path)
+    assert [line | {"saved": ""} for line in lines] == unseen
+
+
+def test_only_failures_are_saved_if_one_says_so(room, tmp_path):
+    command = ("eval", f"scene:{room}#1", *QUICK, "--quiet", "--save", "failures")
+    hypernav(*command, "--out", tmp_path / "good")
+    assert not any((tmp_path / "good" / "episodes").iterdir())
+    hypernav(*command, "--out", tmp_path / "bad", "--max-steps", "2")
+    assert all(line["saved"] for line in timeless_lines(tmp_path / "bad"))
+
+
+def test_the_same_command_again_runs_nothing_and_another_one_is_refused(runs, room, capsys):
+    folder = runs / "frontier"
+    before = (folder / "episodes.jsonl").read_bytes()
+    command = ("eval", f"scene:{room}#1", *QUICK, "--out", folder)
+    assert hypernav(*command, "--agent", "frontier") == 0
+    assert "2 of 2 episodes are done already" in capsys.readouterr().err
+    assert hypernav(*command, "--agent", "frontier", "--max-steps", "31") == 2
+    assert "protocol.max_steps was 30, is now 31" in capsys.readouterr().err
+    assert hypernav(*command) == 2
+    assert 'who.agent was "frontier", is now "hypernav"' in capsys.readouterr().err
+    assert (folder / "episodes.jsonl").read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["houses-vall"], "did you mean 'houses-val'"),
+        (["scene:nowhere.glb"], "nowhere.glb"),
+        (["houses-val", "--workers", "0"], "at least one is needed"),
+        (["houses-val", "--max-steps", "0"], "at least one step"),
+        (["houses-val", "--seed", "-1"], "a seed is 0 or more"),
+        (["houses-val", "--success-distance", "0"], "must be more than 0"),
+        (["houses-val", "--save", "all"], "videos"),
+        (["houses-val", "--record", "x.jsonl"], "--record is for single searches"),
+        (["houses-val", "--set", "search.endurence_steps=3"], "did you mean 'endurance_steps'"),
+        ([], "required"),
+    ],
+)
+def test_bad_input_is_one_line_with_the_remedy(arguments, words, capsys):
+    assert hypernav("eval", *arguments) == 2
+    said = capsys.readouterr().err
+    assert words in said
+    assert said.count("\n") == 1
+
+
+def test_ctrl_c_says_how_to_go_on(room, tmp_path):
+    program = "from hypernav.cli.main import main; main()"
+    command = [sys.executable, "-c", program, "eval", f"scene:{room}#30", "--out", str(tmp_path)]
+    process = subprocess.Popen([*command, *QUICK], stderr=subprocess.PIPE, text=True)
+    path = tmp_path / "episodes.jsonl"
+    deadline = time.monotonic() + 100
+    while time.monotonic() < deadline and not (path.exists() and path.read_text()):
+        time.sleep(0.05)
+    os.kill(process.pid, signal.SIGINT)
+    _, said = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert re.search(r"interrupted; \d+ of 60 episodes are safe .* Run the same command", said)
+    assert "Traceback" not in said
+    assert json.loads((tmp_path / "sessions.jsonl").read_text())["ended"] == "interrupted"
+
+
+def test_report_of_one_run_links_its_episodes(runs, capsys):
+    assert hypernav("report", runs / "hypernav") == 0
+    assert "report.html" in capsys.readouterr().err
+    page = (runs / "hypernav" / "report.html").read_text()
+    for line in timeless_lines(runs / "hypernav"):
+        assert f'href="{line["saved"]}/index.html"' in page
+    assert "ground-truth" in page
+    assert "Compared" not in page
+
+
+def test_report_compares_runs_and_writes_csv_and_tex(runs, tmp_path):
+    folders = (runs / "hypernav", runs / "frontier")
+    assert hypernav("report", *folders, "--compare", "--out", tmp_path, "--quiet") == 0
+    page = (tmp_path / "report.html").read_text()
+    assert "frontier against hypernav on the 2 episodes" in page
+    with (tmp_path / "report.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [row["run"] for row in rows] == ["hypernav"] * 2 + ["frontier"] * 2
+    assert r"\toprule" in (tmp_path / "report.tex").read_text()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ([], "name at least one folder"),
+        (["nowhere"], "no run.json"),
+        (["nowhere", "--compare"], "at least two"),
+    ],
+)
+def test_a_report_about_nothing_is_one_line_with_the_remedy(arguments, words, capsys):
+    assert hypernav("report", *arguments) == 2
+    said = capsys.readouterr().err
+    assert words in said
+    assert said.count("\n") == 1

@@ -1,0 +1,170 @@
+import pytest
+
+from eval_runs import apart, record, spec
+from hypernav.core.errors import RunFolderError
+from hypernav.evaluation.crew import Crashed, Done, Lost, Ready, Refused
+from hypernav.evaluation.runner import RunHaltedError, run_episodes
+from hypernav.evaluation.store import RunStore, read_records
+
+EPISODES = [spec(str(k)) for k in range(6)]
+
+
+class FakeCrew:
+    """Workers that answer at once; what happens to the n-th episode sent can be told."""
+
+    def __init__(self, surprises=None, *, answer=None, starts=None):
+        self.surprises = surprises or {}
+        self.answer = answer or (lambda episode: record(episode.episode_id))
+        self.started, self.sent, self.closed = [], [], False
+        self._starts = starts or {}
+        self._reports = []
+
+    def start(self, worker):
+        self.started.append(worker)
+        self._reports.append(self._starts.get(len(self.started), Ready)(worker))
+
+    def send(self, worker, episode):
+        self.sent.append(episode.episode_id)
+        surprise = self.surprises.get(len(self.sent))
+        if surprise is None:
+            self._reports.append(Done(worker, self.answer(episode), 100.0 * worker))
+        else:
+            self._reports.append(surprise(worker))
+
+    def wait(self, seconds):
+        reports, self._reports = self._reports[:1], self._reports[1:]
+        return reports
+
+    def close(self):
+        self.closed = True
+
+
+def run(folder, crew, workers=2, watch=None):
+    with RunStore(folder, {}) as store:
+        return run_episodes(EPISODES, store, crew, workers=workers, watch=watch)
+
+
+def ids(folder):
+    return sorted(r.episode_id for r in read_records(folder))
+
+
+def lost(worker):
+    return Lost(worker, "killed by signal 9")
+
+
+def test_every_episode_is_run_once_and_the_crew_dismissed(tmp_path):
+    crew = FakeCrew()
+    news = run(tmp_path, crew)
+    assert sorted(crew.sent) == ids(tmp_path) == list("012345")
+    assert crew.closed
+    assert (news.done_now, news.total, news.peak_mb) == (6, 6, {0: 0.0, 1: 100.0})
+
+
+def test_what_is_done_is_not_run_again(tmp_path):
+    run(tmp_path, FakeCrew())
+    again = FakeCrew()
+    news = run(tmp_path, again)
+    assert again.started == again.sent == []
+    assert (len(news.records), news.done_now) == (6, 0)
+
+
+def test_no_more_workers_are_hired_than_there_is_work_for(tmp_path):
+    crew = FakeCrew()
+    run(tmp_path, crew, workers=50)
+    assert len(crew.started) == 6
+
+
+def test_a_lost_worker_is_replaced_and_its_episode_repeated(tmp_path):
+    crew = FakeCrew({2: lost})
+    news = run(tmp_path, crew)
+    assert len(crew.sent) == 7
+    assert len(crew.started) == 3
+    assert news.losses == 1
+    assert ids(tmp_path) == list("012345")
+
+
+def test_an_episode_that_kills_its_worker_again_and_again_is_a_simulator_error(tmp_path):
+    crew = FakeCrew({1: lost, 2: lost, 3: lost})
+    run(tmp_path, crew, workers=1)
+    (broken,) = [r for r in read_records(tmp_path) if not r.counts]
+    assert broken.why == "its worker was lost 3 times: killed by signal 9"
+    assert ids(tmp_path) == list("012345")
+
+
+def test_an_episode_is_not_blamed_for_a_worker_that_died_while_it_started(tmp_path):
+    crew = FakeCrew(starts={k: lost for k in range(1, 5)})
+    run(tmp_path, crew, workers=1)
+    assert all(r.counts for r in read_records(tmp_path))
+
+
+def test_workers_that_never_start_end_the_run(tmp_path):
+    crew = FakeCrew(starts={k: lost for k in range(1, 100)})
+    with pytest.raises(RunHaltedError, match="enough memory"):
+        run(tmp_path, crew)
+    assert crew.closed
+
+
+def test_a_crash_leaves_its_episode_undone_and_the_others_go_on(tmp_path):
+    crew = FakeCrew({3: lambda worker: Crashed(worker, "ZeroDivisionError: oops")})
+    news = run(tmp_path, crew)
+    assert len(ids(tmp_path)) == 5
+    assert list(news.crashes.values()) == ["ZeroDivisionError: oops"]
+
+
+def test_crash_after_crash_ends_the_run_with_the_traceback(tmp_path):
+    crew = FakeCrew({k: lambda worker: Crashed(worker, "oops, line 3") for k in range(2, 9)})
+    with pytest.raises(RunHaltedError, match="oops, line 3"):
+        run(tmp_path, crew, workers=1)
+    assert ids(tmp_path) == ["0"]
+
+
+def test_a_crash_before_the_first_episode_ends_the_run(tmp_path):
+    crew = FakeCrew(starts={1: lambda worker: Crashed(worker, "ImportError: no torch")})
+    with pytest.raises(RunHaltedError, match="no torch"):
+        run(tmp_path, crew)
+
+
+def test_what_a_worker_refuses_ends_the_run(tmp_path):
+    crew = FakeCrew({2: lambda worker: Refused(worker, "the disk is full")})
+    with pytest.raises(RunHaltedError, match="the disk is full"):
+        run(tmp_path, crew)
+    assert crew.closed
+
+
+def test_a_model_that_stays_away_ends_the_run_and_nothing_is_counted(tmp_path):
+    crew = FakeCrew(answer=lambda episode: apart(episode.episode_id))
+    with pytest.raises(RunHaltedError, match="run the same command again"):
+        run(tmp_path, crew, workers=1)
+    assert len(crew.sent) == 3
+    assert not any(r.counts for r in read_records(tmp_path))
+
+
+def test_a_short_outage_does_not_end_the_run(tmp_path):
+    def sometimes(episode):
+        return (apart if int(episode.episode_id) % 2 else record)(episode.episode_id)
+
+    run(tmp_path, FakeCrew(answer=sometimes), workers=1)
+    assert len(ids(tmp_path)) == 6
+
+
+def test_ctrl_c_keeps_what_is_done_and_dismisses_the_crew(tmp_path):
+    def interrupt(news):
+        if news.done_now == 3:
+            raise KeyboardInterrupt
+
+    crew = FakeCrew()
+    with pytest.raises(KeyboardInterrupt):
+        run(tmp_path, crew, workers=1, watch=interrupt)
+    assert crew.closed
+    assert len(ids(tmp_path)) == 3
+
+
+def test_a_full_disk_dismisses_the_crew(tmp_path, monkeypatch):
+    def full(path, line):
+        raise RunFolderError("no space left on device")
+
+    crew = FakeCrew()
+    monkeypatch.setattr("hypernav.evaluation.store.append_line", full)
+    with pytest.raises(RunFolderError, match="no space"):
+        run(tmp_path, crew)
+    assert crew.closed
