@@ -19,6 +19,8 @@ from hypernav.core.trace import ExchangeLog
 from hypernav.mapping import TopDownMap
 from hypernav.models import Ledger, RecordingChat, YoloxDetector
 from hypernav.part_specs import AgentName, ChosenParts, PartSpecs, choose_parts
+from hypernav.perception.ask_ahead import AskAheadExplorer
+from hypernav.perception.attention import Attention
 from hypernav.perception.depth_cut import DepthCutSegmenter
 from hypernav.perception.geometric import GeometricReasoner
 from hypernav.perception.local import LocalPerception
@@ -141,7 +143,9 @@ def build_agent(
     chat, recording = wrap_chat(chosen, config, ledger, record)
     detector = build_detector(chosen, config, chat, log)
     segmenter = build_segmenter(chosen.segmenter, config)
-    reasoner = build_reasoner(chosen, config, chat, log)
+    ahead = config.ask_ahead.enabled and chosen.reasoner == "vlm"
+    map_log = ExchangeLog() if ahead else log
+    reasoner = build_reasoner(chosen, config, chat, map_log)
     presence = None
     if chat is not None and chosen.presence == "vlm":
         presence = VlmPresenceCheck(chat, log, config.presence)
@@ -153,6 +157,8 @@ def build_agent(
         segmenter=segmenter,
         reasoner=reasoner,
         presence=presence,
+        attention=Attention(log, config.attention) if chosen.detector == "vlm" else None,
+        map_log=map_log if ahead else None,
     )
     return AgentParts(
         agent=agent,
@@ -178,6 +184,8 @@ def build_search(
     segmenter: Segmenter | None = None,
     reasoner: BlockReasoner | None = None,
     presence: PresenceCheck | None = None,
+    attention: Attention | None = None,
+    map_log: ExchangeLog | None = None,
 ) -> SearchAgent:
     """An agent around any detector, for example one of your own.
 
@@ -189,10 +197,14 @@ def build_search(
         segmenter: Finds the pixels in a box; cuts by depth unless given.
         reasoner: Chooses blocks; geometric unless given.
         presence: Looks once more before STOP; nobody unless given.
+        attention: Says which pictures the detector is asked about; all unless given.
+        map_log: A log of the reasoner's own: it is asked ahead, while the robot drives.
     """
     if agent == "hypernav":
         reasoner = reasoner or GeometricReasoner(log, config.geometric)
         explorer = BlockExplorer(reasoner, config.overview, config.mapping)
+        if map_log is not None:
+            explorer = AskAheadExplorer(explorer, map_log, log, config.ask_ahead)
     else:
         explorer = NearestFrontierExplorer(log, config.mapping)
     return SearchAgent(
@@ -202,6 +214,7 @@ def build_search(
             segmenter or DepthCutSegmenter(),
             config.local,
             cell_size_m=config.mapping.cell_size_m,
+            attention=attention,
         ),
         explorer=explorer,
         navigator=Navigator(config.planning),

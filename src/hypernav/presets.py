@@ -11,6 +11,8 @@ from hypernav.models import ChatConfig, YoloxConfig
 from hypernav.models.sam import SamConfig
 from hypernav.models.sam_onnx import OnnxSamConfig
 from hypernav.models.zero_shot import ZeroShotConfig
+from hypernav.perception.ask_ahead import AskAheadConfig
+from hypernav.perception.attention import AttentionConfig
 from hypernav.perception.depth_cut import DepthCutConfig
 from hypernav.perception.geometric import GeometricConfig
 from hypernav.perception.local import LocalConfig
@@ -49,10 +51,11 @@ class HyPerNavConfig(RoomConfig):
         search: When to look, when to stop, when to think again.
         chat: How chat models are reached and how patient we are with them.
         grounding: How a chat model is asked for boxes.
+        attention: Which pictures a chat model is asked about.
+        ask_ahead: When a chat model is asked the next map question.
         block_choice: How a chat model is asked the map question.
         presence: How a chat model is asked whether the goal is really there.
         price: Of tokens, for the cost in the results.
-        depth_cut: How the pixels in a box are found without a model.
         yolox: How a YOLOX export is used.
         zero_shot: How an open-vocabulary detector is used.
         sam: How a SAM model is used.
@@ -68,10 +71,11 @@ class HyPerNavConfig(RoomConfig):
     search: SearchConfig = SearchConfig()
     chat: ChatConfig = ChatConfig()
     grounding: VlmDetectorConfig = VlmDetectorConfig()
+    attention: AttentionConfig = AttentionConfig()
+    ask_ahead: AskAheadConfig = AskAheadConfig()
     block_choice: VlmReasonerConfig = VlmReasonerConfig()
     presence: PresenceConfig = PresenceConfig()
     price: PriceConfig = PriceConfig()
-    depth_cut: DepthCutConfig = DepthCutConfig()
     yolox: YoloxConfig = YoloxConfig()
     zero_shot: ZeroShotConfig = ZeroShotConfig()
     sam: SamConfig = SamConfig()
@@ -107,5 +111,7 @@ def preset(name: PresetName) -> HyPerNavConfig:
             face_target=False,
             pursue_far_sightings=False,
         ),
+        attention=AttentionConfig(skip_seen_views=False, skip_held_target=False),
+        ask_ahead=AskAheadConfig(enabled=False),
         block_choice=VlmReasonerConfig(mode="paper", skip_only_block=False),
     )

@@ -14,7 +14,7 @@ from hypernav.core.goal import Goal
 from hypernav.core.grid import OccupancyGrid
 from hypernav.core.overview import Block
 from hypernav.core.trace import BlockRecord
-from hypernav.perception.explorer import Destination, Explorer, last_free_towards
+from hypernav.perception.explorer import Destination, Explorer, ThinksAhead, last_free_towards
 from hypernav.planning import Navigator
 
 _CHOICES_PER_STEP = 4
@@ -87,6 +87,8 @@ class Exploration:
                 action = self._navigator.towards(grid, robot, np.array([self.destination.xy]))
             if action is not None:
                 self._age += 1
+                if isinstance(self._explorer, ThinksAhead):
+                    self._explorer.think_ahead(grid, robot, trajectory, self.destination)
                 return action, self.destination.reason
             arrived = self._navigator.arrived
             self._end("destination reached" if arrived else "no path to destination", events)

@@ -56,6 +56,21 @@ class Explorer(Protocol):
         ...
 
 
+@runtime_checkable
+class ThinksAhead(Protocol):
+    """An explorer that can choose the next destination while the robot drives to this one."""
+
+    def think_ahead(
+        self,
+        grid: OccupancyGrid,
+        robot: Pose2,
+        trajectory: Sequence[tuple[float, float]],
+        destination: Destination,
+    ) -> None:
+        """Begin to choose, if it is time; called at every step of the way to a destination."""
+        ...
+
+
 def last_free_towards(
     grid: OccupancyGrid, robot: Pose2, bearing: float, *, reach_m: float = 8.0
 ) -> tuple[float, float]:

@@ -15,6 +15,7 @@ from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.protocols import Detector, Segmenter
 from hypernav.core.trace import DetectionRecord
+from hypernav.perception.attention import Attention
 from hypernav.perception.goal_area import GoalArea, points_under_mask
 from hypernav.perception.target import Target, same_place, seems_to_hold, should_be_visible
 
@@ -78,7 +79,13 @@ class LocalPerception:
     """Detect, segment, refine, project; remembers the target and what was rejected."""
 
     def __init__(
-        self, detector: Detector, segmenter: Segmenter, config: LocalConfig, *, cell_size_m: float
+        self,
+        detector: Detector,
+        segmenter: Segmenter,
+        config: LocalConfig,
+        *,
+        cell_size_m: float,
+        attention: Attention | None = None,
     ) -> None:
         """Create it.
 
@@ -87,8 +94,10 @@ class LocalPerception:
             segmenter: Finds the pixels in a box; not asked where a detection has its own mask.
             config: Values of the method.
             cell_size_m: Of the map.
+            attention: Says which pictures the detector is asked about; None asks about all.
         """
         self._detector = detector
+        self._attention = attention
         self._segmenter = segmenter
         self._config = config
         self._cell_size_m = cell_size_m
@@ -101,6 +110,8 @@ class LocalPerception:
         self._rejected: list[GoalArea] = []
         self._far_bearing: float | None = None
         self._score_now = 0.0
+        if self._attention is not None:
+            self._attention.reset()
 
     @property
     def far_bearing(self) -> float | None:
@@ -163,6 +174,9 @@ class LocalPerception:
         records: list[DetectionRecord] = []
         candidates: list[_Candidate] = []
         self._far_bearing = None
+        self._score_now = 0.0
+        if self._attention and not self._attention.is_worth_a_question(observation, self._held):
+            return records
         detections = self._detector.detect(observation, self._goal)
         for detection in (one for one in detections if one.is_goal):
             mask = self._refined_mask(detection, observation)
@@ -176,6 +190,12 @@ class LocalPerception:
         if self._config.weigh_rivals:
             self._weigh_rivals([one for one in detections if not one.is_goal], observation)
         return records
+
+    @property
+    def _held(self) -> GoalArea | None:
+        """The area of a target that one look was enough to believe in."""
+        target, holds = self.target, self._config.target == "hold"
+        return target.area if target and holds and not self.needs_second_look else None
 
     def _refined_mask(
         self, detection: Detection, observation: Observation

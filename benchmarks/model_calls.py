@@ -1,0 +1,141 @@
+"""How many questions a search takes, per preset and with each saving switched on or off.
+
+Every search runs through the scripted model server of the tests, over a socket, which tells the
+simulator's truth: what differs between the lines is how often it is asked, and when.
+
+    python benchmarks/model_calls.py                         # small_house, 4 goals from 2 starts
+    python benchmarks/model_calls.py --scenes houses:100000 houses:100001 --goals bed sofa
+
+`waited` is what the questions would take with `--question-s` and `--map-question-s` seconds each,
+where a map question that is asked ahead is not waited for.
+"""
+
+import os
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import tyro
+from rich.console import Console
+from rich.table import Table
+
+ROOT = Path(__file__).parents[1]
+sys.path.insert(0, str(ROOT / "tests"))
+
+from hypernav.build import PartSpecs, PresetName, build_agent, build_scene, preset  # noqa: E402
+from hypernav.core.config import layered  # noqa: E402
+from hypernav.core.goal import Goal  # noqa: E402
+from hypernav.evaluation import Episode  # noqa: E402
+from hypernav.worlds import SimulatedWorld, random_start  # noqa: E402
+from servers.scripted import ScriptedServer  # noqa: E402
+from servers.truth import Truth, TruthfulBrain, watching  # noqa: E402
+
+SMALL_HOUSE = (
+    Path(os.environ.get("HYPERNAV_TEST_DATA", ROOT.parent / "shared" / "data"))
+    / "scenes"
+    / "small_house"
+    / "scene.glb"
+)
+OFF = ("attention.skip_seen_views=false", "attention.skip_held_target=false")
+VARIANTS: dict[str, tuple[PresetName, tuple[str, ...]]] = {
+    "paper": ("paper", ()),
+    "default, no savings": ("default", (*OFF, "ask_ahead.enabled=false")),
+    "+ skip seen views": ("default", (OFF[1], "ask_ahead.enabled=false")),
+    "+ skip held target": ("default", (OFF[0], "ask_ahead.enabled=false")),
+    "+ both": ("default", ("ask_ahead.enabled=false",)),
+    "+ both, ask ahead": ("default", ("ask_ahead.enabled=true",)),
+}
+
+
+@dataclass
+class Tally:
+    """Sums over the searches of one variant."""
+
+    found: int = 0
+    spl: list[float] = field(default_factory=list)
+    steps: list[int] = field(default_factory=list)
+    calls: dict[str, int] = field(default_factory=dict)
+    ahead: int = 0
+    wasted: int = 0
+
+
+def search(world: SimulatedWorld, goal: Goal, seed: int, variant: str, tally: Tally, set: tuple):
+    name, assignments = VARIANTS[variant]
+    config = layered(preset(name), assignments=(*assignments, *set))
+    rng = np.random.default_rng(seed)
+    start = random_start(world.walkable, rng, world.regions.of(goal))
+    with ScriptedServer() as server, watching(Truth()) as truth:
+        server.brain = TruthfulBrain(truth)
+        parts = build_agent(config, PartSpecs(vlm=server.spec))
+        episode = Episode(parts.agent, world, goal, start, rng=rng)
+        remarks = [mark for step in episode for one in step.trace.exchanges for mark in one.remarks]
+        report = parts.take_report()
+    result = episode.result()
+    tally.found += result.metrics.success
+    tally.spl.append(result.metrics.spl)
+    tally.steps.append(result.steps)
+    for kind, row in report["ledger"]["kinds"].items():
+        tally.calls[kind] = tally.calls.get(kind, 0) + row["calls"]
+    tally.ahead += remarks.count("asked ahead")
+    tally.wasted += remarks.count("asked ahead, not used")
+
+
+def worlds(scenes: tuple[str, ...]) -> Iterator[SimulatedWorld]:
+    for scene in scenes:
+        yield SimulatedWorld(build_scene(scene), preset("default").world)
+
+
+def main(
+    scenes: tuple[str, ...] = (str(SMALL_HOUSE),),
+    goals: tuple[str, ...] = ("bed", "sofa", "refrigerator", "tv"),
+    seeds: int = 2,
+    variants: tuple[str, ...] = tuple(VARIANTS),
+    question_s: float = 0.5,
+    map_question_s: float = 0.7,
+    set: tuple[str, ...] = (),
+) -> None:
+    """Run all and print the table.
+
+    Args:
+        scenes: As for `hypernav find --scene`.
+        goals: What to find; a scene that lacks one is skipped.
+        seeds: Starts per goal.
+        variants: Lines of the table.
+        question_s: What a question about a camera picture would take.
+        map_question_s: What a question about the map would take.
+        set: As for `hypernav find`.
+    """
+    tallies = {variant: Tally() for variant in variants}
+    console = Console(highlight=False, width=140)
+    for world in worlds(scenes):
+        for goal in map(Goal, goals):
+            if not world.regions.of(goal).instances:
+                continue
+            for seed in range(seeds):
+                for variant, tally in tallies.items():
+                    search(world, goal, seed, variant, tally, set)
+            console.print(f"{world.scene.name}: {goal.text} done")
+    columns = ("found", "SPL", "steps", "ground", "map", "verify", "calls", "ahead", "waited")
+    table = Table("per search", *columns)
+    for variant, tally in tallies.items():
+        n = len(tally.steps)
+        ground, verify = tally.calls.get("ground", 0), tally.calls.get("verify", 0)
+        of_map = tally.calls.get("choose block", 0) + tally.calls.get("summarise", 0)
+        waited = question_s * (ground + verify) + map_question_s * (of_map - tally.ahead)
+        table.add_row(
+            variant,
+            f"{tally.found} of {n}",
+            f"{np.mean(tally.spl):.3f}",
+            f"{np.mean(tally.steps):.0f}",
+            *(f"{count / n:.1f}" for count in (ground, of_map, verify)),
+            f"{sum(tally.calls.values()) / n:.1f}",
+            f"{tally.ahead / n:.1f} ({tally.wasted / n:.1f} wasted)",
+            f"{waited / n:.0f} s",
+        )
+    console.print(table)
+
+
+if __name__ == "__main__":
+    tyro.cli(main)
