@@ -56,6 +56,7 @@ class HyPerNavConfig(RoomConfig):
         block_choice: How a chat model is asked the map question.
         presence: How a chat model is asked whether the goal is really there.
         price: Of tokens, for the cost in the results.
+        depth_cut: How the pixels in a box are found without a model.
         yolox: How a YOLOX export is used.
         zero_shot: How an open-vocabulary detector is used.
         sam: How a SAM model is used.
@@ -76,6 +77,7 @@ class HyPerNavConfig(RoomConfig):
     block_choice: VlmReasonerConfig = VlmReasonerConfig()
     presence: PresenceConfig = PresenceConfig()
     price: PriceConfig = PriceConfig()
+    depth_cut: DepthCutConfig = DepthCutConfig()
     yolox: YoloxConfig = YoloxConfig()
     zero_shot: ZeroShotConfig = ZeroShotConfig()
     sam: SamConfig = SamConfig()
