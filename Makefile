@@ -2,8 +2,9 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+VLM := .venv-vlm
 
-.PHONY: demo test slow lint format clean
+.PHONY: demo test slow test-vlm lint format clean
 
 demo: $(VENV)/.installed  ## search for a bed in the built-in house
 	$(BIN)/hypernav find bed --out runs/demo
@@ -13,6 +14,9 @@ test: $(VENV)/.installed-dev  ## the tests, in a few minutes
 
 slow: $(VENV)/.installed-dev  ## the longer checks
 	$(BIN)/pytest -n auto -m slow
+
+test-vlm: $(VLM)/.installed  ## the tests with real, tiny networks; installs the CPU build of torch
+	$(VLM)/bin/pytest tests/local_vlm
 
 lint: $(VENV)/.installed-dev  ## style, types, and who may import whom
 	$(BIN)/ruff format --check .
@@ -38,5 +42,15 @@ $(VENV)/.installed-dev: $(BIN)/python pyproject.toml
 	$(BIN)/python -m pip install --quiet --editable '.[onnx]' --group dev
 	touch $@
 
+# The torchvision of the package index wants CUDA's torch; only its Python parts are used.
+$(VLM)/.installed: pyproject.toml
+	$(PYTHON) -m venv $(VLM)
+	$(VLM)/bin/python -m pip install --quiet --upgrade pip
+	$(VLM)/bin/python -m pip install --quiet torch==2.13.0
+	$(VLM)/bin/python -m pip install --quiet transformers==5.23.0 accelerate
+	$(VLM)/bin/python -m pip install --quiet --no-deps torchvision==0.28.0
+	$(VLM)/bin/python -m pip install --quiet --editable '.[onnx]' --group dev
+	touch $@
+
 clean:
-	rm -rf $(VENV) .pytest_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) $(VLM) .pytest_cache .ruff_cache .hypothesis
