@@ -1,13 +1,15 @@
 """Write an agent of your own: two methods, `reset` and `act`.
 
 This one bounces around like an early robot vacuum, and uses the detector of this package to see
-when it has arrived. It runs in the same episode loop, under the same referee.
+when it has arrived. `hypernav.check_agent` says in words what would break the contract. The agent
+runs in the same episode loop, under the same referee.
 
 Run: python examples/03_your_own_agent.py
 """
 
 import numpy as np
 
+import hypernav
 from hypernav.build import build_scene, preset
 from hypernav.core.actions import Action
 from hypernav.core.goal import Goal
@@ -20,12 +22,14 @@ from hypernav.worlds import SimulatedWorld, random_start
 class Bouncer:
     """Goes straight until something is near, then turns by a random angle."""
 
-    def __init__(self, rng: np.random.Generator) -> None:
-        self._rng = rng
+    def __init__(self, seed: int) -> None:
+        self._seed = seed
         self._detector = GroundTruthDetector()
 
     def reset(self, goal: Goal) -> None:
         self._goal = goal
+        # Drawn anew for every search, so that a search doesn't depend on those before it.
+        self._rng = np.random.default_rng(self._seed)
         self._turns = 0
 
     def act(self, observation: Observation) -> Action:
@@ -44,12 +48,13 @@ class Bouncer:
 
 
 def main() -> None:
+    hypernav.check_agent(Bouncer(seed=0))
     rng = np.random.default_rng(0)
     goal = Goal("sofa")
     world = SimulatedWorld(build_scene("builtin"), preset("default").world)
     start = random_start(world.walkable, rng, world.regions.of(goal))
 
-    episode = Episode(Bouncer(rng), world, goal, start, max_steps=150)
+    episode = Episode(Bouncer(seed=0), world, goal, start, max_steps=150)
     steps = sum(1 for _ in episode)
     result = episode.result()
     print(f"{result.outcome} after {steps} steps, {result.metrics.distance_to_goal_m:.1f} m away")

@@ -48,6 +48,10 @@ class ModelError(HyPerNavError):
     """A model file is missing or is not the kind of network that was expected."""
 
 
+class ContractError(HyPerNavError):
+    """An agent or a world of someone's own does not do what its contract says."""
+
+
 class WorldError(HyPerNavError):
     """A world was used against its contract, for example stepped before a reset."""
 

@@ -1,0 +1,145 @@
+"""Whether an agent keeps the contract of `hypernav.core.protocols.Agent`."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from hypernav.core.actions import Action
+from hypernav.core.errors import LabelsMissingError
+from hypernav.core.goal import Goal
+from hypernav.core.grid import OccupancyGrid
+from hypernav.core.observation import Observation
+from hypernav.core.protocols import ExplainsItself
+from hypernav.core.trace import StepTrace
+from hypernav.evaluation.checks.box_room import DOOR, BoxRoom
+from hypernav.evaluation.checks.faults import Faults, While
+
+_ACTIONS = ", ".join(action.name for action in Action)
+
+
+def check_agent(agent: Any, *, goal: str = DOOR, steps: int = 30, repeatable: bool = True) -> None:
+    """Run an agent through its contract and say in words what breaks it.
+
+    The agent searches an empty room with a door, which needs no simulator. It must answer every
+    observation with an `Action`, leave observations as they are, live with a picture without any
+    depth, forget everything at `reset`, and, if it explains itself, do so consistently.
+
+    Args:
+        agent: Has ``reset(goal)`` and ``act(observation)``.
+        goal: What it is told to find.
+        steps: How long it is tried.
+        repeatable: Whether the same search must take the same actions again. An agent that draws
+            random numbers keeps this if `reset` seeds them; evaluation needs it, since episodes run
+            in any order.
+
+    Raises:
+        ContractError: With everything that is wrong. What the agent itself raises is not caught,
+            but gets a note that says when it happened.
+    """
+    faults = Faults()
+    name = type(agent).__name__
+    for method in ("reset", "act"):
+        faults.expect(
+            callable(getattr(agent, method, None)),
+            f"it has no method {method}; an agent has reset(goal) and act(observation)",
+        )
+    faults.raise_if_any(name)
+    first = _search(agent, goal, steps, faults)
+    if not faults.found:
+        second = _search(agent, goal, steps, faults)
+        differ = [k for k, (a, b) in enumerate(zip(first, second, strict=False)) if a is not b]
+        faults.expect(
+            not repeatable or (not differ and len(first) == len(second)),
+            f"the same search took another action the second time, first at step "
+            f"{differ[0] if differ else min(len(first), len(second))}: reset must forget "
+            "everything and seed whatever is drawn at random",
+        )
+        _see_nothing(agent, goal, faults)
+    faults.raise_if_any(name)
+
+
+def _search(agent: Any, goal: str, steps: int, faults: Faults) -> list[Action]:
+    """One search; returns the actions up to the first that is none."""
+    room, actions = BoxRoom(), list[Action]()
+    with While("called reset(goal)"):
+        agent.reset(Goal(goal))
+    for step in range(steps):
+        observation = room.observe()
+        with While(f"called act(observation) at step {step}"):
+            action = _act(agent, observation, faults)
+        if action is None:
+            break
+        _check_explanation(agent, step, observation, action, faults)
+        actions.append(action)
+        if action is Action.STOP:
+            break
+        room.step(action)
+    return actions
+
+
+def _act(agent: Any, observation: Observation, faults: Faults) -> Action | None:
+    before = (observation.rgb.copy(), observation.depth.copy())
+    action = agent.act(observation)
+    unchanged = all(
+        np.array_equal(a, b)
+        for a, b in zip(before, (observation.rgb, observation.depth), strict=True)
+    )
+    faults.expect(
+        unchanged, "act changed the observation's images; work on a copy, others read them too"
+    )
+    if isinstance(action, Action):
+        return action
+    hint = ""
+    if isinstance(action, int | np.integer) and int(action) in set(Action):
+        hint = f"; return Action({int(action)})"
+    faults.expect(False, f"act returned {action!r}, expected an Action ({_ACTIONS}){hint}")
+    return None
+
+
+def _see_nothing(agent: Any, goal: str, faults: Faults) -> None:
+    """A picture without any return of depth is legal, and so is one without labels."""
+    seen = BoxRoom(labels=False).observe()
+    with While("called reset(goal)"):
+        agent.reset(Goal(goal))
+    try:
+        with While("called act with an observation that has no labels and no depth at all"):
+            _act(agent, replace(seen, depth=np.zeros_like(seen.depth)), faults)
+    except LabelsMissingError:
+        return  # An agent for simulated worlds alone says so in this way.
+
+
+def _check_explanation(
+    agent: Any, step: int, observation: Observation, action: Action, faults: Faults
+) -> None:
+    """What it says about its step must be what it did."""
+    if not isinstance(agent, ExplainsItself):
+        halves = [name for name in ("last_step", "grid") if hasattr(agent, name)]
+        faults.expect(
+            not halves,
+            f"it has {' and '.join(halves)} alone; an agent that explains itself has both "
+            "last_step and grid",
+        )
+        return
+    trace, grid = agent.last_step, agent.grid
+    if not faults.expect(
+        isinstance(trace, StepTrace), f"last_step is {trace!r:.60}, expected a StepTrace"
+    ):
+        return
+    faults.expect(
+        trace.action is action,
+        f"last_step.action is {trace.action!r}, but act returned {action!r}",
+    )
+    faults.expect(
+        trace.step == step,
+        f"last_step.step is {trace.step} after {step + 1} calls, expected {step}",
+    )
+    robot = observation.robot
+    pose = np.array([robot.x, robot.y, robot.yaw])
+    faults.expect(
+        bool(np.allclose(trace.pose, pose, atol=1e-6)),
+        f"last_step.pose is {trace.pose}, but the observation's robot was at {tuple(pose)}",
+    )
+    faults.expect(
+        isinstance(grid, OccupancyGrid), f"grid is {type(grid).__name__}, expected an OccupancyGrid"
+    )

@@ -1,0 +1,81 @@
+"""An empty room with a door, computed in closed form: observations without a simulator."""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from jaxtyping import Float64
+
+from hypernav.core.actions import Action
+from hypernav.core.camera import PinholeCamera, optical_to_base
+from hypernav.core.geometry import Pose2, wrap_angle
+from hypernav.core.labels import ObjectLabel
+from hypernav.core.observation import LabelledPixels, Observation
+
+_LOW = np.array([-2.0, -2.0, 0.0])
+_HIGH = np.array([4.0, 2.0, 2.5])
+_DOOR_HALF_M = 0.5
+_MARGIN_M = 0.3
+_FORWARD_M = 0.5
+_TURN_RAD = math.radians(30.0)
+_FARTHEST_M = 5.0
+_COLORS = np.array([[190, 180, 170], [170, 185, 190], [180, 170, 190]], np.uint8)
+
+DOOR = "door"
+"""What there is to be found: it fills the middle of the wall ahead."""
+
+
+@dataclass
+class BoxRoom:
+    """A robot in the room; starts in the ``map`` frame's origin, looking at the door.
+
+    Attributes:
+        pose: Where it is, ``map`` frame.
+        labels: Whether observations carry ground truth.
+    """
+
+    pose: Pose2 = field(default_factory=lambda: Pose2(0.0, 0.0, 0.0))
+    labels: bool = True
+
+    def observe(self) -> Observation:
+        """What the robot sees."""
+        camera = PinholeCamera.from_hfov(160, 120, 79.0)
+        camera_to_map = self.pose.to_transform() @ optical_to_base(0.88)
+        rays = camera.rays() @ camera_to_map.rotation.T
+        depth, side, points = _cast(camera_to_map.translation, rays)
+        shade = (points * 4.0).astype(np.int64).sum(axis=-1) % 2 * 20
+        rgb = _COLORS[side] - shade[..., None].astype(np.uint8)
+        is_door = (points[..., 0] > _HIGH[0] - 1e-6) & (np.abs(points[..., 1]) < _DOOR_HALF_M)
+        ids = np.where(is_door, np.int32(0), np.int32(-1))
+        return Observation(
+            rgb=rgb,
+            depth=np.where(depth <= _FARTHEST_M, depth, 0.0).astype(np.float32),
+            camera=camera,
+            camera_to_map=camera_to_map,
+            robot=self.pose,
+            truth=LabelledPixels(ids, {0: ObjectLabel(DOOR)}) if self.labels else None,
+        )
+
+    def step(self, action: Action) -> None:
+        """Do something; walls stop the robot."""
+        x, y, yaw = self.pose.x, self.pose.y, self.pose.yaw
+        if action is Action.MOVE_FORWARD:
+            low, high = _LOW[:2] + _MARGIN_M, _HIGH[:2] - _MARGIN_M
+            ahead = np.array([x + _FORWARD_M * math.cos(yaw), y + _FORWARD_M * math.sin(yaw)])
+            x, y = (float(value) for value in np.clip(ahead, low, high))
+        elif action is not Action.STOP:
+            yaw = wrap_angle(yaw + (_TURN_RAD if action is Action.TURN_LEFT else -_TURN_RAD))
+        self.pose = Pose2(x, y, yaw)
+
+
+def _cast(
+    origin: Float64[np.ndarray, "3"], rays: Float64[np.ndarray, "height width 3"]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Depth along the optical axis, the axis of the wall that is hit, and where."""
+    with np.errstate(divide="ignore"):
+        inverse = 1.0 / rays
+    ways = np.where(rays > 0.0, (_HIGH - origin) * inverse, (_LOW - origin) * inverse)
+    ways = np.where(rays == 0.0, np.inf, ways)
+    side = ways.argmin(axis=-1)
+    depth = ways.min(axis=-1)
+    return depth, side, origin + depth[..., None] * rays
