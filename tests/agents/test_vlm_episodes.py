@@ -183,6 +183,31 @@ def test_a_recorded_search_replays_to_the_same_trace(server: ScriptedServer, tmp
     assert replayed.take_report() == recorded.take_report()
 
 
+def test_the_savings_ask_less_and_find_the_same(server: ScriptedServer):
+    asked = {}
+    for saving in (False, True):
+        switches = {"skip_seen_views": saving, "skip_held_target": saving}
+        config = small_config(chat=QUICK, attention=switches)
+        parts = build_agent(config, PartSpecs(vlm=server.spec))
+        steps, result = search(parts)
+        assert result.outcome is Outcome.FOUND
+        asked[saving] = parts.take_report()["ledger"]["kinds"]["ground"]["calls"]
+        skipped = sum(one.kind == "attention" for step in steps for one in step.exchanges)
+        assert asked[saving] + skipped == len(steps)
+    assert asked[True] < 0.8 * asked[False]
+
+
+def test_asking_ahead_depends_on_steps_and_not_on_the_model_s_speed(server: ScriptedServer):
+    traces = []
+    for delay_s in (0.0, 0.03):
+        server.delay_s = delay_s
+        config = small_config(chat=QUICK, ask_ahead={"enabled": True, "within_m": 2.5})
+        steps, result = search(build_agent(config, PartSpecs(vlm=server.spec)))
+        assert result.outcome is Outcome.FOUND
+        traces.append([without_timings(step.model_dump(mode="json")) for step in steps])
+    assert traces[0] == traces[1]
+
+
 def test_a_server_that_dies_ends_the_search_within_the_patience():
     with ScriptedServer() as server, watching(Truth()) as truth:
         server.brain = TruthfulBrain(truth)
