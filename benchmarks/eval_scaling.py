@@ -1,0 +1,203 @@
+"""How an evaluation scales: with workers, and with episodes that share a model server.
+
+Run: python benchmarks/eval_scaling.py workers [--dataset houses-train#3000:3004] [--episodes 16]
+     python benchmarks/eval_scaling.py server [--workers 16] [--capacity 8] [--latency-s 0.5]
+
+`workers` runs the same episodes with one worker and with two and prints rate, ratio and peak
+memory. `server` starts a simulated model server, on which every answer takes a fixed time and only
+so many are worked on at once, and prints how busy many concurrent episodes keep it.
+"""
+
+import json
+import tempfile
+import threading
+import time
+from dataclasses import dataclass, field
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+
+import tyro
+
+from hypernav.evaluation.datasets import load_episodes, select
+from hypernav.evaluation.processes import ProcessCrew
+from hypernav.evaluation.runner import RunNews, run_episodes
+from hypernav.evaluation.store import RunStore
+from hypernav.evaluation.workbench import Job
+from hypernav.part_specs import PartSpecs
+from hypernav.presets import HyPerNavConfig, preset
+
+MODEL = "Qwen/Qwen2.5-VL-7B-Instruct"
+
+
+@dataclass
+class ModelServer:
+    """An OpenAI-compatible server that sees nothing, takes its time, and knows how busy it is."""
+
+    latency_s: float = 0.5
+    capacity: int = 8
+    address: str = ""
+    _changes: list[tuple[float, int, int]] = field(default_factory=list)
+    _working: int = 0
+    _pending: int = 0
+
+    def __enter__(self) -> "ModelServer":
+        """Begin to listen."""
+        self._slots = threading.BoundedSemaphore(self.capacity)
+        self._lock = threading.Lock()
+        self._server = ThreadingHTTPServer(("127.0.0.1", 0), self._handler())
+        self._server.daemon_threads = True
+        self.address = f"openai:http://127.0.0.1:{self._server.server_port}/v1#{MODEL}"
+        self._thread = threading.Thread(target=self._server.serve_forever, daemon=True)
+        self._thread.start()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        """Stop."""
+        self._server.shutdown()
+        self._server.server_close()
+        self._thread.join()
+
+    def answer(self) -> None:
+        """Wait for a place in the batch, then for the answer."""
+        self._note(working=0, pending=1)
+        with self._slots:
+            self._note(working=1, pending=0)
+            time.sleep(self.latency_s)
+            self._note(working=-1, pending=-1)
+
+    def busy_share(self, clients: int, until: float) -> float:
+        """Mean share of the places that worked, from when all clients had asked until a time."""
+        with self._lock:
+            changes = list(self._changes)
+        first = next((t for t, _, pending in changes if pending >= clients), None)
+        if first is None or until <= first:
+            return 0.0
+        worked, last, working = 0.0, first, 0
+        for moment, now_working, _ in [*changes, (until, 0, 0)]:
+            moment = min(max(moment, first), until)
+            worked += working * (moment - last)
+            last, working = moment, now_working
+        return worked / (self.capacity * (until - first))
+
+    def _note(self, *, working: int, pending: int) -> None:
+        with self._lock:
+            self._working += working
+            self._pending += pending
+            self._changes.append((time.monotonic(), self._working, self._pending))
+
+    def _handler(self) -> type[BaseHTTPRequestHandler]:
+        server = self
+
+        class Handler(BaseHTTPRequestHandler):
+            protocol_version = "HTTP/1.1"
+
+            def do_GET(self) -> None:
+                self._say({"object": "list", "data": [{"id": MODEL, "object": "model"}]})
+
+            def do_POST(self) -> None:
+                self.rfile.read(int(self.headers["Content-Length"]))
+                server.answer()
+                message = {"role": "assistant", "content": "[]"}
+                choice = {"index": 0, "message": message, "finish_reason": "stop"}
+                usage = {"prompt_tokens": 400, "completion_tokens": 2, "total_tokens": 402}
+                said = {"id": "0", "object": "chat.completion", "created": 0, "model": MODEL}
+                self._say(said | {"choices": [choice], "usage": usage})
+
+            def _say(self, content: object) -> None:
+                body = json.dumps(content).encode()
+                self.send_response(200)
+                self.send_header("Content-Type", "application/json")
+                self.send_header("Content-Length", str(len(body)))
+                self.end_headers()
+                self.wfile.write(body)
+
+            def log_message(self, format: str, *args: object) -> None:
+                """Say nothing."""
+
+        return Handler
+
+
+def run(
+    dataset: str,
+    count: int,
+    workers: int,
+    config: HyPerNavConfig,
+    specs: PartSpecs | None = None,
+    *,
+    max_steps: int = 500,
+) -> tuple[RunNews, list[float]]:
+    """Run episodes; returns the news and the moment at which each was done."""
+    episodes = select(load_episodes(dataset, config.world), part=f"0:{count}")
+    moments: list[float] = []
+
+    def watch(news: RunNews) -> None:
+        moments.extend([time.monotonic()] * (news.done_now - len(moments)))
+
+    with tempfile.TemporaryDirectory() as folder:
+        job = Job(Path(folder), config, specs or PartSpecs(), max_steps=max_steps)
+        with RunStore(Path(folder), {"benchmark": "scaling"}) as store:
+            news = run_episodes(episodes, store, ProcessCrew(job), workers=workers, watch=watch)
+    return news, moments
+
+
+def workers(dataset: str = "houses-train#3000:3004", episodes: int = 16) -> None:
+    """Compare one worker and two.
+
+    Args:
+        dataset: As for `hypernav eval`; not one that results are reported on.
+        episodes: How many.
+    """
+    rates = {}
+    for count in (1, 2):
+        began = time.monotonic()
+        news, moments = run(dataset, episodes, count, preset("default"))
+        rates[count] = 3600.0 * episodes / (moments[-1] - began)
+        peak = max(news.peak_mb.values())
+        steps = sum(record.steps for record in news.records) / len(news.records)
+        print(
+            f"{count} worker(s): {rates[count]:.0f} episodes an hour, start included; "
+            f"{steps:.0f} steps an episode, peak memory of a worker {peak:.0f} MB"
+        )
+    print(f"two workers are {rates[2] / rates[1]:.2f} times as fast as one")
+
+
+def server(
+    workers: int = 16,
+    capacity: int = 8,
+    latency_s: float = 0.5,
+    dataset: str = "houses-train#3000:3004",
+    episodes: int = 48,
+    max_steps: int = 40,
+    small: bool = False,
+) -> float:
+    """See how busy concurrent episodes keep a model server.
+
+    Args:
+        workers: Episodes at the same time.
+        capacity: Questions that the server works on at the same time.
+        latency_s: That an answer takes.
+        dataset: As for `hypernav eval`.
+        episodes: How many.
+        max_steps: Of each.
+        small: Use a small camera, for machines that are busy with other things.
+
+    Returns:
+        The busy share, 0 to 1.
+    """
+    config = preset("paper")
+    if small:
+        values = config.model_dump()
+        values["world"]["camera"] |= {"width": 160, "height": 120}
+        config = HyPerNavConfig.model_validate(values)
+    with ModelServer(latency_s, capacity) as model:
+        specs = PartSpecs(vlm=model.address, reasoner="geometric")
+        news, moments = run(dataset, episodes, workers, config, specs, max_steps=max_steps)
+        # From then on fewer episodes are left than there are workers.
+        share = model.busy_share(workers, until=moments[len(moments) - workers])
+    calls = sum(record.model_calls for record in news.records)
+    print(f"{workers} episodes at a time, {calls} questions: the server was busy {share:.1%}")
+    return share
+
+
+if __name__ == "__main__":
+    tyro.extras.subcommand_cli_from_dict({"workers": workers, "server": server})
