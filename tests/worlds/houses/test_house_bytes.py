@@ -57,7 +57,7 @@ def test_other_numbers_are_other_houses():
     assert digest(build_compact(3)) != digest(build_compact(4))
 
 
-@pytest.mark.slow
+@pytest.mark.freeze
 def test_500_houses_in_a_row_can_be_built():
     for number in range(10_000, 10_500):
         assert len(build_compact(number).names) > 40
