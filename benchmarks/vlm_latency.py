@@ -15,9 +15,15 @@ import statistics
 import sys
 import time
 from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import tyro
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "local_vlm"))
+
+from cpu_torchvision import prepare
 
 from hypernav.core.errors import HyPerNavError
 from hypernav.core.extras import require
@@ -77,6 +83,8 @@ TASKS = (Task("grounding", 640, 480, 60), Task("block choice", 768, 768, 8))
 def build(size: Size, device: Any, dtype: Any) -> Any:
     """The network, its weights drawn at random on the device."""
     torch = require("torch", extra=EXTRA)
+    if device.type == "cpu" and find_spec("torchvision") is not None:
+        prepare()
     hf = require("transformers", extra=EXTRA)
     text: dict[str, Any] = dict(TEXT[size])
     sections = text.pop("mrope")
