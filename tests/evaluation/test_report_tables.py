@@ -1,0 +1,172 @@
+import json
+
+import pytest
+
+from eval_runs import apart, record
+from hypernav.core.errors import RunFolderError
+from hypernav.evaluation.failures import RULES, Failure
+from hypernav.evaluation.outcome import Outcome
+from hypernav.evaluation.protocol import StopRule
+from hypernav.evaluation.report import load_runs, tables, wording, write_report
+from hypernav.evaluation.report.files import tex
+from hypernav.evaluation.report.published import PUBLISHED
+from hypernav.evaluation.run_plan import RunPlan
+from hypernav.evaluation.store import RunStore
+
+WHO = {
+    "agent": "hypernav",
+    "preset": "default",
+    "detector": "ground truth",
+    "reasoner": "geometric",
+    "parts": {"detector": "ground-truth"},
+}
+
+
+def missed(episode_id, scene_id, failure=Failure.NEVER_SEEN, **values):
+    return record(episode_id, scene_id, failure=failure, stopped=False, **values)
+
+
+def written(folder, records, agent="hypernav", wanted=None):
+    configuration = RunPlan("houses-val", who=WHO | {"agent": agent}).configuration([])
+    configuration["episodes"] |= {"count": wanted or len(records), "scenes": 2}
+    with RunStore(folder, configuration) as store:
+        for line in records:
+            store.add(line)
+    return folder
+
+
+@pytest.fixture
+def good(tmp_path):
+    records = [
+        record("0", "a", goal="bed", shortest_path_m=2.0, path_length_m=4.0),
+        record("1", "a", goal="sofa", shortest_path_m=6.0, path_length_m=6.0),
+        record("0", "b", goal="bed", shortest_path_m=20.0, path_length_m=40.0),
+        missed("1", "b", goal="bed", shortest_path_m=4.0, distance_to_goal_m=0.22),
+    ]
+    return written(tmp_path / "good", records)
+
+
+@pytest.fixture
+def bad(tmp_path):
+    records = [
+        missed("0", "a", goal="bed"),
+        record("1", "a", goal="sofa"),
+        missed("0", "b", Failure.STOPPED_TOO_FAR, goal="bed"),
+        apart("1", "b"),
+    ]
+    return written(tmp_path / "bad", records, agent="frontier", wanted=9)
+
+
+def test_groups_by_hand(good):
+    runs = load_runs([good])
+    by_scene = {g.name: (g.count, g.success[0].mean) for g in tables.by_scene(runs)}
+    assert by_scene == {"a": (2, 1.0), "b": (2, 0.5)}
+    assert [(g.name, g.count) for g in tables.by_goal(runs)] == [("bed", 3), ("sofa", 1)]
+    assert tables.by_goal(runs)[0].spl[0].mean == pytest.approx((0.5 + 0.5 + 0.0) / 3)
+    assert [(g.name, g.count) for g in tables.by_distance(runs)] == [
+        ("under 3 m", 1),
+        ("3 to 5 m", 1),
+        ("5 to 8 m", 1),
+        ("12 m and more", 1),
+    ]
+    assert tables.by_part(runs) == []
+
+
+def test_every_protocol_is_scored_from_the_same_lines(good):
+    matrix = tables.protocol_matrix(load_runs([good])[0])
+    strict = [summary.success.mean for summary in matrix[StopRule.STOP_REQUIRED]]
+    lax = [summary.success.mean for summary in matrix[StopRule.TIMEOUT_COUNTS]]
+    assert strict == [0.75] * 5
+    assert lax == [0.75, 0.75, 1.0, 1.0, 1.0]  # 0.22 m away when time ran out
+
+
+def test_failures_are_shares_of_what_counts_and_outages_stand_apart(good, bad):
+    rows = tables.failures(load_runs([good, bad]))
+    assert [(row.failure, row.counts) for row in rows] == [
+        (Failure.NEVER_SEEN, [1, 1]),
+        (Failure.STOPPED_TOO_FAR, [0, 1]),
+        (Failure.MODEL_UNAVAILABLE, [0, 1]),
+    ]
+    assert rows[0].shares == [0.25, pytest.approx(1 / 3)]
+    assert rows[2].shares == [0.0, 0.25]
+
+
+def test_runs_are_paired_by_episode_and_only_where_both_count(good, bad):
+    pair = tables.pair(*load_runs([good, bad]))
+    assert pair.count == 3
+    assert pair.success.difference.mean == pytest.approx(-2 / 3)
+    assert (pair.outcomes.both, pair.outcomes.only_first) == (1, 2)
+
+
+def test_time_is_told_by_module_and_the_rest_is_named(good):
+    rows = {row.name: row.milliseconds[0] for row in tables.module_times(load_runs([good]))}
+    assert rows["world"] == pytest.approx(1000 * 0.6 / 20)
+    assert rows["everything else"] == pytest.approx(1000 * 0.3 / 20)
+
+
+def test_a_reader_is_warned_of_all_that_limits_the_numbers(good, bad):
+    said = " ".join(wording.warnings(load_runs([good, bad])))
+    assert "ground-truth detection" in said
+    assert "frontier is not finished: 4 of 9" in said
+    assert "frontier: 1 episodes ended by a model or simulator outage" in said
+    assert "hypernav is not finished" not in said
+
+
+def test_the_page_is_whole_and_needs_no_network(good, bad, tmp_path):
+    page = write_report(tmp_path / "out", load_runs([good, bad]), compare=True).read_text()
+    for text in ("hypernav", "frontier", "Under every protocol", "The protocol in full"):
+        assert text in page
+    assert "<script" not in page
+    assert 'src="http' not in page
+    for row in PUBLISHED:
+        assert row.method in page
+        assert row.url in page
+
+
+def test_a_page_is_the_same_for_the_same_folders(good, tmp_path):
+    first = write_report(tmp_path / "1", load_runs([good])).read_text()
+    assert write_report(tmp_path / "2", load_runs([good])).read_text() == first
+
+
+def test_two_runs_of_one_agent_are_told_apart_by_their_folders(good, tmp_path):
+    other = written(tmp_path / "again", [record("0", "a")])
+    assert [run.name for run in load_runs([good, other])] == ["good", "again"]
+
+
+def test_a_goal_is_text_and_never_markup(tmp_path):
+    folder = written(tmp_path / "odd", [record(goal="<b>bed</b> & 50 %_$")])
+    write_report(tmp_path / "out", load_runs([folder]))
+    assert "<b>bed</b>" not in (tmp_path / "out" / "report.html").read_text()
+    assert tex("50 %_$&#{}") == r"50 \%\_\$\&\#\{\}"
+
+
+def test_runs_without_a_common_episode_cannot_be_compared(good, tmp_path):
+    other = written(tmp_path / "other", [record("9", "z")], agent="frontier")
+    with pytest.raises(RunFolderError, match="no episode in common"):
+        write_report(tmp_path / "out", load_runs([good, other]), compare=True)
+
+
+def test_a_run_of_outages_alone_says_so(tmp_path):
+    with pytest.raises(RunFolderError, match="no episode that counts"):
+        load_runs([written(tmp_path / "away", [apart()])])
+
+
+def test_every_class_has_a_rule_and_words_for_people():
+    assert {failure for failure, _ in RULES} == set(Failure) == set(wording.RULES_IN_WORDS)
+
+
+def test_published_numbers_name_their_source_and_what_differs():
+    for row in PUBLISHED:
+        assert 0.0 < row.spl_percent < row.success_percent < 100.0
+        assert row.url.startswith("https://")
+        assert row.protocol
+        assert row.source
+
+
+def test_a_line_holds_all_numbers_of_an_episode(good):
+    line = json.loads((good / "episodes.jsonl").read_text().splitlines()[0])
+    assert {
+        "scene_id", "episode_id", "goal", "outcome", "failure", "success", "spl", "soft_spl",
+        "distance_to_goal_m", "steps", "path_length_m", "model_calls", "seconds",
+    } <= set(line)  # fmt: skip
+    assert line["outcome"] == Outcome.FOUND
