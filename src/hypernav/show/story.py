@@ -161,7 +161,7 @@ def _asked(exchange: Exchange, step: StepTrace) -> Asked:
     return Asked(
         exchange=exchange,
         title=words.question_words(exchange),
-        who=words.part_in_use(exchange.asked),
+        who=words.who_answered(exchange),
         answer=words.seen_words(step.detections) if exchange.kind == "ground" else exchange.answer,
         likeliest=tuple(ranked[:_MOST_BARS]),
     )

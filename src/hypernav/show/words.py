@@ -57,6 +57,11 @@ def part_in_use(name: str) -> str:
     return _PARTS_WITHOUT_MODEL.get(_spaced(name), name)
 
 
+def who_answered(exchange: Exchange) -> str:
+    """Who was asked, as a sentence begins; a model's own name is left as it is."""
+    return exchange.asked if exchange.by_model else sentence(part_in_use(exchange.asked))
+
+
 def is_ground_truth(detector: str) -> bool:
     """Whether a detector is given the answers by the simulator."""
     return _spaced(detector).startswith("ground truth")
