@@ -42,6 +42,14 @@ def test_a_box_without_depth_is_taken_whole():
     assert overlap(mask, observation.truth.ids == THING) > 0.9
 
 
+def test_what_stands_before_a_thing_beyond_the_range_is_not_the_thing():
+    """A post of 10 by 40 pixels stands before something that is too far away for depth."""
+    observation = thing_before_wall(thing_m=1.5, wall_m=0.0, box=(60, 40, 70, 80))
+    mask = DepthCutSegmenter().segment(observation, Box(55.0, 35.0, 105.0, 85.0))
+    assert mask.any()
+    assert (observation.depth[mask] == 0.0).all()
+
+
 @pytest.mark.parametrize("box", [(-50, -50, -10, -10), (200, 10, 300, 50), (10, 10, 10, 40)])
 def test_a_box_outside_the_picture_holds_nothing(box):
     mask = DepthCutSegmenter().segment(thing_before_wall(), Box(*map(float, box)))

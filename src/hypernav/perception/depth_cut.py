@@ -21,6 +21,8 @@ class DepthCutConfig(RoomConfig):
         iterations: Of GrabCut.
         floor_height_m: What is lower than this is floor, not the object: it touches the object
             without a jump in depth and often has its colour. 0 keeps it.
+        max_empty_share: If more of the box than this has no depth, the object is beyond the range
+            of depth, and what has depth stands before it.
         max_floor_share: If more of the box than this is floor, the object lies on it (a rug), and
             the floor is kept.
     """
@@ -31,6 +33,7 @@ class DepthCutConfig(RoomConfig):
     iterations: int = 2
     floor_height_m: float = 0.06
     max_floor_share: float = 0.6
+    max_empty_share: float = 0.5
 
 
 class DepthCutSegmenter:
@@ -102,6 +105,9 @@ class DepthCutSegmenter:
         depth: Float32[np.ndarray, "h w"],
         inside: Bool[np.ndarray, "h w"],
     ) -> Bool[np.ndarray, "h w"]:
+        empty = inside & (depth <= 0)
+        if empty.sum() > self._config.max_empty_share * inside.sum():
+            return empty
         cluster = inside & self._dominant_cluster(depth, inside)
         if not cluster.any():
             return inside
