@@ -61,7 +61,9 @@ class Tally:
     wasted: int = 0
 
 
-def search(world: SimulatedWorld, goal: Goal, seed: int, variant: str, tally: Tally, set: tuple):
+def search(
+    world: SimulatedWorld, goal: Goal, seed: int, variant: str, tally: Tally, set: tuple[str, ...]
+) -> None:
     name, assignments = VARIANTS[variant]
     config = layered(preset(name), assignments=(*assignments, *set))
     rng = np.random.default_rng(seed)
@@ -82,9 +84,10 @@ def search(world: SimulatedWorld, goal: Goal, seed: int, variant: str, tally: Ta
     tally.wasted += remarks.count("asked ahead, not used")
 
 
-def worlds(scenes: tuple[str, ...]) -> Iterator[SimulatedWorld]:
+def worlds(scenes: tuple[str, ...], set: tuple[str, ...]) -> Iterator[SimulatedWorld]:
+    config = layered(preset("default"), assignments=set)
     for scene in scenes:
-        yield SimulatedWorld(build_scene(scene), preset("default").world)
+        yield SimulatedWorld(build_scene(scene), config.world)
 
 
 def main(
@@ -96,7 +99,7 @@ def main(
     map_question_s: float = 0.7,
     set: tuple[str, ...] = (),
 ) -> None:
-    """Run all and print the table.
+    """Run all and print the table so far after every goal.
 
     Args:
         scenes: As for `hypernav find --scene`.
@@ -109,22 +112,26 @@ def main(
     """
     tallies = {variant: Tally() for variant in variants}
     console = Console(highlight=False, width=140)
-    for world in worlds(scenes):
+    for world in worlds(scenes, set):
         for goal in map(Goal, goals):
             if not world.regions.of(goal).instances:
                 continue
             for seed in range(seeds):
                 for variant, tally in tallies.items():
                     search(world, goal, seed, variant, tally, set)
-            console.print(f"{world.scene.name}: {goal.text} done")
+            console.print(f"after {goal.text} in {world.scene.name}:")
+            console.print(table(tallies, question_s, map_question_s))
+
+
+def table(tallies: dict[str, Tally], question_s: float, map_question_s: float) -> Table:
     columns = ("found", "SPL", "steps", "ground", "map", "verify", "calls", "ahead", "waited")
-    table = Table("per search", *columns)
+    rows = Table("per search", *columns)
     for variant, tally in tallies.items():
         n = len(tally.steps)
         ground, verify = tally.calls.get("ground", 0), tally.calls.get("verify", 0)
         of_map = tally.calls.get("choose block", 0) + tally.calls.get("summarise", 0)
         waited = question_s * (ground + verify) + map_question_s * (of_map - tally.ahead)
-        table.add_row(
+        rows.add_row(
             variant,
             f"{tally.found} of {n}",
             f"{np.mean(tally.spl):.3f}",
@@ -134,7 +141,7 @@ def main(
             f"{tally.ahead / n:.1f} ({tally.wasted / n:.1f} wasted)",
             f"{waited / n:.0f} s",
         )
-    console.print(table)
+    return rows
 
 
 if __name__ == "__main__":
