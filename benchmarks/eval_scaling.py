@@ -22,6 +22,7 @@ from hypernav.evaluation.datasets import load_episodes, select
 from hypernav.evaluation.processes import ProcessCrew
 from hypernav.evaluation.runner import RunNews, run_episodes
 from hypernav.evaluation.store import RunStore
+from hypernav.evaluation.usage import cpu_seconds_of_ended_workers
 from hypernav.evaluation.workbench import Job
 from hypernav.part_specs import PartSpecs
 from hypernav.presets import HyPerNavConfig, preset
@@ -149,14 +150,15 @@ def workers(dataset: str = "houses-train#3000:3004", episodes: int = 16) -> None
     """
     rates = {}
     for count in (1, 2):
-        began = time.monotonic()
+        began, used = time.monotonic(), cpu_seconds_of_ended_workers()
         news, moments = run(dataset, episodes, count, preset("default"))
         rates[count] = 3600.0 * episodes / (moments[-1] - began)
         peak = max(news.peak_mb.values())
         steps = sum(record.steps for record in news.records) / len(news.records)
         print(
             f"{count} worker(s): {rates[count]:.0f} episodes an hour, start included; "
-            f"{steps:.0f} steps an episode, peak memory of a worker {peak:.0f} MB"
+            f"{steps:.0f} steps an episode, peak memory of a worker {peak:.0f} MB, "
+            f"{(cpu_seconds_of_ended_workers() - used) / episodes:.1f} s of processor an episode"
         )
     print(f"two workers are {rates[2] / rates[1]:.2f} times as fast as one")
 

@@ -74,9 +74,15 @@ class Eval:
         self._check()
         console = Console(stderr=True, quiet=self.quiet, highlight=False)
         config = self.options.resolve()
-        with console.status("loading the episodes …"):
+        with console.status("loading the episodes …") as status:
             episodes = select(
-                load_episodes(self.dataset, config.world),
+                load_episodes(
+                    self.dataset,
+                    config.world,
+                    progress=lambda done, total: status.update(
+                        f"loading the episodes, {done} of {total} …"
+                    ),
+                ),
                 part=self.episodes,
                 scenes=self.scenes,
                 goals=self.goals,

@@ -1,0 +1,46 @@
+from eval_runs import timeless_lines, write_room
+from hypernav.core.actions import Action
+from hypernav.evaluation.evaluate import evaluate
+from hypernav.evaluation.report import load_runs, write_report
+from hypernav.evaluation.run_plan import RunPlan, Selection
+from small_worlds import small_config
+
+
+class Quitter:
+    """Stops at once."""
+
+    def reset(self, goal):
+        pass
+
+    def act(self, observation):
+        return Action.STOP
+
+
+class Buggy(Quitter):
+    def act(self, observation):
+        raise ZeroDivisionError("a bug of one's own")
+
+
+def plan(tmp_path):
+    room = write_room(tmp_path / "room.glb")
+    return RunPlan(f"scene:{room}#1", Selection(goals="bed"), config=small_config())
+
+
+def test_an_agent_of_ones_own_gets_a_run_and_a_report(tmp_path):
+    news = evaluate(plan(tmp_path), tmp_path / "run", Quitter)
+    assert (news.done_now, news.records[0].steps) == (1, 1)
+    assert evaluate(plan(tmp_path), tmp_path / "run", Quitter).done_now == 0
+    page = write_report(tmp_path / "run", load_runs([tmp_path / "run"])).read_text()
+    assert "Quitter" in page
+    assert "ground-truth detection" not in page
+
+
+def test_a_bug_in_an_agent_is_no_result_and_its_traceback_is_kept(tmp_path):
+    news = evaluate(plan(tmp_path), tmp_path / "run", Buggy)
+    assert news.records == []
+    ((episode, error),) = news.crashes.items()
+    assert episode.goal == "bed"
+    assert "a bug of one's own" in error
+    # The bug is mended: the episode that has no result is run.
+    assert evaluate(plan(tmp_path), tmp_path / "again", Quitter).done_now == 1
+    assert len(timeless_lines(tmp_path / "again")) == 1
