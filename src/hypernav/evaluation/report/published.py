@@ -56,7 +56,7 @@ PUBLISHED: tuple[Published, ...] = (
         "HM3D-v1 val",
         61.1,
         36.0,
-        "real scans, a real detector; 2,000 episodes of six categories",
+        "real scans; InstructNav without its GPT-4, detector and saliency map; 2,000 episodes",
         "Aghaei et al., When Engineering Outruns Intelligence, 2025",
         "https://arxiv.org/abs/2507.20021",
     ),
