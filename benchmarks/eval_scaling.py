@@ -150,13 +150,15 @@ def workers(dataset: str = "houses-train#3000:3004", episodes: int = 16) -> None
     """
     rates = {}
     for count in (1, 2):
-        began, used = time.monotonic(), cpu_seconds_of_ended_workers()
+        used = cpu_seconds_of_ended_workers()
         news, moments = run(dataset, episodes, count, preset("default"))
-        rates[count] = 3600.0 * episodes / (moments[-1] - began)
+        # From the first result until workers begin to run out of work: neither start nor end.
+        last = max(len(moments) - count, 1)
+        rates[count] = 3600.0 * last / (moments[last] - moments[0])
         peak = max(news.peak_mb.values())
         steps = sum(record.steps for record in news.records) / len(news.records)
         print(
-            f"{count} worker(s): {rates[count]:.0f} episodes an hour, start included; "
+            f"{count} worker(s): {rates[count]:.0f} episodes an hour, once it runs; "
             f"{steps:.0f} steps an episode, peak memory of a worker {peak:.0f} MB, "
             f"{(cpu_seconds_of_ended_workers() - used) / episodes:.1f} s of processor an episode"
         )
