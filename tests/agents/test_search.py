@@ -143,3 +143,13 @@ def test_a_second_look_from_another_side_unmasks_a_sofa(sure_score, outcome):
     assert result.outcome == outcome
     assert ("second look wanted" in events) == (sure_score > 0.0)
     assert ("goal area rejected" in events) == (sure_score > 0.0)
+
+
+@pytest.mark.parametrize(("look_again", "circles"), [(True, 2), (False, 1)])
+def test_it_looks_around_once_more_before_it_gives_up(look_again, circles):
+    agent = search(search={"look_again_before_giving_up": look_again})
+    steps, result = run(agent, "piano")
+    assert result.outcome is Outcome.NOT_FOUND
+    turned = sum(step.mode is Mode.LOOK_AROUND for step in steps)
+    assert turned >= 12 * circles
+    assert look_again or turned == 12

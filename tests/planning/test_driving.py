@@ -123,7 +123,7 @@ def drive(seed, config, *, door_m, limit=300):
     robot, navigator = DrivenRobot(grid, pose), Navigator(config)
     known = OccupancyGrid(grid.cells.copy(), grid.resolution_m, grid.origin)
     for _ in range(limit):
-        for x, y in navigator.bumped_points(robot.pose):
+        for x, y in navigator.bumped_points(robot.pose, known):
             known.cells[known.cell_of(x, y)] = Cell.OCCUPIED
         action = navigator.towards(known, robot.pose, goal)
         if action is None:
@@ -190,16 +190,26 @@ def test_no_way_is_not_an_arrival():
 
 def test_a_step_cut_short_is_a_bump_and_a_full_one_is_not():
     navigator, before = Navigator(CONFIG), Pose2(0.0, 0.0, 0.0)
-    assert len(navigator.bumped_points(before)) == 0
+    assert len(navigator.bumped_points(before, HALL)) == 0
     navigator.note_action(before, Action.MOVE_FORWARD)
-    assert len(navigator.bumped_points(Pose2(0.5, 0.0, 0.0))) == 0
-    points = navigator.bumped_points(Pose2(0.1, 0.0, 0.0))
+    assert len(navigator.bumped_points(Pose2(0.5, 0.0, 0.0), HALL)) == 0
+    points = navigator.bumped_points(Pose2(0.1, 0.0, 0.0), HALL)
     assert len(points) > 0
     # Ahead of the robot, at its edge or beyond.
     assert (points[:, 0] > 0.25).all()
     assert (np.hypot(points[:, 0] - 0.1, points[:, 1]) > 0.18).all()
     navigator.note_action(before, Action.TURN_LEFT)
-    assert len(navigator.bumped_points(before)) == 0
+    assert len(navigator.bumped_points(before, HALL)) == 0
+
+
+def test_what_stands_beside_the_robot_is_what_it_touches():
+    grid = OccupancyGrid(HALL.cells.copy(), 0.05, HALL.origin)
+    grid.cells[105:110, 95:115] = Cell.OCCUPIED  # to the left, 0.25 m away
+    navigator, before = Navigator(CONFIG), Pose2(-0.1, 0.0, 0.0)
+    navigator.note_action(before, Action.MOVE_FORWARD)
+    points = navigator.bumped_points(Pose2(0.0, 0.0, 0.0), grid)
+    assert len(points) > 0
+    assert (points[:, 1] > 0.1).all()  # the way ahead and to the right stays open
 
 
 def test_the_same_situation_gives_the_same_actions():

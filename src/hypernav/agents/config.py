@@ -16,6 +16,8 @@ class SearchConfig(RoomConfig):
         arrival_distance_m: A destination of global perception counts as reached within this.
         endurance_steps: A destination is given up after this many steps (paper: endurance limit).
         look_around_at_start: Turn once around before the first step.
+        look_again_before_giving_up: When nothing is left to explore, turn once around, forget
+            which places were visited, and only then give up.
         drop_explored: Give a destination up once nothing unknown is left around it.
         drop_explored_radius_m: What "around it" means.
         verify_view: The picture that the presence check sees: the "current" one (paper) or the
@@ -30,6 +32,7 @@ class SearchConfig(RoomConfig):
     arrival_distance_m: float = 0.5
     endurance_steps: int = 40
     look_around_at_start: bool = True
+    look_again_before_giving_up: bool = True
     drop_explored: bool = True
     drop_explored_radius_m: float = 0.75
     verify_view: Literal["current", "best"] = "best"

@@ -94,6 +94,10 @@ class Exploration:
             self._end("destination reached" if arrived else "no path to destination", events)
         return Action.TURN_LEFT, "no way to any destination, looking again"
 
+    def forget_visits(self) -> None:
+        """Explore anew over the same map: a place counts as visited even if it was hardly seen."""
+        self._explorer.reset(self._goal)
+
     def drain_offered(self) -> list[BlockRecord]:
         """The blocks of the map question that was asked since the last call, if any."""
         offered, self._offered = self._offered, ()

@@ -86,6 +86,7 @@ class SearchAgent:
         self._trajectory: list[tuple[float, float]] = []
         self._turns_left = self._turns_of_a_circle() if self._config.look_around_at_start else 0
         self._all_explored = False
+        self._ends: list[tuple[float, float]] = []
         self._last_step = None
         self._step = 0
         self._forget_approach()
@@ -112,7 +113,7 @@ class SearchAgent:
         self._trajectory.append(observation.robot.xy)
         with clock("map"):
             self._map.integrate(observation)
-            self._map.mark_occupied(self._navigator.bumped_points(observation.robot))
+            self._map.mark_occupied(self._navigator.bumped_points(observation.robot, self.grid))
         with clock("local"):
             detections = self._local.look(observation)
         decision = self._approach(observation, clock) or self._explore(observation, clock)
@@ -243,7 +244,7 @@ class SearchAgent:
         """Drive to a destination of global perception."""
         if self._turns_left > 0:
             self._turns_left -= 1
-            return _Decision(Action.TURN_LEFT, Mode.LOOK_AROUND, "looking around first")
+            return _Decision(Action.TURN_LEFT, Mode.LOOK_AROUND, "looking around")
         chosen = self._exploration.next_action(
             self.grid,
             observation.robot,
@@ -253,17 +254,29 @@ class SearchAgent:
             events=self._events,
         )
         if chosen is None:
-            return self._end_of_exploration()
+            return self._end_of_exploration(observation.robot)
         return _Decision(chosen[0], Mode.EXPLORE, chosen[1])
 
-    def _end_of_exploration(self) -> _Decision:
+    def _end_of_exploration(self, robot: Pose2) -> _Decision:
         """Nothing is left to explore: go as near as possible to a goal in sight, or give up."""
         if self._local.target is not None and not self._all_explored:
             self._all_explored = True
             reason = f"all is explored, going as near to the {self._goal.thing} as possible"
             return _Decision(Action.TURN_LEFT, Mode.APPROACH, reason)
+        if self._config.look_again_before_giving_up and self._is_new_end(robot):
+            self._ends.append(robot.xy)
+            self._exploration.forget_visits()
+            self._turns_left = self._turns_of_a_circle()
+            return _Decision(
+                Action.TURN_LEFT, Mode.LOOK_AROUND, "nothing is left to explore, looking once more"
+            )
         self._events.append(GAVE_UP)
         return _Decision(Action.STOP, Mode.STOP, "nothing is left to explore")
+
+    def _is_new_end(self, robot: Pose2) -> bool:
+        """Whether exploration has not yet ended around here."""
+        near_m = 2.0 * self._config.arrival_distance_m
+        return all(robot.distance_to(*place) > near_m for place in self._ends)
 
     def _destination_point(self, target: Target | None) -> tuple[float, float] | None:
         if target is not None:

@@ -88,16 +88,18 @@ class PathFollower:
         if self._path is None:
             return None
         self._pass_waypoints(self._path, robot)
-        # A way out of an inflated obstacle is too narrow for a search over whole steps.
-        if self._config.steering == "lattice" and terrain is not None and not terrain.is_tight:
+        if self._config.steering == "lattice" and terrain is not None:
             action = self._by_lattice(self._path, robot, terrain)
+            if action is None and terrain.is_tight and not self._is_at_end(self._path, robot):
+                action = self._to_waypoint(self._path, robot)
         else:
             action = self._to_waypoint(self._path, robot)
-        # A step may end up to half its length away from where it should.
-        self._arrived = action is None and (
-            robot.distance_to(*self._path.end) <= max(self._tolerance, self._config.forward_m)
-        )
+        self._arrived = action is None and self._is_at_end(self._path, robot)
         return action
+
+    def _is_at_end(self, path: Path, robot: Pose2) -> bool:
+        # A step may end up to half its length away from where it should.
+        return robot.distance_to(*path.end) <= max(self._tolerance, self._config.forward_m)
 
     @property
     def _tolerance(self) -> float:
@@ -140,6 +142,8 @@ class PathFollower:
         They are carried out to their end, where less is left to go than before. To choose anew
         after every action could go in circles.
         """
+        if robot.distance_to(*path.end) <= self._tolerance:
+            return None  # no wall is thin enough to lie between
         if not (self._plan and self._goes_as_planned(robot, terrain)):
             actions = self._search_actions(path, robot, terrain)
             if actions is None:

@@ -6,6 +6,7 @@ from jaxtyping import Float64
 from hypernav.core.actions import Action
 from hypernav.core.geometry import Pose2
 from hypernav.core.grid import OccupancyGrid
+from hypernav.mapping.inflation import inflate
 from hypernav.planning.config import PlanningConfig
 from hypernav.planning.follower import PathFollower
 from hypernav.planning.planner import Path, Planner, is_blocked
@@ -13,6 +14,8 @@ from hypernav.planning.terrain import Terrain
 
 _MOVED_SHARE = 0.6
 """A step shorter than this share of what was ordered has bumped into something."""
+_TOUCHES_M = 0.1
+"""How much larger than seen a thing may be that the robot touches."""
 
 
 class Navigator:
@@ -69,21 +72,34 @@ class Navigator:
         """Remember what the robot was ordered to do, to notice a bump in the next step."""
         self._last = (robot, action)
 
-    def bumped_points(self, robot: Pose2) -> Float64[np.ndarray, "n 2"]:
+    def bumped_points(self, robot: Pose2, grid: OccupancyGrid) -> Float64[np.ndarray, "n 2"]:
         """Where something unseen must be, since the last step forward was cut short.
 
+        If the map shows obstacles beside the robot's front, the robot has touched one of them that
+        is a little larger than it was seen; else something unseen is right before it.
+
+        Args:
+            robot: Where the robot is.
+            grid: The map.
+
         Returns:
-            Points right before the robot, metres; none if it moved as ordered.
+            Points around the robot's front, metres; none if it moved as ordered.
         """
         if self._last is None or self._last[1] is not Action.MOVE_FORWARD:
             return np.zeros((0, 2))
         moved = self._last[0].distance_to(*robot.xy)
         if moved >= _MOVED_SHARE * self._config.forward_m:
             return np.zeros((0, 2))
-        angles = robot.yaw + np.radians(np.arange(-30.0, 31.0, 10.0))
-        return np.array(robot.xy) + self._config.inflation_m * np.stack(
+        angles = robot.yaw + np.radians(np.arange(-60.0, 61.0, 10.0))
+        front = np.array(robot.xy) + self._config.inflation_m * np.stack(
             [np.cos(angles), np.sin(angles)], axis=1
         )
+        beside_known = inflate(grid.occupied, _TOUCHES_M, grid.resolution_m) > 0
+        cells = grid.cells_of(front)
+        inside = ((cells >= 0) & (cells < np.array(grid.cells.shape))).all(axis=1)
+        touched = np.zeros(len(front), dtype=bool)
+        touched[inside] = beside_known[cells[inside, 0], cells[inside, 1]]
+        return front[touched] if touched.any() else front[3:-3]
 
     def remaining(self, robot: Pose2) -> list[tuple[float, float]]:
         """The way still to go, from the robot on, metres; empty without a path."""

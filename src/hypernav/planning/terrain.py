@@ -25,12 +25,14 @@ class Terrain:
         costs: Factor on the length of a way through a cell; 0 where the robot cannot be.
         is_open: 1 where the robot may stay: the cost is not 0, and the cell is no way out.
         way_out: From the robot to open floor; its cells are priced too. None if there is none.
+        is_squeezed: Whether obstacles are inflated less than they should be.
     """
 
     grid: OccupancyGrid
     costs: Float32[np.ndarray, "rows columns"]
     is_open: UInt8[np.ndarray, "rows columns"]
     way_out: WayOut | None
+    is_squeezed: bool
 
     @staticmethod
     def of(
@@ -60,12 +62,12 @@ class Terrain:
         way_out = WayOut.find(occupied, is_open, grid.cell_of(*robot), size)
         if way_out is not None:
             costs[way_out.cells & (is_open == 0)] = _WAY_OUT_COST
-        return Terrain(grid, costs, is_open, way_out)
+        return Terrain(grid, costs, is_open, way_out, inflation_m < config.inflation_m)
 
     @property
     def is_tight(self) -> bool:
-        """Whether the robot stands inside an inflated obstacle."""
-        return self.way_out is None or bool(self.way_out.cells.any())
+        """Whether the robot is where steps of full length may not fit."""
+        return self.is_squeezed or self.way_out is None or bool(self.way_out.cells.any())
 
     def continuous(self, x: float, y: float) -> tuple[float, float]:
         """A point in continuous ``(row, column)`` cells."""
