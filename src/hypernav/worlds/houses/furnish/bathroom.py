@@ -82,7 +82,7 @@ def furnish_bathroom(site: Site, *, with_washer: bool) -> None:
 
 def _curtain(site: Site, tub: Placed) -> None:
     model = walls.shower_curtain(site.dice, site.taste, round(tub.model.width - 0.04, 3))
-    dx, dy = turned_point(0.0, tub.model.depth / 2 + 0.05, tub.yaw_deg)
+    dx, dy = turned_point(0.0, tub.model.depth / 2 + 0.06, tub.yaw_deg)
     spot = Spot(tub.x + dx, tub.y + dy, tub.yaw_deg, 0.25)
     if not site.is_taken(model, spot) and site.fits(model, spot, in_clear=True, tight=True):
         site.put(model, spot)

@@ -79,9 +79,7 @@ class FreeFloor:
             anchors: Places that must be reached with full walking width from now on.
         """
         standing, walking = self._without(rects)
-        _, _, stats, _ = cv2.connectedComponentsWithStats(standing.view(np.uint8), connectivity=4)
-        sizes = stats[1:, cv2.CC_STAT_AREA]
-        if len(sizes) > 1 and int(sizes.sum() - sizes.max()) > 2:
+        if not (_is_connected(standing) and _is_connected(self._surely_without(rects))):
             return False
         wanted = [*self._anchors, *anchors]
         if not wanted:
@@ -98,8 +96,7 @@ class FreeFloor:
     def take(self, rects: list[Rect], anchors: list[Point]) -> None:
         """Occupy the floor for good."""
         self._standing, self._walking = self._without(rects)
-        for rect in rects:
-            self._sure[self._cells(rect.grown(_SURE_M))] = False
+        self._sure = self._surely_without(rects)
         self._anchors += anchors
 
     def standing_points(self) -> Float64[np.ndarray, "n 2"]:
@@ -122,3 +119,16 @@ class FreeFloor:
             standing[self._cells(rect.grown(STANDING_M))] = False
             walking[self._cells(rect.grown(WALKING_M + 0.02))] = False
         return standing, walking
+
+    def _surely_without(self, rects: list[Rect]) -> Bool[np.ndarray, "rows columns"]:
+        sure = self._sure.copy()
+        for rect in rects:
+            sure[self._cells(rect.grown(_SURE_M))] = False
+        return sure
+
+
+def _is_connected(free: Bool[np.ndarray, "rows columns"]) -> bool:
+    """Whether the free cells are one part, but for a cell or two."""
+    _, _, stats, _ = cv2.connectedComponentsWithStats(free.view(np.uint8), connectivity=4)
+    sizes = stats[1:, cv2.CC_STAT_AREA]
+    return len(sizes) < 2 or int(sizes.sum() - sizes.max()) <= 2

@@ -33,7 +33,7 @@ _NEEDED: dict[str, tuple[tuple[str, ...], ...]] = {
 }
 """What a room is not that room without: one of each group."""
 
-_ATTEMPTS = 5
+_ATTEMPTS = 12
 
 
 def furnish_rooms(plan: FloorPlan, taste: Taste, dice: Dice) -> list[Placed]:

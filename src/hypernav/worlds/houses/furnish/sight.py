@@ -51,12 +51,20 @@ def _is_seen(piece: Placed, site: Site, spots: Float64[np.ndarray, "n 2"]) -> bo
 
 
 def _in_the_way(own: Solid, site: Site) -> list[Solid]:
-    """All that may hide something: of what it lies in, as a cushion on a sofa, single parts."""
-    others = [s for s in site.solids if s is not own and not _holds(s, own)]
+    """All that may hide something.
+
+    Of what it lies in, as a cushion on a sofa, single parts; and of curtains, which are drawn back.
+    """
+    whole = {id(s) for s in site.solids if s is not own and not _holds(s, own)}
+    others: list[Solid] = []
     for piece in site.placed:
-        if site.takes_space(piece) and _holds(site.solid_of(piece), own):
+        if not site.takes_space(piece) or site.solid_of(piece) is own:
+            continue
+        solid = site.solid_of(piece)
+        if _holds(solid, own) or piece.model.category.endswith("curtain"):
             others += [s for s in _parts_of(piece) if not _holds(s, own)]
-    return others
+            whole.discard(id(solid))
+    return others + [s for s in site.solids if id(s) in whole]
 
 
 def _holds(outer: Solid, inner: Solid) -> bool:

@@ -113,6 +113,7 @@ class Site(Space):
                 if any(
                     low < s.high - 1e-4 and s.low < high - 1e-4 and rect.overlaps(s.rect, 0.012)
                     for s in self.solids
+                    if s is not self.solid_of(base)
                 ):
                     continue
                 if self._covers_opening(rect, low, high):

@@ -189,7 +189,7 @@ def filing_cabinet(dice: Dice, taste: Taste) -> Model:
         front(bench, steel, BLACK_METAL, 0.4, 0.3, at=(0, 0.25, 0.04 + k * 0.31), grip="cup")
         bench.add(lacquer("white"), panel(0.08, 0.04, at=(0, 0.27, 0.24 + k * 0.31)))
     return bench.model(
-        "filing cabinet", "file cabinet", main=steel, tops=(Top(-0.18, -0.22, 0.18, 0.22, high),)
+        "filing cabinet", "file cabinet", main=steel, tops=(Top(-0.21, -0.25, 0.21, 0.25, high),)
     )
 
 

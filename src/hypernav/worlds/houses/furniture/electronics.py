@@ -98,18 +98,18 @@ def printer(dice: Dice, taste: Taste) -> Model:
     body = plastic(dice.choice(("white", "light gray", "dark gray")))
     bench.add(
         body,
-        cushion(0.44, 0.36, 0.18, radius=0.025),
-        box(0.4, 0.3, 0.02, at=(0, -0.01, 0.18), bevel=0.006),
+        cushion(0.4, 0.36, 0.18, radius=0.025),
+        box(0.36, 0.3, 0.02, at=(0, -0.01, 0.18), bevel=0.006),
     )
     bench.add(
         plastic("black"),
         box(0.34, 0.02, 0.05, at=(0, 0.172, 0.05)),
         box(0.12, 0.004, 0.03, at=(-0.1, 0.18, 0.14)),
     )
-    bench.add(plastic("gray"), box(0.3, 0.16, 0.008, at=(0, 0.24, 0.045)))
+    bench.add(plastic("gray"), box(0.3, 0.13, 0.008, at=(0, 0.235, 0.045)))
     bench.add(
         plastic("white"),
-        box(0.21, 0.15, 0.006, at=(0, 0.23, 0.053)),
+        box(0.21, 0.12, 0.006, at=(0, 0.235, 0.053)),
         box(0.21, 0.012, 0.16, at=(0, -0.17, 0.17)),
     )
     return bench.model("printer", "inkjet printer", main=body)

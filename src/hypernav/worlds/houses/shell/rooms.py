@@ -182,7 +182,8 @@ def _outside(bench: Bench, plan: FloorPlan, number: int) -> None:
         if high <= low:
             continue
         bench.add(_FACADE, wall_face(along, plane, side, low, high, plan.height, holes))
-        cap = (low, high, *sorted((at, plane)))
+        # Its top fills an inner corner.
+        cap = (min(low, start), max(high, end), *sorted((at, plane)))
         rect = (
             Rect(cap[0], cap[2], cap[1], cap[3])
             if along == "x"
