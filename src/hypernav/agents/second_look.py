@@ -71,4 +71,4 @@ def _in_sight(
     known = ((rays >= 0) & (rays < np.array(hides.shape))).all(axis=1)
     hidden = np.zeros(len(rays), dtype=bool)
     hidden[known] = hides[rays[known, 0], rays[known, 1]]
-    return ~hidden.reshape(len(places), steps).any(axis=1)
+    return np.logical_not(hidden.reshape(len(places), steps).any(axis=1))
