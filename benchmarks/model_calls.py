@@ -38,14 +38,14 @@ SMALL_HOUSE = (
     / "small_house"
     / "scene.glb"
 )
-OFF = ("attention.skip_seen_views=false", "attention.skip_held_target=false")
+SEEN, HELD = ("attention.skip_seen_views=true",), ("attention.skip_held_target=true",)
 VARIANTS: dict[str, tuple[PresetName, tuple[str, ...]]] = {
     "paper": ("paper", ()),
-    "default, no savings": ("default", (*OFF, "ask_ahead.enabled=false")),
-    "+ skip seen views": ("default", (OFF[1], "ask_ahead.enabled=false")),
-    "+ skip held target": ("default", (OFF[0], "ask_ahead.enabled=false")),
-    "+ both": ("default", ("ask_ahead.enabled=false",)),
-    "+ both, ask ahead": ("default", ("ask_ahead.enabled=true",)),
+    "default": ("default", ()),
+    "+ skip seen views": ("default", SEEN),
+    "+ skip held target": ("default", HELD),
+    "+ both": ("default", SEEN + HELD),
+    "+ both, ask ahead": ("default", (*SEEN, *HELD, "ask_ahead.enabled=true")),
 }
 
 

@@ -114,7 +114,6 @@ def preset(name: PresetName) -> HyPerNavConfig:
             face_target=False,
             pursue_far_sightings=False,
         ),
-        attention=AttentionConfig(skip_seen_views=False, skip_held_target=False),
         ask_ahead=AskAheadConfig(enabled=False),
         block_choice=VlmReasonerConfig(mode="paper", skip_only_block=False),
     )

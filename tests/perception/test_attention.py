@@ -18,7 +18,8 @@ def view(x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> Observation:
 
 def attention(**settings: float | bool) -> tuple[Attention, ExchangeLog]:
     log = ExchangeLog()
-    return Attention(log, AttentionConfig.model_validate(settings)), log
+    on = {"skip_seen_views": True, "skip_held_target": True}
+    return Attention(log, AttentionConfig.model_validate(on | settings)), log
 
 
 def target_ahead() -> GoalArea:

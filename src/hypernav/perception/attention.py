@@ -21,6 +21,8 @@ _SAME_SURFACE_SHARE = 0.05
 class AttentionConfig(RoomConfig):
     """When the detector is not asked. The paper asks it at every step.
 
+    Both savings are off unless switched on: in our measurement they cost success (docs/models.md).
+
     Attributes:
         skip_seen_views: Not about a picture that shows nothing but what was asked about before.
         seen_share: Of a picture's surfaces must have been seen before for that.
@@ -32,11 +34,11 @@ class AttentionConfig(RoomConfig):
         held_factor: See there.
     """
 
-    skip_seen_views: bool = True
+    skip_seen_views: bool = False
     seen_share: float = Field(default=0.9, gt=0.0, le=1.0)
     closer_factor: float = Field(default=0.6, gt=0.0, le=1.0)
     edge_share: float = Field(default=0.05, ge=0.0, lt=0.5)
-    skip_held_target: bool = True
+    skip_held_target: bool = False
     held_factor: float = Field(default=0.7, gt=0.0, le=1.0)
 
 
