@@ -153,13 +153,10 @@ def _try_write(path: Path, write: Any) -> None:
     """Write a file whole or not at all."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile(dir=path.parent, prefix=".new-", delete=False) as file:
-            fresh = Path(file.name)
-            try:
+        with tempfile.TemporaryDirectory(dir=path.parent, prefix=".new-") as folder:
+            fresh = Path(folder) / path.name
+            with fresh.open("wb") as file:
                 write(file)
-            except BaseException:
-                fresh.unlink(missing_ok=True)
-                raise
-        fresh.replace(path)
+            fresh.replace(path)
     except OSError as error:
         _LOGGER.info("%s could not be written (%s)", path, error)
