@@ -109,6 +109,7 @@ def preset(name: PresetName) -> HyPerNavConfig:
         search=SearchConfig(
             look_around_at_start=False,
             look_again_before_giving_up=False,
+            mind_walls=False,
             drop_explored=False,
             verify_view="current",
             face_target=False,
