@@ -20,6 +20,7 @@ class SearchConfig(RoomConfig):
         look_around_at_start: Turn once around before the first step.
         look_again_before_giving_up: When nothing is left to explore, turn once around, forget
             which places were visited, and only then give up.
+        look_across_boundary: At a destination, turn to what is still unexplored around it.
         drop_explored: Give a destination up once nothing unknown is left around it.
         drop_explored_radius_m: What "around it" means.
         verify_view: The picture that the presence check sees: the "current" one (paper) or the
@@ -36,6 +37,7 @@ class SearchConfig(RoomConfig):
     endurance_steps: int = 40
     look_around_at_start: bool = True
     look_again_before_giving_up: bool = True
+    look_across_boundary: bool = True
     drop_explored: bool = True
     drop_explored_radius_m: float = 0.75
     verify_view: Literal["current", "best"] = "best"

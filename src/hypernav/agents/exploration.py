@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 import cv2
 import numpy as np
+from jaxtyping import Float64
 
 from hypernav.agents.config import SearchConfig
 from hypernav.core.actions import Action
@@ -72,6 +73,10 @@ class Exploration:
         Returns:
             None if nothing is left to explore.
         """
+        turn = self._look_across(grid, robot)
+        if turn is not None:
+            self._age += 1
+            return turn, "looking at what is unexplored here"
         self._drop_finished(grid, robot, events)
         if self._config.pursue_far_sightings and far_bearing is not None:
             self._pursue(grid, robot, far_bearing, events)
@@ -122,6 +127,27 @@ class Exploration:
         reason = f"the {self._goal.thing} is in sight, too far away to be measured"
         self.destination = Destination(*point, reason=reason, is_sighting=True)
 
+    def _look_across(self, grid: OccupancyGrid, robot: Pose2) -> Action | None:
+        """At the destination, the turn towards what is still unexplored around it.
+
+        Who comes to a door sideways has not yet looked through it.
+        """
+        destination, config = self.destination, self._config
+        if (
+            not config.look_across_boundary
+            or destination is None
+            or destination.is_sighting
+            or self._age >= config.endurance_steps
+            or robot.distance_to(*destination.xy) >= config.arrival_distance_m
+        ):
+            return None
+        points = unexplored_boundary(grid, destination.xy, config.drop_explored_radius_m)
+        if len(points) == 0:
+            return None
+        away = points - np.array(robot.xy)
+        ahead = np.array(robot.xy) + (away / np.linalg.norm(away, axis=1, keepdims=True)).mean(0)
+        return turn_towards(robot, (float(ahead[0]), float(ahead[1])), config.turn_angle_deg)
+
     def _drop_finished(self, grid: OccupancyGrid, robot: Pose2, events: list[str]) -> None:
         """The conditions for a new destination: reached, endurance exceeded, nothing left there."""
         destination, config = self.destination, self._config
@@ -134,7 +160,7 @@ class Exploration:
         elif (
             config.drop_explored
             and not destination.is_sighting
-            and is_explored(grid, destination.xy, config.drop_explored_radius_m)
+            and len(unexplored_boundary(grid, destination.xy, config.drop_explored_radius_m)) == 0
         ):
             self._end("destination explored", events)
 
@@ -149,13 +175,23 @@ class Exploration:
         self.destination, self._age = None, 0
 
 
-def is_explored(grid: OccupancyGrid, place: tuple[float, float], radius_m: float) -> bool:
-    """Whether no free floor borders on the unknown around a place ``(x, y)``, metres."""
+def unexplored_boundary(
+    grid: OccupancyGrid, place: tuple[float, float], radius_m: float
+) -> Float64[np.ndarray, "n 2"]:
+    """Where free floor borders on the unknown around a place ``(x, y)``; all in metres."""
     row, column = grid.cell_of(*place)
     reach = math.ceil(radius_m / grid.resolution_m)
-    window = (
-        slice(max(row - reach, 0), row + reach + 1),
-        slice(max(column - reach, 0), column + reach + 1),
-    )
+    bottom, left = max(row - reach, 0), max(column - reach, 0)
+    window = (slice(bottom, row + reach + 1), slice(left, column + reach + 1))
     beside_unknown = cv2.dilate((~grid.explored[window]).astype(np.uint8), np.ones((3, 3)))
-    return not bool((grid.free[window] & (beside_unknown > 0)).any())
+    return grid.centres_of(
+        np.argwhere(grid.free[window] & (beside_unknown > 0)) + np.array([bottom, left])
+    )
+
+
+def turn_towards(robot: Pose2, point: tuple[float, float], turn_angle_deg: float) -> Action | None:
+    """The turn that brings a point ``(x, y)``, metres, ahead; None if it is as good as ahead."""
+    bearing = robot.bearing_to(*point)
+    if abs(bearing) <= math.radians(turn_angle_deg) / 2 + 1e-6:
+        return None
+    return Action.TURN_LEFT if bearing > 0 else Action.TURN_RIGHT

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from hypernav.agents.config import SearchConfig
-from hypernav.agents.exploration import Exploration
+from hypernav.agents.exploration import Exploration, turn_towards
 from hypernav.agents.second_look import place_for_second_look
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
@@ -193,7 +193,7 @@ class SearchAgent:
         self, observation: Observation, target: Target, clock: ModuleClock
     ) -> _Decision | None:
         """At the goal area: look at it, then stop, or reject it and search on (None)."""
-        turn = self._turn_towards(observation.robot, target.area.centre)
+        turn = self._turn_towards(observation.robot, target)
         if self._config.face_target and turn is not None:
             return _Decision(turn, Mode.VERIFY, f"turning to face the {self._goal.thing}")
         if self._local.needs_second_look:
@@ -235,7 +235,7 @@ class SearchAgent:
             if action is not None:
                 reason = f"is it really the {thing}? going to look from another side"
                 return _Decision(action, Mode.VERIFY, reason)
-        turn = self._turn_towards(robot, target.area.centre)
+        turn = self._turn_towards(robot, target)
         if turn is not None:
             return _Decision(turn, Mode.VERIFY, f"turning to face the {thing} from another side")
         if self._local.is_contradicted:
@@ -294,11 +294,8 @@ class SearchAgent:
         destination = self._exploration.destination
         return None if destination is None else destination.xy
 
-    def _turn_towards(self, robot: Pose2, point: tuple[float, float]) -> Action | None:
-        bearing = robot.bearing_to(*point)
-        if abs(bearing) <= math.radians(self._config.turn_angle_deg) / 2 + 1e-6:
-            return None
-        return Action.TURN_LEFT if bearing > 0 else Action.TURN_RIGHT
+    def _turn_towards(self, robot: Pose2, target: Target) -> Action | None:
+        return turn_towards(robot, target.area.centre, self._config.turn_angle_deg)
 
     def _turns_of_a_circle(self) -> int:
         return round(360.0 / self._config.turn_angle_deg)
