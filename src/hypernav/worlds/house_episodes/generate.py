@@ -32,7 +32,7 @@ from hypernav.worlds.house_episodes.starts import Start, draw_start
 from hypernav.worlds.houses.dice import Dice
 from hypernav.worlds.scene import Instance, Scene
 
-EPISODES_VERSION = 1
+EPISODES_VERSION = 2
 """Rises whenever the same house gives other episodes than before."""
 
 EPISODES_PER_HOUSE = 28

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
 
+import cv2
 import numpy as np
 from jaxtyping import Float64
 
@@ -14,6 +15,10 @@ from hypernav.worlds.goal_regions import GoalRegions
 from hypernav.worlds.rays import RayCaster
 from hypernav.worlds.scene import Instance, Scene
 from hypernav.worlds.walkable import WalkableGrid
+
+ELBOW_ROOM_M = 0.1
+"""Starts and goals are joined by a way that leaves the robot so much room on both sides: who may
+begin inside a shower cabin tests its steering, not its search."""
 
 _FLOOR = "floor_"
 _PATH_STEP_M = 0.1
@@ -56,9 +61,28 @@ class Site:
         return self._satisfying[text]
 
     @cached_property
+    def roomy(self) -> WalkableGrid:
+        """Where a robot with `ELBOW_ROOM_M` more radius could stand."""
+        reach = round(ELBOW_ROOM_M / self.walkable.cell_m)
+        disk = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
+        mask = (self.walkable.components == 0).astype(np.uint8)
+        # What is outside the grid is no floor.
+        mask = cv2.erode(mask, disk, borderType=cv2.BORDER_CONSTANT, borderValue=0)
+        return WalkableGrid.from_mask(
+            mask.astype(bool),
+            cell_m=self.walkable.cell_m,
+            origin=self.walkable.origin,
+            floor_z=self.walkable.floor_z,
+        )
+
+    @cached_property
     def centres(self) -> Float64[np.ndarray, "n 2"]:
-        """Middles of all cells that a start may lie in."""
-        return self.walkable.centres()
+        """Middles of all cells that a start may lie in: those of the largest roomy part."""
+        return self.roomy.centres()
+
+    def has_roomy(self, points: Float64[np.ndarray, "n 3"]) -> bool:
+        """Whether one of some points on the floor lies in the part that starts lie in."""
+        return any(self.roomy.component_of(x, y) == 0 for x, y, _ in points.tolist())
 
     @cached_property
     def _floors(self) -> tuple[Instance, ...]:

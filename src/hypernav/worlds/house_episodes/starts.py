@@ -42,7 +42,7 @@ class Start:
 
 
 def draw_start(dice: Dice, site: Site, region: GoalRegion) -> Start | None:
-    """A start from which a goal is 2 to 30 m away, None if it cannot be reached or none turns up.
+    """A start from which a goal is 2 to 30 m away, with a roomy way there; None if none turns up.
 
     Two are drawn and the farther one is taken: uniform starts in small homes are mostly near.
 
@@ -51,7 +51,7 @@ def draw_start(dice: Dice, site: Site, region: GoalRegion) -> Start | None:
         site: The house.
         region: Of the goal.
     """
-    if not region.is_reachable:
+    if not site.has_roomy(region.view_points):
         return None
     found: list[tuple[float, float, float]] = []
     straight: list[tuple[float, float, float]] = []
@@ -83,7 +83,7 @@ def draw_start(dice: Dice, site: Site, region: GoalRegion) -> Start | None:
 
 
 def _draw_point(dice: Dice, site: Site) -> tuple[float, float]:
-    """A point well inside a cell of the largest part, whole millimetres."""
+    """A point well inside a cell of the largest roomy part, whole millimetres."""
     cell = site.centres[dice.integer(0, len(site.centres) - 1)]
     reach = 0.4 * site.walkable.cell_m
     x, y = (round(float(middle) + dice.uniform(-reach, reach), 3) for middle in cell)
