@@ -12,6 +12,7 @@ computed when the triangle changes.
 
 import math
 
+import numpy as np
 from numba import njit
 
 NORMAL = 0  # 3 columns, towards the camera
@@ -25,7 +26,7 @@ SURFACE_COLUMNS = 15
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def fill_rays(camera, cx, cy, first_row, origins, directions):
+def fill_rays(camera, cx, cy, first_row, directions):
     """Rays through the centres of the pixels of some rows; 1 long along the optical axis.
 
     Args:
@@ -34,7 +35,6 @@ def fill_rays(camera, cx, cy, first_row, origins, directions):
         cx: Column of the principal point, pixels.
         cy: Row of the principal point, pixels.
         first_row: Of the image, that the first row of rays belongs to.
-        origins: Filled, float32 [rows, columns, 3].
         directions: Filled, float32 [rows, columns, 3].
     """
     for row in range(directions.shape[0]):
@@ -42,7 +42,6 @@ def fill_rays(camera, cx, cy, first_row, origins, directions):
         for column in range(directions.shape[1]):
             x = column + 0.5 - cx
             for axis in range(3):
-                origins[row, column, axis] = camera[0, axis]
                 directions[row, column, axis] = (
                     camera[1, axis] + x * camera[2, axis] + y * camera[3, axis]
                 )
@@ -74,10 +73,8 @@ def fill_rays_around(camera, cx, cy, width, pixels, offsets, origins, directions
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def locate(
-    hits, directions, camera, vertices, faces, normals, uv, face_instance, depth, ids, surface
-):
-    """First pass: where on the triangles the rays end, and how the surface lies there.
+def measure(hits, directions, camera, vertices, faces, face_instance, depth, ids):
+    """How far away the triangles are where the rays end, and whose they are.
 
     Args:
         hits: Triangle of every ray, -1 for none, int32 [rays].
@@ -85,17 +82,12 @@ def locate(
         camera: As for `fill_rays`.
         vertices: See `Scene`.
         faces: See `Scene`.
-        normals: See `Scene`; shape [0, 0, 3] where there are none.
-        uv: See `Scene`.
         face_instance: See `Scene`.
-        depth: Filled, 0 where nothing is hit, float32 [rays].
+        depth: Filled, along the optical axis, 0 where nothing is hit, float32 [rays].
         ids: Filled, -1 where nothing is hit, int32 [rays].
-        surface: Filled where a triangle is hit, float32 [rays, SURFACE_COLUMNS].
     """
     ox, oy, oz = camera[0, 0], camera[0, 1], camera[0, 2]
     zx, zy, zz = camera[1, 0], camera[1, 1], camera[1, 2]
-    rx, ry, rz = camera[2, 0], camera[2, 1], camera[2, 2]
-    lx, ly, lz = camera[3, 0], camera[3, 1], camera[3, 2]
     last = -1
     for ray in range(hits.shape[0]):
         face = hits[ray]
@@ -118,6 +110,48 @@ def locate(
             da, db = zx * ax + zy * ay + zz * az, zx * bx + zy * by + zz * bz
             dc = zx * cx + zy * cy + zz * cz
             nearest, farthest = min(da, db, dc), max(da, db, dc)
+        dx, dy, dz = directions[ray, 0], directions[ray, 1], directions[ray, 2]
+        way = plane / (nx * dx + ny * dy + nz * dz)
+        # Of a needle seen edge-on the plane is ill defined, but depth lies between its corners'.
+        if not way >= nearest:  # "not" catches what is no number as well
+            way = nearest
+        depth[ray] = min(way, farthest)
+        ids[ray] = instance
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def locate(hits, directions, depth, camera, vertices, faces, normals, uv, surface):
+    """First pass: where on the triangles the rays end, and how the surface lies there.
+
+    Args:
+        hits: Triangle of every ray, -1 for none, int32 [rays].
+        directions: Scene frame, 1 long along the optical axis, float32 [rays, 3].
+        depth: From `measure`, float32 [rays].
+        camera: As for `fill_rays`.
+        vertices: See `Scene`.
+        faces: See `Scene`.
+        normals: See `Scene`; shape [0, 0, 3] where there are none.
+        uv: See `Scene`.
+        surface: Filled where a triangle is hit, float32 [rays, SURFACE_COLUMNS].
+    """
+    ox, oy, oz = camera[0, 0], camera[0, 1], camera[0, 2]
+    rx, ry, rz = camera[2, 0], camera[2, 1], camera[2, 2]
+    lx, ly, lz = camera[3, 0], camera[3, 1], camera[3, 2]
+    last = -1
+    for ray in range(hits.shape[0]):
+        face = hits[ray]
+        if face < 0:
+            continue
+        if face != last:  # what holds for the whole triangle; the next ray mostly hits it again
+            last = face
+            i, j, k = faces[face, 0], faces[face, 1], faces[face, 2]
+            # Corners as seen from the camera, edges from the first corner, normal (not unit).
+            ax, ay, az = vertices[i, 0] - ox, vertices[i, 1] - oy, vertices[i, 2] - oz
+            bx, by, bz = vertices[j, 0] - ox, vertices[j, 1] - oy, vertices[j, 2] - oz
+            cx, cy, cz = vertices[k, 0] - ox, vertices[k, 1] - oy, vertices[k, 2] - oz
+            ex, ey, ez = bx - ax, by - ay, bz - az
+            fx, fy, fz = cx - ax, cy - ay, cz - az
+            nx, ny, nz = ey * fz - ez * fy, ez * fx - ex * fz, ex * fy - ey * fx
             # A corner's weight is linear in space: one gradient gives its value and its change.
             square = max(nx * nx + ny * ny + nz * nz, 1e-60)
             mx, my, mz = nx / square, ny / square, nz / square
@@ -143,13 +177,7 @@ def locate(
                 smooth |= abs(sx * kx + sy * ky + sz * kz) < 0.9999
         dx, dy, dz = directions[ray, 0], directions[ray, 1], directions[ray, 2]
         along = 1.0 / (nx * dx + ny * dy + nz * dz)
-        way = plane * along
-        # Of a needle seen edge-on the plane is ill defined, but depth lies between its corners'.
-        if not way >= nearest:  # "not" catches what is no number as well
-            way = nearest
-        way = min(way, farthest)
-        depth[ray] = way
-        ids[ray] = instance
+        way = np.float64(depth[ray])
         px, py, pz = way * dx, way * dy, way * dz
         surface[ray, POINT] = px + ox
         surface[ray, POINT + 1] = py + oy

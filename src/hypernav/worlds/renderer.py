@@ -1,10 +1,12 @@
 """Colour, depth and instances of a scene as a camera sees them, on the CPU.
 
-Embree finds the triangle behind every pixel, compiled kernels shade it. The picture is cut into
-bands of rows that all cores work on; every pixel is computed the same way whichever core does it,
-so the same pose gives the same bytes.
+Triangles are drawn into the picture, and compiled kernels shade what every pixel shows; Embree's
+rays find the light, what lies behind holes, and what else is seen in pixels at edges. The picture
+is cut into bands of rows that all cores work on; every pixel is computed the same way whichever
+core does it, so the same pose gives the same bytes.
 """
 
+import math
 import os
 import threading
 from collections.abc import Iterable
@@ -21,6 +23,7 @@ from hypernav.core.geometry import Transform
 from hypernav.core.protocols import RenderedView
 from hypernav.worlds.edge_kernels import find_edges, mix_samples
 from hypernav.worlds.geometry_kernels import fill_rays, fill_rays_around
+from hypernav.worlds.rasterizer import Rasterizer
 from hypernav.worlds.rays import RayCaster
 from hypernav.worlds.scene import Scene
 from hypernav.worlds.shading import Rays, Shader, Unlit
@@ -79,7 +82,9 @@ class EmbreeRenderer:
         self.rays = RayCaster(scene)
         self._colours = config.colours
         self._antialias = config.antialias and config.colours
-        self._pool = ThreadPoolExecutor(config.threads or _cores())
+        self._rasterizer = Rasterizer(scene)
+        self._threads = config.threads or _cores()
+        self._pool = ThreadPoolExecutor(self._threads)
         self._scratch = threading.local()
         self._shader = Shader(
             scene,
@@ -102,10 +107,14 @@ class EmbreeRenderer:
             Depth along the optical axis in metres, 0 where nothing is hit; instances are -1 there.
         """
         frame = _Frame.empty(camera, camera_to_scene)
-        bands = [
-            slice(start, min(start + _BAND_ROWS, camera.height))
-            for start in range(0, camera.height, _BAND_ROWS)
-        ]
+        # Drawing costs a little for every triangle in every band, shading does not.
+        list(
+            self._pool.map(
+                lambda rows: self._find_hits(frame, rows),
+                _bands(camera.height, math.ceil(camera.height / self._threads)),
+            )
+        )
+        bands = _bands(camera.height, _BAND_ROWS)
         waiting = self._pool.map(lambda rows: self._draw(frame, rows), bands)
         self._light_up(waiting)
         rgb = frame.rgb if self._colours else np.zeros_like(frame.rgb)
@@ -119,6 +128,10 @@ class EmbreeRenderer:
 
     def _light_up(self, waiting: Iterable[Unlit | None]) -> None:
         self._shader.light_up([unlit for unlit in waiting if unlit is not None], self._pool)
+
+    def _find_hits(self, frame: "_Frame", rows: slice) -> None:
+        """Find the triangles behind the pixels of some rows of a frame."""
+        frame.hits[rows] = self._rasterizer.faces(frame.camera, frame.camera_rows, rows)
 
     def _draw(self, frame: "_Frame", rows: slice) -> Unlit | None:
         """Fill some rows of a frame; returns what waits for light."""
@@ -134,10 +147,10 @@ class EmbreeRenderer:
             frame.camera.cx,
             frame.camera.cy,
             rows.start,
-            rays.origins.reshape(shape),
             rays.directions.reshape(shape),
         )
-        return self._shader.see(frame.camera_rows, rays, colours=self._colours)
+        hits = frame.hits[rows].reshape(-1)
+        return self._shader.see(frame.camera_rows, hits, rays, colours=self._colours)
 
     def _resample(self, frame: "_Frame", rows: slice) -> "_Edges":
         """Further colours for the pixels of some rows that lie at edges."""
@@ -159,7 +172,8 @@ class EmbreeRenderer:
             rays.origins,
             rays.directions,
         )
-        return _Edges(pixels, samples, self._shader.see(frame.camera_rows, rays))
+        hits = self.rays.faces(rays.origins, rays.directions)
+        return _Edges(pixels, samples, self._shader.see(frame.camera_rows, hits, rays))
 
     def _room_for(self, count: int) -> Rays:
         """Scratch memory of this thread: fresh memory for every band would cost a tenth more."""
@@ -180,13 +194,14 @@ class _Edges:
 
 @dataclass(frozen=True, eq=False)
 class _Frame:
-    """Three images in the making, and the camera that sees them."""
+    """Three images in the making, the triangles they show, and the camera that sees them."""
 
     camera: PinholeCamera
     camera_rows: Float64[np.ndarray, "4 3"]
     rgb: UInt8[np.ndarray, "height width 3"]
     depth: Float32[np.ndarray, "height width"]
     ids: Int32[np.ndarray, "height width"]
+    hits: Int32[np.ndarray, "height width"]
 
     @staticmethod
     def empty(camera: PinholeCamera, camera_to_scene: Transform) -> "_Frame":
@@ -204,7 +219,13 @@ class _Frame:
             np.empty((*shape, 3), dtype=np.uint8),
             np.empty(shape, dtype=np.float32),
             np.empty(shape, dtype=np.int32),
+            np.empty(shape, dtype=np.int32),
         )
+
+
+def _bands(height: int, rows: int) -> list[slice]:
+    """All rows of a picture, so many at a time."""
+    return [slice(start, min(start + rows, height)) for start in range(0, height, rows)]
 
 
 def _cores() -> int:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float32, Float64, Int32, Int64, UInt8
 
-from hypernav.worlds.geometry_kernels import POINT, SURFACE_COLUMNS, locate
+from hypernav.worlds.geometry_kernels import POINT, SURFACE_COLUMNS, locate, measure
 from hypernav.worlds.light import LightGrid
 from hypernav.worlds.light_kernels import TONE_STEPS, light
 from hypernav.worlds.paint_kernels import (
@@ -129,24 +129,30 @@ class Shader:
         self._background = np.array(background, dtype=np.uint8)
 
     def see(
-        self, camera: Float64[np.ndarray, "4 3"], rays: Rays, *, colours: bool = True
+        self,
+        camera: Float64[np.ndarray, "4 3"],
+        hits: Int32[np.ndarray, " rays"],
+        rays: Rays,
+        *,
+        colours: bool = True,
     ) -> Unlit | None:
         """Fill depth, instance and colour of rays.
 
         Args:
             camera: As for `geometry_kernels.fill_rays`.
-            rays: Origins and directions are read, the rest is filled.
+            hits: The first triangle of every ray, -1 for none; replaced where it has a hole.
+            rays: Directions are read, the rest is filled.
             colours: Whether the colours are filled as well.
 
         Returns:
             What waits for light, None if nothing does.
         """
-        hits = self._caster.faces(rays.origins, rays.directions)
-        self._locate(camera, hits, rays)
         if self._has_holes:
-            self._look_through_holes(camera, hits, rays)
+            self._look_through_holes(camera, hits, rays.directions)
+        self._measure(camera, hits, rays)
         if not colours:
             return None
+        self._locate(camera, hits, rays)
         paint(
             hits, rays.surface, self._geometry.colors, *self._materials, *self._textures, rays.paint
         )
@@ -167,32 +173,52 @@ class Shader:
             self._grid.bake(np.concatenate([unlit.wanted for unlit in waiting]), pool)
             list(pool.map(self._light, waiting))
 
-    def _locate(
-        self, camera: Float64[np.ndarray, "4 3"], hits: Int32[np.ndarray, "rays"], rays: Rays
+    def _measure(
+        self, camera: Float64[np.ndarray, "4 3"], hits: Int32[np.ndarray, " rays"], rays: Rays
     ) -> None:
         g = self._geometry
-        locate(
+        measure(
             hits,
             rays.directions,
             camera,
             g.vertices,
             g.faces,
-            g.normals,
-            g.uv,
             g.face_instance,
             rays.depth,
             rays.ids,
+        )
+
+    def _locate(
+        self, camera: Float64[np.ndarray, "4 3"], hits: Int32[np.ndarray, " rays"], rays: Rays
+    ) -> None:
+        g = self._geometry
+        locate(
+            hits,
+            rays.directions,
+            rays.depth,
+            camera,
+            g.vertices,
+            g.faces,
+            g.normals,
+            g.uv,
             rays.surface,
         )
 
     def _look_through_holes(
-        self, camera: Float64[np.ndarray, "4 3"], hits: Int32[np.ndarray, "rays"], rays: Rays
+        self,
+        camera: Float64[np.ndarray, "4 3"],
+        hits: Int32[np.ndarray, " rays"],
+        directions: Float32[np.ndarray, "rays 3"],
     ) -> None:
         """Send rays that met the hole of a texture on to what lies behind."""
         materials, textures = self._materials, self._textures
-        through = np.arange(len(hits))
-        part = rays
+        is_cutout = materials.flags & FLAG_CUTOUT > 0
+        through = np.flatnonzero((hits >= 0) & is_cutout[materials.face[hits]])
         for _ in range(_MAX_LAYERS):
+            part = Rays.room_for(len(through))
+            part.directions[:] = directions[through]
+            self._measure(camera, hits[through], part)
+            self._locate(camera, hits[through], part)
             holes = np.empty(len(through), dtype=np.int64)
             count = find_holes(
                 hits[through],
@@ -208,17 +234,10 @@ class Shader:
             if count == 0:
                 return
             holes = holes[:count]
-            ahead = Rays.room_for(count)
-            ahead.directions[:] = part.directions[holes]
-            beyond = _BEYOND * (1.0 + part.depth[holes, None])
-            ahead.origins[:] = part.surface[holes, POINT : POINT + 3]
-            ahead.origins[:] += beyond * ahead.directions
+            beyond = _BEYOND * (1.0 + part.depth[holes, None]) * part.directions[holes]
+            origins = part.surface[holes, POINT : POINT + 3] + beyond
             through = through[holes]
-            part = ahead
-            hits[through] = self._caster.faces(part.origins, part.directions)
-            self._locate(camera, hits[through], part)
-            rays.depth[through], rays.ids[through] = part.depth, part.ids
-            rays.surface[through] = part.surface
+            hits[through] = self._caster.faces(origins, part.directions[holes])
 
     def _light(self, unlit: Unlit) -> int:
         """Fill colours; returns how many cells of the light grid are missing."""
