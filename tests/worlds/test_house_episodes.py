@@ -57,6 +57,8 @@ def check_laws(dataset, site):
         assert site.walkable.component_of(pose.x, pose.y) == 0
         assert floor_z == pytest.approx(site.walkable.height_at(pose.x, pose.y), abs=1e-4)
         region = regions[episode.object_category]
+        assert site.roomy.component_of(pose.x, pose.y) == 0
+        assert site.has_roomy(region.view_points)
         distance = region.distance(pose.x, pose.y)
         assert 2.0 <= distance <= 30.0
         assert episode.info["geodesic_distance"] == pytest.approx(distance, rel=0.01)
@@ -142,6 +144,22 @@ def test_a_house_without_anything_to_find_says_so():
     for style in STYLES:
         with pytest.raises(EpisodeError, match="houses:7"):
             house_episodes(empty, 7, style)
+
+
+def test_nothing_begins_or_ends_behind_a_gap_that_the_robot_hardly_fits_through():
+    walls = [(None, (7.0, 0.0, 0.0), (7.1, 1.8, 2.5)), (None, (7.0, 2.25, 0.0), (7.1, 4.0, 2.5))]
+    things = [
+        ("bed", (0.2, 0.2, 0.0), (1.2, 1.8, 0.5)),
+        ("chair", (9.4, 0.1, 0.0), (9.8, 0.5, 0.9)),
+    ]
+    scene = scene_of(*room_boxes(10.0, 4.0), *walls, *things, name="houses:7")
+    site = Site.of(scene)
+    assert site.walkable.component_of(8.0, 2.0) == 0
+    assert site.roomy.component_of(8.0, 2.0) != 0
+    episodes = house_episodes(scene, 7, "categories").episodes
+    assert {episode.object_category for episode in episodes} == {"bed"}
+    starts = [pose_from_habitat(e.start_position, e.start_rotation)[0] for e in episodes]
+    assert max(start.x for start in starts) < 7.0
 
 
 def test_rooms_on_a_path_are_counted_by_their_floors():
