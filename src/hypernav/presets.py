@@ -109,7 +109,6 @@ def preset(name: PresetName) -> HyPerNavConfig:
         search=SearchConfig(
             look_around_at_start=False,
             look_again_before_giving_up=False,
-            mind_walls=False,
             look_across_boundary=False,
             drop_explored=False,
             verify_view="current",

@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
@@ -20,7 +19,6 @@ from hypernav.core.protocols import PresenceCheck
 from hypernav.core.trace import ExchangeLog, Mode, StepTrace
 from hypernav.mapping import TopDownMap
 from hypernav.perception.explorer import Explorer
-from hypernav.perception.goal_area import GoalArea
 from hypernav.perception.local import LocalPerception
 from hypernav.perception.target import Target
 from hypernav.planning import Navigator
@@ -30,7 +28,8 @@ GAVE_UP = "gave up"
 
 _PROGRESS_M = 0.1
 _CLOSE_BY_M = 1.5
-"""Farther away, no progress for a while means only that something was in the way."""
+"""From here on the straight distance tells whether the robot comes nearer; before, a way may lead
+around a wall."""
 
 
 @dataclass(frozen=True)
@@ -147,20 +146,15 @@ class SearchAgent:
         robot = observation.robot
         if self._second_look is not None:
             return self._look_again(observation, target, self._second_look, clock)
-        with clock("plan"):
-            area = target.area
-            if self._config.mind_walls:
-                area = area.in_sight_of(self.grid, target.best_view.robot.xy)
-            is_near = self._is_near(area, robot)
-        if not is_near:
+        if not self._is_near_enough(target, robot):
             with clock("plan"):
-                action = self._navigator.towards(self.grid, robot, area.points)
+                action = self._navigator.towards(self.grid, robot, target.area.points)
             path = self._navigator.path
             leads_there = path is not None and path.gap_m <= self._config.stop_distance_m
             if path is None or not (leads_there or self._all_explored):
                 self._forget_approach()
                 return None
-            if action is not None and self._comes_nearer(robot):
+            if action is not None:
                 self._leave_exploration()
                 return _Decision(action, Mode.APPROACH, f"going to the {self._goal.thing}")
         self._leave_exploration()
@@ -173,21 +167,17 @@ class SearchAgent:
             self._events.append("goal seen")
             self._exploration.destination = None
 
-    def _is_near(self, area: GoalArea, robot: Pose2) -> bool:
-        """Within the stop distance of a goal area, and on its side of the walls."""
-        if area.distance_to(*robot.xy) > self._config.stop_distance_m:
-            return False
-        return not self._config.mind_walls or area.is_before_walls(self.grid, *robot.xy)
-
-    def _comes_nearer(self, robot: Pose2) -> bool:
-        """Whether the way to the goal area, once it is short, has become shorter lately."""
-        way = self._navigator.remaining(robot)
-        left_m = sum(math.dist(a, b) for a, b in pairwise(way))
+    def _is_near_enough(self, target: Target, robot: Pose2) -> bool:
+        """Within the stop distance, or close by and not coming any nearer."""
+        left_m = target.area.distance_to(*robot.xy)
         if left_m < self._nearest_m - _PROGRESS_M or left_m > _CLOSE_BY_M:
             self._nearest_m, self._steps_without_progress = left_m, 0
         else:
             self._steps_without_progress += 1
-        return self._steps_without_progress <= self._config.approach_patience_steps
+        return (
+            left_m <= self._config.stop_distance_m
+            or self._steps_without_progress > self._config.approach_patience_steps
+        )
 
     def _verify(
         self, observation: Observation, target: Target, clock: ModuleClock

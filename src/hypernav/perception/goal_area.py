@@ -1,6 +1,5 @@
 """The cells that the refined detection projects to."""
 
-import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -8,7 +7,6 @@ import cv2
 import numpy as np
 from jaxtyping import Bool, Float64
 
-from hypernav.core.grid import OccupancyGrid
 from hypernav.core.observation import Observation
 
 
@@ -124,34 +122,6 @@ class GoalArea:
             seen[row : row + rows, column : column + columns] |= area.seen
         return GoalArea(mask, seen, (float(low[1]) * size, float(low[0]) * size), size)
 
-    def in_sight_of(self, grid: OccupancyGrid, place: tuple[float, float]) -> "GoalArea":
-        """What was seen, and those dilated cells that nothing on the map hides from a place.
-
-        Cells are dilated in all directions, also through a thin wall into the next room.
-
-        Args:
-            grid: The map.
-            place: From where the target was seen, ``(x, y)``, metres.
-        """
-        rows, columns = np.nonzero(self.mask & ~self.seen)
-        ends = np.array(self.origin) + (np.stack([columns, rows], axis=1) + 0.5) * self.resolution_m
-        kept = self.seen.copy()
-        hidden = _is_hidden(grid, np.array(place), ends)
-        kept[rows[~hidden], columns[~hidden]] = True
-        return GoalArea(kept, self.seen, self.origin, self.resolution_m)
-
-    def is_before_walls(self, grid: OccupancyGrid, x: float, y: float) -> bool:
-        """Whether no obstacle lies between a place and the nearest cell of this area.
-
-        Args:
-            grid: The map.
-            x: ``map`` frame, metres.
-            y: Likewise.
-        """
-        here = np.array([x, y])
-        nearest = int(((self.points - here) ** 2).sum(axis=1).argmin())
-        return not bool(_is_hidden(grid, here, self.points[nearest : nearest + 1])[0])
-
     @cached_property
     def points(self) -> Float64[np.ndarray, "n 2"]:
         """Centres of the dilated cells, ``(x, y)``, metres."""
@@ -207,19 +177,3 @@ class GoalArea:
     def _centres(self, mask: Bool[np.ndarray, "rows columns"]) -> Float64[np.ndarray, "n 2"]:
         cells = np.argwhere(mask)
         return np.array(self.origin) + (cells[:, ::-1] + 0.5) * self.resolution_m
-
-
-def _is_hidden(
-    grid: OccupancyGrid, place: Float64[np.ndarray, "2"], ends: Float64[np.ndarray, "n 2"]
-) -> Bool[np.ndarray, "n"]:
-    """Whether an obstacle of the map lies on the straight line from a place to each end."""
-    if len(ends) == 0:
-        return np.zeros(0, dtype=bool)
-    longest = float(np.hypot(*(ends - place).T).max())
-    shares = np.linspace(0.0, 1.0, max(math.ceil(longest / grid.resolution_m), 2))
-    points = place + shares[None, :, None] * (ends - place)[:, None]
-    cells = grid.cells_of(points.reshape(-1, 2))
-    inside = ((cells >= 0) & (cells < np.array(grid.cells.shape))).all(axis=1)
-    occupied = np.zeros(len(cells), dtype=bool)
-    occupied[inside] = grid.occupied[cells[inside, 0], cells[inside, 1]]
-    return occupied.reshape(len(ends), -1).any(axis=1)
