@@ -91,6 +91,7 @@ def preset(name: PresetName) -> HyPerNavConfig:
     return HyPerNavConfig(
         mapping=MappingConfig(squeeze_m=0.0),
         local=LocalConfig(
+            enter_where_seen=False,
             target="latest",
             pick="first",
             max_missed_share=1.0,

@@ -19,6 +19,8 @@ from hypernav.perception.explorer import Destination, Explorer, ThinksAhead, las
 from hypernav.planning import Navigator
 
 _CHOICES_PER_STEP = 4
+_WORTH_A_TURN_M = 0.3
+"""A shorter boundary to the unknown is noise."""
 
 
 class Exploration:
@@ -142,7 +144,7 @@ class Exploration:
         ):
             return None
         points = unexplored_boundary(grid, destination.xy, config.drop_explored_radius_m)
-        if len(points) == 0:
+        if len(points) * grid.resolution_m < _WORTH_A_TURN_M:
             return None
         away = points - np.array(robot.xy)
         ahead = np.array(robot.xy) + (away / np.linalg.norm(away, axis=1, keepdims=True)).mean(0)

@@ -148,7 +148,7 @@ class SearchAgent:
             return self._look_again(observation, target, self._second_look, clock)
         if not self._is_near_enough(target, robot):
             with clock("plan"):
-                action = self._navigator.towards(self.grid, robot, target.area.points)
+                action = self._navigator.towards(self.grid, robot, target.area.entry_points)
             path = self._navigator.path
             leads_there = path is not None and path.gap_m <= self._config.stop_distance_m
             if path is None or not (leads_there or self._all_explored):

@@ -3,6 +3,7 @@
 import math
 
 from hypernav.core.config import RoomConfig
+from hypernav.core.geometry import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.overview import Block, BlockChoice, Overview
 from hypernav.core.trace import Exchange, ExchangeLog
@@ -14,11 +15,13 @@ class GeometricConfig(RoomConfig):
     Attributes:
         min_frontier_cells: A block with less unexplored boundary holds nothing new.
         travel_scale_m: A block this much farther away is worth 1/e as much.
+        turn_cost_m: A turn by one radian on the way out is as dear as so many metres.
         gain_exponent: How much a longer boundary counts; 0 ignores its length.
     """
 
     min_frontier_cells: int = 6
     travel_scale_m: float = 3.0
+    turn_cost_m: float = 0.0
     gain_exponent: float = 0.5
 
 
@@ -49,7 +52,7 @@ class GeometricReasoner:
             and block.frontier_cells >= self._config.min_frontier_cells
             and math.isfinite(block.travel_m)
         ]
-        choice = self._best(open_blocks)
+        choice = self._best(open_blocks, overview.robot)
         self._log.record(
             Exchange(
                 kind="choose block",
@@ -62,16 +65,19 @@ class GeometricReasoner:
         )
         return choice
 
-    def _best(self, blocks: list[Block]) -> BlockChoice:
+    def _best(self, blocks: list[Block], robot: Pose2) -> BlockChoice:
         if not blocks:
             return BlockChoice(None, "no block has unexplored boundary that can be reached")
-        best = max(blocks, key=lambda block: (self._value(block), -block.number))
+        best = max(blocks, key=lambda block: (self._value(block, robot), -block.number))
         reason = (
             f"block {best.number}: {best.frontier_cells} cells of unexplored boundary, "
             f"{best.travel_m:.1f} m away"
         )
         return BlockChoice(best.number, reason)
 
-    def _value(self, block: Block) -> float:
+    def _value(self, block: Block, robot: Pose2) -> float:
         gain = block.frontier_cells**self._config.gain_exponent
-        return gain * math.exp(-block.travel_m / self._config.travel_scale_m)
+        cost_m = block.travel_m
+        if self._config.turn_cost_m > 0.0:
+            cost_m += self._config.turn_cost_m * abs(robot.bearing_to(*block.destination))
+        return gain * math.exp(-cost_m / self._config.travel_scale_m)

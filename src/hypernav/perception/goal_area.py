@@ -1,6 +1,6 @@
 """The cells that the refined detection projects to."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import cv2
@@ -55,12 +55,14 @@ class GoalArea:
     Attributes:
         mask: Dilated cells.
         seen: Cells that points of the target really fall into.
+        entry: Those dilated cells that the robot may go to.
         origin: Lower left corner of the masks, metres.
         resolution_m: Side of a cell.
     """
 
     mask: Bool[np.ndarray, "rows columns"]
     seen: Bool[np.ndarray, "rows columns"]
+    entry: Bool[np.ndarray, "rows columns"]
     origin: tuple[float, float]
     resolution_m: float
 
@@ -105,7 +107,7 @@ class GoalArea:
             mask = clusters == int(weights.argmax())
             seen &= mask
         origin = (float(low[1]) * resolution_m, float(low[0]) * resolution_m)
-        return GoalArea(mask, seen, origin, resolution_m)
+        return GoalArea(mask, seen, mask, origin, resolution_m)
 
     def joined(self, other: "GoalArea") -> "GoalArea":
         """The cells of both areas: what two looks at the same thing have shown of it."""
@@ -114,18 +116,45 @@ class GoalArea:
         low = np.minimum(*corners)
         ends = [c + a.mask.shape for c, a in zip(corners, (self, other), strict=True)]
         shape = tuple(np.maximum(*ends) - low)
-        mask, seen = np.zeros(shape, dtype=bool), np.zeros(shape, dtype=bool)
+        masks = np.zeros((3, *shape), dtype=bool)
         for corner, area in zip(corners, (self, other), strict=True):
             row, column = corner - low
             rows, columns = area.mask.shape
-            mask[row : row + rows, column : column + columns] |= area.mask
-            seen[row : row + rows, column : column + columns] |= area.seen
-        return GoalArea(mask, seen, (float(low[1]) * size, float(low[0]) * size), size)
+            window = masks[:, row : row + rows, column : column + columns]
+            window |= np.stack([area.mask, area.seen, area.entry])
+        return GoalArea(*masks, (float(low[1]) * size, float(low[0]) * size), size)
+
+    def on_the_side_of(self, observation: Observation) -> "GoalArea":
+        """The same, to be entered only where a picture of it shows nothing in between.
+
+        Cells are dilated in all directions, also through a thin wall into the next room.
+
+        Args:
+            observation: The picture that shows the target.
+        """
+        camera = observation.camera
+        around = self.mask & ~self.seen
+        cells = self._centres(around)
+        floor = np.column_stack([cells, np.zeros(len(cells))])
+        ahead = observation.camera_to_map.inverse().apply(floor)
+        distance = ahead[:, 2]
+        column = camera.fx * ahead[:, 0] / np.maximum(distance, 1e-6) + camera.cx
+        in_view = (distance > 0.0) & (column >= 0.0) & (column < camera.width)
+        farthest = observation.depth.max(axis=0)[column[in_view].astype(int)]
+        in_view[in_view] = (farthest == 0.0) | (farthest > distance[in_view])
+        entry = np.zeros_like(self.mask)
+        entry[around] = in_view
+        return replace(self, entry=entry if entry.any() else self.mask)
 
     @cached_property
     def points(self) -> Float64[np.ndarray, "n 2"]:
         """Centres of the dilated cells, ``(x, y)``, metres."""
         return self._centres(self.mask)
+
+    @cached_property
+    def entry_points(self) -> Float64[np.ndarray, "n 2"]:
+        """Centres of the cells that the robot may go to, ``(x, y)``, metres."""
+        return self._centres(self.entry)
 
     @cached_property
     def seen_points(self) -> Float64[np.ndarray, "n 2"]:
@@ -139,8 +168,8 @@ class GoalArea:
         return (float(x), float(y))
 
     def distance_to(self, x: float, y: float) -> float:
-        """Straight distance to the nearest dilated cell, metres."""
-        offsets = self.points - np.array([x, y])
+        """Straight distance to the nearest cell that the robot may go to, metres."""
+        offsets = self.entry_points - np.array([x, y])
         return float(np.sqrt((offsets**2).sum(axis=1).min()))
 
     def covers(self, other: "GoalArea") -> float:
