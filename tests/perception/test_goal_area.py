@@ -92,3 +92,35 @@ def test_joined_areas_cover_both(x, y, u, v):
             tuple(p) for p in np.round(both.seen_points, 3)
         }
     assert both.seen.sum() <= a.seen.sum() + b.seen.sum()
+
+
+def test_a_thing_on_a_wall_is_not_entered_from_the_room_behind_the_wall():
+    observation = thing_before_wall(thing_m=2.0, wall_m=2.05)
+    area = GoalArea.from_points(masked_points(observation), resolution_m=0.05)
+    assert area.distance_to(2.4, 0.0) < 0.2
+    from_here = area.on_the_side_of(observation)
+    assert from_here.entry_points[:, 0].max() < 2.05
+    assert from_here.distance_to(2.4, 0.0) > 0.3
+    assert from_here.distance_to(1.5, 0.0) == area.distance_to(1.5, 0.0)
+    assert np.array_equal(from_here.mask, area.mask)
+
+
+def test_what_was_seen_from_both_sides_is_entered_from_both():
+    near = thing_before_wall(thing_m=2.0, wall_m=2.05)
+    far = thing_before_wall(thing_m=2.0, wall_m=2.05, robot=Pose2(4.0, 0.0, np.pi))
+    looks = [
+        GoalArea.from_points(masked_points(o), resolution_m=0.05).on_the_side_of(o)
+        for o in (near, far)
+    ]
+    both = looks[0].joined(looks[1])
+    assert both.distance_to(1.5, 0.0) == pytest.approx(looks[0].distance_to(1.5, 0.0))
+    assert both.distance_to(2.5, 0.0) == pytest.approx(looks[1].distance_to(2.5, 0.0))
+
+
+def test_behind_a_thing_that_stands_free_the_floor_is_hidden_but_beside_it_is_not():
+    observation = thing_before_wall(thing_m=2.0, wall_m=4.5)
+    area = GoalArea.from_points(masked_points(observation), resolution_m=0.05)
+    entry = area.on_the_side_of(observation).entry_points
+    beside = np.abs(entry[:, 1]) > 0.6
+    assert entry[beside, 0].max() > 2.1
+    assert (np.linalg.norm(entry - (0.0, 0.0), axis=1) > 1.5).all()

@@ -1,0 +1,101 @@
+"""How a destination of global perception ends."""
+
+import math
+
+import numpy as np
+import pytest
+
+from drawn_grids import drawn
+from hypernav.agents.config import SearchConfig
+from hypernav.agents.exploration import Exploration, turn_towards, unexplored_boundary
+from hypernav.core.actions import Action
+from hypernav.core.clock import ModuleClock
+from hypernav.core.geometry import Pose2
+from hypernav.core.goal import Goal
+from hypernav.perception.explorer import Destination
+from hypernav.planning import Navigator, PlanningConfig
+
+# A corridor from the left to the right, 2 m wide, and a dark door in the middle of its upper wall.
+CORRIDOR = """
+    ????????????????
+    #######??#######
+    ................
+    ................
+    ................
+    ................
+    ################
+"""
+DOOR = (4.0, 2.4)
+
+
+class Once:
+    """An explorer with one destination."""
+
+    def __init__(self, place):
+        self._left = [Destination(*place, reason="there")]
+        self.visited = []
+
+    def reset(self, goal):
+        pass
+
+    def remember_visit(self, x, y):
+        self.visited.append((x, y))
+
+    def next_destination(self, grid, robot, trajectory):
+        return self._left.pop() if self._left else None
+
+
+def corridor():
+    return drawn(CORRIDOR, scale=10)
+
+
+def explore(explorer, robot, steps, **options):
+    """Actions and reasons on a map that never changes; the robot only turns."""
+    exploration = Exploration(explorer, Navigator(PlanningConfig()), SearchConfig(**options))
+    exploration.reset(Goal("bed"))
+    exploration.destination = explorer.next_destination(None, None, [])
+    done = []
+    for _ in range(steps):
+        chosen = exploration.next_action(
+            corridor(), robot, [], far_bearing=None, clock=ModuleClock(), events=[]
+        )
+        if chosen is None:
+            break
+        done.append(chosen[0])
+        turn = {Action.TURN_LEFT: 1, Action.TURN_RIGHT: -1}[chosen[0]]
+        robot = Pose2(robot.x, robot.y, robot.yaw + turn * math.radians(30.0))
+    return done, robot
+
+
+@pytest.mark.parametrize("yaw", [0.0, math.pi, -1.0])
+def test_who_comes_to_a_door_looks_through_it_before_leaving(yaw):
+    explorer = Once((4.0, 2.2))
+    done, robot = explore(explorer, Pose2(4.0, 2.0, yaw), 20)
+    assert 1 <= len(done) <= 6
+    assert abs(robot.bearing_to(*DOOR)) <= math.radians(15.0) + 1e-6
+    assert explorer.visited == [(4.0, 2.2)]
+
+
+def test_the_paper_leaves_at_once():
+    done, _ = explore(Once((4.0, 2.2)), Pose2(4.0, 2.0, math.pi), 20, look_across_boundary=False)
+    assert done == []
+
+
+def test_where_nothing_is_unexplored_nothing_is_looked_at():
+    done, _ = explore(Once((1.0, 1.5)), Pose2(1.0, 1.4, 2.0), 20)
+    assert done == []
+
+
+def test_the_boundary_is_free_floor_beside_the_unknown():
+    points = unexplored_boundary(corridor(), (4.0, 2.2), 0.75)
+    assert len(points) > 0
+    assert np.abs(points[:, 0] - 4.0).max() < 0.6
+    assert np.allclose(points[:, 1], points[0, 1])
+    assert len(unexplored_boundary(corridor(), (1.0, 1.5), 0.75)) == 0
+
+
+def test_a_turn_towards_what_is_ahead_is_none():
+    robot = Pose2(0.0, 0.0, 0.0)
+    assert turn_towards(robot, (1.0, 0.1), 30.0) is None
+    assert turn_towards(robot, (0.0, 1.0), 30.0) is Action.TURN_LEFT
+    assert turn_towards(robot, (0.0, -1.0), 30.0) is Action.TURN_RIGHT
