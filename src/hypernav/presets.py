@@ -91,7 +91,7 @@ def preset(name: PresetName) -> HyPerNavConfig:
     return HyPerNavConfig(
         mapping=MappingConfig(squeeze_m=0.0),
         local=LocalConfig(
-            enter_where_seen=False,
+            entry_reach_m=0.0,
             target="latest",
             pick="first",
             max_missed_share=1.0,
@@ -108,6 +108,7 @@ def preset(name: PresetName) -> HyPerNavConfig:
             squeeze_m=0.0,
         ),
         search=SearchConfig(
+            stop_distance_m=0.45,
             look_around_at_start=False,
             look_again_before_giving_up=False,
             look_across_boundary=False,

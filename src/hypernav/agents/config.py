@@ -10,7 +10,8 @@ class SearchConfig(RoomConfig):
 
     Attributes:
         turn_angle_deg: Of one turn action.
-        stop_distance_m: Of the robot to the goal area, for the presence check and STOP.
+        stop_distance_m: Of the robot to where it may enter the goal area, for the presence check
+            and STOP.
         approach_patience_steps: Close to the goal area the robot stops where it is when it has not
             come nearer for so long: something stands around it.
         arrival_distance_m: A destination of global perception counts as reached within this.
@@ -28,7 +29,7 @@ class SearchConfig(RoomConfig):
     """
 
     turn_angle_deg: float = 30.0
-    stop_distance_m: float = 0.45
+    stop_distance_m: float = 0.15
     approach_patience_steps: int = 16
     arrival_distance_m: float = 0.5
     endurance_steps: int = 40

@@ -21,7 +21,7 @@ class GeometricConfig(RoomConfig):
 
     min_frontier_cells: int = 6
     travel_scale_m: float = 3.0
-    turn_cost_m: float = 0.0
+    turn_cost_m: float = 0.8
     gain_exponent: float = 0.5
 
 

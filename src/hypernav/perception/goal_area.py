@@ -1,5 +1,6 @@
 """The cells that the refined detection projects to."""
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -8,6 +9,9 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from hypernav.core.observation import Observation
+
+_BESIDE_M = 0.3
+"""Right before the camera nothing is in its picture."""
 
 
 def points_under_mask(
@@ -55,7 +59,7 @@ class GoalArea:
     Attributes:
         mask: Dilated cells.
         seen: Cells that points of the target really fall into.
-        entry: Those dilated cells that the robot may go to.
+        entry: Cells that the robot may go to.
         origin: Lower left corner of the masks, metres.
         resolution_m: Side of a cell.
     """
@@ -124,27 +128,33 @@ class GoalArea:
             window |= np.stack([area.mask, area.seen, area.entry])
         return GoalArea(*masks, (float(low[1]) * size, float(low[0]) * size), size)
 
-    def on_the_side_of(self, observation: Observation) -> "GoalArea":
-        """The same, to be entered only where a picture of it shows nothing in between.
+    def entered_from(self, observation: Observation, reach_m: float) -> "GoalArea":
+        """The same, to be entered near what was seen, but not behind a wall.
 
-        Cells are dilated in all directions, also through a thin wall into the next room.
+        Cells are dilated in all directions, also through a thin wall into the next room. A picture
+        that shows the target shows as well what lies on its own side of the walls.
 
         Args:
             observation: The picture that shows the target.
+            reach_m: Of the robot to what was seen.
         """
-        camera = observation.camera
-        around = self.mask & ~self.seen
-        cells = self._centres(around)
-        floor = np.column_stack([cells, np.zeros(len(cells))])
-        ahead = observation.camera_to_map.inverse().apply(floor)
-        distance = ahead[:, 2]
-        column = camera.fx * ahead[:, 0] / np.maximum(distance, 1e-6) + camera.cx
-        in_view = (distance > 0.0) & (column >= 0.0) & (column < camera.width)
-        farthest = observation.depth.max(axis=0)[column[in_view].astype(int)]
-        in_view[in_view] = (farthest == 0.0) | (farthest > distance[in_view])
-        entry = np.zeros_like(self.mask)
-        entry[around] = in_view
-        return replace(self, entry=entry if entry.any() else self.mask)
+        margin = math.ceil(reach_m / self.resolution_m)
+        wide = self._widened(margin)
+        away = cv2.distanceTransform(
+            (~wide.seen).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE
+        )
+        entry = (away * self.resolution_m <= reach_m) & ~wide.seen
+        entry[entry] = _lies_open(wide._centres(entry), observation)
+        return replace(wide, entry=entry) if entry.any() else self
+
+    def _widened(self, margin: int) -> "GoalArea":
+        """The same in a larger window."""
+        shift = margin * self.resolution_m
+        return GoalArea(
+            *(np.pad(mask, margin) for mask in (self.mask, self.seen, self.entry)),
+            (self.origin[0] - shift, self.origin[1] - shift),
+            self.resolution_m,
+        )
 
     @cached_property
     def points(self) -> Float64[np.ndarray, "n 2"]:
@@ -206,3 +216,24 @@ class GoalArea:
     def _centres(self, mask: Bool[np.ndarray, "rows columns"]) -> Float64[np.ndarray, "n 2"]:
         cells = np.argwhere(mask)
         return np.array(self.origin) + (cells[:, ::-1] + 0.5) * self.resolution_m
+
+
+def _lies_open(
+    places: Float64[np.ndarray, "n 2"], observation: Observation
+) -> Bool[np.ndarray, " n"]:
+    """Whether a picture shows a place on the floor, or something behind and above it.
+
+    Args:
+        places: ``(x, y)``, ``map`` frame, metres.
+        observation: The picture; what is right beside its camera lies open, too.
+    """
+    camera = observation.camera
+    floor = np.column_stack([places, np.zeros(len(places))])
+    ahead = observation.camera_to_map.inverse().apply(floor)
+    distance = ahead[:, 2]
+    column = camera.fx * ahead[:, 0] / np.maximum(distance, 1e-6) + camera.cx
+    is_open = (distance > 0.0) & (column >= 0.0) & (column < camera.width)
+    farthest = observation.depth.max(axis=0)[column[is_open].astype(int)]
+    is_open[is_open] = (farthest == 0.0) | (farthest > distance[is_open])
+    beside = np.linalg.norm(places - np.array(observation.robot.xy), axis=1) < _BESIDE_M
+    return is_open | beside

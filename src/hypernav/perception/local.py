@@ -35,8 +35,8 @@ class LocalConfig(RoomConfig):
         dilation_kernel: Side of the kernel that dilates the cells (paper: 5×5).
         dilation_iterations: How often (paper: 3).
         largest_cluster_only: Keep only the cells that hang together with most points.
-        enter_where_seen: The robot goes to dilated cells on the side from which it saw the target,
-            not to those that lie behind a wall.
+        entry_reach_m: The robot goes to where it is so near to cells that it saw, but not behind
+            a wall; 0 (paper) sends it to the dilated cells.
         target: "latest": every new detection moves the goal area (paper). "hold": the robot keeps
             to one target, whose area grows with every look at it, and other detections do not
             distract it.
@@ -61,7 +61,7 @@ class LocalConfig(RoomConfig):
     dilation_kernel: int = 5
     dilation_iterations: int = 3
     largest_cluster_only: bool = True
-    enter_where_seen: bool = True
+    entry_reach_m: float = 0.6
     target: Literal["latest", "hold"] = "hold"
     pick: Literal["first", "nearest"] = "nearest"
     min_sightings: int = 1
@@ -235,7 +235,9 @@ class LocalPerception:
             return None, _NO_DEPTH
         if any(rejected.covers(area) > 0.5 for rejected in self._rejected):
             return None, "rejected before"
-        return (area.on_the_side_of(observation) if config.enter_where_seen else area), ""
+        if config.entry_reach_m > 0.0:
+            area = area.entered_from(observation, config.entry_reach_m)
+        return area, ""
 
     def _bearing_of(self, detection: Detection, observation: Observation) -> float | None:
         camera, robot = observation.camera, observation.robot
