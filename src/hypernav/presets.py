@@ -83,6 +83,15 @@ class HyPerNavConfig(RoomConfig):
     sam: SamConfig = SamConfig()
     onnx_sam: OnnxSamConfig = OnnxSamConfig()
 
+    @property
+    def stop_reach_m(self) -> float:
+        """How far from the outline of a goal area the robot stops at most, metres."""
+        local = self.local
+        dilated_m = (
+            local.dilation_kernel // 2 * local.dilation_iterations * self.mapping.cell_size_m
+        )
+        return self.search.stop_distance_m + max(local.entry_reach_m - dilated_m, 0.0)
+
 
 def preset(name: PresetName) -> HyPerNavConfig:
     """A named configuration: the published method, or the one that we measured to be better."""
@@ -100,6 +109,7 @@ def preset(name: PresetName) -> HyPerNavConfig:
             weigh_rivals=False,
             largest_cluster_only=False,
         ),
+        geometric=GeometricConfig(turn_cost_m=0.0),
         planning=PlanningConfig(
             comfort_cost=0.0,
             targets="nearest-straight",

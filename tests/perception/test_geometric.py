@@ -13,8 +13,8 @@ from hypernav.perception.geometric import GeometricReasoner
 GOAL = Goal("bed")
 
 
-def block(number, frontier_cells, travel_m):
-    return Block(number, 0.0, 0.0, 2.0, 50, frontier_cells, (0.0, 0.0), travel_m)
+def block(number, frontier_cells, travel_m, destination=(1.0, 0.0)):
+    return Block(number, 0.0, 0.0, 2.0, 50, frontier_cells, destination, travel_m)
 
 
 def choose(*blocks, excluded=(), log=None):
@@ -29,6 +29,12 @@ def test_of_two_equal_boundaries_the_nearer_wins():
 
 def test_of_two_equal_ways_the_longer_boundary_wins():
     assert choose(block(1, 10, 3.0), block(2, 60, 3.0)).number == 2
+
+
+def test_of_two_equal_blocks_that_ahead_wins():
+    ahead, behind = (2.0, 0.5), (-2.0, 0.5)
+    assert choose(block(1, 30, 3.0, behind), block(2, 30, 3.0, ahead)).number == 2
+    assert choose(block(1, 30, 2.0, ahead), block(2, 30, 2.0, behind)).number == 1
 
 
 def test_ties_go_to_the_lower_number():

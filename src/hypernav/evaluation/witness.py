@@ -154,7 +154,7 @@ class Witness:
         here = walkable.component_of(*self._world.position[:2])
         places = walkable.centres(max(here, 0))
         low, high = area.min(axis=0), area.max(axis=0)
-        stop_m = self._config.search.stop_distance_m
+        stop_m = self._config.stop_reach_m
         near = ((places > low - stop_m) & (places < high + stop_m)).all(axis=1)
         if not near.any():
             return True
@@ -168,7 +168,7 @@ class Witness:
             return None
         area = _outline_points(last.trace.goal_area)
         path = Planner(self._config.planning).plan(grid, last.observation.robot.xy, area)
-        return path is not None and path.gap_m <= self._config.search.stop_distance_m
+        return path is not None and path.gap_m <= self._config.stop_reach_m
 
 
 def _outline_points(polygons: list[list[tuple[float, float]]]) -> Float64[np.ndarray, "n 2"]:
