@@ -90,7 +90,7 @@ class HyPerNavConfig(RoomConfig):
         dilated_m = (
             local.dilation_kernel // 2 * local.dilation_iterations * self.mapping.cell_size_m
         )
-        return self.search.stop_distance_m + max(local.entry_reach_m - dilated_m, 0.0)
+        return self.search.approach_gap_m + max(local.entry_reach_m - dilated_m, 0.0)
 
 
 def preset(name: PresetName) -> HyPerNavConfig:
@@ -119,6 +119,7 @@ def preset(name: PresetName) -> HyPerNavConfig:
         ),
         search=SearchConfig(
             stop_distance_m=0.45,
+            approach_gap_m=0.45,
             look_around_at_start=False,
             look_again_before_giving_up=False,
             look_across_boundary=False,

@@ -12,6 +12,8 @@ class SearchConfig(RoomConfig):
         turn_angle_deg: Of one turn action.
         stop_distance_m: Of the robot to where it may enter the goal area, for the presence check
             and STOP.
+        approach_gap_m: A way leads to the goal area if it ends so near to where that may be entered:
+            something may stand before it.
         approach_patience_steps: Close to the goal area the robot stops where it is when it has not
             come nearer for so long: something stands around it.
         arrival_distance_m: A destination of global perception counts as reached within this.
@@ -30,6 +32,7 @@ class SearchConfig(RoomConfig):
 
     turn_angle_deg: float = 30.0
     stop_distance_m: float = 0.15
+    approach_gap_m: float = 0.3
     approach_patience_steps: int = 16
     arrival_distance_m: float = 0.5
     endurance_steps: int = 40

@@ -150,7 +150,7 @@ class SearchAgent:
             with clock("plan"):
                 action = self._navigator.towards(self.grid, robot, target.area.entry_points)
             path = self._navigator.path
-            leads_there = path is not None and path.gap_m <= self._config.stop_distance_m
+            leads_there = path is not None and path.gap_m <= self._config.approach_gap_m
             if path is None or not (leads_there or self._all_explored):
                 self._forget_approach()
                 return None
