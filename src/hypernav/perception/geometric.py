@@ -22,7 +22,7 @@ class GeometricConfig(RoomConfig):
     min_frontier_cells: int = 6
     travel_scale_m: float = 3.0
     turn_cost_m: float = 0.8
-    gain_exponent: float = 0.5
+    gain_exponent: float = 1.0
 
 
 class GeometricReasoner:
