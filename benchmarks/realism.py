@@ -24,7 +24,7 @@ from hypernav.core.boxes import Box, Detection
 from hypernav.core.geometry import Pose2, Transform
 from hypernav.core.labels import canonical
 from hypernav.models.yolox import YoloxConfig, YoloxDetector
-from hypernav.worlds import CameraConfig, EmbreeRenderer, Instance, Scene, WalkableGrid, load_scene
+from hypernav.worlds import CameraConfig, CpuRenderer, Instance, Scene, WalkableGrid, load_scene
 from hypernav.worlds.houses import build_house
 from hypernav.worlds.rays import RayCaster
 
@@ -167,7 +167,7 @@ def look_around(
         return
     config = CameraConfig()
     renderer, grid, everything = (
-        EmbreeRenderer(scene),
+        CpuRenderer(scene),
         WalkableGrid.from_scene(scene),
         RayCaster(scene),
     )

@@ -23,7 +23,7 @@ from rich.table import Table
 
 from hypernav.core.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry import Pose2, Transform
-from hypernav.worlds import EmbreeRenderer, RenderConfig, Scene, load_scene
+from hypernav.worlds import CpuRenderer, RenderConfig, Scene, load_scene
 
 TEST_DATA = Path(os.environ.get("HYPERNAV_TEST_DATA", "../shared/data"))
 CAMERA = PinholeCamera.from_hfov(640, 480, 79.0)
@@ -56,7 +56,7 @@ def main(
         measure(table, size, views)
     console.print(table)
     if out is not None:
-        write_pictures(EmbreeRenderer(loaded), views, out)
+        write_pictures(CpuRenderer(loaded), views, out)
         console.print(f"{len(views)} pictures in {out}")
 
 
@@ -64,14 +64,16 @@ def measure(table: Table, scene: Scene, views: list[Transform]) -> None:
     """Add the rows of one scene."""
     name = f"{len(scene.faces):,} triangles"
     start = time.perf_counter()
-    renderer = EmbreeRenderer(scene)
+    renderer = CpuRenderer(scene)
     table.add_row(name, "build", f"{(time.perf_counter() - start) * 1e3:.0f}")
-    plain = EmbreeRenderer(scene, RenderConfig(antialias=False))
+    plain = CpuRenderer(scene, RenderConfig(antialias=False))
+    blind = CpuRenderer(scene, RenderConfig(colours=False, threads=1))
     looks = [timed(lambda v: renderer.render(CAMERA, v), view, 1) for view in views]
     add(table, name, "first look", looks[1:])
     for what, draw in (
         ("render", lambda v: renderer.render(CAMERA, v)),
         ("render, one ray a pixel", lambda v: plain.render(CAMERA, v)),
+        ("depth and instances, one thread", lambda v: blind.render(CAMERA, v)),
         ("ray casting, one thread", caster(renderer, views)),
     ):
         for view in views:
@@ -98,7 +100,7 @@ def timed(
     return min(wall), min(cpu)
 
 
-def caster(renderer: EmbreeRenderer, views: list[Transform]) -> Callable[[Transform], object]:
+def caster(renderer: CpuRenderer, views: list[Transform]) -> Callable[[Transform], object]:
     """Casts the rays of a view, which are laid out beforehand."""
     rays = CAMERA.rays().reshape(-1, 3)
     origins = {
@@ -110,7 +112,7 @@ def caster(renderer: EmbreeRenderer, views: list[Transform]) -> Callable[[Transf
 
 def standing_views(scene: Scene, count: int) -> list[Transform]:
     """Views from random places where the camera has half a metre of air around it."""
-    renderer = EmbreeRenderer(scene, RenderConfig(antialias=False))
+    renderer = CpuRenderer(scene, RenderConfig(antialias=False))
     rng = np.random.default_rng(0)
     low, high = scene.vertices.min(axis=0), scene.vertices.max(axis=0)
     views: list[Transform] = []
@@ -183,7 +185,7 @@ def in_four(corners: np.ndarray, middles: np.ndarray) -> np.ndarray:
     return stacked.reshape(-1, *corners.shape[1:])
 
 
-def write_pictures(renderer: EmbreeRenderer, views: list[Transform], out: Path) -> None:
+def write_pictures(renderer: CpuRenderer, views: list[Transform], out: Path) -> None:
     out.mkdir(parents=True, exist_ok=True)
     for number, view in enumerate(views):
         rgb = renderer.render(CAMERA, view).rgb

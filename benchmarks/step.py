@@ -33,7 +33,7 @@ from hypernav.perception.ground_truth import GroundTruthDetector
 from hypernav.perception.local import LocalPerception
 from hypernav.planning import Planner
 from hypernav.show import draw_overview
-from hypernav.worlds import EmbreeRenderer, SimulatedWorld, load_scene, random_start
+from hypernav.worlds import CpuRenderer, SimulatedWorld, load_scene, random_start
 from hypernav.worlds.renderer import RenderConfig
 
 STEPS = 500
@@ -91,7 +91,7 @@ def search_in_vain(watch: Stopwatch, house: str) -> None:
     """Time the agent's steps while it explores a whole house."""
     config, goal = preset("default"), Goal("something that is not there")
     scene = build_scene(house)
-    renderer = EmbreeRenderer(scene, RenderConfig(colours=False))  # ground truth needs none
+    renderer = CpuRenderer(scene, RenderConfig(colours=False))  # ground truth needs none
     world = SimulatedWorld(scene, config.world, renderer=renderer)
     agent = build_search(config, GroundTruthDetector(), ExchangeLog())
     agent.reset(goal)
@@ -108,7 +108,7 @@ def recorded(data: Path, watch: Stopwatch) -> list[Observation]:
     """The recorded frames, rendered anew."""
     episode = np.load(data / "episodes" / "small_house.npz")
     scene = load_scene(data / "scenes" / "small_house" / "scene.glb")
-    renderer, config = EmbreeRenderer(scene), preset("default").world
+    renderer, config = CpuRenderer(scene), preset("default").world
     labels = {i.id: i.label for i in scene.instances if i.label is not None}
     camera = config.camera.intrinsics
     observations: list[Observation] = []

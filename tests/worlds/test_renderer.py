@@ -13,7 +13,7 @@ from gltf_writer import SQUARE_UV, GltfWriter
 from hypernav.core.camera import PinholeCamera, optical_to_base
 from hypernav.core.errors import MissingExtraError
 from hypernav.core.geometry import Pose2, Transform
-from hypernav.worlds import EmbreeRenderer, Material, RenderConfig, Scene, Wrap, load_scene
+from hypernav.worlds import CpuRenderer, Material, RenderConfig, Scene, Wrap, load_scene
 
 CAMERA = PinholeCamera.from_hfov(80, 60, 79.0)
 QUADRANTS = np.array(
@@ -62,7 +62,7 @@ def room() -> Scene:
 
 
 def test_depth_of_a_plane_is_along_the_optical_axis() -> None:
-    renderer = EmbreeRenderer(wall(Material("grey", (0.5, 0.5, 0.5)), size=100.0))
+    renderer = CpuRenderer(wall(Material("grey", (0.5, 0.5, 0.5)), size=100.0))
     view = renderer.render(CAMERA, looking(-3.0, 0.4, 0.0))
     np.testing.assert_allclose(view.depth, 3.0, atol=1e-5)
     assert (view.instance_ids == 0).all()
@@ -80,7 +80,7 @@ def test_hit_points_lie_on_the_plane(yaw_deg: float, pitch_deg: float, away: flo
     assert np.abs(points[seen][:, 0]).max() < 1e-5 * max(1.0, float(view.depth.max()))
 
 
-PLANE = EmbreeRenderer(wall(Material("grey", (0.5, 0.5, 0.5)), size=1000.0))
+PLANE = CpuRenderer(wall(Material("grey", (0.5, 0.5, 0.5)), size=1000.0))
 
 
 def first_box(scene: Scene, origin: np.ndarray, rays: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -110,14 +110,14 @@ def test_every_pixel_shows_the_box_that_its_ray_meets(x: float, y: float, yaw_de
 
 
 BOX_SCENE = scene_of(*room_boxes(), ("pole", (3.0, 1.5, 0.0), (3.1, 1.6, 1.5)))
-BOXES = EmbreeRenderer(BOX_SCENE)
+BOXES = CpuRenderer(BOX_SCENE)
 
 
 def test_left_is_left_and_up_is_up() -> None:
     scene = scene_of(
         ("left", (3.0, 0.5, 0.9), (3.5, 1.0, 1.4)), ("right", (3.0, -1.0, 0.4), (3.5, -0.5, 0.9))
     )
-    ids = EmbreeRenderer(scene).render(CAMERA, looking(0.0, 0.0, 0.0)).instance_ids
+    ids = CpuRenderer(scene).render(CAMERA, looking(0.0, 0.0, 0.0)).instance_ids
     rows, columns = np.nonzero(ids == 0)
     other_rows, other_columns = np.nonzero(ids == 1)
     assert columns.max() < 40 < other_columns.min()
@@ -126,7 +126,7 @@ def test_left_is_left_and_up_is_up() -> None:
 
 def test_nothing_is_background_with_no_depth() -> None:
     scene = scene_of(("box", (3.0, -1.0, 0.0), (4.0, 1.0, 2.0)))
-    renderer = EmbreeRenderer(scene, RenderConfig(background=(1, 2, 3)))
+    renderer = CpuRenderer(scene, RenderConfig(background=(1, 2, 3)))
     view = renderer.render(CAMERA, looking(0.0, 0.0, 180.0))
     assert (view.rgb == [1, 2, 3]).all()
     assert (view.depth == 0.0).all()
@@ -144,7 +144,7 @@ def quadrant_colours(rgb: np.ndarray) -> list[list[list[int]]]:
 def test_pictures_hang_the_right_way_round() -> None:
     camera = PinholeCamera.from_hfov(64, 64, 90.0)
     picture = np.kron(QUADRANTS, np.ones((8, 8, 1), np.uint8))
-    renderer = EmbreeRenderer(wall(textured(picture, Wrap.CLAMP)))
+    renderer = CpuRenderer(wall(textured(picture, Wrap.CLAMP)))
     view = renderer.render(camera, looking(-1.0, 0.0, 0.0, 0.0))
     assert quadrant_colours(view.rgb) == QUADRANTS.tolist()
 
@@ -158,14 +158,14 @@ def test_pictures_of_a_file_hang_the_right_way_round(tmp_path: Path) -> None:
     scene = load_scene(writer.write(tmp_path / "a.glb"))
     # The square faces -y of the scene: look along +y from in front of it.
     camera = PinholeCamera.from_hfov(64, 64, 90.0)
-    view = EmbreeRenderer(scene).render(camera, looking(0.5, -0.5, 90.0, 0.5))
+    view = CpuRenderer(scene).render(camera, looking(0.5, -0.5, 90.0, 0.5))
     assert quadrant_colours(view.rgb) == QUADRANTS.tolist()
 
 
 def test_unlit_surfaces_show_the_very_colours_of_their_texture() -> None:
     picture = np.arange(16 * 16 * 3).reshape(16, 16, 3).astype(np.uint8)
     camera = PinholeCamera.from_hfov(16, 16, 90.0)
-    renderer = EmbreeRenderer(wall(textured(picture)), RenderConfig(antialias=False))
+    renderer = CpuRenderer(wall(textured(picture)), RenderConfig(antialias=False))
     # One pixel is one texel, so the ray of a pixel meets the middle of its texel.
     view = renderer.render(camera, looking(-1.0, 0.0, 0.0, 0.0))
     np.testing.assert_array_equal(view.rgb, picture)
@@ -175,7 +175,7 @@ def test_material_and_corner_colours_multiply_the_texture() -> None:
     picture = np.full((1, 1, 3), 200, np.uint8)
     scene = wall(replace(textured(picture), color=(1.0, 0.5, 0.0)))
     scene = replace(scene, colors=np.full((2, 3, 3), (128, 255, 255), np.uint8))
-    view = EmbreeRenderer(scene).render(CAMERA, looking(-0.3, 0.0, 0.0, 0.0))
+    view = CpuRenderer(scene).render(CAMERA, looking(-0.3, 0.0, 0.0, 0.0))
     np.testing.assert_array_equal(view.rgb[30, 40], [100, 100, 0])
 
 
@@ -184,7 +184,7 @@ def test_corner_colours_blend_over_the_face() -> None:
     colors = np.zeros((2, 3, 3), np.uint8)
     colors[0, 0] = colors[1, 0] = colors[1, 2] = 255  # the two corners on the right
     scene = replace(scene, colors=colors)
-    row = EmbreeRenderer(scene).render(CAMERA, looking(-0.5, 0.0, 0.0, 0.0)).rgb[30, :, 0]
+    row = CpuRenderer(scene).render(CAMERA, looking(-0.5, 0.0, 0.0, 0.0)).rgb[30, :, 0]
     rays = CAMERA.rays()[30, :, 0]
     np.testing.assert_allclose(row, (rays * 0.5 + 1.0) / 2.0 * 255.0, atol=1.0)
 
@@ -203,14 +203,14 @@ def test_textures_go_on_beyond_their_edges(wrap: Wrap, expected: list[int]) -> N
     uv = scene.uv.copy()
     uv[..., 0] = 2.0 * uv[..., 0] - 1.0  # from -1 on the left to 1 on the right
     camera = PinholeCamera.from_hfov(64, 64, 90.0)
-    view = EmbreeRenderer(replace(scene, uv=uv)).render(camera, looking(-1.0, 0.0, 0.0, 0.0))
+    view = CpuRenderer(replace(scene, uv=uv)).render(camera, looking(-1.0, 0.0, 0.0, 0.0))
     assert [int(view.rgb[32, column, 0]) for column in (8, 24, 40, 56)] == expected
 
 
 def test_a_distant_checkerboard_is_an_even_grey() -> None:
     tiles = np.indices((64, 64)).sum(axis=0) % 2 * 255
     picture = np.repeat(tiles[..., None], 3, axis=2).astype(np.uint8)
-    renderer = EmbreeRenderer(wall(textured(picture), size=40.0, repeat=40.0))
+    renderer = CpuRenderer(wall(textured(picture), size=40.0, repeat=40.0))
     view = renderer.render(CAMERA, looking(-12.0, 0.0, 0.0, 0.0))
     # Half the light of white is sRGB 188, not 128.
     np.testing.assert_allclose(view.rgb, 188, atol=2)
@@ -219,7 +219,7 @@ def test_a_distant_checkerboard_is_an_even_grey() -> None:
 def test_a_floor_seen_at_a_slant_does_not_shimmer() -> None:
     tiles = np.indices((64, 64)).sum(axis=0) % 2 * 255
     picture = np.repeat(tiles[..., None], 3, axis=2).astype(np.uint8)
-    renderer = EmbreeRenderer(wall(textured(picture), size=100.0, repeat=100.0))
+    renderer = CpuRenderer(wall(textured(picture), size=100.0, repeat=100.0))
     slanted = looking(-0.88, 0.0, 85.0, 0.0)
     first = renderer.render(CAMERA, slanted).rgb[:, 50:].astype(float)
     step = Transform(slanted.rotation, slanted.translation + np.array([0.0, 0.013, 0.004]))
@@ -245,7 +245,7 @@ def test_leaves_can_be_looked_through() -> None:
         instances=(front.instances[0], replace(behind.instances[0], id=1, name="behind")),
     )
     camera = PinholeCamera.from_hfov(64, 64, 90.0)
-    view = EmbreeRenderer(scene).render(camera, looking(-1.0, 0.0, 0.0, 0.0))
+    view = CpuRenderer(scene).render(camera, looking(-1.0, 0.0, 0.0, 0.0))
     assert (view.instance_ids[:, :31] == 0).all()
     assert (view.instance_ids[:, 33:] == 1).all()
     np.testing.assert_allclose(view.depth[:, :31], 1.0, atol=1e-5)
@@ -256,7 +256,7 @@ def test_leaves_can_be_looked_through() -> None:
 
 def test_faces_are_seen_from_both_sides() -> None:
     scene = wall(Material("grey", (0.5, 0.5, 0.5)), unlit=False)
-    renderer = EmbreeRenderer(scene)
+    renderer = CpuRenderer(scene)
     for pose in (looking(-0.4, 0.0, 0.0, 0.0), looking(0.4, 0.0, 180.0, 0.0)):
         view = renderer.render(CAMERA, pose)
         assert (view.instance_ids == 0).all()
@@ -265,8 +265,8 @@ def test_faces_are_seen_from_both_sides() -> None:
 
 def test_the_same_pose_gives_the_same_bytes(room: Scene) -> None:
     poses = [looking(0.5, 0.5, 30.0), looking(5.5, 3.5, 200.0), looking(1.0, 3.0, -45.0)]
-    first = EmbreeRenderer(room, RenderConfig(threads=1))
-    second = EmbreeRenderer(room, RenderConfig(threads=3))
+    first = CpuRenderer(room, RenderConfig(threads=1))
+    second = CpuRenderer(room, RenderConfig(threads=3))
     views = [first.render(CAMERA, pose) for pose in poses]
     others = [second.render(CAMERA, pose) for pose in reversed(poses)][::-1]
     again = [first.render(CAMERA, pose) for pose in poses]
@@ -278,8 +278,8 @@ def test_the_same_pose_gives_the_same_bytes(room: Scene) -> None:
 
 def test_antialiasing_changes_colours_at_edges_only(room: Scene) -> None:
     pose = looking(0.5, 0.5, 30.0)
-    smooth = EmbreeRenderer(room).render(CAMERA, pose)
-    sharp = EmbreeRenderer(room, RenderConfig(antialias=False)).render(CAMERA, pose)
+    smooth = CpuRenderer(room).render(CAMERA, pose)
+    sharp = CpuRenderer(room, RenderConfig(antialias=False)).render(CAMERA, pose)
     np.testing.assert_array_equal(smooth.depth, sharp.depth)
     np.testing.assert_array_equal(smooth.instance_ids, sharp.instance_ids)
     changed = (smooth.rgb != sharp.rgb).any(axis=2)
@@ -287,7 +287,7 @@ def test_antialiasing_changes_colours_at_edges_only(room: Scene) -> None:
 
 
 def test_light_gives_form(room: Scene) -> None:
-    renderer = EmbreeRenderer(room, RenderConfig(headlight=0.0))
+    renderer = CpuRenderer(room, RenderConfig(headlight=0.0))
 
     def brightness(x: float, y: float, z: float, direction: tuple[float, float, float]) -> float:
         forward = np.array(direction)
@@ -314,7 +314,7 @@ def test_light_gives_form(room: Scene) -> None:
 def test_textures_shrink_to_their_budget() -> None:
     picture = np.random.default_rng(0).integers(0, 256, (256, 256, 3), dtype=np.uint8)
     scene = wall(textured(picture))
-    rich, poor = EmbreeRenderer(scene), EmbreeRenderer(scene, RenderConfig(texture_budget_mb=0.01))
+    rich, poor = CpuRenderer(scene), CpuRenderer(scene, RenderConfig(texture_budget_mb=0.01))
     pose = looking(-0.05, 0.0, 0.0, 0.0)
     sharp, soft = rich.render(CAMERA, pose).rgb, poor.render(CAMERA, pose).rgb
     assert sharp.std() > 3 * soft.std()
@@ -325,11 +325,11 @@ def test_a_machine_without_embree_is_told_so(room: Scene, monkeypatch: pytest.Mo
     monkeypatch.delitem(sys.modules, "embreex.rtcore_scene", raising=False)
     monkeypatch.delitem(sys.modules, "embreex.mesh_construction", raising=False)
     with pytest.raises(MissingExtraError, match=r"embreex.*everything but the simulator"):
-        EmbreeRenderer(room)
+        CpuRenderer(room)
 
 
 def test_small_house_is_closed_and_bright(small_house: Path) -> None:
-    renderer = EmbreeRenderer(load_scene(small_house))
+    renderer = CpuRenderer(load_scene(small_house))
     view = renderer.render(CAMERA, looking(0.45, -0.8, 90.0))
     assert (view.instance_ids >= 0).all()
     assert 100 < view.rgb.mean() < 220
@@ -352,7 +352,7 @@ def test_strange_numbers_in_a_file_are_survived(wrap: Wrap) -> None:
         replace(scene, vertices=needle, uv=uv, normals=normals),
         replace(scene, uv=scene.uv * np.float32(1e20)),
     ):
-        renderer = EmbreeRenderer(strange)
+        renderer = CpuRenderer(strange)
         for pose in (looking(-1.0, 0.0, 0.0, 0.0), looking(0.0, -3.0, 90.0, 0.0)):
             view = renderer.render(CAMERA, pose)
             assert np.isfinite(view.depth).all()
@@ -362,8 +362,8 @@ def test_without_colours_depth_and_instances_are_the_same():
     scene = scene_of(*room_boxes(), ("bed", (2.0, 1.0, 0.0), (4.0, 3.0, 0.6)))
     pose = Pose2(1.0, 2.0, 0.3).to_transform() @ optical_to_base(0.88, 0.0)
     camera = PinholeCamera.from_hfov(160, 120, 79.0)
-    seen = EmbreeRenderer(scene).render(camera, pose)
-    blind = EmbreeRenderer(scene, RenderConfig(colours=False)).render(camera, pose)
+    seen = CpuRenderer(scene).render(camera, pose)
+    blind = CpuRenderer(scene, RenderConfig(colours=False)).render(camera, pose)
     assert np.array_equal(blind.depth, seen.depth)
     assert np.array_equal(blind.instance_ids, seen.instance_ids)
     assert seen.rgb.any()

@@ -25,7 +25,7 @@ from hypernav.evaluation.recorder import EpisodeRecorder
 from hypernav.evaluation.witness import Witness
 from hypernav.part_specs import PartSpecs
 from hypernav.presets import HyPerNavConfig
-from hypernav.worlds import EmbreeRenderer, RenderConfig, Scene, SimulatedWorld
+from hypernav.worlds import CpuRenderer, RenderConfig, Scene, SimulatedWorld
 from hypernav.worlds.referee import SUCCESS_DISTANCE_M
 
 SaveChoice = Literal["videos", "failures", "none"]
@@ -107,7 +107,7 @@ class Workbench:
         if self._world is None or self._scene_id != scene_id:
             self._world, self._scene_id = None, ""  # the old one's memory, before the new one's
             scene = self._job.open_scene(scene_id)
-            renderer = EmbreeRenderer(scene, self._render)
+            renderer = CpuRenderer(scene, self._render)
             self._world = SimulatedWorld(scene, self._job.config.world, renderer=renderer)
             self._scene_id = scene_id
         return self._world

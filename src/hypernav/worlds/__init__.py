@@ -8,7 +8,7 @@ from hypernav.worlds.loading import load_scene
 from hypernav.worlds.noise import NoiseConfig
 from hypernav.worlds.rays import RayCaster
 from hypernav.worlds.referee import Referee
-from hypernav.worlds.renderer import EmbreeRenderer, RenderConfig
+from hypernav.worlds.renderer import CpuRenderer, RenderConfig
 from hypernav.worlds.scene import Instance, Material, Scene, Wrap
 from hypernav.worlds.simulation import SimulatedWorld, SimulationConfig
 from hypernav.worlds.starts import random_start
@@ -19,7 +19,7 @@ __all__ = [
     "ActionConfig",
     "CameraConfig",
     "DistanceField",
-    "EmbreeRenderer",
+    "CpuRenderer",
     "GoalRegion",
     "GoalRegions",
     "Instance",

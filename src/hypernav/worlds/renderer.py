@@ -61,7 +61,7 @@ class RenderConfig(RoomConfig):
     threads: int | None = Field(default=None, ge=1)
 
 
-class EmbreeRenderer:
+class CpuRenderer:
     """Draws a scene; satisfies `hypernav.core.protocols.Renderer`.
 
     Attributes:

@@ -22,7 +22,7 @@ from hypernav.worlds.noise import (
     reported_motion,
 )
 from hypernav.worlds.rays import RayCaster
-from hypernav.worlds.renderer import EmbreeRenderer
+from hypernav.worlds.renderer import CpuRenderer
 from hypernav.worlds.scene import Scene
 from hypernav.worlds.storeys import CELL_M
 from hypernav.worlds.walkable import WalkableGrid
@@ -77,7 +77,7 @@ class SimulatedWorld:
         Args:
             scene: Where the robot is.
             config: What the robot is.
-            renderer: Draws the scene; by default Embree does.
+            renderer: Draws the scene; by default `CpuRenderer` does.
             walkable: Where the robot can stand; by default computed from the scene.
 
         Raises:
@@ -89,8 +89,8 @@ class SimulatedWorld:
         self.walkable = walkable or WalkableGrid.from_scene(
             scene, self.config.robot, cell_m=self.config.cell_m, floor_z=self.config.floor_z
         )
-        self._renderer = renderer or EmbreeRenderer(scene)
-        if isinstance(self._renderer, EmbreeRenderer):
+        self._renderer = renderer or CpuRenderer(scene)
+        if isinstance(self._renderer, CpuRenderer):
             rays = self._renderer.rays
         else:
             rays = RayCaster(scene)

@@ -10,7 +10,7 @@ from hypernav.core.errors import SceneError
 from hypernav.core.geometry import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel
-from hypernav.worlds import EmbreeRenderer, load_scene
+from hypernav.worlds import CpuRenderer, load_scene
 from hypernav.worlds.houses import BUILTIN_HOUSE, build_house
 from hypernav.worlds.houses.export import describe, export_house, house_page
 from hypernav.worlds.houses.export.files import ExportedHouse
@@ -50,7 +50,7 @@ def test_it_looks_the_same(built: Scene, loaded: Scene):
     bed = next(i for i in built.instances if i.label and i.label.category == "bed")
     x, y = bed.box_max[0] + 0.4, (bed.box_min[1] + bed.box_max[1]) / 2
     pose = Pose2(x, y, np.pi).to_transform() @ optical_to_base(1.2, 10.0)
-    one, two = (EmbreeRenderer(s).render(camera, pose).rgb for s in (built, loaded))
+    one, two = (CpuRenderer(s).render(camera, pose).rgb for s in (built, loaded))
     difference = np.abs(one.astype(int) - two.astype(int))
     assert (difference > 8).mean() < 0.01
 

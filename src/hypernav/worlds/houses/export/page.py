@@ -20,7 +20,7 @@ from hypernav.worlds.houses.build import build_compact, plan_of
 from hypernav.worlds.houses.dice import Dice
 from hypernav.worlds.houses.export.drawing import draw_plan
 from hypernav.worlds.houses.plan.shapes import FloorPlan, Rect
-from hypernav.worlds.renderer import EmbreeRenderer
+from hypernav.worlds.renderer import CpuRenderer
 from hypernav.worlds.scene import Scene
 from hypernav.worlds.walkable import WalkableGrid
 
@@ -117,13 +117,13 @@ def view_from_above(scene: Scene, width: int = 1280) -> Picture:
     looking_down = np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]])
     middle = (low + high) / 2.0
     pose = Transform(looking_down, np.array([middle[0], middle[1], above]))
-    return EmbreeRenderer(open_scene).render(camera, pose).rgb
+    return CpuRenderer(open_scene).render(camera, pose).rgb
 
 
 def interior_views(scene: Scene, plan: FloorPlan, number: int, count: int) -> list[Picture]:
     """What a robot sees: in different rooms, from the poses that show most things."""
     config = CameraConfig()
-    grid, renderer = WalkableGrid.from_scene(scene), EmbreeRenderer(scene)
+    grid, renderer = WalkableGrid.from_scene(scene), CpuRenderer(scene)
     dice = Dice(number, "views")
     best: list[tuple[float, Pose2]] = []
     for room in plan.rooms:
@@ -151,7 +151,7 @@ def _camera_pose(grid: WalkableGrid, config: CameraConfig, pose: Pose2) -> Trans
     return pose.to_transform(grid.height_at(*pose.xy)) @ config.camera_to_base
 
 
-def _interest(scene: Scene, renderer: EmbreeRenderer, pose: Transform) -> float:
+def _interest(scene: Scene, renderer: CpuRenderer, pose: Transform) -> float:
     """How much there is to see: many things that are not too small, and nothing too near."""
     seen = renderer.render(CameraConfig(width=160, height=120).intrinsics, pose)
     pixels = np.bincount(seen.instance_ids[seen.instance_ids >= 0], minlength=len(scene.instances))
