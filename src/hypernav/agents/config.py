@@ -12,8 +12,8 @@ class SearchConfig(RoomConfig):
         turn_angle_deg: Of one turn action.
         stop_distance_m: Of the robot to where it may enter the goal area, for the presence check
             and STOP.
-        approach_gap_m: A way leads to the goal area if it ends so near to where that may be entered:
-            something may stand before it.
+        approach_gap_m: A way leads to the goal area if it ends so near to where that may be
+            entered: something may stand before it.
         approach_patience_steps: Close to the goal area the robot stops where it is when it has not
             come nearer for so long: something stands around it.
         arrival_distance_m: A destination of global perception counts as reached within this.

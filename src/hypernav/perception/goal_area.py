@@ -120,13 +120,15 @@ class GoalArea:
         low = np.minimum(*corners)
         ends = [c + a.mask.shape for c, a in zip(corners, (self, other), strict=True)]
         shape = tuple(np.maximum(*ends) - low)
-        masks = np.zeros((3, *shape), dtype=bool)
+        mask, seen, entry = np.zeros((3, *shape), dtype=bool)
         for corner, area in zip(corners, (self, other), strict=True):
             row, column = corner - low
             rows, columns = area.mask.shape
-            window = masks[:, row : row + rows, column : column + columns]
-            window |= np.stack([area.mask, area.seen, area.entry])
-        return GoalArea(*masks, (float(low[1]) * size, float(low[0]) * size), size)
+            window = (slice(row, row + rows), slice(column, column + columns))
+            mask[window] |= area.mask
+            seen[window] |= area.seen
+            entry[window] |= area.entry
+        return GoalArea(mask, seen, entry, (float(low[1]) * size, float(low[0]) * size), size)
 
     def entered_from(self, observation: Observation, reach_m: float) -> "GoalArea":
         """The same, to be entered near what was seen, but not behind a wall.
@@ -151,7 +153,9 @@ class GoalArea:
         """The same in a larger window."""
         shift = margin * self.resolution_m
         return GoalArea(
-            *(np.pad(mask, margin) for mask in (self.mask, self.seen, self.entry)),
+            np.pad(self.mask, margin),
+            np.pad(self.seen, margin),
+            np.pad(self.entry, margin),
             (self.origin[0] - shift, self.origin[1] - shift),
             self.resolution_m,
         )

@@ -18,8 +18,8 @@ from hypernav.worlds.walkable import WalkableGrid
 __all__ = [
     "ActionConfig",
     "CameraConfig",
-    "DistanceField",
     "CpuRenderer",
+    "DistanceField",
     "GoalRegion",
     "GoalRegions",
     "Instance",

@@ -90,10 +90,7 @@ class SimulatedWorld:
             scene, self.config.robot, cell_m=self.config.cell_m, floor_z=self.config.floor_z
         )
         self._renderer = renderer or CpuRenderer(scene)
-        if isinstance(self._renderer, CpuRenderer):
-            rays = self._renderer.rays
-        else:
-            rays = RayCaster(scene)
+        rays = self._renderer.rays if isinstance(self._renderer, CpuRenderer) else RayCaster(scene)
         self.regions = GoalRegions(
             scene, self.walkable, rays, eye_height_m=self.config.camera.height_m
         )
