@@ -126,6 +126,7 @@ def preset(name: PresetName) -> HyPerNavConfig:
             drop_explored=False,
             verify_view="current",
             face_target=False,
+            see_before_stop=False,
             pursue_far_sightings=False,
         ),
         ask_ahead=AskAheadConfig(enabled=False),

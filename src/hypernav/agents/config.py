@@ -27,6 +27,8 @@ class SearchConfig(RoomConfig):
         verify_view: The picture that the presence check sees: the "current" one (paper) or the
             "best" of the approach, which still shows what stands too close or too low.
         face_target: Turn towards the goal area before the presence check.
+        see_before_stop: A robot that faces the goal area and has something in between, such as a
+            wall, goes on to another place at it.
         pursue_far_sightings: Go towards a goal that is seen beyond the range of depth.
     """
 
@@ -43,4 +45,5 @@ class SearchConfig(RoomConfig):
     drop_explored_radius_m: float = 0.75
     verify_view: Literal["current", "best"] = "best"
     face_target: bool = True
+    see_before_stop: bool = True
     pursue_far_sightings: bool = True

@@ -148,7 +148,7 @@ class SearchAgent:
             return self._look_again(observation, target, self._second_look, clock)
         if not self._is_near_enough(target, robot):
             with clock("plan"):
-                action = self._navigator.towards(self.grid, robot, target.area.entry_points)
+                action = self._navigator.towards(self.grid, robot, target.entry_points)
             path = self._navigator.path
             leads_there = path is not None and path.gap_m <= self._config.approach_gap_m
             if path is None or not (leads_there or self._all_explored):
@@ -169,7 +169,7 @@ class SearchAgent:
 
     def _is_near_enough(self, target: Target, robot: Pose2) -> bool:
         """Within the stop distance, or close by and not coming any nearer."""
-        left_m = target.area.distance_to(*robot.xy)
+        left_m = target.distance_to(*robot.xy)
         if left_m < self._nearest_m - _PROGRESS_M or left_m > _CLOSE_BY_M:
             self._nearest_m, self._steps_without_progress = left_m, 0
         else:
@@ -186,6 +186,10 @@ class SearchAgent:
         turn = self._turn_towards(observation.robot, target)
         if self._config.face_target and turn is not None:
             return _Decision(turn, Mode.VERIFY, f"turning to face the {self._goal.thing}")
+        if self._config.see_before_stop and self._local.bar_place(observation):
+            self._events.append("goal area not in sight from here")
+            self._forget_approach()
+            return self._approach(observation, clock)
         if self._local.needs_second_look:
             with clock("verify"):
                 place = place_for_second_look(

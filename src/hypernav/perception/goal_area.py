@@ -62,6 +62,7 @@ class GoalArea:
         entry: Cells that the robot may go to.
         origin: Lower left corner of the masks, metres.
         resolution_m: Side of a cell.
+        height_m: Of the target's middle above the floor.
     """
 
     mask: Bool[np.ndarray, "rows columns"]
@@ -69,6 +70,7 @@ class GoalArea:
     entry: Bool[np.ndarray, "rows columns"]
     origin: tuple[float, float]
     resolution_m: float
+    height_m: float
 
     @staticmethod
     def from_points(
@@ -111,7 +113,7 @@ class GoalArea:
             mask = clusters == int(weights.argmax())
             seen &= mask
         origin = (float(low[1]) * resolution_m, float(low[0]) * resolution_m)
-        return GoalArea(mask, seen, mask, origin, resolution_m)
+        return GoalArea(mask, seen, mask, origin, resolution_m, float(np.median(points[:, 2])))
 
     def joined(self, other: "GoalArea") -> "GoalArea":
         """The cells of both areas: what two looks at the same thing have shown of it."""
@@ -128,7 +130,8 @@ class GoalArea:
             mask[window] |= area.mask
             seen[window] |= area.seen
             entry[window] |= area.entry
-        return GoalArea(mask, seen, entry, (float(low[1]) * size, float(low[0]) * size), size)
+        origin = (float(low[1]) * size, float(low[0]) * size)
+        return GoalArea(mask, seen, entry, origin, size, self.height_m)
 
     def entered_from(self, observation: Observation, reach_m: float) -> "GoalArea":
         """The same, to be entered near what was seen, but not behind a wall.
@@ -158,6 +161,7 @@ class GoalArea:
             np.pad(self.entry, margin),
             (self.origin[0] - shift, self.origin[1] - shift),
             self.resolution_m,
+            self.height_m,
         )
 
     @cached_property

@@ -17,7 +17,13 @@ from hypernav.core.protocols import Detector, Segmenter
 from hypernav.core.trace import DetectionRecord
 from hypernav.perception.attention import Attention
 from hypernav.perception.goal_area import GoalArea, points_under_mask
-from hypernav.perception.target import Target, same_place, seems_to_hold, should_be_visible
+from hypernav.perception.target import (
+    Target,
+    is_cut_off,
+    same_place,
+    seems_to_hold,
+    should_be_visible,
+)
 
 _NO_DEPTH = "too few points with depth"
 _BESIDE_REJECTED_DEG = 10.0
@@ -161,6 +167,24 @@ class LocalPerception:
         """Note that the target was looked at once more."""
         if self._target is not None:
             self._target = replace(self._target, confirmed=True)
+
+    def bar_place(self, observation: Observation) -> bool:
+        """Look for another place at the target if something hides it from a robot that faces it.
+
+        Args:
+            observation: What the robot sees, turned to the target.
+
+        Returns:
+            Whether the target is hidden and there is another place.
+        """
+        target = self._target
+        if target is None or not is_cut_off(target.area, observation):
+            return False
+        barred = target.barred_at(observation.robot.xy)
+        if barred is None:
+            return False
+        self._target = barred
+        return True
 
     def reject_target(self) -> None:
         """Drop the target and never take anything in its area for the goal again."""

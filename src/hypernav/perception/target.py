@@ -1,9 +1,10 @@
 """What the robot believes to be the goal, and the evidence for and against it."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Bool, Float64
 
 from hypernav.core.boxes import Box, Detection
 from hypernav.core.observation import Observation
@@ -14,6 +15,10 @@ _SAME_WIDTH = 0.5
 """Overlap over union of the columns of a box and of an area."""
 _DEPTH_SLACK_M = 0.5
 _RECOGNISABLE_M = (1.0, 4.0)
+_BARRED_M = 0.3
+"""So far around a place that is cut off from the target all others are, too."""
+_IN_BETWEEN_M = 0.3
+_HIDDEN_SHARE = 0.8
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +35,7 @@ class Target:
         rival_score: Sum over all pictures of the score by which the detector took it for something
             else.
         confirmed: Whether it was looked at once more, from another side.
+        barred: Places ``(x, y)``, metres, that turned out to be cut off from it.
     """
 
     area: GoalArea
@@ -40,6 +46,28 @@ class Target:
     misses: int = 0
     rival_score: float = 0.0
     confirmed: bool = False
+    barred: tuple[tuple[float, float], ...] = ()
+
+    @cached_property
+    def entry_points(self) -> Float64[np.ndarray, "n 2"]:
+        """Where the robot may go to be at the target, ``(x, y)``, metres.
+
+        Not where it is barred, unless it is barred everywhere.
+        """
+        points = self.area.entry_points
+        is_open = _far_from(points, self.barred)
+        return points[is_open] if is_open.any() else points
+
+    def distance_to(self, x: float, y: float) -> float:
+        """Straight distance to the nearest place where the robot may go, metres."""
+        return float(np.linalg.norm(self.entry_points - np.array([x, y]), axis=1).min())
+
+    def barred_at(self, place: tuple[float, float]) -> "Target | None":
+        """The same, not to be entered around a place ``(x, y)``; None if no other place is left."""
+        barred = (*self.barred, place)
+        if not _far_from(self.area.entry_points, barred).any():
+            return None
+        return replace(self, barred=barred)
 
     @property
     def is_outdone(self) -> bool:
@@ -84,6 +112,25 @@ def same_place(a: GoalArea, b: GoalArea) -> bool:
     return a.covers(b) > 0.0 or b.covers(a) > 0.0
 
 
+def is_cut_off(area: GoalArea, observation: Observation) -> bool:
+    """Whether something hides an area from a camera that looks at it, such as a wall in between.
+
+    What lies below, above or beside the picture is not hidden.
+    """
+    points = np.column_stack([area.seen_points, np.full(len(area.seen_points), area.height_m)])
+    ahead = observation.camera_to_map.inverse().apply(points)
+    camera, distance = observation.camera, np.maximum(ahead[:, 2], 1e-6)
+    column = camera.fx * ahead[:, 0] / distance + camera.cx
+    row = camera.fy * ahead[:, 1] / distance + camera.cy
+    shown = (ahead[:, 2] > _NEAREST_M) & (column >= 0) & (column < camera.width)
+    shown &= (row >= 0) & (row < camera.height)
+    if not shown.any():
+        return False
+    # What is too near to be measured has depth 0, and is in between as well.
+    depth = observation.depth[row[shown].astype(int), column[shown].astype(int)]
+    return bool((depth < distance[shown] - _IN_BETWEEN_M).mean() > _HIDDEN_SHARE)
+
+
 def should_be_visible(area: GoalArea, observation: Observation) -> bool:
     """Whether most of an area lies in free sight of the camera, near enough to be recognised."""
     distance, column = _projected(area, observation)
@@ -125,3 +172,13 @@ def _projected(
     in_camera = observation.camera_to_map.inverse().apply(points)
     camera, distance = observation.camera, in_camera[:, 2]
     return distance, camera.fx * in_camera[:, 0] / np.maximum(distance, 1e-6) + camera.cx
+
+
+def _far_from(
+    points: Float64[np.ndarray, "n 2"], places: tuple[tuple[float, float], ...]
+) -> Bool[np.ndarray, " n"]:
+    """Whether points are not right beside one of some places."""
+    is_far = np.ones(len(points), dtype=bool)
+    for place in places:
+        is_far &= np.linalg.norm(points - np.array(place), axis=1) > _BARRED_M
+    return is_far
