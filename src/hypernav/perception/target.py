@@ -15,7 +15,7 @@ _SAME_WIDTH = 0.5
 """Overlap over union of the columns of a box and of an area."""
 _DEPTH_SLACK_M = 0.5
 _RECOGNISABLE_M = (1.0, 4.0)
-_BARRED_M = 0.3
+_BARRED_M = 0.4
 """So far around a place that is cut off from the target all others are, too."""
 _IN_BETWEEN_M = 0.3
 _HIDDEN_SHARE = 0.8
