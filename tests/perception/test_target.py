@@ -1,0 +1,54 @@
+"""What the robot believes about its target."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hypernav.core.geometry import Pose2
+from hypernav.perception.goal_area import GoalArea, points_under_mask
+from hypernav.perception.target import Target, is_cut_off
+from pictures import THING, thing_before_wall
+
+
+def target_at(thing_m=2.0):
+    observation = thing_before_wall(thing_m=thing_m)
+    points = points_under_mask(
+        observation.truth.ids == THING, observation, min_depth_m=0.5, max_depth_m=5.0
+    )
+    area = GoalArea.from_points(points, resolution_m=0.05).entered_from(observation, 0.6)
+    return Target(area, observation, best_pixels=1600.0, mean_score=1.0)
+
+
+def test_a_target_in_sight_is_not_cut_off():
+    target = target_at()
+    assert not is_cut_off(target.area, target.best_view)
+
+
+@pytest.mark.parametrize("wall_m", [0.0, 0.6, 1.4])
+def test_a_wall_in_between_cuts_it_off_even_if_it_is_too_near_to_be_measured(wall_m):
+    target = target_at()
+    walled = replace(target.best_view, depth=np.full_like(target.best_view.depth, wall_m))
+    assert is_cut_off(target.area, walled)
+
+
+def test_what_lies_outside_the_picture_is_not_said_to_be_hidden():
+    target = target_at()
+    turned = thing_before_wall(robot=Pose2(0.0, 0.0, 2.5), wall_m=0.6, thing_m=0.6)
+    assert not is_cut_off(target.area, turned)
+    on_the_floor = replace(target.area, height_m=-3.0)
+    assert not is_cut_off(on_the_floor, replace(turned, robot=Pose2(0.0, 0.0, 0.0)))
+
+
+def test_a_place_that_is_cut_off_is_no_entry_until_none_is_left():
+    target = target_at()
+    place = tuple(target.entry_points[0].tolist())
+    assert target.distance_to(*place) == pytest.approx(0.0)
+    barred = target.barred_at(place)
+    assert barred.distance_to(*place) > 0.3
+    left = barred
+    while (fewer := left.barred_at(tuple(left.entry_points[0].tolist()))) is not None:
+        assert len(fewer.entry_points) < len(left.entry_points)
+        left = fewer
+    everywhere = replace(target, barred=tuple(map(tuple, target.entry_points.tolist())))
+    assert len(everywhere.entry_points) == len(target.entry_points)
