@@ -222,6 +222,17 @@ def test_a_bump_stays_while_nobody_looks_and_goes_when_the_robot_stands_there():
     assert world_map.grid.state_at(-0.4, 0.0) == Cell.FREE
 
 
+def test_a_forgotten_bump_leaves_what_the_camera_saw():
+    plain, bumped = (map_of([FLOOR], [HERE]) for _ in range(2))
+    bumped.mark_occupied(np.array([[2.0, 0.0], [-0.4, 0.0]]))
+    bumped.forget_bumps()
+    for place in ((2.0, 0.0), (-0.4, 0.0)):
+        assert bumped.grid.state_at(*place) == plain.grid.state_at(*place)
+    bumped.integrate(view_of([FLOOR], HERE))
+    plain.integrate(view_of([FLOOR], HERE))
+    assert np.array_equal(bumped.grid.cells, plain.grid.cells)
+
+
 @settings(max_examples=20, deadline=None)
 @given(
     st.lists(st.tuples(st.integers(-1500, 1500), st.integers(-1500, 1500)), min_size=1, max_size=4)

@@ -19,8 +19,9 @@ class SearchConfig(RoomConfig):
         arrival_distance_m: A destination of global perception counts as reached within this.
         endurance_steps: A destination is given up after this many steps (paper: endurance limit).
         look_around_at_start: Turn once around before the first step.
-        look_again_before_giving_up: When nothing is left to explore, turn once around, forget
-            which places were visited, and only then give up.
+        look_again_before_giving_up: When nothing is left to explore, forget which places were
+            visited and where the robot bumped into something, turn once around, and only then give
+            up.
         look_across_boundary: At a destination, turn to what is still unexplored around it.
         drop_explored: Give a destination up once nothing unknown is left around it.
         drop_explored_radius_m: What "around it" means.

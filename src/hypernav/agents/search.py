@@ -270,6 +270,7 @@ class SearchAgent:
         if self._config.look_again_before_giving_up and self._is_new_end(robot):
             self._ends.append(robot.xy)
             self._exploration.forget_visits()
+            self._map.forget_bumps()
             self._turns_left = self._turns_of_a_circle()
             return _Decision(
                 Action.TURN_LEFT, Mode.LOOK_AROUND, "nothing is left to explore, looking once more"

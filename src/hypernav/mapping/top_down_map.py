@@ -12,7 +12,7 @@ from hypernav.core.geometry import Transform
 from hypernav.core.grid import OccupancyGrid
 from hypernav.core.observation import Observation
 from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.integrate_kernels import FREE, OCCUPIED, integrate_frame
+from hypernav.mapping.integrate_kernels import FREE, OCCUPIED, UNKNOWN, integrate_frame
 
 
 class _Arrays(NamedTuple):
@@ -166,6 +166,15 @@ class TopDownMap:
         for row, column in self.grid.cells_of(points_xy):
             self._arrays.bumps[row, column] = self.config.bump_persistence
             self._arrays.cells[row, column] = OCCUPIED
+
+    def forget_bumps(self) -> None:
+        """Believe the camera again about places that the robot bumped into."""
+        arrays = self._arrays
+        bumped = arrays.bumps > 0
+        occupied = (arrays.evidence[bumped] >= self.config.occupied_evidence).any(axis=1)
+        free = np.where(arrays.seen[bumped] > 0, FREE, UNKNOWN)
+        arrays.cells[bumped] = np.where(occupied, OCCUPIED, free)
+        arrays.bumps[bumped] = 0
 
     def merge(self, other: "TopDownMap") -> None:
         """Add what another map of the same frame knows; `other` is left as it is.
