@@ -107,7 +107,7 @@ def test_bad_input_is_one_line_with_the_remedy(arguments, words, capsys):
 
 def test_ctrl_c_says_how_to_go_on(room, tmp_path):
     program = "from hypernav.cli.main import main; main()"
-    command = [sys.executable, "-c", program, "eval", f"scene:{room}#30", "--out", str(tmp_path)]
+    command = [sys.executable, "-c", program, "eval", f"scene:{room}#200", "--out", str(tmp_path)]
     process = subprocess.Popen([*command, *QUICK], stderr=subprocess.PIPE, text=True)
     path = tmp_path / "episodes.jsonl"
     deadline = time.monotonic() + 100
@@ -116,7 +116,7 @@ def test_ctrl_c_says_how_to_go_on(room, tmp_path):
     os.kill(process.pid, signal.SIGINT)
     _, said = process.communicate(timeout=60)
     assert process.returncode == 130
-    assert re.search(r"interrupted; \d+ of 60 episodes are safe .* Run the same command", said)
+    assert re.search(r"interrupted; \d+ of 400 episodes are safe .* Run the same command", said)
     assert "Traceback" not in said
     assert json.loads((tmp_path / "sessions.jsonl").read_text())["ended"] == "interrupted"
 

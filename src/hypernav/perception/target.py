@@ -17,7 +17,9 @@ _DEPTH_SLACK_M = 0.5
 _RECOGNISABLE_M = (1.0, 4.0)
 _BARRED_M = 0.4
 """So far around a place that is cut off from the target all others are, too."""
-_IN_BETWEEN_M = 0.3
+_IN_BETWEEN_M = 0.15
+_MEASURABLE_M = 0.6
+"""What is nearer may itself be too near for the depth camera."""
 _HIDDEN_SHARE = 0.8
 
 
@@ -63,11 +65,14 @@ class Target:
         return float(np.linalg.norm(self.entry_points - np.array([x, y]), axis=1).min())
 
     def barred_at(self, place: tuple[float, float]) -> "Target | None":
-        """The same, not to be entered around a place ``(x, y)``; None if no other place is left."""
-        barred = (*self.barred, place)
-        if not _far_from(self.area.entry_points, barred).any():
+        """The same, not to be entered around a place ``(x, y)``.
+
+        None if no other place is left, or if there is nothing to enter around this one.
+        """
+        other = _far_from(self.entry_points, (place,))
+        if other.all() or not other.any():
             return None
-        return replace(self, barred=barred)
+        return replace(self, barred=(*self.barred, place))
 
     @property
     def is_outdone(self) -> bool:
@@ -126,9 +131,13 @@ def is_cut_off(area: GoalArea, observation: Observation) -> bool:
     shown &= (row >= 0) & (row < camera.height)
     if not shown.any():
         return False
-    # What is too near to be measured has depth 0, and is in between as well.
+    nearest = float(distance[shown].min())
+    if nearest < _MEASURABLE_M:
+        return False
+    # What is too near to be measured has depth 0, and is in between as well. The area's own near
+    # side hides its far one, so all is compared with the near side.
     depth = observation.depth[row[shown].astype(int), column[shown].astype(int)]
-    return bool((depth < distance[shown] - _IN_BETWEEN_M).mean() > _HIDDEN_SHARE)
+    return bool((depth < nearest - _IN_BETWEEN_M).mean() > _HIDDEN_SHARE)
 
 
 def should_be_visible(area: GoalArea, observation: Observation) -> bool:
