@@ -108,7 +108,13 @@ def test_bad_input_is_one_line_with_the_remedy(arguments, words, capsys):
 def test_ctrl_c_says_how_to_go_on(room, tmp_path):
     program = "from hypernav.cli.main import main; main()"
     command = [sys.executable, "-c", program, "eval", f"scene:{room}#200", "--out", str(tmp_path)]
-    process = subprocess.Popen([*command, *QUICK], stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen(
+        [*command, *QUICK],
+        stderr=subprocess.PIPE,
+        text=True,
+        # A shell that runs tests in the background hands down SIGINT as ignored.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
     path = tmp_path / "episodes.jsonl"
     deadline = time.monotonic() + 100
     while time.monotonic() < deadline and not (path.exists() and path.read_text()):

@@ -172,13 +172,14 @@ class LocalPerception:
         """Look for another place at the target if something hides it from a robot that faces it.
 
         Args:
-            observation: What the robot sees, turned to the target.
+            observation: What the robot sees, turned to the target; it has been looked at.
 
         Returns:
             Whether the target is hidden and there is another place.
         """
         target = self._target
-        if target is None or not is_cut_off(target.area, observation):
+        is_seen = self._score_now > 0.0
+        if target is None or is_seen or not is_cut_off(target.area, observation):
             return False
         barred = target.barred_at(observation.robot.xy)
         if barred is None:
