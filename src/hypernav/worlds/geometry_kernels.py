@@ -72,6 +72,22 @@ def fill_rays_around(camera, cx, cy, width, pixels, offsets, origins, directions
             ray += 1
 
 
+@njit(inline="always")
+def _triangle(vertices, faces, face, camera):
+    """First corner of a triangle as seen from the camera, and the edges from it to the others."""
+    i, j, k = faces[face, 0], faces[face, 1], faces[face, 2]
+    ax, ay, az = (
+        np.float64(vertices[i, 0]),
+        np.float64(vertices[i, 1]),
+        np.float64(vertices[i, 2]),
+    )
+    return (
+        (ax - camera[0, 0], ay - camera[0, 1], az - camera[0, 2]),
+        (vertices[j, 0] - ax, vertices[j, 1] - ay, vertices[j, 2] - az),
+        (vertices[k, 0] - ax, vertices[k, 1] - ay, vertices[k, 2] - az),
+    )
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
 def measure(hits, directions, camera, vertices, faces, face_instance, depth, ids):
     """How far away the triangles are where the rays end, and whose they are.
@@ -86,7 +102,6 @@ def measure(hits, directions, camera, vertices, faces, face_instance, depth, ids
         depth: Filled, along the optical axis, 0 where nothing is hit, float32 [rays].
         ids: Filled, -1 where nothing is hit, int32 [rays].
     """
-    ox, oy, oz = camera[0, 0], camera[0, 1], camera[0, 2]
     zx, zy, zz = camera[1, 0], camera[1, 1], camera[1, 2]
     last = -1
     for ray in range(hits.shape[0]):
@@ -98,17 +113,13 @@ def measure(hits, directions, camera, vertices, faces, face_instance, depth, ids
         if face != last:  # what holds for the whole triangle; the next ray mostly hits it again
             last = face
             instance = face_instance[face]
-            i, j, k = faces[face, 0], faces[face, 1], faces[face, 2]
-            # Corners as seen from the camera, edges from the first corner, normal (not unit).
-            ax, ay, az = vertices[i, 0] - ox, vertices[i, 1] - oy, vertices[i, 2] - oz
-            bx, by, bz = vertices[j, 0] - ox, vertices[j, 1] - oy, vertices[j, 2] - oz
-            cx, cy, cz = vertices[k, 0] - ox, vertices[k, 1] - oy, vertices[k, 2] - oz
-            ex, ey, ez = bx - ax, by - ay, bz - az
-            fx, fy, fz = cx - ax, cy - ay, cz - az
+            corner, edge, other = _triangle(vertices, faces, face, camera)
+            (ax, ay, az), (ex, ey, ez), (fx, fy, fz) = corner, edge, other
             nx, ny, nz = ey * fz - ez * fy, ez * fx - ex * fz, ex * fy - ey * fx
             plane = nx * ax + ny * ay + nz * az
-            da, db = zx * ax + zy * ay + zz * az, zx * bx + zy * by + zz * bz
-            dc = zx * cx + zy * cy + zz * cz
+            da = zx * ax + zy * ay + zz * az
+            db = da + zx * ex + zy * ey + zz * ez
+            dc = da + zx * fx + zy * fy + zz * fz
             nearest, farthest = min(da, db, dc), max(da, db, dc)
         dx, dy, dz = directions[ray, 0], directions[ray, 1], directions[ray, 2]
         way = plane / (nx * dx + ny * dy + nz * dz)
@@ -144,13 +155,8 @@ def locate(hits, directions, depth, camera, vertices, faces, normals, uv, surfac
             continue
         if face != last:  # what holds for the whole triangle; the next ray mostly hits it again
             last = face
-            i, j, k = faces[face, 0], faces[face, 1], faces[face, 2]
-            # Corners as seen from the camera, edges from the first corner, normal (not unit).
-            ax, ay, az = vertices[i, 0] - ox, vertices[i, 1] - oy, vertices[i, 2] - oz
-            bx, by, bz = vertices[j, 0] - ox, vertices[j, 1] - oy, vertices[j, 2] - oz
-            cx, cy, cz = vertices[k, 0] - ox, vertices[k, 1] - oy, vertices[k, 2] - oz
-            ex, ey, ez = bx - ax, by - ay, bz - az
-            fx, fy, fz = cx - ax, cy - ay, cz - az
+            corner, edge, other = _triangle(vertices, faces, face, camera)
+            (ax, ay, az), (ex, ey, ez), (fx, fy, fz) = corner, edge, other
             nx, ny, nz = ey * fz - ez * fy, ez * fx - ex * fz, ex * fy - ey * fx
             # A corner's weight is linear in space: one gradient gives its value and its change.
             square = max(nx * nx + ny * ny + nz * nz, 1e-60)

@@ -88,89 +88,89 @@ def draw_triangles(corners, groups, group_size, camera, cx, cy, first_row, shown
         shown: Number of the nearest triangle in every pixel, int32 [rows, columns].
         nearness: One over its way along the optical axis, float64 [rows, columns].
     """
-    rows, columns = shown.shape
-    ox, oy, oz = camera[0, 0], camera[0, 1], camera[0, 2]
-    zx, zy, zz = camera[1, 0], camera[1, 1], camera[1, 2]
-    rx, ry, rz = camera[2, 0], camera[2, 1], camera[2, 2]
-    lx, ly, lz = camera[3, 0], camera[3, 1], camera[3, 2]
-    square_r = rx * rx + ry * ry + rz * rz
-    square_l = lx * lx + ly * ly + lz * lz
+    square_x = camera[2, 0] ** 2 + camera[2, 1] ** 2 + camera[2, 2] ** 2
+    square_y = camera[3, 0] ** 2 + camera[3, 1] ** 2 + camera[3, 2] ** 2
     shift_x, shift_y = 0.5 - cx, first_row + 0.5 - cy
     for number in range(groups.shape[0]):
         start = groups[number] * group_size
         for triangle in range(start, min(start + group_size, corners.shape[0])):
-            sx, sy, sz = (
-                corners[triangle, 0, 0] - ox,
-                corners[triangle, 0, 1] - oy,
-                corners[triangle, 0, 2] - oz,
-            )
-            # Camera coordinates, with x and y in pixels per metre of z.
-            az = sx * zx + sy * zy + sz * zz
-            ax = (sx * rx + sy * ry + sz * rz) / square_r
-            ay = (sx * lx + sy * ly + sz * lz) / square_l
-            sx, sy, sz = (
-                corners[triangle, 1, 0] - ox,
-                corners[triangle, 1, 1] - oy,
-                corners[triangle, 1, 2] - oz,
-            )
-            bz = sx * zx + sy * zy + sz * zz
-            bx = (sx * rx + sy * ry + sz * rz) / square_r
-            by = (sx * lx + sy * ly + sz * lz) / square_l
-            sx, sy, sz = (
-                corners[triangle, 2, 0] - ox,
-                corners[triangle, 2, 1] - oy,
-                corners[triangle, 2, 2] - oz,
-            )
-            dz = sx * zx + sy * zy + sz * zz
-            dx = (sx * rx + sy * ry + sz * rz) / square_r
-            dy = (sx * lx + sy * ly + sz * lz) / square_l
+            a = _in_camera(corners, triangle, 0, camera, square_x, square_y)
+            b = _in_camera(corners, triangle, 1, camera, square_x, square_y)
+            c = _in_camera(corners, triangle, 2, camera, square_x, square_y)
+            _draw_triangle(triangle, a, b, c, shift_x, shift_y, shown, nearness)
 
-            left, right, top, bottom = 0, columns - 1, 0, rows - 1
-            nearest = min(az, bz, dz)
-            if nearest > _IN_FRONT:
-                a, b, c = ax / az, bx / bz, dx / dz
-                left = max(left, math.ceil(min(a, b, c) - shift_x - _SLACK))
-                right = min(right, math.floor(max(a, b, c) - shift_x + _SLACK))
-                if left > right:
-                    continue
-                a, b, c = ay / az, by / bz, dy / dz
-                top = max(top, math.ceil(min(a, b, c) - shift_y - _SLACK))
-                bottom = min(bottom, math.floor(max(a, b, c) - shift_y + _SLACK))
-                if top > bottom:
-                    continue
-            elif max(az, bz, dz) <= 0.0:
-                continue
-            # The weights of the corners, over the way: value at the first pixel and changes.
-            ux, uy, uz = by * dz - bz * dy, bz * dx - bx * dz, bx * dy - by * dx
-            vx, vy, vz = dy * az - dz * ay, dz * ax - dx * az, dx * ay - dy * ax
-            wx, wy, wz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
-            volume = ax * ux + ay * uy + az * uz
-            if volume == 0.0:
-                continue
-            scale = 1.0 / volume
-            ux, uy, vx, vy, wx, wy = (
-                ux * scale, uy * scale, vx * scale, vy * scale, wx * scale, wy * scale
-            )  # fmt: skip
-            uz = uz * scale + ux * shift_x + uy * shift_y
-            vz = vz * scale + vx * shift_x + vy * shift_y
-            wz = wz * scale + wx * shift_x + wy * shift_y
-            change = ux + vx + wx
-            for row in range(top, bottom + 1):
-                first, last = float(left), float(right)
-                u0, v0, w0 = uz + row * uy, vz + row * vy, wz + row * wy
-                for value, slope in ((u0, ux), (v0, vx), (w0, wx)):
-                    if slope > 0.0:
-                        first = max(first, -value / slope - _SLACK)
-                    elif slope < 0.0:
-                        last = min(last, -value / slope + _SLACK)
-                    elif value < 0.0:
-                        last = -1.0
-                if not first <= last:
-                    continue
-                begin, end = math.ceil(first), math.floor(last)
-                near = u0 + v0 + w0
-                for column in range(begin, end + 1):
-                    value = near + column * change
-                    if value > nearness[row, column] * _NEARER:
-                        nearness[row, column] = value
-                        shown[row, column] = triangle
+
+@njit(inline="always")
+def _in_camera(corners, triangle, corner, camera, square_x, square_y):
+    """A corner in camera coordinates, with x and y in pixels per metre of z."""
+    x = corners[triangle, corner, 0] - camera[0, 0]
+    y = corners[triangle, corner, 1] - camera[0, 1]
+    z = corners[triangle, corner, 2] - camera[0, 2]
+    return (
+        (x * camera[2, 0] + y * camera[2, 1] + z * camera[2, 2]) / square_x,
+        (x * camera[3, 0] + y * camera[3, 1] + z * camera[3, 2]) / square_y,
+        x * camera[1, 0] + y * camera[1, 1] + z * camera[1, 2],
+    )
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _draw_triangle(triangle, a, b, c, shift_x, shift_y, shown, nearness):
+    """Draw one triangle where it is nearer than what is drawn already.
+
+    Args:
+        triangle: Its number.
+        a: First corner, from `_in_camera`.
+        b: Second corner.
+        c: Third corner.
+        shift_x: From column 0 to the ray of its centre, pixels.
+        shift_y: From row 0 to the ray of its centre, pixels.
+        shown: As for `draw_triangles`.
+        nearness: As for `draw_triangles`.
+    """
+    (ax, ay, az), (bx, by, bz), (cx, cy, cz) = a, b, c
+    left, right, top, bottom = 0, shown.shape[1] - 1, 0, shown.shape[0] - 1
+    if min(az, bz, cz) > _IN_FRONT:
+        x, y, z = ax / az, bx / bz, cx / cz
+        left = max(left, math.ceil(min(x, y, z) - shift_x - _SLACK))
+        right = min(right, math.floor(max(x, y, z) - shift_x + _SLACK))
+        if left > right:
+            return
+        x, y, z = ay / az, by / bz, cy / cz
+        top = max(top, math.ceil(min(x, y, z) - shift_y - _SLACK))
+        bottom = min(bottom, math.floor(max(x, y, z) - shift_y + _SLACK))
+        if top > bottom:
+            return
+    elif max(az, bz, cz) <= 0.0:
+        return
+    # The weights of the corners, over the way: value at the first pixel and changes.
+    ux, uy, uz = by * cz - bz * cy, bz * cx - bx * cz, bx * cy - by * cx
+    vx, vy, vz = cy * az - cz * ay, cz * ax - cx * az, cx * ay - cy * ax
+    wx, wy, wz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+    volume = ax * ux + ay * uy + az * uz
+    if volume == 0.0:
+        return
+    scale = 1.0 / volume
+    ux, uy, vx, vy, wx, wy = ux * scale, uy * scale, vx * scale, vy * scale, wx * scale, wy * scale
+    uz = uz * scale + ux * shift_x + uy * shift_y
+    vz = vz * scale + vx * shift_x + vy * shift_y
+    wz = wz * scale + wx * shift_x + wy * shift_y
+    change = ux + vx + wx
+    for row in range(top, bottom + 1):
+        # Where in this row no weight is negative.
+        first, last = float(left), float(right)
+        u, v, w = uz + row * uy, vz + row * vy, wz + row * wy
+        for value, slope in ((u, ux), (v, vx), (w, wx)):
+            if slope > 0.0:
+                first = max(first, -value / slope - _SLACK)
+            elif slope < 0.0:
+                last = min(last, -value / slope + _SLACK)
+            elif value < 0.0:
+                last = -1.0
+        if not first <= last:
+            continue
+        near = u + v + w
+        for column in range(math.ceil(first), math.floor(last) + 1):
+            value = near + column * change
+            if value > nearness[row, column] * _NEARER:
+                nearness[row, column] = value
+                shown[row, column] = triangle
