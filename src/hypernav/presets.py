@@ -15,7 +15,7 @@ from hypernav.perception.ask_ahead import AskAheadConfig
 from hypernav.perception.attention import AttentionConfig
 from hypernav.perception.depth_cut import DepthCutConfig
 from hypernav.perception.geometric import GeometricConfig
-from hypernav.perception.local import LocalConfig
+from hypernav.perception.local_config import LocalConfig
 from hypernav.perception.overview import OverviewConfig
 from hypernav.perception.presence import PresenceConfig
 from hypernav.perception.vlm_detector import VlmDetectorConfig

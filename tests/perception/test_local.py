@@ -7,7 +7,8 @@ from hypernav.core.boxes import Box, Detection
 from hypernav.core.geometry import Pose2
 from hypernav.core.goal import Goal
 from hypernav.perception.ground_truth import GroundTruthDetector
-from hypernav.perception.local import LocalConfig, LocalPerception
+from hypernav.perception.local import LocalPerception
+from hypernav.perception.local_config import LocalConfig
 from pictures import thing_before_wall
 
 BED = Goal("bed")

@@ -2,12 +2,10 @@
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
-from hypernav.core.geometry import Pose2
 from hypernav.perception.goal_area import GoalArea, points_under_mask
-from hypernav.perception.target import Target, is_cut_off
+from hypernav.perception.target import Target
 from pictures import THING, thing_before_wall
 
 
@@ -18,26 +16,6 @@ def target_at(thing_m=2.0):
     )
     area = GoalArea.from_points(points, resolution_m=0.05).entered_from(observation, 0.6)
     return Target(area, observation, best_pixels=1600.0, mean_score=1.0)
-
-
-def test_a_target_in_sight_is_not_cut_off():
-    target = target_at()
-    assert not is_cut_off(target.area, target.best_view)
-
-
-@pytest.mark.parametrize("wall_m", [0.0, 0.6, 1.4])
-def test_a_wall_in_between_cuts_it_off_even_if_it_is_too_near_to_be_measured(wall_m):
-    target = target_at()
-    walled = replace(target.best_view, depth=np.full_like(target.best_view.depth, wall_m))
-    assert is_cut_off(target.area, walled)
-
-
-def test_what_lies_outside_the_picture_is_not_said_to_be_hidden():
-    target = target_at()
-    turned = thing_before_wall(robot=Pose2(0.0, 0.0, 2.5), wall_m=0.6, thing_m=0.6)
-    assert not is_cut_off(target.area, turned)
-    on_the_floor = replace(target.area, height_m=-3.0)
-    assert not is_cut_off(on_the_floor, replace(turned, robot=Pose2(0.0, 0.0, 0.0)))
 
 
 def test_a_place_that_is_cut_off_is_no_entry_until_none_is_left():

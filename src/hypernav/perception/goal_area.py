@@ -9,9 +9,7 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from hypernav.core.observation import Observation
-
-_BESIDE_M = 0.3
-"""Right before the camera nothing is in its picture."""
+from hypernav.perception.sight import lies_open
 
 
 def points_under_mask(
@@ -149,7 +147,7 @@ class GoalArea:
             (~wide.seen).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE
         )
         entry = (away * self.resolution_m <= reach_m) & ~wide.seen
-        entry[entry] = _lies_open(wide._centres(entry), observation)
+        entry[entry] = lies_open(wide._centres(entry), observation)
         return replace(wide, entry=entry) if entry.any() else self
 
     def _widened(self, margin: int) -> "GoalArea":
@@ -224,24 +222,3 @@ class GoalArea:
     def _centres(self, mask: Bool[np.ndarray, "rows columns"]) -> Float64[np.ndarray, "n 2"]:
         cells = np.argwhere(mask)
         return np.array(self.origin) + (cells[:, ::-1] + 0.5) * self.resolution_m
-
-
-def _lies_open(
-    places: Float64[np.ndarray, "n 2"], observation: Observation
-) -> Bool[np.ndarray, " n"]:
-    """Whether a picture shows a place on the floor, or something behind and above it.
-
-    Args:
-        places: ``(x, y)``, ``map`` frame, metres.
-        observation: The picture; what is right beside its camera lies open, too.
-    """
-    camera = observation.camera
-    floor = np.column_stack([places, np.zeros(len(places))])
-    ahead = observation.camera_to_map.inverse().apply(floor)
-    distance = ahead[:, 2]
-    column = camera.fx * ahead[:, 0] / np.maximum(distance, 1e-6) + camera.cx
-    is_open = (distance > 0.0) & (column >= 0.0) & (column < camera.width)
-    farthest = observation.depth.max(axis=0)[column[is_open].astype(int)]
-    is_open[is_open] = (farthest == 0.0) | (farthest > distance[is_open])
-    beside = np.linalg.norm(places - np.array(observation.robot.xy), axis=1) < _BESIDE_M
-    return is_open | beside

@@ -2,14 +2,12 @@
 
 import math
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import cv2
 import numpy as np
 from jaxtyping import Bool
 
 from hypernav.core.boxes import Detection
-from hypernav.core.config import RoomConfig
 from hypernav.core.geometry import wrap_angle
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
@@ -17,65 +15,12 @@ from hypernav.core.protocols import Detector, Segmenter
 from hypernav.core.trace import DetectionRecord
 from hypernav.perception.attention import Attention
 from hypernav.perception.goal_area import GoalArea, points_under_mask
-from hypernav.perception.target import (
-    Target,
-    is_cut_off,
-    same_place,
-    seems_to_hold,
-    should_be_visible,
-)
+from hypernav.perception.local_config import LocalConfig
+from hypernav.perception.sight import is_cut_off, seems_to_hold, should_be_visible
+from hypernav.perception.target import Target, same_place
 
 _NO_DEPTH = "too few points with depth"
 _BESIDE_REJECTED_DEG = 10.0
-
-
-class LocalConfig(RoomConfig):
-    """How a detection becomes a goal area.
-
-    Attributes:
-        min_depth_m: Nearest usable depth.
-        max_depth_m: Farthest usable depth.
-        erosion_px: Side of the kernel that erodes the mask, so that its edge does not spill onto
-            the background (paper: "the mask is eroded").
-        min_points: Fewer points of the target with depth are not trusted.
-        dilation_kernel: Side of the kernel that dilates the cells (paper: 5×5).
-        dilation_iterations: How often (paper: 3).
-        largest_cluster_only: Keep only the cells that hang together with most points.
-        entry_reach_m: The robot goes to where it is so near to cells that it saw, but not behind
-            a wall; 0 (paper) sends it to the dilated cells.
-        target: "latest": every new detection moves the goal area (paper). "hold": the robot keeps
-            to one target, whose area grows with every look at it, and other detections do not
-            distract it.
-        pick: Which of several detections becomes the target: the detector's "first" (paper), or
-            the one "nearest" to the robot.
-        min_sightings: A target counts only when seen in this many pictures.
-        min_mean_score: A target whose detections were less certain on average is rejected when the
-            robot stands before it.
-        sure_score: A target whose detections were less certain on average is looked at once more,
-            from another side, before it is believed; 0 (paper) does without.
-        weigh_rivals: Take what the detector calls by other names into account: a target that looks
-            more like something else is dropped.
-        max_missed_share: A held target is dropped when, of the pictures that should have shown it,
-            more than this share did not. 1 never drops one.
-        min_verdicts: Pictures needed before that share is believed.
-    """
-
-    min_depth_m: float = 0.5
-    max_depth_m: float = 5.0
-    erosion_px: int = 5
-    min_points: int = 12
-    dilation_kernel: int = 5
-    dilation_iterations: int = 3
-    largest_cluster_only: bool = True
-    entry_reach_m: float = 0.6
-    target: Literal["latest", "hold"] = "hold"
-    pick: Literal["first", "nearest"] = "nearest"
-    min_sightings: int = 1
-    min_mean_score: float = 0.45
-    sure_score: float = 0.75
-    weigh_rivals: bool = True
-    max_missed_share: float = 0.75
-    min_verdicts: int = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,7 +124,9 @@ class LocalPerception:
         """
         target = self._target
         is_seen = self._score_now > 0.0
-        if target is None or is_seen or not is_cut_off(target.area, observation):
+        if target is None or is_seen:
+            return False
+        if not is_cut_off(target.area.seen_points, target.area.height_m, observation):
             return False
         barred = target.barred_at(observation.robot.xy)
         if barred is None:
@@ -288,7 +235,7 @@ class LocalPerception:
         elif (
             target is not None
             and self._config.target == "hold"
-            and should_be_visible(target.area, observation)
+            and should_be_visible(target.area.seen_points, observation)
         ):
             self._target = replace(target, misses=target.misses + 1)
             self._drop_if_refuted()
@@ -297,8 +244,8 @@ class LocalPerception:
         """Note by what score the target looks like something else in this picture."""
         if self._target is None:
             return
-        area = self._target.area
-        scores = [float(one.score) for one in others if seems_to_hold(one.box, area, observation)]
+        places = self._target.area.seen_points
+        scores = [float(one.score) for one in others if seems_to_hold(one.box, places, observation)]
         if scores:
             strongest = max(scores)
             self._target = replace(self._target, rival_score=self._target.rival_score + strongest)

@@ -6,21 +6,12 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Bool, Float64
 
-from hypernav.core.boxes import Box, Detection
+from hypernav.core.boxes import Detection
 from hypernav.core.observation import Observation
 from hypernav.perception.goal_area import GoalArea
 
-_NEAREST_M = 0.3
-_SAME_WIDTH = 0.5
-"""Overlap over union of the columns of a box and of an area."""
-_DEPTH_SLACK_M = 0.5
-_RECOGNISABLE_M = (1.0, 4.0)
 _BARRED_M = 0.4
 """So far around a place that is cut off from the target all others are, too."""
-_IN_BETWEEN_M = 0.15
-_MEASURABLE_M = 0.6
-"""What is nearer may itself be too near for the depth camera."""
-_HIDDEN_SHARE = 0.8
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,72 +106,6 @@ class Target:
 def same_place(a: GoalArea, b: GoalArea) -> bool:
     """Whether two areas touch."""
     return a.covers(b) > 0.0 or b.covers(a) > 0.0
-
-
-def is_cut_off(area: GoalArea, observation: Observation) -> bool:
-    """Whether something hides an area from a camera that looks at it, such as a wall in between.
-
-    What lies below, above or beside the picture is not hidden.
-    """
-    points = np.column_stack([area.seen_points, np.full(len(area.seen_points), area.height_m)])
-    ahead = observation.camera_to_map.inverse().apply(points)
-    camera, distance = observation.camera, np.maximum(ahead[:, 2], 1e-6)
-    column = camera.fx * ahead[:, 0] / distance + camera.cx
-    row = camera.fy * ahead[:, 1] / distance + camera.cy
-    shown = (ahead[:, 2] > _NEAREST_M) & (column >= 0) & (column < camera.width)
-    shown &= (row >= 0) & (row < camera.height)
-    if not shown.any():
-        return False
-    nearest = float(distance[shown].min())
-    if nearest < _MEASURABLE_M:
-        return False
-    # What is too near to be measured has depth 0, and is in between as well. The area's own near
-    # side hides its far one, so all is compared with the near side.
-    depth = observation.depth[row[shown].astype(int), column[shown].astype(int)]
-    return bool((depth < nearest - _IN_BETWEEN_M).mean() > _HIDDEN_SHARE)
-
-
-def should_be_visible(area: GoalArea, observation: Observation) -> bool:
-    """Whether most of an area lies in free sight of the camera, near enough to be recognised."""
-    distance, column = _projected(area, observation)
-    nearest, farthest = _RECOGNISABLE_M
-    good = (distance > nearest) & (distance < farthest)
-    good &= (column >= 0) & (column < observation.camera.width)
-    if good.sum() < 0.8 * len(distance):
-        return False
-    # Nothing may stand in between: compare with the farthest return in the column.
-    returns = observation.depth.max(axis=0)[column[good].astype(int)]
-    return bool(((returns > distance[good] - 0.3) | (returns == 0)).mean() > 0.8)
-
-
-def seems_to_hold(box: Box, area: GoalArea, observation: Observation) -> bool:
-    """Whether a box seems to hold the thing in an area: it is as wide, and as far away."""
-    distance, column = _projected(area, observation)
-    ahead = distance > _NEAREST_M
-    if not ahead.any():
-        return False
-    distance, column = distance[ahead], column[ahead]
-    left, right = np.clip([column.min(), column.max()], 0.0, observation.camera.width)
-    overlap = min(right, box.x_max) - max(left, box.x_min)
-    union = max(right, box.x_max) - min(left, box.x_min)
-    x_min, y_min, x_max, y_max = box.pixels()
-    depth = observation.depth[y_min:y_max, x_min:x_max]
-    depth = depth[depth > 0.0]
-    if overlap < _SAME_WIDTH * union or len(depth) == 0:
-        return False
-    middle = float(np.median(depth))
-    return bool(distance.min() - _DEPTH_SLACK_M < middle < distance.max() + _DEPTH_SLACK_M)
-
-
-def _projected(
-    area: GoalArea, observation: Observation
-) -> tuple[Float64[np.ndarray, " n"], Float64[np.ndarray, " n"]]:
-    """How far ahead the seen cells of an area are, metres, and in which columns of the picture."""
-    points = np.zeros((len(area.seen_points), 3))
-    points[:, :2] = area.seen_points
-    in_camera = observation.camera_to_map.inverse().apply(points)
-    camera, distance = observation.camera, in_camera[:, 2]
-    return distance, camera.fx * in_camera[:, 0] / np.maximum(distance, 1e-6) + camera.cx
 
 
 def _far_from(
