@@ -109,7 +109,7 @@ def preset(name: PresetName) -> HyPerNavConfig:
             weigh_rivals=False,
             largest_cluster_only=False,
         ),
-        geometric=GeometricConfig(turn_cost_m=0.0),
+        geometric=GeometricConfig(turn_cost_m=0.0, gain_exponent=0.5),
         planning=PlanningConfig(
             comfort_cost=0.0,
             targets="nearest-straight",

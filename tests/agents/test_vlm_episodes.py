@@ -56,7 +56,7 @@ def test_a_truthful_model_finds_what_ground_truth_finds(server: ScriptedServer, 
     _, told = search(build_agent(small_config(preset)))
     assert result.outcome is told.outcome is Outcome.FOUND
     # They choose among the same blocks by other rules, so the ways differ.
-    assert result.metrics.spl > 0.7 * told.metrics.spl
+    assert result.metrics.spl > 0.8 * told.metrics.spl
     kinds = {exchange.kind for step in steps for exchange in step.exchanges}
     assert {"ground", "choose block", "verify"} <= kinds
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from drawn_grids import drawn
@@ -83,6 +83,7 @@ def test_without_a_path_there_is_nothing_to_do():
     st.floats(-4.0, 4.0),
     st.sampled_from([CONFIG, PAPER]),
 )
+@example(x=-3.5, y=-3.5, yaw=1.0, config=PAPER)
 def test_over_open_floor_it_arrives_without_dithering(x, y, yaw, config):
     robot, navigator = DrivenRobot(HALL, Pose2(0.0, 0.0, yaw)), Navigator(config)
     actions = []
@@ -97,7 +98,9 @@ def test_over_open_floor_it_arrives_without_dithering(x, y, yaw, config):
     assert robot.pose.distance_to(x, y) <= 0.36
     least = math.hypot(x, y)
     assert robot.travelled_m <= 1.1 * least + 0.75
-    assert actions.count(Action.TURN_LEFT) + actions.count(Action.TURN_RIGHT) <= 10 + least
+    # Half a circle to begin with, a correction a metre, and a few more at the end, where the error
+    # of a step is a wide angle.
+    assert actions.count(Action.TURN_LEFT) + actions.count(Action.TURN_RIGHT) <= 6 + least + 4
 
 
 def open_cell(rng, terrain, from_cell=None):

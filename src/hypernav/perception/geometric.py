@@ -28,9 +28,9 @@ class GeometricConfig(RoomConfig):
 class GeometricReasoner:
     """Prefers long unexplored boundaries that are near; knows nothing of the goal.
 
-    The value of a block is ``gain**gain_exponent * exp(-travel / travel_scale)``: the trade of
-    information gain against travel cost of González-Baños and Latombe, "Navigation Strategies
-    for Exploring Indoor Environments", 2002.
+    The value of a block is ``gain**gain_exponent * exp(-cost / travel_scale)``, where the cost is
+    the way there and a turn to begin with: the trade of information gain against travel cost of
+    González-Baños and Latombe, "Navigation Strategies for Exploring Indoor Environments", 2002.
     """
 
     def __init__(self, log: ExchangeLog, config: GeometricConfig | None = None) -> None:
