@@ -16,6 +16,8 @@ from hypernav.worlds.walkable_kernels import label_components, slide, walk
 
 _SMALLEST_ISLAND_M2 = 1.0
 """Smaller pockets, cut off from the rest, are the insides of furniture and gaps behind it."""
+_ROUNDING = 1e-6
+"""Cells."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,15 +129,16 @@ class WalkableGrid:
             sliding: Slide along what is in the way; by default the robot stops at the contact.
 
         Returns:
-            The target, or the last standable point before the contact, or the point where the
-            robot slid to. A robot off the floor doesn't move.
+            The target (or up to half a cell beside it if the robot grazed a corner), or the
+            last standable point before the contact, or the point where the robot slid to. A robot
+            off the floor doesn't move.
         """
         u, v = (x - self.origin[0]) / self.cell_m, (y - self.origin[1]) / self.cell_m
         du, dv = dx / self.cell_m, dy / self.cell_m
         end_u, end_v, arrived = walk(self.standable, u, v, du, dv)
-        if arrived and self.is_standable(x + dx, y + dy):
+        if arrived and math.dist((end_u, end_v), (u + du, v + dv)) < _ROUNDING:
             return x + dx, y + dy
-        if sliding:
+        if sliding and not arrived:
             end_u, end_v = slide(self.standable, u, v, du, dv)
         return (
             float(end_u * self.cell_m + self.origin[0]),

@@ -8,6 +8,11 @@ from numba import njit
 
 _BACK_OFF = 1e-3
 """A blocked move ends this fraction of a cell before the contact, safely inside its cell."""
+_GIVE = 0.5
+"""Cells. Their borders are stairs where real walls are smooth: a robot that touches one must
+not be caught in a notch that is none."""
+_PAST = 1e-6
+"""Cells: how far beside a corner a walk that is pushed aside passes."""
 
 
 @njit(cache=True, nogil=True)
@@ -81,38 +86,77 @@ def _inside(x, y, row, column):
 
 
 @njit(cache=True, nogil=True)
+def _cells_to_corner(free, row, column, d_row, d_column, across_row, across_column):
+    """How many cells along a wall its corner is away; 0 if something is in the way before.
+
+    Args:
+        free: The cells.
+        row: Of the cell beside the wall.
+        column: Of the cell beside the wall.
+        d_row: Along the wall.
+        d_column: Along the wall.
+        across_row: Into the wall.
+        across_column: Into the wall.
+    """
+    cells = 1
+    while _is_free(free, row + cells * d_row, column + cells * d_column):
+        if _is_free(
+            free, row + cells * d_row + across_row, column + cells * d_column + across_column
+        ):
+            return cells
+        cells += 1
+    return 0
+
+
+@njit(cache=True, nogil=True)
 def walk(free, x, y, dx, dy):
     """Walk straight until the end or the border of the free cells.
 
     A walk through the corner where four cells meet needs one free cell beside it: it never slips
-    between two blocked ones.
+    between two blocked ones. A corner that it would only graze pushes it aside, by `_GIVE` at most
+    in all.
 
     Returns:
-        End position, and whether it is the target.
+        End position, and whether it is the target, or where the walk was pushed to beside it.
     """
     row, column = int(np.floor(y)), int(np.floor(x))
     if not _is_free(free, row, column):
         return x, y, False
-    last_row, last_column = int(np.floor(y + dy)), int(np.floor(x + dx))
     step_x = 1 if dx > 0 else -1
     step_y = 1 if dy > 0 else -1
-    # Fraction of the walk at which the next border is crossed.
-    t_x = ((column + (step_x > 0)) - x) / dx if dx != 0.0 else np.inf
-    t_y = ((row + (step_y > 0)) - y) / dy if dy != 0.0 else np.inf
-    while row != last_row or column != last_column:
+    length = np.hypot(dx, dy)
+    # Fraction of the walk from one border to the next.
+    span_x = 1.0 / abs(dx) if dx != 0.0 else np.inf
+    span_y = 1.0 / abs(dy) if dy != 0.0 else np.inf
+    give = _GIVE
+    while row != int(np.floor(y + dy)) or column != int(np.floor(x + dx)):
+        # Fraction of the walk at which the next border is crossed.
+        t_x = ((column + (step_x > 0)) - x) / dx if dx != 0.0 else np.inf
+        t_y = ((row + (step_y > 0)) - y) / dy if dy != 0.0 else np.inf
         t = min(t_x, t_y)
         if t > 1.0:  # Rounding: the target lies on the border.
             return *_inside(x + dx, y + dy, row, column), True
-        if t_x < t_y or (t_x == t_y and _is_free(free, row, column + step_x)):
-            r, c = row, column + step_x
-            t_x = ((c + (step_x > 0)) - x) / dx
+        along_x = t_x < t_y or (t_x == t_y and _is_free(free, row, column + step_x))
+        r, c = (row, column + step_x) if along_x else (row + step_y, column)
+        if _is_free(free, r, c):
+            row, column = r, c
+            continue
+        if along_x:
+            cells = _cells_to_corner(free, row, column, step_y, 0, 0, step_x)
+            corner = t_y + (cells - 1) * span_y
         else:
-            r, c = row + step_y, column
-            t_y = ((r + (step_y > 0)) - y) / dy
-        if not _is_free(free, r, c):
-            t = max(t - _BACK_OFF / np.hypot(dx, dy), 0.0)
+            cells = _cells_to_corner(free, row, column, 0, step_x, step_y, 0)
+            corner = t_x + (cells - 1) * span_x
+        passes = cells > 0 and corner <= 1.0
+        push = (corner - t) * abs(dx * dy) / length + _PAST
+        if not passes or push > give:
+            t = max(t - _BACK_OFF / length, 0.0)
             return *_inside(x + t * dx, y + t * dy, row, column), False
-        row, column = r, c
+        # Away from the blocked cell, at right angles to the walk.
+        give -= push
+        side = -1.0 if along_x else 1.0
+        x += side * push * step_x * abs(dy) / length
+        y -= side * push * step_y * abs(dx) / length
     return x + dx, y + dy, True
 
 
