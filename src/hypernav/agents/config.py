@@ -14,8 +14,9 @@ class SearchConfig(RoomConfig):
             and STOP.
         approach_gap_m: A way leads to the goal area if it ends so near to where that may be
             entered: something may stand before it.
-        approach_patience_steps: Close to the goal area the robot stops where it is when it has not
-            come nearer for so long: something stands around it.
+        approach_patience_steps: When the way to the goal area has not become shorter for so long
+            (and for as long as a detour takes), the robot stops where it is if that is close by,
+            since something stands around it; else it explores for a while before it tries again.
         arrival_distance_m: A destination of global perception counts as reached within this.
         endurance_steps: A destination is given up after this many steps (paper: endurance limit).
         look_around_at_start: Turn once around before the first step.

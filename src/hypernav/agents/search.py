@@ -1,12 +1,12 @@
 """The search that the agents of this package share; they differ in how they explore."""
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from hypernav.agents.config import SearchConfig
 from hypernav.agents.exploration import Exploration, turn_towards
+from hypernav.agents.progress import Progress
 from hypernav.agents.second_look import place_for_second_look
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
@@ -26,10 +26,8 @@ from hypernav.planning import Navigator
 GAVE_UP = "gave up"
 """Event of the last step when an agent stops because nothing is left to explore."""
 
-_PROGRESS_M = 0.1
 _CLOSE_BY_M = 1.5
-"""From here on the straight distance tells whether the robot comes nearer; before, a way may lead
-around a wall."""
+"""Who gets no nearer than this is at the goal area: something stands around it."""
 
 
 @dataclass(frozen=True)
@@ -73,6 +71,7 @@ class SearchAgent:
         self._presence = presence
         self._log = log
         self._config = config
+        self._progress = Progress(config.approach_patience_steps)
         self._last_step: StepTrace | None = None
 
     def reset(self, goal: Goal) -> None:
@@ -86,13 +85,14 @@ class SearchAgent:
         self._trajectory: list[tuple[float, float]] = []
         self._turns_left = self._turns_of_a_circle() if self._config.look_around_at_start else 0
         self._all_explored = False
+        self._rest_steps = 0
         self._ends: list[tuple[float, float]] = []
         self._last_step = None
         self._step = 0
         self._forget_approach()
 
     def _forget_approach(self) -> None:
-        self._nearest_m, self._steps_without_progress = math.inf, 0
+        self._progress.reset()
         self._second_look: tuple[float, float] | None = None
 
     @property
@@ -143,10 +143,13 @@ class SearchAgent:
         if target is None:
             self._forget_approach()
             return None
+        if self._rest_steps > 0 and not self._all_explored:
+            self._rest_steps -= 1
+            return None
         robot = observation.robot
         if self._second_look is not None:
             return self._look_again(observation, target, self._second_look, clock)
-        if not self._is_near_enough(target, robot):
+        if target.distance_to(*robot.xy) > self._config.stop_distance_m:
             with clock("plan"):
                 action = self._navigator.towards(self.grid, robot, target.entry_points)
             path = self._navigator.path
@@ -154,9 +157,15 @@ class SearchAgent:
             if path is None or not (leads_there or self._all_explored):
                 self._forget_approach()
                 return None
-            if action is not None:
+            left_m = self._navigator.left_m(robot)
+            if action is not None and self._progress.is_made(left_m):
                 self._leave_exploration()
                 return _Decision(action, Mode.APPROACH, f"going to the {self._goal.thing}")
+            if left_m > _CLOSE_BY_M and not self._all_explored:
+                self._rest_steps = self._config.endurance_steps
+                self._events.append("goal out of reach for now")
+                self._forget_approach()
+                return None
         self._leave_exploration()
         return self._verify(observation, target, clock)
 
@@ -166,18 +175,6 @@ class SearchAgent:
         if self._exploration.destination is not None:
             self._events.append("goal seen")
             self._exploration.destination = None
-
-    def _is_near_enough(self, target: Target, robot: Pose2) -> bool:
-        """Within the stop distance, or close by and not coming any nearer."""
-        left_m = target.distance_to(*robot.xy)
-        if left_m < self._nearest_m - _PROGRESS_M or left_m > _CLOSE_BY_M:
-            self._nearest_m, self._steps_without_progress = left_m, 0
-        else:
-            self._steps_without_progress += 1
-        return (
-            left_m <= self._config.stop_distance_m
-            or self._steps_without_progress > self._config.approach_patience_steps
-        )
 
     def _verify(
         self, observation: Observation, target: Target, clock: ModuleClock

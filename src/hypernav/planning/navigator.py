@@ -1,5 +1,8 @@
 """Driving to a destination, one action at a time."""
 
+import math
+from itertools import pairwise
+
 import numpy as np
 from jaxtyping import Float64
 
@@ -105,6 +108,10 @@ class Navigator:
         """The way still to go, from the robot on, metres; empty without a path."""
         points = self._follower.remaining(robot)
         return [*points[:1], *((round(x, 3), round(y, 3)) for x, y in points[1:])]
+
+    def left_m(self, robot: Pose2) -> float:
+        """Length of the way still to go, metres; 0 without a path."""
+        return sum(math.dist(*leg) for leg in pairwise(self._follower.remaining(robot)))
 
     def _path_is_fresh(self, targets: Float64[np.ndarray, "n 2"]) -> bool:
         return (

@@ -1,0 +1,52 @@
+"""Whether a robot gets on along its way."""
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hypernav.agents.progress import Progress
+
+PATIENCE = 10
+
+
+@given(st.floats(1.0, 50.0), st.lists(st.integers(0, PATIENCE - 1), min_size=1, max_size=30))
+def test_who_comes_nearer_is_patiently_waited_for(left_m, pauses):
+    progress = Progress(PATIENCE)
+    for pause in pauses:
+        assert all(progress.is_made(left_m) for _ in range(pause + 1))
+        left_m -= 0.11
+
+
+@given(st.floats(0.0, 50.0))
+def test_who_stands_still_is_noticed(left_m):
+    progress = Progress(PATIENCE)
+    assert [progress.is_made(left_m) for _ in range(PATIENCE + 2)] == [True] * (PATIENCE + 1) + [
+        False
+    ]
+
+
+@given(st.floats(1.0, 10.0), st.floats(0.5, 10.0))
+def test_who_goes_to_and_fro_is_noticed(near_m, more_m):
+    progress = Progress(PATIENCE)
+    made = [progress.is_made(near_m + more_m * (step % 2)) for step in range(200)]
+    assert not made[-1]
+    assert sum(made) <= 1 + PATIENCE + 4 * more_m + 1
+
+
+@given(st.floats(0.2, 3.0), st.floats(1.0, 20.0))
+def test_a_detour_at_a_step_forward_and_a_turn_in_turns_is_waited_for(blocked_m, detour_m):
+    progress = Progress(PATIENCE)
+    assert progress.is_made(blocked_m)
+    left_m = blocked_m + detour_m
+    while left_m > 0.0:
+        assert progress.is_made(left_m)
+        assert progress.is_made(left_m)
+        left_m -= 0.5
+
+
+def test_another_way_begins_anew():
+    progress = Progress(PATIENCE)
+    for _ in range(PATIENCE + 2):
+        made = progress.is_made(1.0)
+    assert not made
+    progress.reset()
+    assert progress.is_made(1.0)
