@@ -120,6 +120,7 @@ def preset(name: PresetName) -> HyPerNavConfig:
         search=SearchConfig(
             stop_distance_m=0.45,
             approach_gap_m=0.45,
+            give_up_when_stuck=False,
             look_around_at_start=False,
             look_again_before_giving_up=False,
             look_across_boundary=False,

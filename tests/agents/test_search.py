@@ -111,7 +111,8 @@ def test_a_goal_area_that_is_denied_is_rejected_and_the_search_goes_on():
 
 
 def test_the_endurance_limit_ends_a_destination():
-    steps, _ = run(search(search={"endurance_steps": 3, "drop_explored": False}), "piano")
+    limits = {"endurance_steps": 3, "give_up_when_stuck": False, "drop_explored": False}
+    steps, _ = run(search(search=limits), "piano")
     assert "endurance exceeded" in {event for step in steps for event in step.events}
 
 

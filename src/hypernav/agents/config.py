@@ -14,11 +14,13 @@ class SearchConfig(RoomConfig):
             and STOP.
         approach_gap_m: A way leads to the goal area if it ends so near to where that may be
             entered: something may stand before it.
-        approach_patience_steps: When the way to the goal area has not become shorter for so long
-            (and for as long as a detour takes), the robot stops where it is if that is close by,
-            since something stands around it; else it explores for a while before it tries again.
+        patience_steps: A robot gets nowhere when its way has not become shorter for so long, and
+            for as long as a detour takes. Close to the goal area it then stops where it is, since
+            something stands around it; else it explores for a while before it tries again.
         arrival_distance_m: A destination of global perception counts as reached within this.
         endurance_steps: A destination is given up after this many steps (paper: endurance limit).
+        give_up_when_stuck: A destination is given up when the robot gets nowhere, however long the
+            way may be, instead of after `endurance_steps`.
         look_around_at_start: Turn once around before the first step.
         look_again_before_giving_up: When nothing is left to explore, forget which places were
             visited and where the robot bumped into something, turn once around, and only then give
@@ -36,10 +38,11 @@ class SearchConfig(RoomConfig):
 
     turn_angle_deg: float = 30.0
     stop_distance_m: float = 0.15
-    approach_gap_m: float = 0.3
-    approach_patience_steps: int = 16
+    approach_gap_m: float = 0.15
+    patience_steps: int = 16
     arrival_distance_m: float = 0.5
     endurance_steps: int = 40
+    give_up_when_stuck: bool = True
     look_around_at_start: bool = True
     look_again_before_giving_up: bool = True
     look_across_boundary: bool = True

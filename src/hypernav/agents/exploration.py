@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from hypernav.agents.config import SearchConfig
+from hypernav.agents.progress import Progress
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
 from hypernav.core.geometry import Pose2
@@ -41,6 +42,7 @@ class Exploration:
         self._explorer = explorer
         self._navigator = navigator
         self._config = config
+        self._progress = Progress(config.patience_steps)
         self.reset(Goal("nothing yet"))
 
     def reset(self, goal: Goal) -> None:
@@ -48,6 +50,7 @@ class Exploration:
         self._explorer.reset(goal)
         self._goal = goal
         self._age = 0
+        self._progress.reset()
         self._pursued: list[tuple[float, float]] = []
         self.destination: Destination | None = None
         self._offered: tuple[Block, ...] = ()
@@ -75,30 +78,37 @@ class Exploration:
         Returns:
             None if nothing is left to explore.
         """
+        config = self._config
         turn = self._look_across(grid, robot)
         if turn is not None:
             self._age += 1
             return turn, "looking at what is unexplored here"
         self._drop_finished(grid, robot, events)
-        if self._config.pursue_far_sightings and far_bearing is not None:
+        if config.pursue_far_sightings and far_bearing is not None:
             self._pursue(grid, robot, far_bearing, events)
         for _ in range(_CHOICES_PER_STEP):
             if self.destination is None:
                 with clock("global"):
                     self.destination = self._explorer.next_destination(grid, robot, trajectory)
                 self._age = 0
+                self._progress.reset()
                 if self.destination is None:
                     return None
                 self._offered = self.destination.blocks
             with clock("plan"):
                 action = self._navigator.towards(grid, robot, np.array([self.destination.xy]))
-            if action is not None:
+            if action is None:
+                arrived = self._navigator.arrived
+                self._end("destination reached" if arrived else "no path to destination", events)
+            elif config.give_up_when_stuck and not self._progress.is_made(
+                self._navigator.left_m(robot)
+            ):
+                self._end("no progress to destination", events)
+            else:
                 self._age += 1
                 if isinstance(self._explorer, ThinksAhead):
                     self._explorer.think_ahead(grid, robot, trajectory, self.destination)
                 return action, self.destination.reason
-            arrived = self._navigator.arrived
-            self._end("destination reached" if arrived else "no path to destination", events)
         return Action.TURN_LEFT, "no way to any destination, looking again"
 
     def forget_visits(self) -> None:
@@ -126,6 +136,7 @@ class Exploration:
             return
         if self.destination is None or not self.destination.is_sighting:
             events.append("goal seen far away")
+            self._progress.reset()
         reason = f"the {self._goal.thing} is in sight, too far away to be measured"
         self.destination = Destination(*point, reason=reason, is_sighting=True)
 
@@ -157,7 +168,7 @@ class Exploration:
             return
         if robot.distance_to(*destination.xy) < config.arrival_distance_m:
             self._end("destination reached", events)
-        elif self._age >= config.endurance_steps:
+        elif self._age >= config.endurance_steps and not config.give_up_when_stuck:
             self._end("endurance exceeded", events)
         elif (
             config.drop_explored

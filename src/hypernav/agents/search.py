@@ -71,7 +71,7 @@ class SearchAgent:
         self._presence = presence
         self._log = log
         self._config = config
-        self._progress = Progress(config.approach_patience_steps)
+        self._progress = Progress(config.patience_steps)
         self._last_step: StepTrace | None = None
 
     def reset(self, goal: Goal) -> None:

@@ -43,7 +43,7 @@ class LocalConfig(RoomConfig):
     dilation_kernel: int = 5
     dilation_iterations: int = 3
     largest_cluster_only: bool = True
-    entry_reach_m: float = 0.6
+    entry_reach_m: float = 0.8
     target: Literal["latest", "hold"] = "hold"
     pick: Literal["first", "nearest"] = "nearest"
     min_sightings: int = 1
