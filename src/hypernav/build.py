@@ -29,7 +29,6 @@ from hypernav.perception.overview import BlockExplorer
 from hypernav.perception.presence import VlmPresenceCheck
 from hypernav.perception.vlm_detector import VlmDetector
 from hypernav.perception.vlm_reasoner import VlmReasoner
-from hypernav.planning import Navigator
 from hypernav.presets import HyPerNavConfig, PresetName, PriceConfig, preset
 from hypernav.worlds import Scene, load_scene
 from hypernav.worlds.houses import BUILTIN_HOUSE, cached_house
@@ -217,7 +216,7 @@ def build_search(
             attention=attention,
         ),
         explorer=explorer,
-        navigator=Navigator(config.planning),
+        planning=config.planning,
         presence=presence,
         log=log,
         config=config.search,

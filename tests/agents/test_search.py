@@ -129,7 +129,7 @@ class DoubtfulDetector:
     def detect(self, observation, goal):
         truth = GroundTruthDetector()
         beds, sofas = truth.detect(observation, goal), truth.detect(observation, Goal("sofa"))
-        fooled = observation.robot.x < 1.0
+        fooled = observation.robot.y < 1.0
         return [
             *(replace(one, score=0.6) for one in beds),
             *(replace(one, score=0.6, is_goal=fooled) for one in sofas),

@@ -12,7 +12,7 @@ from hypernav.core.actions import Action
 from hypernav.core.geometry import Pose2
 from hypernav.core.grid import Cell, OccupancyGrid
 from hypernav.mapping.distance_kernels import travel_cells
-from hypernav.planning import Navigator, Path, PathFollower, Planner, PlanningConfig
+from hypernav.planning import BumpSensor, Navigator, Path, PathFollower, Planner, PlanningConfig
 from hypernav.planning.terrain import Terrain
 from random_rooms import DrivenRobot, random_rooms
 
@@ -123,15 +123,15 @@ def drive(seed, config, *, door_m, limit=300):
     end = open_cell(rng, terrain, start)
     goal = np.array([terrain.grid.centre_of(*end)])
     pose = Pose2(*terrain.grid.centre_of(*start), rng.uniform(-math.pi, math.pi))
-    robot, navigator = DrivenRobot(grid, pose), Navigator(config)
+    robot, navigator, bumps = DrivenRobot(grid, pose), Navigator(config), BumpSensor(config)
     known = OccupancyGrid(grid.cells.copy(), grid.resolution_m, grid.origin)
     for _ in range(limit):
-        for x, y in navigator.bumped_points(robot.pose, known):
+        for x, y in bumps.points(robot.pose, known):
             known.cells[known.cell_of(x, y)] = Cell.OCCUPIED
         action = navigator.towards(known, robot.pose, goal)
         if action is None:
             break
-        navigator.note_action(robot.pose, action)
+        bumps.note_action(robot.pose, action)
         robot.do(action)
     else:
         raise AssertionError(f"seed {seed}: still driving after {limit} actions")
@@ -189,30 +189,6 @@ def test_no_way_is_not_an_arrival():
     assert navigator.towards(grid, Pose2(-2.0, 0.0, 0.0), np.array([[3.0, 0.0]])) is None
     assert not navigator.arrived
     assert navigator.remaining(Pose2(-2.0, 0.0, 0.0)) == []
-
-
-def test_a_step_cut_short_is_a_bump_and_a_full_one_is_not():
-    navigator, before = Navigator(CONFIG), Pose2(0.0, 0.0, 0.0)
-    assert len(navigator.bumped_points(before, HALL)) == 0
-    navigator.note_action(before, Action.MOVE_FORWARD)
-    assert len(navigator.bumped_points(Pose2(0.5, 0.0, 0.0), HALL)) == 0
-    points = navigator.bumped_points(Pose2(0.1, 0.0, 0.0), HALL)
-    assert len(points) > 0
-    # Ahead of the robot, at its edge or beyond.
-    assert (points[:, 0] > 0.25).all()
-    assert (np.hypot(points[:, 0] - 0.1, points[:, 1]) > 0.18).all()
-    navigator.note_action(before, Action.TURN_LEFT)
-    assert len(navigator.bumped_points(before, HALL)) == 0
-
-
-def test_what_stands_beside_the_robot_is_what_it_touches():
-    grid = OccupancyGrid(HALL.cells.copy(), 0.05, HALL.origin)
-    grid.cells[105:110, 95:115] = Cell.OCCUPIED  # to the left, 0.25 m away
-    navigator, before = Navigator(CONFIG), Pose2(-0.1, 0.0, 0.0)
-    navigator.note_action(before, Action.MOVE_FORWARD)
-    points = navigator.bumped_points(Pose2(0.0, 0.0, 0.0), grid)
-    assert len(points) > 0
-    assert (points[:, 1] > 0.1).all()  # the way ahead and to the right stays open
 
 
 def test_the_same_situation_gives_the_same_actions():

@@ -50,6 +50,7 @@ class Exploration:
         self._explorer.reset(goal)
         self._goal = goal
         self._age = 0
+        self._navigator.reset()
         self._progress.reset()
         self._pursued: list[tuple[float, float]] = []
         self.destination: Destination | None = None
@@ -110,6 +111,10 @@ class Exploration:
                     self._explorer.think_ahead(grid, robot, trajectory, self.destination)
                 return action, self.destination.reason
         return Action.TURN_LEFT, "no way to any destination, looking again"
+
+    def way_left(self, robot: Pose2) -> list[tuple[float, float]]:
+        """The way still to go to the destination, from the robot on, metres."""
+        return self._navigator.remaining(robot)
 
     def forget_visits(self) -> None:
         """Explore anew over the same map: a place counts as visited even if it was hardly seen."""

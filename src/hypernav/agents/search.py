@@ -21,7 +21,7 @@ from hypernav.mapping import TopDownMap
 from hypernav.perception.explorer import Explorer
 from hypernav.perception.local import LocalPerception
 from hypernav.perception.target import Target
-from hypernav.planning import Navigator
+from hypernav.planning import BumpSensor, Navigator, PlanningConfig
 
 GAVE_UP = "gave up"
 """Event of the last step when an agent stops because nothing is left to explore."""
@@ -48,7 +48,7 @@ class SearchAgent:
         world_map: TopDownMap,
         local: LocalPerception,
         explorer: Explorer,
-        navigator: Navigator,
+        planning: PlanningConfig,
         presence: PresenceCheck | None,
         log: ExchangeLog,
         config: SearchConfig,
@@ -59,15 +59,17 @@ class SearchAgent:
             world_map: Draws the map.
             local: Sees the goal and says where it is.
             explorer: Says where to go while the goal is out of sight.
-            navigator: Drives there.
+            planning: How it drives.
             presence: Looks once more before STOP; None trusts the goal area.
             log: What detectors and reasoners were asked, for the trace.
             config: Values of the method.
         """
         self._map = world_map
         self._local = local
-        self._exploration = Exploration(explorer, navigator, config)
-        self._navigator = navigator
+        # Each keeps to a plan of its own: steps that lead to two places by turns lead to none.
+        self._navigator = Navigator(planning)
+        self._exploration = Exploration(explorer, Navigator(planning), config)
+        self._bumps = BumpSensor(planning)
         self._presence = presence
         self._log = log
         self._config = config
@@ -81,6 +83,7 @@ class SearchAgent:
         self._local.reset(goal)
         self._exploration.reset(goal)
         self._navigator.reset()
+        self._bumps.reset()
         self._log.drain()
         self._trajectory: list[tuple[float, float]] = []
         self._turns_left = self._turns_of_a_circle() if self._config.look_around_at_start else 0
@@ -113,11 +116,11 @@ class SearchAgent:
         self._trajectory.append(observation.robot.xy)
         with clock("map"):
             self._map.integrate(observation)
-            self._map.mark_occupied(self._navigator.bumped_points(observation.robot, self.grid))
+            self._map.mark_occupied(self._bumps.points(observation.robot, self.grid))
         with clock("local"):
             detections = self._local.look(observation)
         decision = self._approach(observation, clock) or self._explore(observation, clock)
-        self._navigator.note_action(observation.robot, decision.action)
+        self._bumps.note_action(observation.robot, decision.action)
         robot, target = observation.robot, self._local.target
         self._last_step = StepTrace(
             step=self._step,
@@ -126,7 +129,7 @@ class SearchAgent:
             mode=decision.mode,
             reason=decision.reason,
             destination=self._destination_point(target),
-            path=list(self._navigator.remaining(robot)),
+            path=self._way_left(robot, decision.mode),
             goal_area=target.area.outlines if target else [],
             detections=detections,
             blocks=self._exploration.drain_offered(),
@@ -285,6 +288,11 @@ class SearchAgent:
             return target.area.centre
         destination = self._exploration.destination
         return None if destination is None else destination.xy
+
+    def _way_left(self, robot: Pose2, mode: Mode) -> list[tuple[float, float]]:
+        if mode is Mode.EXPLORE:
+            return self._exploration.way_left(robot)
+        return self._navigator.remaining(robot) if mode in (Mode.APPROACH, Mode.VERIFY) else []
 
     def _turn_towards(self, robot: Pose2, target: Target) -> Action | None:
         return turn_towards(robot, target.area.centre, self._config.turn_angle_deg)
