@@ -112,6 +112,7 @@ def preset(name: PresetName) -> HyPerNavConfig:
         geometric=GeometricConfig(turn_cost_m=0.0, gain_exponent=0.5),
         planning=PlanningConfig(
             comfort_cost=0.0,
+            end_in_unknown=False,
             targets="nearest-straight",
             steering="waypoint",
             replan_every_steps=10,

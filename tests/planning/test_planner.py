@@ -18,7 +18,11 @@ from hypernav.planning.terrain import Terrain
 CONFIG = PlanningConfig()
 WIDE = PlanningConfig(squeeze_m=0.0)
 PAPER = PlanningConfig(
-    squeeze_m=0.0, comfort_cost=0.0, targets="nearest-straight", steering="waypoint"
+    squeeze_m=0.0,
+    comfort_cost=0.0,
+    end_in_unknown=False,
+    targets="nearest-straight",
+    steering="waypoint",
 )
 # Costs that floats hold exactly, so that equal ways are equal.
 cost_grids = arrays(
@@ -159,7 +163,10 @@ def test_a_path_never_touches_an_inflated_obstacle(coarse, config, data):
         cells = grid.cells_of(points)
         cells = cells[((cells >= 0) & (cells < np.array(grid.cells.shape))).all(axis=1)]
         assert not inflated[cells[:, 0], cells[:, 1]].any()
-    assert grid.state_at(*path.end) == Cell.FREE
+    ends_in_unknown = config.end_in_unknown and path.gap_m == 0.0
+    assert grid.state_at(*path.end) in (
+        (Cell.FREE, Cell.UNKNOWN) if ends_in_unknown else (Cell.FREE,)
+    )
     assert path.length_m >= np.hypot(*(np.array(path.end) - start)) - 1e-9
     assert path.gap_m <= config.max_gap_m
     if path.gap_m == 0.0:
@@ -180,6 +187,19 @@ def test_a_way_through_a_door_keeps_to_its_middle_where_comfort_counts():
     assert len(direct.waypoints) == 2
     middle = max(y for x, y in comfortable.waypoints if 2.0 < x < 4.0)
     assert middle == pytest.approx(1.45, abs=0.1)
+
+
+def test_a_way_ends_in_the_unknown_only_at_a_destination_that_has_no_known_cell():
+    grid = drawn("...??\n" * 3, scale=20)
+    start, known, unknown = (0.3, 1.5), [2.2, 1.5], [3.5, 1.5]
+    for config, targets, end, gap_m in (
+        (CONFIG, [unknown], unknown, 0.0),
+        (CONFIG, [unknown, known], known, 0.0),
+        (PAPER, [unknown], [2.975, 1.5], 0.5),
+    ):
+        path = Planner(config).plan(grid, start, np.array(targets))
+        assert path.end == pytest.approx(end, abs=0.06)
+        assert path.gap_m == pytest.approx(gap_m, abs=0.06)
 
 
 def test_the_unknown_is_dearer_or_forbidden_as_configured():

@@ -18,6 +18,8 @@ class PlanningConfig(RoomConfig):
             the middle of doors where there is room.
         comfort_cost: By how much; 0 switches it off (paper).
         unknown_cost: Factor on ways through unknown cells; 0 forbids them.
+        end_in_unknown: A way may end in unknown cells of the destination if it has no other open
+            ones; else only in known ones (paper).
         targets: Of the destination's cells, go to the "nearest-straight" (paper) or to the
             "nearest-by-path".
         max_gap_m: A destination that cannot be entered (it lies on a table) is gone to if a
@@ -37,6 +39,7 @@ class PlanningConfig(RoomConfig):
     comfort_m: float = Field(default=0.20, ge=0.0)
     comfort_cost: float = Field(default=1.0, ge=0.0)
     unknown_cost: float = Field(default=3.0, ge=0.0)
+    end_in_unknown: bool = True
     targets: Literal["nearest-straight", "nearest-by-path"] = "nearest-by-path"
     max_gap_m: float = Field(default=1.0, ge=0.0)
     replan_every_steps: int = Field(default=10, ge=1)

@@ -86,7 +86,7 @@ class Planner:
         if terrain.way_out is None:
             return None
         here = terrain.grid.cell_of(*start)
-        goal, gap_m = _reachable_goal(terrain, here, targets)
+        goal, gap_m = _reachable_goal(terrain, here, targets, self._config.end_in_unknown)
         if gap_m > self._config.max_gap_m:
             return None
         cells, _ = astar(terrain.costs, here, goal)
@@ -109,7 +109,10 @@ def is_blocked(points: tuple[tuple[float, float], ...], terrain: Terrain) -> boo
 
 
 def _reachable_goal(
-    terrain: Terrain, here: tuple[int, int], targets: Float64[np.ndarray, "n 2"]
+    terrain: Terrain,
+    here: tuple[int, int],
+    targets: Float64[np.ndarray, "n 2"],
+    end_in_unknown: bool,
 ) -> tuple[UInt8[np.ndarray, "rows columns"], float]:
     """Cells to go to (1), and how far from the destination they are, metres."""
     # Diagonal steps need both neighbours, so what is 8-reachable is 4-connected.
@@ -120,19 +123,20 @@ def _reachable_goal(
     cells = terrain.grid.cells_of(targets)
     inside = ((cells >= 0) & (cells < np.array(reachable.shape))).all(axis=1)
     wanted[cells[inside, 0], cells[inside, 1]] = True
-    # A way may lead through the unknown, but never ends there: a goal area reaches into the wall
-    # that it hangs on, and what lies behind that wall is no way to it.
-    reachable &= terrain.grid.explored
-    goal = wanted & reachable
-    if goal.any():
-        return goal.view(np.uint8), 0.0
+    known = reachable & terrain.grid.explored
+    for allowed in (known, reachable) if end_in_unknown else (known,):
+        goal = wanted & allowed
+        if goal.any():
+            return goal.view(np.uint8), 0.0
+    # Beside a destination that cannot be entered only known cells count: a goal area reaches into
+    # the wall that it hangs on, and what lies behind that wall is no way to it.
     if inside.any():
         away = cv2.distanceTransform((~wanted).view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
     else:  # beyond the explored map: the reachable cell nearest to the first target
         rows, columns = np.indices(reachable.shape)
         row, column = terrain.continuous(*targets[0])
         away = np.hypot(rows + 0.5 - row, columns + 0.5 - column)
-    away = np.where(reachable, away, np.inf)
+    away = np.where(known, away, np.inf)
     nearest = np.unravel_index(int(away.argmin()), away.shape)
     goal[nearest] = True
     return goal.view(np.uint8), float(away[nearest]) * terrain.grid.resolution_m
