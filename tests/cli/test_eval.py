@@ -64,10 +64,13 @@ def test_saved_episodes_have_a_page_and_colours_change_no_result(runs, room, tmp
 
 def test_only_failures_are_saved_if_one_says_so(room, tmp_path):
     command = ("eval", f"scene:{room}#1", *QUICK, "--quiet", "--save", "failures")
-    hypernav(*command, "--out", tmp_path / "good")
-    assert not any((tmp_path / "good" / "episodes").iterdir())
-    hypernav(*command, "--out", tmp_path / "bad", "--max-steps", "2")
-    assert all(line["saved"] for line in timeless_lines(tmp_path / "bad"))
+    for steps in ("2", "30"):
+        hypernav(*command, "--out", tmp_path / steps, "--max-steps", steps)
+        lines = timeless_lines(tmp_path / steps)
+        assert [bool(line["saved"]) for line in lines] == [not line["success"] for line in lines]
+        kept = {folder.name for folder in (tmp_path / steps / "episodes").iterdir()}
+        assert len(kept) == sum(not line["success"] for line in lines)
+    assert any(line["success"] for line in lines)
 
 
 def test_the_same_command_again_runs_nothing_and_another_one_is_refused(runs, room, capsys):

@@ -97,6 +97,14 @@ def test_the_fingerprint_knows_every_episode_and_the_order():
     assert fingerprint(EPISODES) != fingerprint(EPISODES[::-1])
 
 
+def test_the_same_building_in_another_folder_gives_the_same_episodes(room, tmp_path):
+    moved = tmp_path / room.name
+    moved.write_bytes(room.read_bytes())
+    here, there = (load_episodes(f"scene:{path}#2") for path in (room, moved))
+    assert [e.start for e in here] == [e.start for e in there]
+    assert [e.seed(0) for e in here] == [e.seed(0) for e in there]
+
+
 def test_every_episode_has_a_seed_of_its_own():
     seeds = {e.seed(0) for e in EPISODES} | {e.seed(1) for e in EPISODES}
     assert len(seeds) == 12
