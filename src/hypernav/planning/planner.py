@@ -138,5 +138,6 @@ def _reachable_goal(
         away = np.hypot(rows + 0.5 - row, columns + 0.5 - column)
     away = np.where(known, away, np.inf)
     nearest = np.unravel_index(int(away.argmin()), away.shape)
-    goal[nearest] = True
-    return goal.view(np.uint8), float(away[nearest]) * terrain.grid.resolution_m
+    beside = np.zeros(wanted.shape, dtype=bool)
+    beside[nearest] = True
+    return beside.view(np.uint8), float(away[nearest]) * terrain.grid.resolution_m
