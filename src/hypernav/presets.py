@@ -98,7 +98,7 @@ def preset(name: PresetName) -> HyPerNavConfig:
     if name == "default":
         return HyPerNavConfig()
     return HyPerNavConfig(
-        mapping=MappingConfig(squeeze_m=0.0),
+        mapping=MappingConfig(frontier_min_size_m=0.3, squeeze_m=0.0),
         local=LocalConfig(
             entry_reach_m=0.0,
             target="latest",

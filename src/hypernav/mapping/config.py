@@ -36,7 +36,7 @@ class MappingConfig(RoomConfig):
         robot_radius_m: The robot's own footprint is free.
         chunk_cells: The map grows by multiples of this many cells.
         max_side_m: A pose that would make the map wider than this is refused as wrong.
-        frontier_min_size_m: Shorter boundaries to the unknown are noise.
+        frontier_min_size_m: Shorter boundaries to the unknown are noise, or too narrow for a robot.
         block_size_m: Side of the numbered squares.
         block_min_area_m2: Squares with less reachable floor get no number.
         clearance_m: How far from obstacles a place must be to count as reachable, where the caller
@@ -62,7 +62,7 @@ class MappingConfig(RoomConfig):
     robot_radius_m: float = Field(default=0.18, ge=0.0)
     chunk_cells: int = Field(default=128, ge=1)
     max_side_m: float = Field(default=500.0, gt=0.0)
-    frontier_min_size_m: float = Field(default=0.3, ge=0.0)
+    frontier_min_size_m: float = Field(default=0.5, ge=0.0)
     block_size_m: float = Field(default=2.0, gt=0.0)
     block_min_area_m2: float = Field(default=0.1, ge=0.0)
     clearance_m: float = Field(default=0.22, ge=0.0)
