@@ -116,6 +116,24 @@ def test_the_endurance_limit_ends_a_destination():
     assert "endurance exceeded" in {event for step in steps for event in step.events}
 
 
+def test_who_gets_nowhere_far_from_the_goal_explores_before_trying_again():
+    agent = search(search={"patience_steps": 0, "endurance_steps": 3})
+    steps, _ = run(agent, "bed")
+    given_up = [s.step for s in steps if "goal out of reach for now" in s.events]
+    assert given_up
+    for step in given_up:
+        resting = steps[step : step + 3]
+        assert Mode.APPROACH not in {s.mode for s in resting}
+    assert Mode.APPROACH in {s.mode for s in steps[given_up[0] :]}
+
+
+def test_who_gets_nowhere_on_the_way_gives_the_destination_up():
+    steps, _ = run(search(search={"patience_steps": 0}), "piano", max_steps=60)
+    assert "no progress to destination" in {event for step in steps for event in step.events}
+    steps, _ = run(search(search={"give_up_when_stuck": False}), "piano", max_steps=60)
+    assert "no progress to destination" not in {event for step in steps for event in step.events}
+
+
 def test_an_agent_that_has_not_acted_has_no_trace():
     agent = search()
     agent.reset(Goal("bed"))
