@@ -1,7 +1,8 @@
 """The explored map in numbered squares."""
 
+import cv2
 import numpy as np
-from jaxtyping import Int64
+from jaxtyping import Bool, Int64, UInt8
 
 from hypernav.core.geometry import Pose2
 from hypernav.core.grid import OccupancyGrid
@@ -67,9 +68,10 @@ def _block(
         return None
     bottom, left = window[0].start, window[1].start
     frontier = np.ascontiguousarray(reach.frontier[window]).view(np.uint8)
-    rows, columns = np.nonzero(frontier)
     far = max(frontier.shape)
-    if rows.size:
+    frontier_cells = int(np.count_nonzero(frontier))
+    if frontier_cells:
+        rows, columns = np.nonzero(_largest_part(frontier))
         middle = (round(float(rows.mean())), round(float(columns.mean())))
         row, column = nearest_open_cell(frontier, *middle, far)
         row, column = reach.look_out(row + bottom, column + left)
@@ -84,7 +86,13 @@ def _block(
         y_min=y_min,
         size_m=config.block_size_m,
         free_cells=int(np.count_nonzero(reach.grid.free[window])),
-        frontier_cells=int(rows.size),
+        frontier_cells=frontier_cells,
         destination=reach.grid.centre_of(row, column),
         travel_m=float(reach.travel_m[row, column]),
     )
+
+
+def _largest_part(cells: UInt8[np.ndarray, "rows columns"]) -> Bool[np.ndarray, "rows columns"]:
+    """Those of some cells that hang together with most others, 8-connected."""
+    _, parts, stats, _ = cv2.connectedComponentsWithStats(cells, connectivity=8)
+    return parts == 1 + int(stats[1:, cv2.CC_STAT_AREA].argmax())

@@ -53,11 +53,7 @@ def find_frontiers(grid: OccupancyGrid, robot: Pose2, config: MappingConfig) -> 
         parts.ravel()[flat], return_index=True, return_inverse=True, return_counts=True
     )
     groups = np.split(cells[np.argsort(part, kind="stable")], np.cumsum(sizes)[:-1])
-    return [
-        _frontier(reach, groups[i])
-        for i in np.argsort(first)
-        if sizes[i] * grid.resolution_m >= config.frontier_min_size_m
-    ]
+    return [_frontier(reach, groups[i]) for i in np.argsort(first)]
 
 
 def _frontier(reach: Reach, cells: Int64[np.ndarray, "n 2"]) -> Frontier:

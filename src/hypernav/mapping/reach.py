@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 from jaxtyping import Bool, Float32, UInt8
 
@@ -23,7 +24,8 @@ class Reach:
         travel_m: Length of the way to every cell over free floor, keeping clear of obstacles;
             infinite where none leads.
         reachable: 1 where `travel_m` is finite.
-        frontier: Free cells that touch the unknown and can be looked into from a reachable cell.
+        frontier: Free cells that touch the unknown and can be looked into from a reachable cell, in
+            stretches that are long enough.
         look_within: Rows and columns from a frontier cell that hold such a reachable cell.
     """
 
@@ -41,7 +43,7 @@ class Reach:
             grid: The map.
             robot: Where the robot is. If that is no reachable place itself, the one nearest by way
                 counts.
-            config: Gives the clearance.
+            config: Clearance, and least length of a frontier.
         """
         grid = grid.cropped()
         size = grid.resolution_m
@@ -64,10 +66,22 @@ class Reach:
             grid=grid,
             travel_m=travel_m,
             reachable=reachable,
-            frontier=free & beside_unknown & in_view,
+            frontier=_long_stretches(
+                free & beside_unknown & in_view, config.frontier_min_size_m / size
+            ),
             look_within=math.ceil(look_m / size),
         )
 
     def look_out(self, row: int, column: int) -> tuple[int, int]:
         """The reachable cell nearest to a frontier cell."""
         return nearest_open_cell(self.reachable, row, column, self.look_within)
+
+
+def _long_stretches(
+    cells: Bool[np.ndarray, "rows columns"], least_cells: float
+) -> Bool[np.ndarray, "rows columns"]:
+    """The cells that hang together with enough others, 8-connected."""
+    _, parts, stats, _ = cv2.connectedComponentsWithStats(cells.view(np.uint8), connectivity=8)
+    is_long = stats[:, cv2.CC_STAT_AREA] >= least_cells - 1e-9
+    is_long[0] = False  # the background
+    return is_long[parts.astype(np.intp)]
