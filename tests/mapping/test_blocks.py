@@ -86,3 +86,23 @@ def test_destinations_are_safe_and_blocks_cover_what_is_reached(coarse, data):
         assert block.y_min - 0.3 <= y <= block.y_min + 1.3
         assert (block.x_min % 1.0, block.y_min % 1.0) == (0.0, 0.0)
         assert 0 < block.free_cells <= 400
+
+
+def test_specks_of_the_unknown_are_no_boundary_and_the_longest_stretch_is_gone_to():
+    cells = np.full((40, 60), Cell.FREE, np.uint8)
+    cells[[0, -1]], cells[:, 0], cells[1:-1, -1] = Cell.OCCUPIED, Cell.OCCUPIED, Cell.UNKNOWN
+    config = MappingConfig(block_size_m=4.0, frontier_min_size_m=0.5)
+
+    def block():
+        (only,) = divide_into_blocks(OccupancyGrid(cells, 0.05, (0, 0)), Pose2(1, 1, 0), config)
+        return only
+
+    clean = block()
+    assert clean.frontier_cells == pytest.approx(38, abs=4)
+    assert clean.destination == pytest.approx((2.9, 1.0), abs=0.1)
+    cells[6:36:6, 6:48:6] = Cell.UNKNOWN
+    speckled = block()
+    assert speckled.frontier_cells == clean.frontier_cells
+    assert speckled.destination == clean.destination
+    cells[12:14, -4:] = Cell.OCCUPIED  # parts the boundary into a shorter and a longer stretch
+    assert block().destination[1] == pytest.approx(1.3, abs=0.15)
