@@ -1,6 +1,6 @@
 """Interior views of generated houses on one sheet, as a robot's camera sees them.
 
-Run: python benchmarks/contact_sheet.py --first 4000 --houses 24 --out docs/pictures/houses.jpg
+Run: python benchmarks/contact_sheet.py --first 4000 --houses 24 --out docs/images/houses.jpg
 
 From every house the view that shows most things is taken, of four in different rooms; which rooms
 these are is turned on from house to house, or there would be nothing but living rooms.
@@ -12,9 +12,8 @@ import numpy as np
 import tyro
 from PIL import Image
 
-from hypernav.worlds.houses import build_house
-from hypernav.worlds.houses.build import plan_of
-from hypernav.worlds.houses.export.page import interior_views
+from hypernav.houses.build import build_house, plan_of
+from hypernav.houses.export.page import interior_views
 
 GAP = 6
 
@@ -35,7 +34,7 @@ def main(
         columns: Of the sheet.
         width: Of one view, pixels.
         quality: Of the JPEG.
-        out: The picture.
+        out: The image.
     """
     height = width * 3 // 4
     rows = -(-houses // columns)

@@ -18,14 +18,14 @@ from pathlib import Path
 
 import tyro
 
+from hypernav.build.component_specs import ComponentSpecs
+from hypernav.build.presets import HyPerNavConfig, preset
 from hypernav.evaluation.datasets import load_episodes, select
-from hypernav.evaluation.processes import ProcessCrew
 from hypernav.evaluation.runner import RunNews, run_episodes
-from hypernav.evaluation.store import RunStore
-from hypernav.evaluation.usage import cpu_seconds_of_ended_workers
-from hypernav.evaluation.workbench import Job
-from hypernav.part_specs import PartSpecs
-from hypernav.presets import HyPerNavConfig, preset
+from hypernav.evaluation.store.run_store import RunStore
+from hypernav.evaluation.workers.process_pool import ProcessPool
+from hypernav.evaluation.workers.resource_usage import cpu_seconds_of_ended_workers
+from hypernav.evaluation.workers.worker import Job
 
 MODEL = "Qwen/Qwen2.5-VL-7B-Instruct"
 
@@ -123,7 +123,7 @@ def run(
     count: int,
     workers: int,
     config: HyPerNavConfig,
-    specs: PartSpecs | None = None,
+    specs: ComponentSpecs | None = None,
     *,
     max_steps: int = 500,
 ) -> tuple[RunNews, list[float]]:
@@ -135,9 +135,9 @@ def run(
         moments.extend([time.monotonic()] * (news.done_now - len(moments)))
 
     with tempfile.TemporaryDirectory() as folder:
-        job = Job(Path(folder), config, specs or PartSpecs(), max_steps=max_steps)
+        job = Job(Path(folder), config, specs or ComponentSpecs(), max_steps=max_steps)
         with RunStore(Path(folder), {"benchmark": "scaling"}) as store:
-            news = run_episodes(episodes, store, ProcessCrew(job), workers=workers, watch=watch)
+            news = run_episodes(episodes, store, ProcessPool(job), workers=workers, watch=watch)
     return news, moments
 
 
@@ -194,7 +194,7 @@ def server(
         values["world"]["camera"] |= {"width": 160, "height": 120}
         config = HyPerNavConfig.model_validate(values)
     with ModelServer(latency_s, capacity) as model:
-        specs = PartSpecs(vlm=model.address, reasoner="geometric")
+        specs = ComponentSpecs(vlm=model.address, reasoner="geometric")
         news, moments = run(dataset, episodes, workers, config, specs, max_steps=max_steps)
         # From then on fewer episodes are left than there are workers.
         share = model.busy_share(workers, until=moments[len(moments) - workers])

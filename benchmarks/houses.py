@@ -19,8 +19,9 @@ import tyro
 from rich.console import Console
 from rich.table import Table
 
-from hypernav.worlds.houses import build_house, cached_house
-from hypernav.worlds.scene import Scene
+from hypernav.houses.build import build_house
+from hypernav.houses.cache import cached_house
+from hypernav.worlds.scenes.scene import Scene
 
 
 def main(first: int = 100_000, count: int = 500, cached: int = 30) -> None:

@@ -24,11 +24,14 @@ from rich.table import Table
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT / "tests"))
 
-from hypernav.build import PartSpecs, PresetName, build_agent, build_scene, preset  # noqa: E402
+from hypernav.build.agents import build_agent, build_scene  # noqa: E402
+from hypernav.build.component_specs import ComponentSpecs  # noqa: E402
+from hypernav.build.presets import PresetName, preset  # noqa: E402
 from hypernav.core.config import layered  # noqa: E402
 from hypernav.core.goal import Goal  # noqa: E402
-from hypernav.evaluation import Episode  # noqa: E402
-from hypernav.worlds import SimulatedWorld, random_start  # noqa: E402
+from hypernav.evaluation.episode_run import EpisodeRun  # noqa: E402
+from hypernav.worlds.simulation import SimulatedWorld  # noqa: E402
+from hypernav.worlds.surface.starts import random_start  # noqa: E402
 from servers.scripted import ScriptedServer  # noqa: E402
 from servers.truth import Truth, TruthfulBrain, watching  # noqa: E402
 
@@ -45,7 +48,7 @@ VARIANTS: dict[str, tuple[PresetName, tuple[str, ...]]] = {
     "+ skip seen views": ("default", SEEN),
     "+ skip held target": ("default", HELD),
     "+ both": ("default", SEEN + HELD),
-    "+ both, ask ahead": ("default", (*SEEN, *HELD, "ask_ahead.enabled=true")),
+    "+ both, ask ahead": ("default", (*SEEN, *HELD, "prefetch.enabled=true")),
 }
 
 
@@ -70,8 +73,8 @@ def search(
     start = random_start(world.walkable, rng, world.regions.of(goal))
     with ScriptedServer() as server, watching(Truth()) as truth:
         server.brain = TruthfulBrain(truth)
-        parts = build_agent(config, PartSpecs(vlm=server.spec))
-        episode = Episode(parts.agent, world, goal, start, rng=rng)
+        parts = build_agent(config, ComponentSpecs(vlm=server.spec))
+        episode = EpisodeRun(parts.agent, world, goal, start, rng=rng)
         remarks = [mark for step in episode for one in step.trace.exchanges for mark in one.remarks]
         report = parts.take_report()
     result = episode.result()
@@ -106,7 +109,7 @@ def main(
         goals: What to find; a scene that lacks one is skipped.
         seeds: Starts per goal.
         variants: Lines of the table.
-        question_s: What a question about a camera picture would take.
+        question_s: What a question about a camera image would take.
         map_question_s: What a question about the map would take.
         set: As for `hypernav find`.
     """

@@ -1,7 +1,7 @@
 """Does a network that nobody here trained recognise the furniture of generated houses?
 
 For every object of eight COCO kinds: views from 1.2 to 3.5 m (camera to the middle of the object,
-on the floor) at the camera's height, where the whole object lies in the picture and at least 60%
+on the floor) at the camera's height, where the whole object lies in the image and at least 60%
 of it is visible. Recognised means: a detection of that class with a score of at least 0.3 whose
 box overlaps the box of the object's visible pixels with IoU of at least 0.5.
 
@@ -20,13 +20,17 @@ import numpy as np
 import tyro
 from jaxtyping import Bool, UInt8
 
-from hypernav.core.boxes import Box, Detection
-from hypernav.core.geometry import Pose2, Transform
+from hypernav.core.embodiment import CameraConfig
+from hypernav.core.geometry.boxes import Box, Detection
+from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.labels import canonical
-from hypernav.models.yolox import YoloxConfig, YoloxDetector
-from hypernav.worlds import CameraConfig, CpuRenderer, Instance, Scene, WalkableGrid, load_scene
-from hypernav.worlds.houses import build_house
-from hypernav.worlds.rays import RayCaster
+from hypernav.houses.build import build_house
+from hypernav.models.vision.yolox import YoloxConfig, YoloxDetector
+from hypernav.worlds.drawing.rays import RayCaster
+from hypernav.worlds.drawing.renderer import CpuRenderer
+from hypernav.worlds.scenes.loading import load_scene
+from hypernav.worlds.scenes.scene import Instance, Scene
+from hypernav.worlds.surface.walkable import WalkableGrid
 
 KINDS = (
     "bed",
@@ -83,7 +87,7 @@ def only(scene: Scene, instance: Instance) -> Scene:
 
 
 def pixels_of(caster: RayCaster, number: int, pose: Transform) -> Bool[np.ndarray, "height width"]:
-    """Where an instance is seen, in a picture of a quarter of the size."""
+    """Where an instance is seen, in an image of a quarter of the size."""
     camera = CameraConfig(width=160, height=120).intrinsics
     rays = camera.rays().reshape(-1, 3) @ pose.rotation.T
     origins = np.repeat(pose.translation[None].astype(np.float32), len(rays), axis=0)
@@ -123,10 +127,10 @@ def judge(view: View, box: Box, detections: list[Detection]) -> View:
 
 
 class Album:
-    """Pictures worth looking at: what was missed, and some rooms."""
+    """Images worth looking at: what was missed, and some rooms."""
 
     def __init__(self, folder: Path | None) -> None:
-        """Keep pictures in a folder, or none."""
+        """Keep images in a folder, or none."""
         self.folder = folder
         self.counts: dict[str, int] = {}
         if folder is not None:
@@ -146,16 +150,14 @@ class Album:
         number = self.counts[key] = self.counts.get(key, 0) + 1
         if number > 60:
             return
-        picture = np.ascontiguousarray(rgb[..., ::-1])
+        image = np.ascontiguousarray(rgb[..., ::-1])
         for d in detections:
             a, b, c, e = d.box.pixels()
-            cv2.rectangle(picture, (a, b), (c, e), (0, 200, 255), 1)
-            cv2.putText(
-                picture, f"{d.label} {d.score:.2f}", (a + 2, b + 12), 0, 0.42, (0, 0, 255), 1
-            )
+            cv2.rectangle(image, (a, b), (c, e), (0, 200, 255), 1)
+            cv2.putText(image, f"{d.label} {d.score:.2f}", (a + 2, b + 12), 0, 0.42, (0, 0, 255), 1)
         a, b, c, e = box.pixels()
-        cv2.rectangle(picture, (a, b), (c, e), (0, 255, 0), 2)
-        cv2.imwrite(str(self.folder / f"{key}-{number:02d}-{view.house}.jpg"), picture)
+        cv2.rectangle(image, (a, b), (c, e), (0, 255, 0), 2)
+        cv2.imwrite(str(self.folder / f"{key}-{number:02d}-{view.house}.jpg"), image)
 
 
 def look_around(
@@ -194,9 +196,9 @@ def look_around(
             )
             if share < LEAST_VISIBLE:
                 continue
-            picture = renderer.render(config.intrinsics, pose)
-            mask = picture.instance_ids == instance.id
-            detections = detector.detect_all(picture.rgb)
+            image = renderer.render(config.intrinsics, pose)
+            mask = image.instance_ids == instance.id
+            detections = detector.detect_all(image.rgb)
             middle = (np.array(instance.box_min[:2]) + np.array(instance.box_max[:2])) / 2.0
             view = View(
                 house,
@@ -210,7 +212,7 @@ def look_around(
                 0.0,
             )
             judge(view, box_of(mask), detections)
-            album.keep(view, picture.rgb, box_of(mask), detections)
+            album.keep(view, image.rgb, box_of(mask), detections)
             yield view
             left -= 1
             if left == 0:
@@ -265,12 +267,12 @@ def main(
         count: Houses.
         views_per_object: At most this many views of one object.
         scene: A GLB to measure instead of houses.
-        album: Folder for pictures of hits and misses.
+        album: Folder for images of hits and misses.
         out: JSON file for all views.
         kinds: Only these kinds.
     """
     detector = YoloxDetector(model, YoloxConfig(score_threshold=LEAST_SCORE))
-    pictures = Album(album)
+    images = Album(album)
     views: list[View] = []
     numbers = [0] if scene is not None else list(range(first, first + count))
     for number in numbers:
@@ -282,9 +284,7 @@ def main(
                     i if kind_of(i) in kinds else replace(i, label=None) for i in one.instances
                 ),
             )
-        views += look_around(
-            one, number, detector, views_per_object=views_per_object, album=pictures
-        )
+        views += look_around(one, number, detector, views_per_object=views_per_object, album=images)
     print(table(views, len(numbers)))
     if out is not None:
         out.write_text(json.dumps([vars(v) for v in views], indent=1))

@@ -21,9 +21,11 @@ import tyro
 from rich.console import Console
 from rich.table import Table
 
-from hypernav.core.camera import PinholeCamera, optical_to_base
-from hypernav.core.geometry import Pose2, Transform
-from hypernav.worlds import CpuRenderer, RenderConfig, Scene, load_scene
+from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
+from hypernav.core.geometry.transforms import Pose2, Transform
+from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
+from hypernav.worlds.scenes.loading import load_scene
+from hypernav.worlds.scenes.scene import Scene
 
 TEST_DATA = Path(os.environ.get("HYPERNAV_TEST_DATA", "../shared/data"))
 CAMERA = PinholeCamera.from_hfov(640, 480, 79.0)
@@ -41,7 +43,7 @@ def main(
 
     Args:
         scene: A scene file.
-        out: Where to write the pictures; none are written without it.
+        out: Where to write the images; none are written without it.
         poses: How many views to draw.
         triangles: Size of the finer scene.
     """
@@ -56,7 +58,7 @@ def main(
         measure(table, size, views)
     console.print(table)
     if out is not None:
-        write_pictures(CpuRenderer(loaded), views, out)
+        write_images(CpuRenderer(loaded), views, out)
         console.print(f"{len(views)} pictures in {out}")
 
 
@@ -185,7 +187,7 @@ def in_four(corners: np.ndarray, middles: np.ndarray) -> np.ndarray:
     return stacked.reshape(-1, *corners.shape[1:])
 
 
-def write_pictures(renderer: CpuRenderer, views: list[Transform], out: Path) -> None:
+def write_images(renderer: CpuRenderer, views: list[Transform], out: Path) -> None:
     out.mkdir(parents=True, exist_ok=True)
     for number, view in enumerate(views):
         rgb = renderer.render(CAMERA, view).rgb

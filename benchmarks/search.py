@@ -19,18 +19,14 @@ import tyro
 from rich.console import Console
 from rich.table import Table
 
-from hypernav.build import (
-    AgentName,
-    PartSpecs,
-    PresetName,
-    build_agent,
-    build_scene,
-    preset,
-)
+from hypernav.build.agents import build_agent, build_scene
+from hypernav.build.component_specs import AgentName, ComponentSpecs
+from hypernav.build.presets import PresetName, preset
 from hypernav.core.config import layered
 from hypernav.core.goal import Goal
-from hypernav.evaluation import Episode, EpisodeResult
-from hypernav.worlds import SimulatedWorld, random_start
+from hypernav.evaluation.episode_run import EpisodeResult, EpisodeRun
+from hypernav.worlds.simulation import SimulatedWorld
+from hypernav.worlds.surface.starts import random_start
 
 SMALL_HOUSE = (
     Path(os.environ.get("HYPERNAV_TEST_DATA", "../shared/data"))
@@ -73,8 +69,8 @@ def run(search: Search) -> tuple[Search, EpisodeResult, list[str]]:
     world = world_of(search.scene, search.preset, search.assignments)
     goal, rng = Goal(search.goal), np.random.default_rng(search.seed)
     start = random_start(world.walkable, rng, world.regions.of(goal))
-    parts = build_agent(config, PartSpecs(agent=search.agent, detector=search.detector))
-    episode = Episode(parts.agent, world, goal, start, rng=rng)
+    parts = build_agent(config, ComponentSpecs(agent=search.agent, detector=search.detector))
+    episode = EpisodeRun(parts.agent, world, goal, start, rng=rng)
     events = [event for step in episode for event in step.trace.events]
     return search, episode.result(), events
 

@@ -20,21 +20,26 @@ import tyro
 from rich.console import Console
 from rich.table import Table
 
-from hypernav.build import build_scene, build_search, preset
+from hypernav.build.agents import build_scene, build_search
+from hypernav.build.presets import preset
 from hypernav.core.actions import Action
-from hypernav.core.camera import optical_to_base
-from hypernav.core.geometry import Pose2
+from hypernav.core.geometry.camera import optical_to_base
+from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import LabelledPixels, Observation
 from hypernav.core.trace import ExchangeLog
-from hypernav.mapping import TopDownMap, divide_into_blocks, find_frontiers
-from hypernav.perception.depth_cut import DepthCutSegmenter
-from hypernav.perception.ground_truth import GroundTruthDetector
-from hypernav.perception.local import LocalPerception
-from hypernav.planning import Planner
-from hypernav.show import draw_overview
-from hypernav.worlds import CpuRenderer, SimulatedWorld, load_scene, random_start
-from hypernav.worlds.renderer import RenderConfig
+from hypernav.mapping.blocks import divide_into_blocks
+from hypernav.mapping.frontiers import find_frontiers
+from hypernav.mapping.top_down_map import TopDownMap
+from hypernav.perception.local.depth_cut import DepthCutSegmenter
+from hypernav.perception.local.ground_truth import GroundTruthDetector
+from hypernav.perception.local.local_perception import LocalPerception
+from hypernav.planning.planner import Planner
+from hypernav.show.drawing.maps import draw_overview
+from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
+from hypernav.worlds.scenes.loading import load_scene
+from hypernav.worlds.simulation import SimulatedWorld
+from hypernav.worlds.surface.starts import random_start
 
 STEPS = 500
 TEST_DATA = Path(os.environ.get("HYPERNAV_TEST_DATA", "../shared/data"))

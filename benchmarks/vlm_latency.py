@@ -2,7 +2,7 @@
 
 Builds Qwen2.5-VL with random weights, so nothing is downloaded: what is measured is the
 arithmetic, not the wisdom. The questions are those of the method in tokens: grounding (640×480
-picture, sent as 644×476, 60 answer tokens) and block choice (768×768 picture, 8 answer tokens),
+image, sent as 644×476, 60 answer tokens) and block choice (768×768 image, 8 answer tokens),
 alone and in batches. With 8 tokens a block choice stands for the constrained question.
 
     python benchmarks/vlm_latency.py                      # 7B in bfloat16; needs a GPU of 24 GB
@@ -27,8 +27,8 @@ from cpu_torchvision import prepare
 
 from hypernav.core.errors import HyPerNavError
 from hypernav.core.extras import require
+from hypernav.models.chat.vlm_families import family_named
 from hypernav.models.torch_device import EXTRA, choose_device, choose_dtype
-from hypernav.models.vlm_families import family_named
 
 IMAGE_PAD, VISION_START, VISION_END = 151655, 151652, 151653
 TEXT_TOKENS = 120
@@ -69,7 +69,7 @@ Size = Literal["7b", "3b", "tiny"]
 
 @dataclass(frozen=True)
 class Task:
-    """One kind of question: its name, picture and length of answer."""
+    """One kind of question: its name, image and length of answer."""
 
     name: str
     width: int
@@ -126,8 +126,8 @@ def inputs_for(task: Task, batch: int, device: Any, dtype: Any) -> dict[str, Any
     width, height = family_named("qwen2.5-vl").sent_size(task.width, task.height)
     grid = (1, height // 14, width // 14)
     patches = grid[1] * grid[2]
-    picture = [VISION_START, *[IMAGE_PAD] * (patches // 4), VISION_END]
-    prompt = [*range(1000, 1000 + TEXT_TOKENS // 2), *picture]
+    image = [VISION_START, *[IMAGE_PAD] * (patches // 4), VISION_END]
+    prompt = [*range(1000, 1000 + TEXT_TOKENS // 2), *image]
     prompt += range(2000, 2000 + TEXT_TOKENS // 2)
     ids = torch.tensor([prompt] * batch, device=device)
     return {

@@ -16,7 +16,11 @@ import numpy as np
 import tyro
 
 from hypernav.core.goal import Goal
-from hypernav.worlds import GoalRegions, RayCaster, Scene, WalkableGrid, load_scene
+from hypernav.worlds.drawing.rays import RayCaster
+from hypernav.worlds.scenes.loading import load_scene
+from hypernav.worlds.scenes.scene import Scene
+from hypernav.worlds.surface.goal_regions import GoalRegions
+from hypernav.worlds.surface.walkable import WalkableGrid
 
 
 @dataclass(frozen=True)

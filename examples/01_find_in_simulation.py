@@ -7,10 +7,12 @@ import sys
 
 import numpy as np
 
-from hypernav.build import build_agent, build_scene, preset
+from hypernav.build.agents import build_agent, build_scene
+from hypernav.build.presets import preset
 from hypernav.core.goal import Goal
-from hypernav.evaluation import Episode
-from hypernav.worlds import SimulatedWorld, random_start
+from hypernav.evaluation.episode_run import EpisodeRun
+from hypernav.worlds.simulation import SimulatedWorld
+from hypernav.worlds.surface.starts import random_start
 
 
 def main() -> None:
@@ -19,7 +21,7 @@ def main() -> None:
     world = SimulatedWorld(build_scene("builtin"), config.world)
     start = random_start(world.walkable, np.random.default_rng(0), world.regions.of(goal))
 
-    episode = Episode(build_agent(config).agent, world, goal, start)
+    episode = EpisodeRun(build_agent(config).agent, world, goal, start)
     for step in episode:
         print(f"{step.trace.step:3d}  {step.trace.mode:12s} {step.trace.reason}")
 

@@ -9,13 +9,15 @@ Run: python examples/02_your_own_detector.py
 import cv2
 import numpy as np
 
-from hypernav.build import build_scene, build_search, preset
-from hypernav.core.boxes import Box, Detection
+from hypernav.build.agents import build_scene, build_search
+from hypernav.build.presets import preset
+from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
-from hypernav.evaluation import Episode
-from hypernav.worlds import SimulatedWorld, random_start
+from hypernav.evaluation.episode_run import EpisodeRun
+from hypernav.worlds.simulation import SimulatedWorld
+from hypernav.worlds.surface.starts import random_start
 
 
 class RedThings:
@@ -40,7 +42,7 @@ def main() -> None:
     start = random_start(world.walkable, np.random.default_rng(3))
 
     agent = build_search(config, RedThings(), ExchangeLog())
-    episode = Episode(agent, world, goal, start, max_steps=120)
+    episode = EpisodeRun(agent, world, goal, start, max_steps=120)
     for step in episode:
         for detection in step.trace.detections:
             print(f"{step.trace.step:3d}  {detection.label} at {detection.box}")

@@ -10,13 +10,15 @@ Run: python examples/03_your_own_agent.py
 import numpy as np
 
 import hypernav
-from hypernav.build import build_scene, preset
+from hypernav.build.agents import build_scene
+from hypernav.build.presets import preset
 from hypernav.core.actions import Action
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.evaluation import Episode
-from hypernav.perception.ground_truth import GroundTruthDetector
-from hypernav.worlds import SimulatedWorld, random_start
+from hypernav.evaluation.episode_run import EpisodeRun
+from hypernav.perception.local.ground_truth import GroundTruthDetector
+from hypernav.worlds.simulation import SimulatedWorld
+from hypernav.worlds.surface.starts import random_start
 
 
 class Bouncer:
@@ -54,7 +56,7 @@ def main() -> None:
     world = SimulatedWorld(build_scene("builtin"), preset("default").world)
     start = random_start(world.walkable, rng, world.regions.of(goal))
 
-    episode = Episode(Bouncer(seed=0), world, goal, start, max_steps=150)
+    episode = EpisodeRun(Bouncer(seed=0), world, goal, start, max_steps=150)
     steps = sum(1 for _ in episode)
     result = episode.result()
     print(f"{result.outcome} after {steps} steps, {result.metrics.distance_to_goal_m:.1f} m away")

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 import hypernav
-from hypernav.build import build_scene
+from hypernav.build.agents import build_scene
 from hypernav.core.errors import ContractError
-from hypernav.worlds import ObjectNavEnv
+from hypernav.worlds.env import ObjectNavEnv
 
 
 class Clockwise(ObjectNavEnv):

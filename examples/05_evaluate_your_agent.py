@@ -14,9 +14,10 @@ from hypernav.core.actions import Action
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.evaluation.evaluate import evaluate
-from hypernav.evaluation.report import load_runs, write_report
+from hypernav.evaluation.report.page import write_report
+from hypernav.evaluation.report.run_data import load_runs
 from hypernav.evaluation.run_plan import RunPlan, Selection
-from hypernav.perception.ground_truth import GroundTruthDetector
+from hypernav.perception.local.ground_truth import GroundTruthDetector
 
 
 class LeftHanded:

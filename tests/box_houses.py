@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from box_scenes import room_boxes, scene_of
-from hypernav.worlds.scene import Scene
+from hypernav.worlds.scenes.scene import Scene
 
 
 def box_house(number: int, folder: Path | None = None) -> Scene:

@@ -7,7 +7,7 @@ import numpy as np
 import trimesh
 
 from hypernav.core.labels import ObjectLabel
-from hypernav.worlds.scene import Instance, Material, Scene
+from hypernav.worlds.scenes.scene import Instance, Material, Scene
 
 _FACES = np.array(
     [

@@ -1,11 +1,11 @@
-"""Depth pictures of boxes, computed by hand: no renderer, no scene, no mesh."""
+"""Depth images of boxes, computed by hand: no renderer, no scene, no mesh."""
 
 from collections.abc import Sequence
 
 import numpy as np
 
-from hypernav.core.camera import PinholeCamera, optical_to_base
-from hypernav.core.geometry import Pose2
+from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
+from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.observation import Observation
 
 SolidBox = tuple[Sequence[float], Sequence[float]]
@@ -59,7 +59,7 @@ def frame(
     height_m: float = 0.88,
     pitch_deg: float = 0.0,
 ) -> Observation:
-    """An observation of this depth, with a black picture."""
+    """An observation of this depth, with a black image."""
     return Observation(
         rgb=np.zeros((camera.height, camera.width, 3), np.uint8),
         depth=depth,

@@ -5,10 +5,10 @@ from collections.abc import Callable
 import numpy as np
 
 from hypernav.core.chat import Answer, Question, Usage
-from hypernav.models.answer_reading import read_answer
+from hypernav.models.chat.answer_reading import read_answer
 
 
-def picture(seed: int = 0, height: int = 48, width: int = 64) -> np.ndarray:
+def image(seed: int = 0, height: int = 48, width: int = 64) -> np.ndarray:
     return np.random.default_rng(seed).integers(0, 255, (height, width, 3)).astype(np.uint8)
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hypernav.core.grid import Cell, OccupancyGrid
+from hypernav.core.geometry.grid import Cell, OccupancyGrid
 
 _STATES = {".": Cell.FREE, "#": Cell.OCCUPIED}
 

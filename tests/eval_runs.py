@@ -6,9 +6,9 @@ from pathlib import Path
 import trimesh
 
 from box_scenes import Box, room_boxes
-from hypernav.core.geometry import Pose2
-from hypernav.evaluation.datasets import EpisodeSpec
-from hypernav.evaluation.failures import Failure
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.evaluation.datasets import Episode
+from hypernav.evaluation.failures.classification import Failure
 from hypernav.evaluation.outcome import Outcome
 from hypernav.evaluation.record import EpisodeRecord
 
@@ -41,9 +41,9 @@ def write_room(path: Path) -> Path:
     )
 
 
-def spec(episode_id: str = "0", scene_id: str = "house") -> EpisodeSpec:
+def spec(episode_id: str = "0", scene_id: str = "house") -> Episode:
     """An episode that nobody will really run."""
-    return EpisodeSpec(scene_id, episode_id, "bed", Pose2(0.0, 0.0, 0.0))
+    return Episode(scene_id, episode_id, "bed", Pose2(0.0, 0.0, 0.0))
 
 
 def record(episode_id: str = "0", scene_id: str = "house", **values) -> EpisodeRecord:

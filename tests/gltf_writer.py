@@ -71,10 +71,10 @@ class GltfWriter:
             self.document["scenes"][0]["nodes"].append(number)
         return number
 
-    def textured(self, picture: np.ndarray, *, suffix: str = ".png", **sampler: int) -> int:
-        """A material with a picture (RGB or RGBA)."""
-        code = cv2.COLOR_RGB2BGR if picture.shape[2] == 3 else cv2.COLOR_RGBA2BGRA
-        _, content = cv2.imencode(suffix, cv2.cvtColor(picture, code))
+    def textured(self, image: np.ndarray, *, suffix: str = ".png", **sampler: int) -> int:
+        """A material with an image (RGB or RGBA)."""
+        code = cv2.COLOR_RGB2BGR if image.shape[2] == 3 else cv2.COLOR_RGBA2BGRA
+        _, content = cv2.imencode(suffix, cv2.cvtColor(image, code))
         image = {"bufferView": self.view(content.tobytes()), "mimeType": "image/png"}
         texture: dict[str, Any] = {"source": self.add("images", image)}
         if sampler:

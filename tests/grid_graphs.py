@@ -5,7 +5,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
 
-def cheapest_ways(costs: np.ndarray, start: tuple[int, int]) -> np.ndarray:
+def cost_to_go(costs: np.ndarray, start: tuple[int, int]) -> np.ndarray:
     """Cost from a cell to every other, 8-connected, without cutting corners; 0 is closed."""
     rows, columns = costs.shape
     padded = np.zeros((rows + 2, columns + 2))

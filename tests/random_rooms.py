@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 
 from hypernav.core.actions import Action
-from hypernav.core.geometry import Pose2
-from hypernav.core.grid import Cell, OccupancyGrid
+from hypernav.core.geometry.grid import Cell, OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2
 
 _FINE = 4
 """The truth is four times finer than the map."""

@@ -3,8 +3,8 @@
 from functools import cache
 
 from box_scenes import room_boxes, scene_of
-from hypernav.build import HyPerNavConfig, preset
-from hypernav.worlds import SimulatedWorld
+from hypernav.build.presets import HyPerNavConfig, preset
+from hypernav.worlds.simulation import SimulatedWorld
 
 _CAMERA = {"width": 160, "height": 120}
 

@@ -10,10 +10,11 @@ from hypernav.agents.config import SearchConfig
 from hypernav.agents.exploration import Exploration, turn_towards, unexplored_boundary
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
-from hypernav.core.geometry import Pose2
+from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.perception.explorer import Destination
-from hypernav.planning import Navigator, PlanningConfig
+from hypernav.perception.explorers.explorer import Destination
+from hypernav.planning.config import PlanningConfig
+from hypernav.planning.navigator import Navigator
 
 # A corridor from the left to the right, 2 m wide, and a dark door in the middle of its upper wall.
 CORRIDOR = """

@@ -4,15 +4,16 @@ from dataclasses import replace
 import pytest
 
 from hypernav.agents.search import GAVE_UP
-from hypernav.build import build_search
+from hypernav.build.agents import build_search
 from hypernav.core.actions import Action
 from hypernav.core.errors import WorldError
-from hypernav.core.geometry import Pose2
+from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.protocols import Agent, ExplainsItself
 from hypernav.core.trace import ExchangeLog, Mode, without_timings
-from hypernav.evaluation import Episode, Outcome
-from hypernav.perception.ground_truth import GroundTruthDetector
+from hypernav.evaluation.episode_run import EpisodeRun
+from hypernav.evaluation.outcome import Outcome
+from hypernav.perception.local.ground_truth import GroundTruthDetector
 from small_worlds import small_config, two_rooms
 
 START = Pose2(2.5, 1.0, math.pi / 2)
@@ -24,7 +25,7 @@ def search(agent="hypernav", name="default", detector=None, **sections):
 
 
 def run(agent, goal, start=START, **options):
-    episode = Episode(agent, two_rooms(), Goal(goal), start, **options)
+    episode = EpisodeRun(agent, two_rooms(), Goal(goal), start, **options)
     return [step.trace for step in episode], episode.result()
 
 

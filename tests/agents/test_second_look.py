@@ -5,10 +5,10 @@ import pytest
 
 from drawn_grids import drawn
 from hypernav.agents.second_look import place_for_second_look
-from hypernav.core.geometry import Pose2
-from hypernav.core.grid import Cell
-from hypernav.mapping import MappingConfig
-from hypernav.perception.goal_area import GoalArea
+from hypernav.core.geometry.grid import Cell
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.mapping.config import MappingConfig
+from hypernav.perception.local.goal_area import GoalArea
 
 CONFIG = MappingConfig()
 THING = (4.0, 3.0)

@@ -6,11 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from hypernav.build import AgentParts, PartSpecs, build_agent
-from hypernav.core.geometry import Pose2
+from hypernav.build.agents import BuiltAgent, build_agent
+from hypernav.build.component_specs import ComponentSpecs
+from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import StepTrace, without_timings
-from hypernav.evaluation import Episode, EpisodeResult, Outcome
+from hypernav.evaluation.episode_run import EpisodeResult, EpisodeRun
+from hypernav.evaluation.outcome import Outcome
 from servers.scripted import ScriptedServer
 from servers.truth import Errors, Truth, TruthfulBrain, watching
 from small_worlds import small_config, two_rooms
@@ -35,15 +37,15 @@ def server(one_server: ScriptedServer) -> Iterator[ScriptedServer]:
         yield one_server
 
 
-def agent_on(vlm: str, preset: str = "default", record: Path | None = None, **more) -> AgentParts:
+def agent_on(vlm: str, preset: str = "default", record: Path | None = None, **more) -> BuiltAgent:
     config = small_config(preset, chat={**QUICK, **more})
-    return build_agent(config, PartSpecs(vlm=vlm), record=record)
+    return build_agent(config, ComponentSpecs(vlm=vlm), record=record)
 
 
 def search(
-    parts: AgentParts, max_steps: int = 150, start: Pose2 = START
+    parts: BuiltAgent, max_steps: int = 150, start: Pose2 = START
 ) -> tuple[list[StepTrace], EpisodeResult]:
-    episode = Episode(parts.agent, two_rooms(), BED, start, max_steps=max_steps)
+    episode = EpisodeRun(parts.agent, two_rooms(), BED, start, max_steps=max_steps)
     return [step.trace for step in episode], episode.result()
 
 
@@ -110,7 +112,7 @@ def test_over_many_starts_faults_lose_no_episode(server: ScriptedServer):
         for name in outcomes:
             server.rates = FAULTS if name == "faulty model" else {}
             parts = build_agent(small_config()) if name == "truth" else agent_on(server.spec)
-            episode = Episode(parts.agent, two_rooms(), BED, start, max_steps=150)
+            episode = EpisodeRun(parts.agent, two_rooms(), BED, start, max_steps=150)
             list(episode)
             outcomes[name].append(episode.result().outcome)
     assert outcomes["model"] == outcomes["faulty model"]
@@ -194,7 +196,7 @@ def test_the_savings_ask_less_and_find_the_same(server: ScriptedServer):
     for saving in (False, True):
         switches = {"skip_seen_views": saving, "skip_held_target": saving}
         config = small_config(chat=QUICK, attention=switches)
-        parts = build_agent(config, PartSpecs(vlm=server.spec))
+        parts = build_agent(config, ComponentSpecs(vlm=server.spec))
         steps, result = search(parts)
         assert result.outcome is Outcome.FOUND
         asked[saving] = parts.take_report()["ledger"]["kinds"]["ground"]["calls"]
@@ -207,8 +209,8 @@ def test_asking_ahead_depends_on_steps_and_not_on_the_model_s_speed(server: Scri
     traces = []
     for delay_s in (0.0, 0.03):
         server.delay_s = delay_s
-        config = small_config(chat=QUICK, ask_ahead={"enabled": True, "within_m": 2.5})
-        steps, result = search(build_agent(config, PartSpecs(vlm=server.spec)))
+        config = small_config(chat=QUICK, prefetch={"enabled": True, "within_m": 2.5})
+        steps, result = search(build_agent(config, ComponentSpecs(vlm=server.spec)))
         assert result.outcome is Outcome.FOUND
         traces.append([without_timings(step.model_dump(mode="json")) for step in steps])
     assert traces[0] == traces[1]
@@ -218,7 +220,7 @@ def test_a_server_that_dies_ends_the_search_within_the_patience():
     with ScriptedServer() as server, watching(Truth()) as truth:
         server.brain = TruthfulBrain(truth)
         parts = agent_on(server.spec, "paper", patience_s=0.5)
-        episode = Episode(parts.agent, two_rooms(), BED, START, max_steps=150)
+        episode = EpisodeRun(parts.agent, two_rooms(), BED, START, max_steps=150)
         seen = []
         for step in episode:
             seen.append(step.trace)
@@ -239,7 +241,7 @@ def test_a_server_that_is_restarted_in_time_loses_nothing():
         for restarts in (0, 1):
             parts = agent_on(server.spec)
             steps = []
-            for step in Episode(parts.agent, two_rooms(), BED, START, max_steps=150):
+            for step in EpisodeRun(parts.agent, two_rooms(), BED, START, max_steps=150):
                 steps.append(without_timings(step.trace.model_dump(mode="json")))
                 if restarts and len(steps) == 5:
                     server.stop()

@@ -4,10 +4,9 @@ from pathlib import Path
 import pytest
 import tyro
 
-from hypernav.build import PartSpecs
+from hypernav.build.component_specs import ComponentSpecs, choose_components
 from hypernav.cli.agent_options import AgentOptions
 from hypernav.core.errors import ConfigError, HyPerNavError
-from hypernav.part_specs import choose_parts
 
 VLM = "openai:http://localhost:8000/v1#Qwen/Qwen2.5-VL-7B-Instruct"
 
@@ -31,8 +30,8 @@ def test_a_model_sees_thinks_and_looks_once_more():
 
 
 def test_parts_may_be_set_apart():
-    specs = PartSpecs(vlm=VLM, detector="yolox:net.onnx", segmenter="sam:facebook/sam")
-    chosen = choose_parts(specs)
+    specs = ComponentSpecs(vlm=VLM, detector="yolox:net.onnx", segmenter="sam:facebook/sam")
+    chosen = choose_components(specs)
     assert (chosen.detector, chosen.reasoner) == ("yolox:net.onnx", "vlm")
     assert (chosen.segmenter, chosen.presence) == ("sam:facebook/sam", "vlm")
 
@@ -43,7 +42,7 @@ def test_the_presence_check_can_be_switched_off():
 
 
 def test_the_frontier_agent_thinks_for_itself():
-    chosen = choose_parts(PartSpecs(agent="frontier", vlm=VLM))
+    chosen = choose_components(ComponentSpecs(agent="frontier", vlm=VLM))
     assert (chosen.detector, chosen.reasoner, chosen.presence) == ("vlm", "nearest-frontier", "vlm")
 
 

@@ -75,11 +75,11 @@ def test_broken_3_no_vision(server: ScriptedServer, capsys: pytest.CaptureFixtur
     assert "no vision" in fault
 
 
-def test_pictures_that_are_dropped_silently(
+def test_images_that_are_dropped_silently(
     server: ScriptedServer, capsys: pytest.CaptureFixture[str]
 ):
     eyes = SeeingBrain()
-    server.brain = lambda asked: "I see no picture." if asked.pictures else eyes(asked)
+    server.brain = lambda asked: "I see no picture." if asked.images else eyes(asked)
     status, lines = examine(capsys, server.spec)
     assert status == 1
     assert "blue is 'I see no picture.'" in faults(lines)[0]
@@ -99,7 +99,7 @@ def test_broken_4_wrong_coordinate_space(
     assert examine(capsys, server.spec, "--set", remedy)[0] == 0
 
 
-def test_a_server_that_shrinks_pictures(server: ScriptedServer, capsys: pytest.CaptureFixture[str]):
+def test_a_server_that_shrinks_images(server: ScriptedServer, capsys: pytest.CaptureFixture[str]):
     server.brain = SeeingBrain(scale=0.5)
     status, lines = examine(capsys, server.spec)
     assert status == 1

@@ -3,14 +3,14 @@ from pathlib import Path
 import pytest
 
 from box_houses import box_house
-from hypernav.build import build_scene
+from hypernav.build.agents import build_scene
 from hypernav.cli.main import main
 from hypernav.core.goal import Goal
-from hypernav.datasets import read_episodes
-from hypernav.worlds.house_episodes import cache as episode_cache
-from hypernav.worlds.houses import build_house
-from hypernav.worlds.houses.export import page
-from hypernav.worlds.houses.near_misses import near_misses
+from hypernav.datasets.files import read_episodes
+from hypernav.houses.build import build_house
+from hypernav.houses.episodes import cache as episode_cache
+from hypernav.houses.export import page
+from hypernav.houses.near_misses import near_misses
 
 
 @pytest.fixture(autouse=True)
@@ -108,7 +108,7 @@ def test_a_scene_that_is_no_house_is_one_line(number, capsys):
 
 
 def test_houses_are_scenes_by_name(monkeypatch):
-    monkeypatch.setattr("hypernav.build.cached_house", box_house)
+    monkeypatch.setattr("hypernav.build.agents.cached_house", box_house)
     assert build_scene("houses:1234").name == "houses:1234"
     assert build_scene("builtin").name == "houses:0"
 

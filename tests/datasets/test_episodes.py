@@ -9,17 +9,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hypernav.core.errors import EpisodeError
-from hypernav.core.geometry import Pose2
-from hypernav.datasets import (
-    EpisodeDataset,
-    episode_files,
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.datasets.files import episode_files, read_episodes, write_episodes
+from hypernav.datasets.frames import (
     pose_from_habitat,
     pose_to_habitat,
     positions_from_habitat,
     positions_to_habitat,
-    read_episodes,
-    write_episodes,
 )
+from hypernav.datasets.habitat_format import EpisodeDataset
 
 HERE = [1.0, 0.1, -2.0]
 AHEAD = [0.0, 0.0, 0.0, 1.0]

@@ -8,13 +8,15 @@ import pytest
 
 import hypernav
 from box_scenes import room_boxes, scene_of
-from hypernav.build import build_search
+from hypernav.build.agents import build_search
 from hypernav.core.actions import Action
+from hypernav.core.embodiment import CameraConfig
 from hypernav.core.errors import ContractError
 from hypernav.core.trace import ExchangeLog, Mode, StepTrace
 from hypernav.evaluation.checks.box_room import BoxRoom
-from hypernav.perception.ground_truth import GroundTruthDetector
-from hypernav.worlds import CameraConfig, ObjectNavConfig, ObjectNavEnv, SimulationConfig
+from hypernav.perception.local.ground_truth import GroundTruthDetector
+from hypernav.worlds.env import ObjectNavConfig, ObjectNavEnv
+from hypernav.worlds.simulation import SimulationConfig
 from small_worlds import small_config
 
 CONFIG = ObjectNavConfig(simulation=SimulationConfig(camera=CameraConfig(width=32, height=24)))

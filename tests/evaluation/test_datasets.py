@@ -3,7 +3,8 @@ import pytest
 from eval_runs import spec, write_room
 from hypernav.core.errors import EpisodeError, SceneError
 from hypernav.evaluation.datasets import fingerprint, load_episodes, select
-from hypernav.worlds import SimulatedWorld, load_scene
+from hypernav.worlds.scenes.loading import load_scene
+from hypernav.worlds.simulation import SimulatedWorld
 from small_worlds import small_config
 
 EPISODES = [spec(str(k), scene) for k, scene in enumerate(["houses:7", "houses:8", "houses:9"] * 2)]

@@ -5,8 +5,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from eval_runs import record
-from hypernav.evaluation.failures import Failure
-from hypernav.evaluation.protocol import PROTOCOLS, SUCCESS_DISTANCES_M, Protocol, StopRule
+from hypernav.evaluation.failures.classification import Failure
+from hypernav.evaluation.protocol import (
+    PROTOCOLS,
+    SUCCESS_DISTANCES_M,
+    EvaluationProtocol,
+    StopRule,
+)
 
 LENGTHS = st.floats(min_value=0.0, max_value=50.0)
 TIMEOUT = StopRule.TIMEOUT_COUNTS
@@ -24,15 +29,20 @@ def ended(distance, *, stopped=True, shortest=4.0, path=8.0):
 @pytest.mark.parametrize(
     ("distance", "stopped", "protocol", "success"),
     [
-        (0.05, True, Protocol(), True),
-        (0.1, True, Protocol(), False),  # habitat-lab: strictly under the success distance
-        (0.15, True, Protocol(), False),
-        (0.15, True, Protocol(0.2), True),
-        (0.05, False, Protocol(), False),
-        (0.05, False, Protocol(0.1, TIMEOUT), True),
-        (0.95, False, Protocol(1.0, TIMEOUT), True),
-        (1.0, False, Protocol(1.0, TIMEOUT), False),
-        (math.inf, True, Protocol(1.0), False),
+        (0.05, True, EvaluationProtocol(), True),
+        (
+            0.1,
+            True,
+            EvaluationProtocol(),
+            False,
+        ),  # habitat-lab: strictly under the success distance
+        (0.15, True, EvaluationProtocol(), False),
+        (0.15, True, EvaluationProtocol(0.2), True),
+        (0.05, False, EvaluationProtocol(), False),
+        (0.05, False, EvaluationProtocol(0.1, TIMEOUT), True),
+        (0.95, False, EvaluationProtocol(1.0, TIMEOUT), True),
+        (1.0, False, EvaluationProtocol(1.0, TIMEOUT), False),
+        (math.inf, True, EvaluationProtocol(1.0), False),
     ],
 )
 def test_success_by_hand(distance, stopped, protocol, success):
@@ -53,7 +63,7 @@ def test_success_by_hand(distance, stopped, protocol, success):
     ],
 )
 def test_spl_and_soft_spl_by_hand(shortest, path, distance, spl, soft_spl):
-    score = Protocol().score(ended(distance, shortest=shortest, path=path))
+    score = EvaluationProtocol().score(ended(distance, shortest=shortest, path=path))
     assert score.spl == pytest.approx(spl)
     assert score.soft_spl == pytest.approx(soft_spl)
 
@@ -66,11 +76,11 @@ def test_every_distance_is_scored_under_both_rules():
 def test_a_laxer_protocol_never_finds_less(distance, shortest, path, stopped):
     ending = ended(distance, stopped=stopped, shortest=shortest, path=path)
     for rule in StopRule:
-        spl = [Protocol(d, rule).score(ending).spl for d in SUCCESS_DISTANCES_M]
+        spl = [EvaluationProtocol(d, rule).score(ending).spl for d in SUCCESS_DISTANCES_M]
         assert spl == sorted(spl)
     for d in SUCCESS_DISTANCES_M:
-        strict = Protocol(d).score(ending)
-        assert strict.spl <= Protocol(d, TIMEOUT).score(ending).spl
+        strict = EvaluationProtocol(d).score(ending)
+        assert strict.spl <= EvaluationProtocol(d, TIMEOUT).score(ending).spl
         assert 0.0 <= strict.spl <= 1.0
         assert 0.0 <= strict.soft_spl <= 1.0
 

@@ -4,19 +4,19 @@ import av
 import pytest
 import yaml
 
-from hypernav.build import build_search
-from hypernav.core.geometry import Pose2
+from hypernav.build.agents import build_search
+from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog, StepTrace
-from hypernav.evaluation import Episode
+from hypernav.evaluation.episode_run import EpisodeRun
 from hypernav.evaluation.recorder import EpisodeRecorder
-from hypernav.perception.ground_truth import GroundTruthDetector
+from hypernav.perception.local.ground_truth import GroundTruthDetector
 from small_worlds import small_config, two_rooms
 
 
 def episode():
     agent = build_search(small_config(), GroundTruthDetector(), ExchangeLog())
-    return Episode(agent, two_rooms(), Goal("bed"), Pose2(2.5, 1.0, 0.0), max_steps=16)
+    return EpisodeRun(agent, two_rooms(), Goal("bed"), Pose2(2.5, 1.0, 0.0), max_steps=16)
 
 
 def recorder(folder):

@@ -4,14 +4,16 @@ import pytest
 
 from eval_runs import apart, record
 from hypernav.core.errors import RunFolderError
-from hypernav.evaluation.failures import RULES, Failure
+from hypernav.evaluation.failures.classification import RULES, Failure
 from hypernav.evaluation.outcome import Outcome
 from hypernav.evaluation.protocol import StopRule
-from hypernav.evaluation.report import load_runs, tables, wording, write_report
+from hypernav.evaluation.report import tables, wording
 from hypernav.evaluation.report.files import tex
+from hypernav.evaluation.report.page import write_report
 from hypernav.evaluation.report.published import PUBLISHED
+from hypernav.evaluation.report.run_data import load_runs
 from hypernav.evaluation.run_plan import RunPlan
-from hypernav.evaluation.store import RunStore
+from hypernav.evaluation.store.run_store import RunStore
 
 WHO = {
     "agent": "hypernav",

@@ -2,14 +2,14 @@ import pytest
 
 from eval_runs import apart, record, spec
 from hypernav.core.errors import RunFolderError
-from hypernav.evaluation.crew import Crashed, Done, Lost, Ready, Refused
 from hypernav.evaluation.runner import RunHaltedError, run_episodes
-from hypernav.evaluation.store import RunStore, read_records
+from hypernav.evaluation.store.run_store import RunStore, read_records
+from hypernav.evaluation.workers.worker_pool import Crashed, Done, Lost, Ready, Refused
 
 EPISODES = [spec(str(k)) for k in range(6)]
 
 
-class FakeCrew:
+class FakePool:
     """Workers that answer at once; what happens to the n-th episode sent can be told."""
 
     def __init__(self, surprises=None, *, answer=None, starts=None):
@@ -39,9 +39,9 @@ class FakeCrew:
         self.closed = True
 
 
-def run(folder, crew, workers=2, watch=None):
+def run(folder, pool, workers=2, watch=None):
     with RunStore(folder, {}) as store:
-        return run_episodes(EPISODES, store, crew, workers=workers, watch=watch)
+        return run_episodes(EPISODES, store, pool, workers=workers, watch=watch)
 
 
 def ids(folder):
@@ -53,89 +53,89 @@ def lost(worker):
 
 
 def test_every_episode_is_run_once_and_the_crew_dismissed(tmp_path):
-    crew = FakeCrew()
-    news = run(tmp_path, crew)
-    assert sorted(crew.sent) == ids(tmp_path) == list("012345")
-    assert crew.closed
+    pool = FakePool()
+    news = run(tmp_path, pool)
+    assert sorted(pool.sent) == ids(tmp_path) == list("012345")
+    assert pool.closed
     assert (news.done_now, news.total, news.peak_mb) == (6, 6, {0: 0.0, 1: 100.0})
 
 
 def test_what_is_done_is_not_run_again(tmp_path):
-    run(tmp_path, FakeCrew())
-    again = FakeCrew()
+    run(tmp_path, FakePool())
+    again = FakePool()
     news = run(tmp_path, again)
     assert again.started == again.sent == []
     assert (len(news.records), news.done_now) == (6, 0)
 
 
 def test_no_more_workers_are_hired_than_there_is_work_for(tmp_path):
-    crew = FakeCrew()
-    run(tmp_path, crew, workers=50)
-    assert len(crew.started) == 6
+    pool = FakePool()
+    run(tmp_path, pool, workers=50)
+    assert len(pool.started) == 6
 
 
 def test_a_lost_worker_is_replaced_and_its_episode_repeated(tmp_path):
-    crew = FakeCrew({2: lost})
-    news = run(tmp_path, crew)
-    assert len(crew.sent) == 7
-    assert len(crew.started) == 3
+    pool = FakePool({2: lost})
+    news = run(tmp_path, pool)
+    assert len(pool.sent) == 7
+    assert len(pool.started) == 3
     assert news.losses == 1
     assert ids(tmp_path) == list("012345")
 
 
 def test_an_episode_that_kills_its_worker_again_and_again_is_a_simulator_error(tmp_path):
-    crew = FakeCrew({1: lost, 2: lost, 3: lost})
-    run(tmp_path, crew, workers=1)
+    pool = FakePool({1: lost, 2: lost, 3: lost})
+    run(tmp_path, pool, workers=1)
     (broken,) = [r for r in read_records(tmp_path) if not r.counts]
     assert broken.why == "its worker was lost 3 times: killed by signal 9"
     assert ids(tmp_path) == list("012345")
 
 
 def test_an_episode_is_not_blamed_for_a_worker_that_died_while_it_started(tmp_path):
-    crew = FakeCrew(starts={k: lost for k in range(1, 5)})
-    run(tmp_path, crew, workers=1)
+    pool = FakePool(starts={k: lost for k in range(1, 5)})
+    run(tmp_path, pool, workers=1)
     assert all(r.counts for r in read_records(tmp_path))
 
 
 def test_workers_that_never_start_end_the_run(tmp_path):
-    crew = FakeCrew(starts={k: lost for k in range(1, 100)})
+    pool = FakePool(starts={k: lost for k in range(1, 100)})
     with pytest.raises(RunHaltedError, match="enough memory"):
-        run(tmp_path, crew)
-    assert crew.closed
+        run(tmp_path, pool)
+    assert pool.closed
 
 
 def test_a_crash_leaves_its_episode_undone_and_the_others_go_on(tmp_path):
-    crew = FakeCrew({3: lambda worker: Crashed(worker, "ZeroDivisionError: oops")})
-    news = run(tmp_path, crew)
+    pool = FakePool({3: lambda worker: Crashed(worker, "ZeroDivisionError: oops")})
+    news = run(tmp_path, pool)
     assert len(ids(tmp_path)) == 5
     assert list(news.crashes.values()) == ["ZeroDivisionError: oops"]
 
 
 def test_crash_after_crash_ends_the_run_with_the_traceback(tmp_path):
-    crew = FakeCrew({k: lambda worker: Crashed(worker, "oops, line 3") for k in range(2, 9)})
+    pool = FakePool({k: lambda worker: Crashed(worker, "oops, line 3") for k in range(2, 9)})
     with pytest.raises(RunHaltedError, match="oops, line 3"):
-        run(tmp_path, crew, workers=1)
+        run(tmp_path, pool, workers=1)
     assert ids(tmp_path) == ["0"]
 
 
 def test_a_crash_before_the_first_episode_ends_the_run(tmp_path):
-    crew = FakeCrew(starts={1: lambda worker: Crashed(worker, "ImportError: no torch")})
+    pool = FakePool(starts={1: lambda worker: Crashed(worker, "ImportError: no torch")})
     with pytest.raises(RunHaltedError, match="no torch"):
-        run(tmp_path, crew)
+        run(tmp_path, pool)
 
 
 def test_what_a_worker_refuses_ends_the_run(tmp_path):
-    crew = FakeCrew({2: lambda worker: Refused(worker, "the disk is full")})
+    pool = FakePool({2: lambda worker: Refused(worker, "the disk is full")})
     with pytest.raises(RunHaltedError, match="the disk is full"):
-        run(tmp_path, crew)
-    assert crew.closed
+        run(tmp_path, pool)
+    assert pool.closed
 
 
 def test_a_model_that_stays_away_ends_the_run_and_nothing_is_counted(tmp_path):
-    crew = FakeCrew(answer=lambda episode: apart(episode.episode_id))
+    pool = FakePool(answer=lambda episode: apart(episode.episode_id))
     with pytest.raises(RunHaltedError, match="run the same command again"):
-        run(tmp_path, crew, workers=1)
-    assert len(crew.sent) == 3
+        run(tmp_path, pool, workers=1)
+    assert len(pool.sent) == 3
     assert not any(r.counts for r in read_records(tmp_path))
 
 
@@ -143,7 +143,7 @@ def test_a_short_outage_does_not_end_the_run(tmp_path):
     def sometimes(episode):
         return (apart if int(episode.episode_id) % 2 else record)(episode.episode_id)
 
-    run(tmp_path, FakeCrew(answer=sometimes), workers=1)
+    run(tmp_path, FakePool(answer=sometimes), workers=1)
     assert len(ids(tmp_path)) == 6
 
 
@@ -152,10 +152,10 @@ def test_ctrl_c_keeps_what_is_done_and_dismisses_the_crew(tmp_path):
         if news.done_now == 3:
             raise KeyboardInterrupt
 
-    crew = FakeCrew()
+    pool = FakePool()
     with pytest.raises(KeyboardInterrupt):
-        run(tmp_path, crew, workers=1, watch=interrupt)
-    assert crew.closed
+        run(tmp_path, pool, workers=1, watch=interrupt)
+    assert pool.closed
     assert len(ids(tmp_path)) == 3
 
 
@@ -163,8 +163,8 @@ def test_a_full_disk_dismisses_the_crew(tmp_path, monkeypatch):
     def full(path, line):
         raise RunFolderError("no space left on device")
 
-    crew = FakeCrew()
-    monkeypatch.setattr("hypernav.evaluation.store.append_line", full)
+    pool = FakePool()
+    monkeypatch.setattr("hypernav.evaluation.store.run_store.append_line", full)
     with pytest.raises(RunFolderError, match="no space"):
-        run(tmp_path, crew)
-    assert crew.closed
+        run(tmp_path, pool)
+    assert pool.closed

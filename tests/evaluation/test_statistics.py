@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from eval_runs import apart, record
-from hypernav.evaluation.failures import Failure
+from hypernav.evaluation.failures.classification import Failure
 from hypernav.evaluation.statistics import compare, discordance, mean_with_interval
 from hypernav.evaluation.summary import failure_counts, summarise
 

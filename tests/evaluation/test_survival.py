@@ -10,13 +10,13 @@ import time
 import pytest
 
 from eval_runs import SMALL, timeless_lines, write_room
-from hypernav.build import build_agent
-from hypernav.evaluation.crew import Lost, Ready
+from hypernav.build.agents import build_agent
 from hypernav.evaluation.datasets import load_episodes
-from hypernav.evaluation.processes import ProcessCrew
 from hypernav.evaluation.runner import run_episodes
-from hypernav.evaluation.store import RunStore, read_records
-from hypernav.evaluation.workbench import Job
+from hypernav.evaluation.store.run_store import RunStore, read_records
+from hypernav.evaluation.workers.process_pool import ProcessPool
+from hypernav.evaluation.workers.worker import Job
+from hypernav.evaluation.workers.worker_pool import Lost, Ready
 from small_worlds import small_config
 
 MAX_STEPS = 25
@@ -44,7 +44,7 @@ class Slow:
         return self._agent.grid
 
 
-class KillingCrew(ProcessCrew):
+class KillingPool(ProcessPool):
     """Workers of which one is killed now and then."""
 
     def __init__(self, job, rng, kills):
@@ -60,12 +60,12 @@ class KillingCrew(ProcessCrew):
         return super().wait(min(seconds, 0.05))
 
 
-def run(folder, room, crew_of, workers=2, starts=6):
+def run(folder, room, pool_of, workers=2, starts=6):
     config = small_config()
     episodes = load_episodes(f"scene:{room}#{starts}", config.world)
     job = Job(folder, config, max_steps=MAX_STEPS, make_agent=Slow)
     with RunStore(folder, {"test": "survival"}) as store:
-        return run_episodes(episodes, store, crew_of(job), workers=workers)
+        return run_episodes(episodes, store, pool_of(job), workers=workers)
 
 
 @pytest.fixture(scope="module")
@@ -75,9 +75,9 @@ def room(tmp_path_factory):
 
 @pytest.mark.slow
 def test_results_depend_neither_on_the_number_of_workers_nor_on_their_deaths(tmp_path, room):
-    run(tmp_path / "one", room, ProcessCrew, workers=1)
+    run(tmp_path / "one", room, ProcessPool, workers=1)
     rng = random.Random(1)
-    news = run(tmp_path / "killed", room, lambda job: KillingCrew(job, rng, 6))
+    news = run(tmp_path / "killed", room, lambda job: KillingPool(job, rng, 6))
     assert news.losses == 6
     assert timeless_lines(tmp_path / "killed") == timeless_lines(tmp_path / "one")
     assert len(timeless_lines(tmp_path / "one")) == 12
@@ -160,19 +160,19 @@ def is_alive(process_id):
 def test_what_a_worker_sent_before_it_died_counts(tmp_path, room):
     config = small_config()
     episode = load_episodes(f"scene:{room}#1", config.world)[0]
-    crew = ProcessCrew(Job(tmp_path, config, max_steps=3))
+    pool = ProcessPool(Job(tmp_path, config, max_steps=3))
     try:
-        crew.start(0)
-        hired = crew._hired[0]
+        pool.start(0)
+        hired = pool._hired[0]
         assert hired.pipe.poll(60)
-        assert crew.wait(1.0) == [Ready(0)]
-        crew.send(0, episode)
+        assert pool.wait(1.0) == [Ready(0)]
+        pool.send(0, episode)
         assert hired.pipe.poll(60)
         os.kill(hired.process.pid, signal.SIGKILL)
         hired.process.join()
-        first, second = crew.wait(1.0), crew.wait(1.0)
+        first, second = pool.wait(1.0), pool.wait(1.0)
     finally:
-        crew.close()
+        pool.close()
     assert first[0].record.key == episode.key
     assert isinstance(second[0], Lost)
     assert "SIGKILL" in second[0].why

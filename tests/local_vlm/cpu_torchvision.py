@@ -2,7 +2,7 @@
 
 Its compiled parts are linked to CUDA and cannot be loaded, but the image processors of transformers
 use only its Python parts. What these miss at import are two operators' names; what they miss at run
-time is the decoder of picture files, for which Pillow stands in.
+time is the decoder of image files, for which Pillow stands in.
 """
 
 import io

@@ -15,7 +15,7 @@ def test_the_benchmark_runs_with_a_tiny_model_on_the_cpu(capsys: pytest.CaptureF
 
 
 def test_its_prompts_have_the_length_of_the_real_ones(tiny, torch_or_skip: None):
-    """Text apart: 391 tokens for the camera's picture, 729 for the map."""
+    """Text apart: 391 tokens for the camera's image, 729 for the map."""
     benchmark = runpy.run_path(str(SCRIPT))
     import torch
 

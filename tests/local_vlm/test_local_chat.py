@@ -5,14 +5,14 @@ import numpy as np
 import pytest
 from pydantic import BaseModel
 
-from chat_models import picture
+from chat_models import image
 from hypernav.core.chat import Fault, Question
 from hypernav.core.errors import ConfigError, ModelError
-from hypernav.models.chat_config import ChatConfig
-from hypernav.models.local_chat import LocalChat
-from hypernav.models.vlm_spec import open_chat
+from hypernav.models.chat.config import ChatConfig
+from hypernav.models.chat.local_chat import LocalChat
+from hypernav.models.chat.vlm_spec import open_chat
 
-VIEW = picture(0, 476, 644)
+VIEW = image(0, 476, 644)
 OPEN = Question("ground", "Locate every bed", (VIEW,), max_tokens=12)
 WHICH = Question("choose block", "Which block?", (VIEW,), ("1", "3", "12"), max_tokens=8)
 
@@ -22,14 +22,14 @@ def chat(tiny: Callable[[str], Path]) -> LocalChat:
     return LocalChat(str(tiny("qwen25_vl")), ChatConfig(device="cpu"))
 
 
-def test_counts_the_tokens_of_text_and_picture(chat: LocalChat):
+def test_counts_the_tokens_of_text_and_image(chat: LocalChat):
     answer = chat.ask(OPEN)
     patches = 476 * 644 // 28**2
     assert patches < answer.usage.tokens_in < patches + 100
     assert answer.usage.tokens_out <= 12
     assert answer.seconds > 0.0
     without = chat.ask(Question("ground", OPEN.text, max_tokens=1))
-    # The picture and the two tokens around it.
+    # The image and the two tokens around it.
     assert answer.usage.tokens_in - without.usage.tokens_in == patches + 2
 
 
@@ -83,7 +83,7 @@ def test_nonsense_for_a_form_is_a_fault(chat: LocalChat):
     assert answer.fault in {Fault.UNPARSABLE, Fault.INVALID}
 
 
-def test_two_pictures_are_two_pictures(chat: LocalChat):
+def test_two_images_are_two_images(chat: LocalChat):
     one = chat.ask(Question("ground", "Compare", (VIEW,), max_tokens=2)).usage.tokens_in
     two = chat.ask(Question("ground", "Compare", (VIEW, np.zeros_like(VIEW)), max_tokens=2))
     assert two.usage.tokens_in - one == 476 * 644 // 28**2 + 2

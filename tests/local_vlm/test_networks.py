@@ -6,16 +6,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from chat_models import picture
-from hypernav.core.boxes import Box
-from hypernav.core.camera import PinholeCamera
+from chat_models import image
 from hypernav.core.errors import ModelError
-from hypernav.core.geometry import Pose2, Transform
+from hypernav.core.geometry.boxes import Box
+from hypernav.core.geometry.camera import PinholeCamera
+from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.models.sam import SamConfig, SamSegmenter
-from hypernav.models.similarity import ImageTextSimilarity
-from hypernav.models.zero_shot import ZeroShotConfig, ZeroShotDetector
+from hypernav.models.vision.sam import SamConfig, SamSegmenter
+from hypernav.models.vision.similarity import ImageTextSimilarity
+from hypernav.models.vision.zero_shot import ZeroShotConfig, ZeroShotDetector
 
 Tiny = Callable[[str], Path]
 BOX = Box(10.0, 12.0, 50.0, 40.0)
@@ -25,12 +25,12 @@ def observe(height: int, width: int) -> Observation:
     camera = PinholeCamera.from_hfov(width, height, 79.0)
     depth = np.ones((height, width), np.float32)
     pose = Pose2(0.0, 0.0, 0.0)
-    return Observation(picture(0, height, width), depth, camera, Transform.identity(), pose)
+    return Observation(image(0, height, width), depth, camera, Transform.identity(), pose)
 
 
 @pytest.mark.parametrize("name", ["sam", "sam2"])
 @pytest.mark.parametrize("size", [(48, 64), (96, 72)])
-def test_masks_have_the_pictures_size_and_stay_in_the_box(
+def test_masks_have_the_images_size_and_stay_in_the_box(
     tiny: Tiny, name: str, size: tuple[int, int]
 ):
     view = observe(*size)
@@ -53,13 +53,13 @@ def test_another_box_gives_another_mask(tiny: Tiny, name: str):
     assert (first != second).any()
 
 
-def test_a_box_outside_the_picture_holds_nothing(tiny: Tiny):
+def test_a_box_outside_the_image_holds_nothing(tiny: Tiny):
     segmenter = SamSegmenter(str(tiny("sam")))
     assert not segmenter.segment(observe(48, 64), Box(70.0, 0.0, 90.0, 20.0)).any()
 
 
 @pytest.mark.parametrize("name", ["owlv2", "grounding_dino"])
-def test_open_vocabulary_boxes_lie_in_the_picture_best_first(tiny: Tiny, name: str):
+def test_open_vocabulary_boxes_lie_in_the_image_best_first(tiny: Tiny, name: str):
     config = ZeroShotConfig(score_threshold=0.0, min_side_px=0.0)
     detector = ZeroShotDetector(str(tiny(name)), config)
     found = detector.detect(observe(48, 64), Goal("red sofa"))
@@ -81,7 +81,7 @@ def test_nothing_is_surer_than_certain(tiny: Tiny, name: str):
 @pytest.mark.parametrize("name", ["clip", "siglip", "blip2"])
 def test_similarity_is_a_number_that_depends_on_both_sides(tiny: Tiny, name: str):
     model = ImageTextSimilarity(str(tiny(name)))
-    one, other = picture(0), picture(1)
+    one, other = image(0), image(1)
     values = {
         model.similarity(one, "a bed"),
         model.similarity(one, "a long red sofa"),

@@ -8,28 +8,28 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from chat_models import picture
-from hypernav.core.camera import PinholeCamera
+from chat_models import image
 from hypernav.core.chat import Fault, Question
 from hypernav.core.errors import ModelRejectedError, ModelUnavailableError
-from hypernav.core.geometry import Pose2, Transform
+from hypernav.core.geometry.camera import PinholeCamera
+from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.overview import Block, Overview
 from hypernav.core.trace import ExchangeLog
-from hypernav.models.chat_config import ChatConfig
-from hypernav.models.ledger import Ledger, LedgerChat
-from hypernav.models.local_chat import LocalChat
-from hypernav.models.openai_chat import OpenAiChat
-from hypernav.models.recording import RecordingChat, ReplayChat
-from hypernav.models.vlm_families import smart_resize
-from hypernav.models.vlm_spec import open_chat, parse_vlm_spec
-from hypernav.perception.geometric import GeometricReasoner
-from hypernav.perception.presence import VlmPresenceCheck
-from hypernav.perception.vlm_detector import VlmDetector, VlmDetectorConfig
-from hypernav.perception.vlm_reasoner import VlmReasoner, VlmReasonerConfig
+from hypernav.models.chat.config import ChatConfig
+from hypernav.models.chat.ledger import Ledger, LedgerChat
+from hypernav.models.chat.local_chat import LocalChat
+from hypernav.models.chat.openai_chat import OpenAiChat
+from hypernav.models.chat.recording import RecordingChat, ReplayChat
+from hypernav.models.chat.vlm_families import smart_resize
+from hypernav.models.chat.vlm_spec import open_chat, parse_vlm_spec
+from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
+from hypernav.perception.explorers.vlm_reasoner import VlmReasoner, VlmReasonerConfig
+from hypernav.perception.local.presence import VlmPresenceCheck
+from hypernav.perception.local.vlm_detector import VlmDetector, VlmDetectorConfig
 
-VIEW = picture(0, 480, 640)
+VIEW = image(0, 480, 640)
 QWEN = VlmDetectorConfig(family="qwen2.5-vl", max_tokens=24)
 
 
@@ -49,7 +49,7 @@ def observation() -> Observation:
 @pytest.fixture
 def overview() -> Overview:
     blocks = tuple(Block(n, float(n), 0.0, 2.0, 100, 20, (n + 1.0, 1.0), 3.0) for n in range(1, 6))
-    return Overview(lambda: picture(1, 768, 768), blocks, Pose2(0.0, 0.0, 0.0))
+    return Overview(lambda: image(1, 768, 768), blocks, Pose2(0.0, 0.0, 0.0))
 
 
 def test_the_server_is_recognised_and_its_decisions_are_used(chat: OpenAiChat):
@@ -74,10 +74,10 @@ def test_ignored_constraints_are_found_out(transformers_server: str):
 def test_the_server_and_this_process_say_the_same(
     chat: OpenAiChat, tiny: Callable[[str], Path], observation: Observation
 ):
-    """The picture travels as a JPEG, so it is made one here as well."""
+    """The image travels as a JPEG, so it is made one here as well."""
     import cv2
 
-    from hypernav.models.pictures import jpeg_bytes
+    from hypernav.models.chat.images import jpeg_bytes
 
     sent = VlmDetector(chat, ExchangeLog(), QWEN).question(observation, Goal("bed"))
     data = np.frombuffer(jpeg_bytes(sent.images[0]), np.uint8)
@@ -137,7 +137,7 @@ def test_a_timeout_is_kept(transformers_server: str):
     hasty = ChatConfig(timeout_s=0.05, patience_s=0.3, first_wait_s=0.01, dialect="transformers")
     chat = OpenAiChat(spec.target, spec.model, hasty, environment={})
     with pytest.raises(ModelUnavailableError, match="patience"):
-        chat.ask(Question("ground", "Locate", (picture(0, 980, 980),), max_tokens=512))
+        chat.ask(Question("ground", "Locate", (image(0, 980, 980),), max_tokens=512))
 
 
 @settings(deadline=None)

@@ -117,7 +117,7 @@ def _prompt_and_decoder() -> dict[str, Any]:
 
 
 def sam(folder: Path) -> Path:
-    """SAM with a picture of 64×64."""
+    """SAM with an image of 64×64."""
     import torch
     import transformers as hf
 
@@ -133,17 +133,17 @@ def sam(folder: Path) -> Path:
         "num_pos_feats": 16,
     }
     model = hf.SamModel(hf.SamConfig(vision_config=vision, **_prompt_and_decoder()))
-    pictures = hf.SamImageProcessor(
+    images = hf.SamImageProcessor(
         size={"longest_edge": 64},
         pad_size={"height": 64, "width": 64},
         mask_size={"longest_edge": 16},
         mask_pad_size={"height": 16, "width": 16},
     )
-    return _saved(folder, model, hf.SamProcessor(image_processor=pictures))
+    return _saved(folder, model, hf.SamProcessor(image_processor=images))
 
 
 def sam2(folder: Path) -> Path:
-    """SAM 2 with a picture of 64×64."""
+    """SAM 2 with an image of 64×64."""
     import torch
     import transformers as hf
 
@@ -166,10 +166,10 @@ def sam2(folder: Path) -> Path:
         "backbone_feature_sizes": [[16, 16], [8, 8], [4, 4]],
     }
     model = hf.Sam2Model(hf.Sam2Config(vision_config=vision, **_prompt_and_decoder()))
-    pictures = hf.Sam2ImageProcessor(
+    images = hf.Sam2ImageProcessor(
         size={"height": 64, "width": 64}, mask_size={"height": 16, "width": 16}
     )
-    return _saved(folder, model, hf.Sam2Processor(image_processor=pictures))
+    return _saved(folder, model, hf.Sam2Processor(image_processor=images))
 
 
 def _text_config() -> dict[str, Any]:
@@ -191,7 +191,7 @@ def _short_tokenizer() -> Any:
 
 
 def owlv2(folder: Path) -> Path:
-    """OWLv2 with a picture of 64×64: 16 boxes."""
+    """OWLv2 with an image of 64×64: 16 boxes."""
     import torch
     import transformers as hf
 
@@ -264,7 +264,7 @@ def grounding_dino(folder: Path) -> Path:
 
 
 def clip(folder: Path) -> Path:
-    """CLIP with a picture of 32×32."""
+    """CLIP with an image of 32×32."""
     import torch
     import transformers as hf
 
@@ -284,7 +284,7 @@ def clip(folder: Path) -> Path:
 
 
 def siglip(folder: Path) -> Path:
-    """SigLIP with a picture of 32×32."""
+    """SigLIP with an image of 32×32."""
     import torch
     import transformers as hf
 
@@ -301,7 +301,7 @@ def siglip(folder: Path) -> Path:
 
 
 def blip2(folder: Path) -> Path:
-    """BLIP-2 with its matching head and a picture of 32×32."""
+    """BLIP-2 with its matching head and an image of 32×32."""
     import torch
     import transformers as hf
 
@@ -314,7 +314,7 @@ def blip2(folder: Path) -> Path:
             "intermediate_size": 64,
             "image_size": 32,
             "patch_size": 16,
-            "initializer_range": 0.02,  # its own 1e-10 makes all pictures equal
+            "initializer_range": 0.02,  # its own 1e-10 makes all images equal
         },
         qformer_config={
             **_SMALL,

@@ -5,9 +5,10 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from drawn_grids import drawn
-from hypernav.core.geometry import Pose2
-from hypernav.core.grid import Cell, OccupancyGrid
-from hypernav.mapping import MappingConfig, divide_into_blocks
+from hypernav.core.geometry.grid import Cell, OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.mapping.blocks import divide_into_blocks
+from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.inflation import inflate
 
 CONFIG = MappingConfig()

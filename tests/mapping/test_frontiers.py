@@ -5,11 +5,12 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from drawn_grids import drawn
-from hypernav.core.geometry import Pose2
-from hypernav.core.grid import Cell, OccupancyGrid
-from hypernav.mapping import MappingConfig, find_frontiers
+from hypernav.core.geometry.grid import Cell, OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.frontiers import find_frontiers
 from hypernav.mapping.inflation import inflate
-from hypernav.mapping.reach import Reach
+from hypernav.mapping.reachable_area import ReachableArea
 
 CONFIG = MappingConfig()
 OPEN_DOOR = """
@@ -111,7 +112,7 @@ def test_reach_measures_the_way_around_a_wall():
         """,
         scale=8,
     )
-    reach = Reach.of(grid, Pose2(0.2, 0.2, 0.0), CONFIG)
+    reach = ReachableArea.of(grid, Pose2(0.2, 0.2, 0.0), CONFIG)
     offset = np.array(reach.grid.cell_of(0.2, 2.4))
     around = reach.travel_m[tuple(offset)]
     # The wall's end, a clearance away from it, then up and back.

@@ -4,12 +4,15 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from hypernav.core.camera import PinholeCamera, optical_to_base
-from hypernav.core.geometry import Pose2
-from hypernav.core.grid import Cell
+from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
+from hypernav.core.geometry.grid import Cell
+from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.observation import Observation
-from hypernav.mapping import MappingConfig, TopDownMap, divide_into_blocks, find_frontiers
-from hypernav.worlds import load_scene
+from hypernav.mapping.blocks import divide_into_blocks
+from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.frontiers import find_frontiers
+from hypernav.mapping.top_down_map import TopDownMap
+from hypernav.worlds.scenes.loading import load_scene
 
 CONFIG = MappingConfig()
 SPACING_M = 0.02

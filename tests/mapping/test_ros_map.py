@@ -7,8 +7,8 @@ from hypothesis.extra.numpy import array_shapes, arrays
 from PIL import Image
 
 from hypernav.core.errors import MapError
-from hypernav.core.grid import Cell, OccupancyGrid
-from hypernav.mapping import load_ros_map, save_ros_map
+from hypernav.core.geometry.grid import Cell, OccupancyGrid
+from hypernav.mapping.ros_map import load_ros_map, save_ros_map
 
 grids = st.builds(
     OccupancyGrid,
@@ -63,7 +63,7 @@ def test_a_map_drawn_by_others_is_read(test_data):
         ("image: map.pgm", "expected image, resolution"),
         (
             "{image: no.pgm, resolution: 1, origin: [0, 0, 0], occupied_thresh: 1, free_thresh: 0}",
-            "cannot read its picture",
+            "cannot read its image",
         ),
         (
             "{image: no.pgm, resolution: 1, origin: [0, 0, 1], occupied_thresh: 1, free_thresh: 0}",

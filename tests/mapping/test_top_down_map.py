@@ -11,10 +11,11 @@ from scipy.spatial import cKDTree
 
 from box_views import CAMERA, FLOOR, distance_to_boxes, frame, room, turning, view_of
 from hypernav.core.errors import MapError
-from hypernav.core.geometry import Pose2, Transform
-from hypernav.core.grid import Cell
+from hypernav.core.geometry.grid import Cell
+from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.observation import Observation
-from hypernav.mapping import MappingConfig, TopDownMap
+from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.top_down_map import TopDownMap
 
 CONFIG = MappingConfig()
 BAND = (CONFIG.obstacle_min_height_m, CONFIG.obstacle_max_height_m)
@@ -175,7 +176,7 @@ def test_an_obstacle_that_is_carried_away_disappears():
 
 def test_looking_over_a_low_table_does_not_clear_it():
     world_map = map_of([FLOOR, TABLE], [HERE])
-    close = Pose2(1.4, 0.0, 0.0)  # only what lies beyond the table is in the picture
+    close = Pose2(1.4, 0.0, 0.0)  # only what lies beyond the table is in the image
     before = {cell for cell, state in known(world_map).items() if state == Cell.OCCUPIED}
     for _ in range(10):
         world_map.integrate(view_of([FLOOR, TABLE], close))

@@ -9,11 +9,15 @@ from hypothesis import strategies as st
 
 from drawn_grids import drawn
 from hypernav.core.actions import Action
-from hypernav.core.geometry import Pose2
-from hypernav.core.grid import Cell, OccupancyGrid
+from hypernav.core.geometry.grid import Cell, OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.distance_kernels import travel_cells
-from hypernav.planning import BumpSensor, Navigator, Path, PathFollower, Planner, PlanningConfig
-from hypernav.planning.terrain import Terrain
+from hypernav.planning.bump_sensor import BumpSensor
+from hypernav.planning.config import PlanningConfig
+from hypernav.planning.costmap import Costmap
+from hypernav.planning.follower import PathFollower
+from hypernav.planning.navigator import Navigator
+from hypernav.planning.planner import PlannedPath, Planner
 from random_rooms import DrivenRobot, random_rooms
 
 CONFIG = PlanningConfig()
@@ -22,7 +26,7 @@ PAPER = PlanningConfig(
     squeeze_m=0.0, comfort_cost=0.0, targets="nearest-straight", steering="waypoint"
 )
 HALL = drawn("....................\n" * 20, scale=10, origin=(-5.0, -5.0))
-WAY = Path(((0.0, 0.0), (2.0, 0.0), (2.0, 2.0)), 0.0)
+WAY = PlannedPath(((0.0, 0.0), (2.0, 0.0), (2.0, 2.0)), 0.0)
 
 
 def follower(path, config=PAPER):
@@ -48,7 +52,7 @@ def test_it_turns_if_the_next_waypoint_is_too_far_off_and_goes_otherwise(yaw_deg
 
 
 def test_a_waypoint_that_was_stepped_over_does_not_come_back():
-    way = follower(Path(((0.0, 0.0), (0.7, 0.0), (3.0, 0.1)), 0.0))
+    way = follower(PlannedPath(((0.0, 0.0), (0.7, 0.0), (3.0, 0.1)), 0.0))
     for x in (0.0, 0.4, 1.1, 1.6, 2.1):
         assert way.next_action(Pose2(x, 0.0, 0.0)) is Action.MOVE_FORWARD
     assert way.remaining(Pose2(1.6, 0.0, 0.0)) == ((1.6, 0.0), (3.0, 0.1))
@@ -103,12 +107,12 @@ def test_over_open_floor_it_arrives_without_dithering(x, y, yaw, config):
     assert actions.count(Action.TURN_LEFT) + actions.count(Action.TURN_RIGHT) <= 6 + least + 4
 
 
-def open_cell(rng, terrain, from_cell=None):
+def open_cell(rng, costmap, from_cell=None):
     """A random open cell; with `from_cell`, one more than 2 m of way from it."""
     if from_cell is None:
-        candidates = np.argwhere(terrain.is_open)
+        candidates = np.argwhere(costmap.is_open)
     else:
-        travel = travel_cells(terrain.is_open, *from_cell)
+        travel = travel_cells(costmap.is_open, *from_cell)
         candidates = np.argwhere(np.isfinite(travel) & (travel > 40))
     row, column = candidates[rng.integers(len(candidates))]
     return int(row), int(column)
@@ -118,11 +122,11 @@ def drive(seed, config, *, door_m, limit=300):
     """Drive from one random place to another in random rooms; None if there is no other."""
     rng = np.random.default_rng(seed)
     grid = random_rooms(rng, door_m=door_m)
-    terrain = Terrain.of(grid, CONFIG, (0.0, 0.0), CONFIG.inflation_m)
-    start = open_cell(rng, terrain)
-    end = open_cell(rng, terrain, start)
-    goal = np.array([terrain.grid.centre_of(*end)])
-    pose = Pose2(*terrain.grid.centre_of(*start), rng.uniform(-math.pi, math.pi))
+    costmap = Costmap.of(grid, CONFIG, (0.0, 0.0), CONFIG.inflation_m)
+    start = open_cell(rng, costmap)
+    end = open_cell(rng, costmap, start)
+    goal = np.array([costmap.grid.centre_of(*end)])
+    pose = Pose2(*costmap.grid.centre_of(*start), rng.uniform(-math.pi, math.pi))
     robot, navigator, bumps = DrivenRobot(grid, pose), Navigator(config), BumpSensor(config)
     known = OccupancyGrid(grid.cells.copy(), grid.resolution_m, grid.origin)
     for _ in range(limit):

@@ -7,13 +7,13 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
 from drawn_grids import drawn
-from grid_graphs import cheapest_ways
-from hypernav.core.grid import Cell, OccupancyGrid
-from hypernav.planning import Path, Planner, PlanningConfig
+from grid_graphs import cost_to_go
+from hypernav.core.geometry.grid import Cell, OccupancyGrid
+from hypernav.planning.astar import astar, costs_to_go
+from hypernav.planning.config import PlanningConfig
+from hypernav.planning.costmap import Costmap
 from hypernav.planning.motion_kernels import cost_of_line
-from hypernav.planning.planner import is_blocked
-from hypernav.planning.search import astar, costs_to_go
-from hypernav.planning.terrain import Terrain
+from hypernav.planning.planner import PlannedPath, Planner, is_blocked
 
 CONFIG = PlanningConfig()
 WIDE = PlanningConfig(squeeze_m=0.0)
@@ -66,7 +66,7 @@ def test_astar_finds_the_cheapest_way(costs, data):
     costs[start] = max(costs[start], 1.0)
     targets = np.zeros(costs.shape, np.uint8)
     targets[end] = targets[draw_cell(data, costs.shape)] = 1
-    expected = cheapest_ways(costs, start)[targets > 0].min()
+    expected = cost_to_go(costs, start)[targets > 0].min()
     path, cost = astar(costs, start, targets)
     assert cost == pytest.approx(expected, rel=1e-4)
     assert (len(path) > 0) == np.isfinite(expected)
@@ -88,7 +88,7 @@ def test_astar_finds_the_cheapest_way(costs, data):
 def test_costs_to_go_are_those_of_the_cheapest_ways(costs, data):
     end, robot = draw_cell(data, costs.shape), draw_cell(data, costs.shape)
     costs[end] = max(costs[end], 1.0)
-    expected = cheapest_ways(costs, end)
+    expected = cost_to_go(costs, end)
     found = costs_to_go(costs, end, robot, 4.0)
     needed = (
         expected <= expected[robot] + 4.0 if np.isfinite(expected[robot]) else expected < np.inf
@@ -134,8 +134,8 @@ def test_a_line_that_leaves_the_grid_is_closed():
     assert cost_of_line(costs, 1.5, -0.5, 1.5, 1.5) == np.inf
 
 
-def terrain_of(grid, start):
-    return Terrain.of(grid, CONFIG, start, CONFIG.inflation_m)
+def costmap_of(grid, start):
+    return Costmap.of(grid, CONFIG, start, CONFIG.inflation_m)
 
 
 @settings(deadline=None, max_examples=150)
@@ -292,13 +292,13 @@ def test_the_grid_is_not_changed():
 def test_a_path_is_blocked_once_an_obstacle_lies_on_it():
     grid = drawn("............\n" * 4, scale=10)
     way = ((0.5, 1.0), (3.0, 1.0), (5.0, 1.5))
-    assert not is_blocked(way, terrain_of(grid, way[0]))
+    assert not is_blocked(way, costmap_of(grid, way[0]))
     for row, column in ((20, 20), (26, 80)):  # on the first leg, on the last
         blocked = OccupancyGrid(grid.cells.copy(), 0.05, grid.origin)
         blocked.cells[row, column] = Cell.OCCUPIED
-        assert is_blocked(way, terrain_of(blocked, way[0]))
+        assert is_blocked(way, costmap_of(blocked, way[0]))
     grid.cells[20, 8] = Cell.OCCUPIED  # beside the robot: it has to get out anyway
-    assert not is_blocked(way, terrain_of(grid, way[0]))
+    assert not is_blocked(way, costmap_of(grid, way[0]))
 
 
 def test_the_way_out_does_not_lead_through_a_thin_wall():
@@ -307,13 +307,13 @@ def test_the_way_out_does_not_lead_through_a_thin_wall():
     grid.cells[:50, 40] = Cell.OCCUPIED
     grid.cells[:28, 34] = Cell.OCCUPIED  # a dead end, too narrow to stand in
     start = (1.87, 1.0)
-    terrain = terrain_of(grid, start)
-    assert terrain.is_tight
-    leads_out = terrain.way_out.cells
+    costmap = costmap_of(grid, start)
+    assert costmap.is_tight
+    leads_out = costmap.escape.cells
     assert not (leads_out & grid.cropped(1.0).occupied).any()
     path = Planner(CONFIG).plan(grid, start, np.array([[0.5, 2.5]]))
-    corners = terrain.grid.cells_of(np.array(path.waypoints))
-    assert not terrain.grid.occupied[corners[:, 0], corners[:, 1]].any()
+    corners = costmap.grid.cells_of(np.array(path.waypoints))
+    assert not costmap.grid.occupied[corners[:, 0], corners[:, 1]].any()
 
 
 def test_a_gap_that_only_just_fits_is_taken_where_no_other_way_leads():
@@ -331,4 +331,4 @@ def test_a_gap_that_only_just_fits_is_taken_where_no_other_way_leads():
 
 
 def test_the_length_of_a_path_is_that_of_its_legs():
-    assert Path(((0.0, 0.0), (3.0, 4.0), (3.0, 5.0)), 0.0).length_m == pytest.approx(6.0)
+    assert PlannedPath(((0.0, 0.0), (3.0, 4.0), (3.0, 5.0)), 0.0).length_m == pytest.approx(6.0)

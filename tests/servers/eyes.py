@@ -4,8 +4,8 @@ import json
 
 import numpy as np
 
-from hypernav.core.boxes import Box
-from hypernav.models.vlm_families import family_named
+from hypernav.core.geometry.boxes import Box
+from hypernav.models.chat.vlm_families import family_named
 from servers.scripted import Asked
 
 _ESSAY = "A robot is a machine that senses and acts. It may drive around a house."
@@ -20,25 +20,25 @@ class SeeingBrain:
 
     def __call__(self, asked: Asked) -> str:
         if asked.text.startswith("What colour"):
-            red, green, blue = asked.pictures[0].reshape(-1, 3).mean(axis=0)
+            red, green, blue = asked.images[0].reshape(-1, 3).mean(axis=0)
             return "It is blue." if blue > max(red, green) else "Green"
         match asked.kind:
             case "ground":
-                return json.dumps([{"bbox_2d": self._red(asked.pictures[0]), "label": "red"}])
+                return json.dumps([{"bbox_2d": self._red(asked.images[0]), "label": "red"}])
             case "choose block":
                 return "2"
             case "verify":
                 return "yes"
         return _ESSAY
 
-    def _red(self, picture: np.ndarray) -> list[float]:
-        pixels = picture.astype(int)
+    def _red(self, image: np.ndarray) -> list[float]:
+        pixels = image.astype(int)
         red = (pixels[..., 0] > 150) & (pixels[..., 1] < 100)
         rows, columns = np.nonzero(red)
         height, width = red.shape
         x, y = 640 / width, 480 / height
         box = Box(columns.min() * x, rows.min() * y, (columns.max() + 1) * x, (rows.max() + 1) * y)
-        said = self._family.from_picture(box, 640, 480)
+        said = self._family.from_image(box, 640, 480)
         edges = [said.x_min, said.y_min, said.x_max, said.y_max]
         if self._family.rows_first:
             edges = [edges[1], edges[0], edges[3], edges[2]]

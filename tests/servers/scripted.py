@@ -40,7 +40,7 @@ class Asked:
     """One request as a brain sees it."""
 
     text: str
-    pictures: list[np.ndarray]
+    images: list[np.ndarray]
     allowed: list[str]
     body: dict[str, Any]
 
@@ -80,7 +80,7 @@ class Personality:
         logprobs: Whether it tells them.
         systemone: Whether it has ``/v1/systemone``.
         decisions: Whether it has ``/v1/decisions``.
-        sees: Whether it takes pictures.
+        sees: Whether it takes images.
         key: What it wants to be sent as a key.
     """
 
@@ -317,7 +317,7 @@ class ScriptedServer:
         if rejected:
             return _error(400, f"unknown field: {rejected[0]}")
         asked = _read_chat(body)
-        if asked.pictures and not me.sees:
+        if asked.images and not me.sees:
             return _error(500, "image input is not supported - hint: you may need the mmproj")
         self.requests.append(asked)
         said = self.brain(asked)
@@ -358,9 +358,9 @@ class ScriptedServer:
 
     def _systemone(self, body: dict[str, Any]) -> Response:
         (name, question), *_ = body["questions"].items()
-        pictures = [_decoded(asset["data_base64"]) for asset in body["assets"].values()]
+        images = [_decoded(asset["data_base64"]) for asset in body["assets"].values()]
         allowed = list(question["criteria"])
-        said = self._decide(Asked(question["instructions"], pictures, allowed, body))
+        said = self._decide(Asked(question["instructions"], images, allowed, body))
         answer = {"type": "choice", "choice": said.text, "confidence": 0.5}
         answer["probabilities"] = _all_chances(said, allowed)
         usage = {"input_tokens": 90, "output_tokens": 0}
@@ -369,9 +369,9 @@ class ScriptedServer:
     def _decisions(self, body: dict[str, Any]) -> Response:
         question = body["questions"][0]
         content = body["input"][0]["content"]
-        pictures = [_decoded(p["image_url"]) for p in content if p["type"] == "input_image"]
+        images = [_decoded(p["image_url"]) for p in content if p["type"] == "input_image"]
         allowed = [choice["value"] for choice in question["choices"]]
-        said = self._decide(Asked(question["instructions"], pictures, allowed, body))
+        said = self._decide(Asked(question["instructions"], images, allowed, body))
         chances = _all_chances(said, allowed)
         answer = {"type": "choice", "name": question["name"], "choice": said.text}
         answer["probabilities"] = [{"value": k, "probability": v} for k, v in chances.items()]
@@ -405,9 +405,9 @@ def _read_chat(body: dict[str, Any]) -> Asked:
     content = body["messages"][-1]["content"]
     parts = [{"type": "text", "text": content}] if isinstance(content, str) else content
     text = "\n".join(part["text"] for part in parts if part["type"] == "text")
-    pictures = [_decoded(p["image_url"]["url"]) for p in parts if p["type"] == "image_url"]
+    images = [_decoded(p["image_url"]["url"]) for p in parts if p["type"] == "image_url"]
     allowed = next((allowed for _, allowed, _ in _constraints(body)), [])
-    return Asked(text, pictures, allowed, body)
+    return Asked(text, images, allowed, body)
 
 
 def _constraints(body: dict[str, Any]) -> Iterator[tuple[str, list[str], bool]]:

@@ -1,7 +1,7 @@
 """A brain for the scripted server that answers from the simulator's truth, with set error rates.
 
-It knows every picture that an agent has seen and recognises the one it is sent, so it tells the
-truth about that very picture, whenever it is asked.
+It knows every image that an agent has seen and recognises the one it is sent, so it tells the
+truth about that very image, whenever it is asked.
 """
 
 import json
@@ -16,18 +16,18 @@ import cv2
 import numpy as np
 import pytest
 
-from hypernav.core.boxes import Box
 from hypernav.core.chat import Question
+from hypernav.core.geometry.boxes import Box
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.overview import Overview
 from hypernav.core.trace import ExchangeLog
-from hypernav.models.vlm_families import family_named
-from hypernav.perception.geometric import GeometricReasoner
-from hypernav.perception.ground_truth import GroundTruthDetector
-from hypernav.perception.presence import VlmPresenceCheck
-from hypernav.perception.vlm_detector import VlmDetector
-from hypernav.perception.vlm_reasoner import VlmReasoner
+from hypernav.models.chat.vlm_families import family_named
+from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
+from hypernav.perception.explorers.vlm_reasoner import VlmReasoner
+from hypernav.perception.local.ground_truth import GroundTruthDetector
+from hypernav.perception.local.presence import VlmPresenceCheck
+from hypernav.perception.local.vlm_detector import VlmDetector
 from servers.scripted import Asked
 
 
@@ -36,7 +36,7 @@ class Errors:
     """How often the truth is bent, each from 0 to 1.
 
     Attributes:
-        miss: The goal is in the picture, and it says that it is not.
+        miss: The goal is in the image, and it says that it is not.
         wrong_label: It calls the thing something else.
         wrong_space: It answers in thousandths where pixels are expected.
         prose: It writes sentences around the JSON.
@@ -56,39 +56,39 @@ class Errors:
 
 @dataclass
 class Truth:
-    """What an agent has seen so far, by a small version of each picture."""
+    """What an agent has seen so far, by a small version of each image."""
 
     observations: list[tuple[np.ndarray, Observation]] = field(default_factory=list)
     overviews: list[tuple[np.ndarray, Overview]] = field(default_factory=list)
 
     def see(self, observation: Observation) -> None:
-        """Remember a camera picture."""
+        """Remember a camera image."""
         self.observations.append((_small(observation.rgb), observation))
 
     def draw(self, overview: Overview) -> None:
         """Remember a map."""
-        self.overviews.append((_small(overview.picture), overview))
+        self.overviews.append((_small(overview.image), overview))
 
 
-def _small(picture: np.ndarray) -> np.ndarray:
-    small = cv2.resize(picture, (64, 48), interpolation=cv2.INTER_AREA)
+def _small(image: np.ndarray) -> np.ndarray:
+    small = cv2.resize(image, (64, 48), interpolation=cv2.INTER_AREA)
     return small.astype(np.float32)
 
 
-def _recognised(picture: np.ndarray, known: list) -> object:
-    small = _small(picture)
+def _recognised(image: np.ndarray, known: list) -> object:
+    small = _small(image)
     return min(reversed(known), key=lambda one: float(np.abs(one[0] - small).mean()))[1]
 
 
 @contextmanager
 def watching(truth: Truth) -> Iterator[Truth]:
     """While it lasts, all that is asked about in this process becomes known to the truth."""
-    about_picture, about_map = VlmDetector.question, VlmReasoner.question
+    about_image, about_map = VlmDetector.question, VlmReasoner.question
     is_present = VlmPresenceCheck.is_present
 
-    def watched_picture(self: VlmDetector, observation: Observation, goal: Goal) -> Question:
+    def watched_image(self: VlmDetector, observation: Observation, goal: Goal) -> Question:
         truth.see(observation)
-        return about_picture(self, observation, goal)
+        return about_image(self, observation, goal)
 
     def watched_map(self: VlmReasoner, overview: Overview, *others: Any, **more: Any) -> Question:
         truth.draw(overview)
@@ -99,7 +99,7 @@ def watching(truth: Truth) -> Iterator[Truth]:
         return is_present(self, observation, goal)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(VlmDetector, "question", watched_picture)
+        patch.setattr(VlmDetector, "question", watched_image)
         patch.setattr(VlmReasoner, "question", watched_map)
         patch.setattr(VlmPresenceCheck, "is_present", watched_presence)
         yield truth
@@ -131,7 +131,7 @@ class TruthfulBrain:
     def _ground(self, asked: Asked) -> str:
         match = re.match(r"Locate every (.+?) in the picture", asked.text)
         goal = Goal(match[1] if match else "nothing")
-        view = _recognised(asked.pictures[0], self._truth.observations)
+        view = _recognised(asked.images[0], self._truth.observations)
         assert isinstance(view, Observation)
         things = [] if self._happens(self.errors.miss) else self._detector.detect(view, goal)
         height, width = view.rgb.shape[:2]
@@ -141,7 +141,7 @@ class TruthfulBrain:
         for thing in things:
             edges = [thing.box.x_min, thing.box.y_min, thing.box.x_max, thing.box.y_max]
             edges = [edge + self._rng.gauss(0.0, self.errors.jitter_px) for edge in edges]
-            said = family_named(space).from_picture(Box(*edges), width, height)
+            said = family_named(space).from_image(Box(*edges), width, height)
             numbers = [round(edge) for edge in (said.x_min, said.y_min, said.x_max, said.y_max)]
             found.append({"bbox_2d": numbers, "label": label})
         text = f"```json\n{json.dumps(found)}\n```"
@@ -156,7 +156,7 @@ class TruthfulBrain:
             return "The kitchen smells of 4 or 5 sorts of cheese."
         match = re.search(r"Don't answer number \[([\d, ]+)\]", asked.text)
         excluded = frozenset(map(int, match[1].split(","))) if match else frozenset[int]()
-        overview = _recognised(asked.pictures[0], self._truth.overviews)
+        overview = _recognised(asked.images[0], self._truth.overviews)
         assert isinstance(overview, Overview)
         number = self._reasoner.choose(overview, Goal("anything"), excluded).number
         if number is not None:
@@ -168,6 +168,6 @@ class TruthfulBrain:
             return "Beauty lies in the eye of the beholder."
         match = re.match(r"Is there a (.+?) in this picture", asked.text)
         goal = Goal(match[1] if match else "nothing")
-        view = _recognised(asked.pictures[0], self._truth.observations)
+        view = _recognised(asked.images[0], self._truth.observations)
         assert isinstance(view, Observation)
         return "yes" if self._detector.detect(view, goal) else "no"

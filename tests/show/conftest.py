@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from hypernav.core.actions import Action
-from hypernav.core.camera import PinholeCamera, optical_to_base
-from hypernav.core.geometry import Pose2
-from hypernav.core.grid import Cell, OccupancyGrid
+from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
+from hypernav.core.geometry.grid import Cell, OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.observation import Observation
 from hypernav.core.trace import BlockRecord, DetectionRecord, Exchange, Mode, StepTrace
 
@@ -83,7 +83,7 @@ def sighting() -> DetectionRecord:
 
 @pytest.fixture
 def observation() -> Observation:
-    """A grey picture of 160 by 120 pixels."""
+    """A grey image of 160 by 120 pixels."""
     camera, robot = PinholeCamera.from_hfov(160, 120, 79.0), Pose2(0.0, 0.0, 0.0)
     return Observation(
         rgb=np.full((120, 160, 3), 130, dtype=np.uint8),

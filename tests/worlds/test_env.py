@@ -7,10 +7,10 @@ from gymnasium.utils.env_checker import check_env
 
 from box_scenes import room_boxes, scene_of
 from hypernav.core.actions import Action
+from hypernav.core.embodiment import CameraConfig
 from hypernav.core.errors import GoalError, SceneError, StartError, WorldError
-from hypernav.core.geometry import Pose2
-from hypernav.worlds.embodiment import CameraConfig
-from hypernav.worlds.env import ENV_ID, ObjectNavConfig, ObjectNavEnv, register_env
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.worlds.env import ENV_ID, ObjectNavConfig, ObjectNavEnv
 from hypernav.worlds.noise import NoiseConfig
 from hypernav.worlds.simulation import SimulatedWorld, SimulationConfig
 
@@ -40,10 +40,10 @@ def test_gymnasiums_own_checker_accepts_it(noise):
     check_env(env.unwrapped)
 
 
-def test_registering_twice_is_harmless():
-    register_env()
-    register_env()
-    assert ENV_ID in gymnasium.registry
+def test_gymnasium_finds_it_by_module_and_name():
+    config = ObjectNavConfig(simulation=SimulationConfig(camera=CameraConfig(width=32, height=24)))
+    env = gymnasium.make(f"hypernav.worlds.env:{ENV_ID}", scene=SCENE, config=config)
+    assert isinstance(env.unwrapped, ObjectNavEnv)
 
 
 def test_stop_at_the_goal_terminates_and_succeeds():

@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from hypernav.core.geometry import Pose2
+from hypernav.core.geometry.transforms import Pose2
 from hypernav.worlds.noise import (
     NoiseConfig,
     noisy_depth,

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from hypernav.core.goal import Goal
-from hypernav.worlds.goal_regions import GoalRegion
 from hypernav.worlds.referee import Referee
-from hypernav.worlds.walkable import WalkableGrid
+from hypernav.worlds.surface.goal_regions import GoalRegion
+from hypernav.worlds.surface.walkable import WalkableGrid
 
 
 @pytest.fixture

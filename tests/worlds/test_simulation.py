@@ -7,13 +7,13 @@ from hypothesis import strategies as st
 
 from box_scenes import room_boxes, scene_of
 from hypernav.core.actions import Action
+from hypernav.core.embodiment import ActionConfig, CameraConfig
 from hypernav.core.errors import StartError, WorldError
-from hypernav.core.geometry import Pose2
+from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.worlds.embodiment import ActionConfig, CameraConfig
 from hypernav.worlds.noise import NoiseConfig
 from hypernav.worlds.simulation import SimulatedWorld, SimulationConfig
-from hypernav.worlds.starts import random_start
+from hypernav.worlds.surface.starts import random_start
 
 SMALL = CameraConfig(width=64, height=48)
 BED = ("bed", (4.4, 1.0, 0.0), (6.0, 3.0, 0.5))
@@ -235,7 +235,7 @@ def test_random_starts_can_reach_the_goal():
 
 
 def test_a_robot_in_a_real_house_sees_it(small_house):
-    from hypernav.worlds.loading import load_scene
+    from hypernav.worlds.scenes.loading import load_scene
 
     world = SimulatedWorld(load_scene(small_house))
     region = world.regions.of(Goal("sofa"))

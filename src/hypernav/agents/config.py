@@ -28,7 +28,7 @@ class SearchConfig(RoomConfig):
         look_across_boundary: At a destination, turn to what is still unexplored around it.
         drop_explored: Give a destination up once nothing unknown is left around it.
         drop_explored_radius_m: What "around it" means.
-        verify_view: The picture that the presence check sees: the "current" one (paper) or the
+        verify_view: The image that the presence check sees: the "current" one (paper) or the
             "best" of the approach, which still shows what stands too close or too low.
         face_target: Turn towards the goal area before the presence check.
         see_before_stop: A robot that faces the goal area and has something in between, such as a

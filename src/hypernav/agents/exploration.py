@@ -11,13 +11,18 @@ from hypernav.agents.config import SearchConfig
 from hypernav.agents.progress import Progress
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
-from hypernav.core.geometry import Pose2
+from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.grid import OccupancyGrid
 from hypernav.core.overview import Block
 from hypernav.core.trace import BlockRecord
-from hypernav.perception.explorer import Destination, Explorer, ThinksAhead, last_free_towards
-from hypernav.planning import Navigator
+from hypernav.perception.explorers.explorer import (
+    Destination,
+    Explorer,
+    Prefetches,
+    last_free_towards,
+)
+from hypernav.planning.navigator import Navigator
 
 _CHOICES_PER_STEP = 4
 _WORTH_A_TURN_M = 0.3
@@ -107,8 +112,8 @@ class Exploration:
                 self._end("no progress to destination", events)
             else:
                 self._age += 1
-                if isinstance(self._explorer, ThinksAhead):
-                    self._explorer.think_ahead(grid, robot, trajectory, self.destination)
+                if isinstance(self._explorer, Prefetches):
+                    self._explorer.prefetch(grid, robot, trajectory, self.destination)
                 return action, self.destination.reason
         return Action.TURN_LEFT, "no way to any destination, looking again"
 

@@ -11,17 +11,19 @@ from hypernav.agents.second_look import place_for_second_look
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
 from hypernav.core.errors import WorldError
-from hypernav.core.geometry import Pose2
+from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.grid import OccupancyGrid
 from hypernav.core.observation import Observation
 from hypernav.core.protocols import PresenceCheck
 from hypernav.core.trace import ExchangeLog, Mode, StepTrace
-from hypernav.mapping import TopDownMap
-from hypernav.perception.explorer import Explorer
-from hypernav.perception.local import LocalPerception
-from hypernav.perception.target import Target
-from hypernav.planning import BumpSensor, Navigator, PlanningConfig
+from hypernav.mapping.top_down_map import TopDownMap
+from hypernav.perception.explorers.explorer import Explorer
+from hypernav.perception.local.local_perception import LocalPerception
+from hypernav.perception.local.target import Target
+from hypernav.planning.bump_sensor import BumpSensor
+from hypernav.planning.config import PlanningConfig
+from hypernav.planning.navigator import Navigator
 
 GAVE_UP = "gave up"
 """Event of the last step when an agent stops because nothing is left to explore."""
@@ -53,7 +55,7 @@ class SearchAgent:
         log: ExchangeLog,
         config: SearchConfig,
     ) -> None:
-        """Put the parts together; `hypernav.build` does it from a configuration.
+        """Put the parts together; `hypernav.build.agents` does it from a configuration.
 
         Args:
             world_map: Draws the map.

@@ -5,16 +5,16 @@ import math
 import numpy as np
 from jaxtyping import Bool, Float64
 
-from hypernav.core.geometry import Pose2
-from hypernav.core.grid import OccupancyGrid
-from hypernav.mapping import MappingConfig
-from hypernav.mapping.reach import Reach
-from hypernav.perception.goal_area import GoalArea
+from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.reachable_area import ReachableArea
+from hypernav.perception.local.goal_area import GoalArea
 
 _OTHER_SIDE_DEG = 60.0
 """How far around the target the second place lies, at least."""
 _NEAREST_M, _FARTHEST_M = 1.5, 3.0
-"""From the target's middle: the whole of it fits into the picture, and is large in it."""
+"""From the target's middle: the whole of it fits into the image, and is large in it."""
 _APART_CELLS = 4
 """Places are tried this far apart."""
 
@@ -38,7 +38,7 @@ def place_for_second_look(
     Returns:
         ``(x, y)``, metres; None if no such place can be reached.
     """
-    reach = Reach.of(grid, robot, mapping)
+    reach = ReachableArea.of(grid, robot, mapping)
     cells = np.argwhere(reach.reachable)
     cells = cells[(cells % _APART_CELLS == 0).all(axis=1)]
     places = reach.grid.centres_of(cells)

@@ -6,15 +6,9 @@ from typing import Annotated, Any
 
 import tyro
 
-from hypernav.build import (
-    AgentName,
-    AgentParts,
-    HyPerNavConfig,
-    PartSpecs,
-    PresetName,
-    build_agent,
-    preset,
-)
+from hypernav.build.agents import BuiltAgent, build_agent
+from hypernav.build.component_specs import AgentName, ComponentSpecs
+from hypernav.build.presets import HyPerNavConfig, PresetName, preset
 from hypernav.core.config import layered
 
 
@@ -44,9 +38,9 @@ class AgentOptions:
     """Single values of the configuration, for example search.endurance_steps=60."""
 
     @property
-    def specs(self) -> PartSpecs:
+    def specs(self) -> ComponentSpecs:
         """Who sees and thinks, as it was asked for."""
-        return PartSpecs(self.agent, self.vlm, self.detector, self.reasoner, self.segmenter)
+        return ComponentSpecs(self.agent, self.vlm, self.detector, self.reasoner, self.segmenter)
 
     def resolve(self) -> HyPerNavConfig:
         """The whole configuration: preset, file, environment and single values, in this order.
@@ -56,7 +50,7 @@ class AgentOptions:
         """
         return layered(preset(self.preset), file=self.config, assignments=self.set)
 
-    def build(self, config: HyPerNavConfig | None = None) -> AgentParts:
+    def build(self, config: HyPerNavConfig | None = None) -> BuiltAgent:
         """The agent.
 
         Args:
@@ -70,7 +64,7 @@ class AgentOptions:
         """
         return build_agent(config or self.resolve(), self.specs, record=self.record)
 
-    def describe(self, parts: AgentParts) -> dict[str, Any]:
+    def describe(self, parts: BuiltAgent) -> dict[str, Any]:
         """Who searched, for ``result.json``: words for people, specifications for repeating it."""
         return {
             "agent": self.agent,

@@ -8,11 +8,11 @@ import tyro
 from rich.console import Console
 from rich.markup import escape
 
+from hypernav.build.presets import preset
 from hypernav.core.config import layered
 from hypernav.core.errors import ConfigError
-from hypernav.models import open_chat, parse_vlm_spec
+from hypernav.models.chat.vlm_spec import open_chat, parse_vlm_spec
 from hypernav.perception.vlm_checkup import Finding, State, check_up
-from hypernav.presets import preset
 
 _MARKS = {
     State.GOOD: "[green]ok[/]   ",

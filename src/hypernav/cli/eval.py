@@ -15,20 +15,20 @@ import tyro
 from rich.console import Console
 from rich.live import Live
 
+from hypernav.build.presets import HyPerNavConfig
 from hypernav.cli.agent_options import AgentOptions, FlatAgentOptions
 from hypernav.cli.eval_table import outcome_lines, progress_line, progress_table
 from hypernav.core.errors import ConfigError, GoalError
 from hypernav.core.goal import Goal
-from hypernav.evaluation.crew import Crew
-from hypernav.evaluation.datasets import EpisodeSpec, load_episodes, select
-from hypernav.evaluation.processes import ProcessCrew
-from hypernav.evaluation.ray_workers import RayCrew
+from hypernav.evaluation.datasets import Episode, load_episodes, select
 from hypernav.evaluation.run_plan import RunPlan, Selection
 from hypernav.evaluation.runner import RunNews, run_episodes
-from hypernav.evaluation.store import RunStore
-from hypernav.evaluation.usage import cpu_seconds_of_ended_workers
-from hypernav.evaluation.workbench import Job, SaveChoice
-from hypernav.presets import HyPerNavConfig
+from hypernav.evaluation.store.run_store import RunStore
+from hypernav.evaluation.workers.process_pool import ProcessPool
+from hypernav.evaluation.workers.ray_pool import RayPool
+from hypernav.evaluation.workers.resource_usage import cpu_seconds_of_ended_workers
+from hypernav.evaluation.workers.worker import Job, SaveChoice
+from hypernav.evaluation.workers.worker_pool import WorkerPool
 from hypernav.worlds.referee import SUCCESS_DISTANCE_M
 
 _LINE_EVERY_S = 60.0
@@ -94,10 +94,10 @@ class Eval:
                 console.print(f"{again} episodes that don't count are run again")
             if store.records:
                 console.print(f"{len(store.records)} of {len(episodes)} episodes are done already")
-            crew = self._crew(self._job(folder, config))
+            pool = self._pool(self._job(folder, config))
             session = _Session(store, self._workers)
             try:
-                news = self._watch(console, episodes, store, crew, session)
+                news = self._watch(console, episodes, store, pool, session)
             except KeyboardInterrupt:
                 session.end("interrupted")
                 console.print(
@@ -126,7 +126,7 @@ class Eval:
                 "questions and answers in the traces of --save videos"
             )
 
-    def _plan(self, config: HyPerNavConfig, episodes: Sequence[EpisodeSpec]) -> RunPlan:
+    def _plan(self, config: HyPerNavConfig, episodes: Sequence[Episode]) -> RunPlan:
         """The run, after making sure that its agent can be built and can see the goals."""
         parts = self.options.build(config)
         goals = dict.fromkeys(episode.goal for episode in episodes)
@@ -167,15 +167,15 @@ class Eval:
     def _workers(self) -> int:
         return self.workers or _cores()
 
-    def _crew(self, job: Job) -> Crew:
-        return ProcessCrew(job) if self.ray is None else RayCrew(job, self.ray)
+    def _pool(self, job: Job) -> WorkerPool:
+        return ProcessPool(job) if self.ray is None else RayPool(job, self.ray)
 
     def _watch(
         self,
         console: Console,
-        episodes: Sequence[EpisodeSpec],
+        episodes: Sequence[Episode],
         store: RunStore,
-        crew: Crew,
+        pool: WorkerPool,
         session: "_Session",
     ) -> RunNews:
         """Run it under a live table; where there is no terminal, say a line now and then."""
@@ -192,7 +192,7 @@ class Eval:
                 console.print(progress_line(news, session.seconds), soft_wrap=True)
 
         with live if console.is_terminal else nullcontext():
-            return run_episodes(episodes, store, crew, workers=self._workers, watch=watch)
+            return run_episodes(episodes, store, pool, workers=self._workers, watch=watch)
 
 
 @dataclass

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from rich.table import Table
 
-from hypernav.evaluation.failures import Failure
+from hypernav.evaluation.failures.classification import Failure
 from hypernav.evaluation.runner import RunNews
 from hypernav.evaluation.statistics import Estimate
 from hypernav.evaluation.summary import failure_counts, summarise

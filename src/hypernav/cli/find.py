@@ -11,15 +11,17 @@ import tyro
 from rich.console import Console
 from rich.status import Status
 
-from hypernav.build import build_scene
+from hypernav.build.agents import build_scene
 from hypernav.cli.agent_options import AgentOptions, FlatAgentOptions
 from hypernav.cli.warnings_shown import warnings_on
 from hypernav.core.errors import ConfigError
-from hypernav.core.geometry import Pose2
+from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.evaluation import Episode, EpisodeResult, EpisodeStep, Outcome
+from hypernav.evaluation.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
+from hypernav.evaluation.outcome import Outcome
 from hypernav.evaluation.recorder import EpisodeRecorder
-from hypernav.worlds import SimulatedWorld, random_start
+from hypernav.worlds.simulation import SimulatedWorld
+from hypernav.worlds.surface.starts import random_start
 
 MODEL_UNAVAILABLE_STATUS = 3
 """Exit status of a command whose model stayed away longer than the configured patience."""
@@ -74,7 +76,7 @@ class Find:
             world = SimulatedWorld(build_scene(self.scene), config.world)
             rng = np.random.default_rng(self.seed)
             start = self._start(world, goal, rng)
-            episode = Episode(parts.agent, world, goal, start, rng=rng, max_steps=self.max_steps)
+            episode = EpisodeRun(parts.agent, world, goal, start, rng=rng, max_steps=self.max_steps)
             folder = self.out or _new_folder(goal)
             with EpisodeRecorder(
                 folder,
@@ -114,7 +116,7 @@ class Find:
         x, y, yaw_deg = self.start
         return Pose2(x, y, float(np.radians(yaw_deg)))
 
-    def _search(self, episode: Episode, recorder: EpisodeRecorder, status: Status) -> bool:
+    def _search(self, episode: EpisodeRun, recorder: EpisodeRecorder, status: Status) -> bool:
         """Run to the end; True if somebody pressed Ctrl-C."""
         try:
             for step in episode:

@@ -9,11 +9,13 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from hypernav.build import house_number
+from hypernav.build.agents import house_number
 from hypernav.core.errors import ConfigError, EpisodeError
-from hypernav.datasets import write_episodes
-from hypernav.worlds.house_episodes import SPLITS, Difficulty, difficulty, load_split, split_named
-from hypernav.worlds.houses.export import export_house, house_page
+from hypernav.datasets.files import write_episodes
+from hypernav.houses.episodes.difficulty import Difficulty, difficulty
+from hypernav.houses.episodes.splits import SPLITS, load_split, split_named
+from hypernav.houses.export.files import export_house
+from hypernav.houses.export.page import house_page
 
 
 @dataclass(frozen=True)

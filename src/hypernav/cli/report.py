@@ -7,7 +7,8 @@ import tyro
 from rich.console import Console
 
 from hypernav.core.errors import ConfigError
-from hypernav.evaluation.report import load_runs, write_report
+from hypernav.evaluation.report.page import write_report
+from hypernav.evaluation.report.run_data import load_runs
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""What is asked of a model that reads pictures and writes text, and what it answers."""
+"""What is asked of a model that reads images and writes text, and what it answers."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -17,7 +17,7 @@ from hypernav.core.errors import (
     UnparsableAnswerError,
 )
 
-Picture = UInt8[np.ndarray, "_ _ 3"]
+Image = UInt8[np.ndarray, "_ _ 3"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +27,7 @@ class Question:
     Attributes:
         kind: What it is for ("ground", "choose block", "verify", …); the ledger counts by it.
         text: The prompt.
-        images: Pictures that the text speaks of, in order. They are sent pixel for pixel.
+        images: Images that the text speaks of, in order. They are sent pixel for pixel.
         allowed: The only possible answers; empty for an open question.
         form: The JSON that the answer must be, as a pydantic model; None for an open question.
         max_tokens: The longest answer.
@@ -35,7 +35,7 @@ class Question:
 
     kind: str
     text: str
-    images: tuple[Picture, ...] = ()
+    images: tuple[Image, ...] = ()
     allowed: tuple[str, ...] = ()
     form: type[BaseModel] | None = None
     max_tokens: int = 256
@@ -55,7 +55,7 @@ class Usage:
     """Tokens of one exchange, as the server counts them; 0 where it does not say.
 
     Attributes:
-        tokens_in: Prompt, pictures included.
+        tokens_in: Prompt, images included.
         tokens_out: Answer, hidden reasoning included.
     """
 

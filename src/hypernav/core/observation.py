@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float32, Int32, UInt8
 
-from hypernav.core.camera import PinholeCamera
 from hypernav.core.errors import CameraError
-from hypernav.core.geometry import Pose2, Transform
+from hypernav.core.geometry.camera import PinholeCamera
+from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.labels import ObjectLabel
 
 

@@ -1,4 +1,4 @@
-"""The map as a question: numbered blocks, the picture of them, and the answer."""
+"""The map as a question: numbered blocks, the image of them, and the answer."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import UInt8
 
-from hypernav.core.geometry import Pose2
+from hypernav.core.geometry.transforms import Pose2
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Overview:
     """What a reasoner may know when it chooses a block.
 
     Attributes:
-        draw: Makes the picture, which not every reasoner looks at.
+        draw: Makes the image, which not every reasoner looks at.
         blocks: In order of their numbers.
         robot: Where the robot is, ``map`` frame.
     """
@@ -50,7 +50,7 @@ class Overview:
     robot: Pose2
 
     @cached_property
-    def picture(self) -> UInt8[np.ndarray, "height width 3"]:
+    def image(self) -> UInt8[np.ndarray, "height width 3"]:
         """Map, numbered blocks, robot arrow and trajectory, drawn for a model and for people."""
         return self.draw()
 

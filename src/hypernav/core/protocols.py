@@ -7,12 +7,12 @@ import numpy as np
 from jaxtyping import Bool, Float32, Int32, UInt8
 
 from hypernav.core.actions import Action
-from hypernav.core.boxes import Box, Detection
-from hypernav.core.camera import PinholeCamera
-from hypernav.core.chat import Answer, Picture, Question
-from hypernav.core.geometry import Transform
+from hypernav.core.chat import Answer, Image, Question
+from hypernav.core.geometry.boxes import Box, Detection
+from hypernav.core.geometry.camera import PinholeCamera
+from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.geometry.transforms import Transform
 from hypernav.core.goal import Goal
-from hypernav.core.grid import OccupancyGrid
 from hypernav.core.observation import Observation
 from hypernav.core.overview import BlockChoice, Overview
 from hypernav.core.trace import StepTrace
@@ -48,7 +48,7 @@ class ExplainsItself(Protocol):
 
 @runtime_checkable
 class Detector(Protocol):
-    """Sees whether the goal is in the picture."""
+    """Sees whether the goal is in the image."""
 
     def detect(self, observation: Observation, goal: Goal) -> list[Detection]:
         """All candidates, best first. An empty list means: not seen."""
@@ -78,13 +78,13 @@ class PresenceCheck(Protocol):
     """Looks once more, at the goal, before the robot declares success."""
 
     def is_present(self, observation: Observation, goal: Goal) -> bool:
-        """Whether the goal is really in the picture."""
+        """Whether the goal is really in the image."""
         ...
 
 
 @runtime_checkable
 class ChatModel(Protocol):
-    """A model that looks at pictures and answers in words. Safe to share between threads."""
+    """A model that looks at images and answers in words. Safe to share between threads."""
 
     def identify(self) -> str:
         """The model's name, found out if need be. Holds no secret.
@@ -118,9 +118,9 @@ class AsyncChatModel(Protocol):
 
 @runtime_checkable
 class Similarity(Protocol):
-    """Tells how well a text fits a picture."""
+    """Tells how well a text fits an image."""
 
-    def similarity(self, picture: Picture, text: str) -> float:
+    def similarity(self, image: Image, text: str) -> float:
         """From 0 (not at all) to 1; comparable only between answers of the same model."""
         ...
 

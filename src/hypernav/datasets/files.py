@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from hypernav.core.errors import EpisodeError
-from hypernav.datasets.episodes import EpisodeDataset
+from hypernav.datasets.habitat_format import EpisodeDataset
 
 _GZIP_MAGIC = b"\x1f\x8b"
 _SUFFIXES = (".json.gz", ".json")

@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from hypernav.core.errors import EpisodeError
-from hypernav.core.geometry import Pose2, wrap_angle
+from hypernav.core.geometry.transforms import Pose2, wrap_angle
 
 
 def positions_from_habitat(

@@ -14,13 +14,14 @@ from pathlib import Path
 
 import numpy as np
 
-from hypernav.build import build_scene
+from hypernav.build.agents import build_scene
 from hypernav.core.errors import EpisodeError
-from hypernav.core.geometry import Pose2
+from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.datasets import pose_from_habitat
-from hypernav.worlds import SimulatedWorld, SimulationConfig, random_start
-from hypernav.worlds.house_episodes import SPLITS, load_split
+from hypernav.datasets.frames import pose_from_habitat
+from hypernav.houses.episodes.splits import SPLITS, load_split
+from hypernav.worlds.simulation import SimulatedWorld, SimulationConfig
+from hypernav.worlds.surface.starts import random_start
 
 STARTS_PER_GOAL = 5
 """Of ``scene:`` data sets that don't say how many."""
@@ -30,7 +31,7 @@ Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True)
-class EpisodeSpec:
+class Episode:
     """One episode to run.
 
     Attributes:
@@ -72,7 +73,7 @@ class Source:
     """
 
     form: str
-    load: Callable[[str, SimulationConfig, Progress | None], list[EpisodeSpec]]
+    load: Callable[[str, SimulationConfig, Progress | None], list[Episode]]
 
 
 def load_episodes(
@@ -80,7 +81,7 @@ def load_episodes(
     simulation: SimulationConfig | None = None,
     *,
     progress: Progress | None = None,
-) -> list[EpisodeSpec]:
+) -> list[Episode]:
     """All episodes of a data set, in its order.
 
     Args:
@@ -109,12 +110,12 @@ def load_episodes(
 
 
 def select(
-    episodes: Sequence[EpisodeSpec],
+    episodes: Sequence[Episode],
     *,
     part: str | None = None,
     scenes: str | None = None,
     goals: str | None = None,
-) -> list[EpisodeSpec]:
+) -> list[Episode]:
     """Some of the episodes of a data set.
 
     Args:
@@ -144,7 +145,7 @@ def select(
     return chosen
 
 
-def fingerprint(episodes: Sequence[EpisodeSpec]) -> str:
+def fingerprint(episodes: Sequence[Episode]) -> str:
     """Tells two sets of episodes apart, their order included."""
     text = json.dumps([asdict(episode) for episode in episodes], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
@@ -152,11 +153,11 @@ def fingerprint(episodes: Sequence[EpisodeSpec]) -> str:
 
 def _house_episodes(
     split: str, ids: str, simulation: SimulationConfig, progress: Progress | None
-) -> list[EpisodeSpec]:
+) -> list[Episode]:
     houses = None if not ids else _id_range(split, ids)
     dataset = load_split(split, houses=houses, progress=progress)
     return [
-        EpisodeSpec(
+        Episode(
             scene_id=episode.scene_id,
             episode_id=str(episode.episode_id),
             goal=episode.goal.text,
@@ -169,7 +170,7 @@ def _house_episodes(
 
 def _scene_episodes(
     scene: str, starts: str, simulation: SimulationConfig, progress: Progress | None
-) -> list[EpisodeSpec]:
+) -> list[Episode]:
     """All goals of one scene, each from several drawn starts."""
     if starts and not (starts.isdecimal() and int(starts) > 0):
         raise EpisodeError(f"scene:{scene}#{starts}: expected the number of starts per goal")
@@ -184,7 +185,7 @@ def _scene_episodes(
             progress(done, len(goals))
         region = world.regions.of(Goal(goal))
         for number in range(count):
-            spec = EpisodeSpec(scene, f"{goal}-{number}", goal, Pose2(0.0, 0.0, 0.0))
+            spec = Episode(scene, f"{goal}-{number}", goal, Pose2(0.0, 0.0, 0.0))
             rng = np.random.default_rng(spec.seed(0))
             start = random_start(world.walkable, rng, region)
             episodes.append(replace(spec, start=start))

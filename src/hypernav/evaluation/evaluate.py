@@ -6,11 +6,11 @@ from pathlib import Path
 
 from hypernav.core.protocols import Agent
 from hypernav.evaluation.datasets import load_episodes, select
-from hypernav.evaluation.processes import ProcessCrew
 from hypernav.evaluation.run_plan import RunPlan
 from hypernav.evaluation.runner import RunNews, run_episodes
-from hypernav.evaluation.store import RunStore
-from hypernav.evaluation.workbench import Job, SaveChoice
+from hypernav.evaluation.store.run_store import RunStore
+from hypernav.evaluation.workers.process_pool import ProcessPool
+from hypernav.evaluation.workers.worker import Job, SaveChoice
 
 
 def evaluate(
@@ -60,4 +60,4 @@ def evaluate(
     )
     with RunStore(folder, plan.configuration(episodes)) as store:
         store.take_out(lambda record: not record.counts)
-        return run_episodes(episodes, store, ProcessCrew(job), workers=workers, watch=watch)
+        return run_episodes(episodes, store, ProcessPool(job), workers=workers, watch=watch)

@@ -26,7 +26,7 @@ class StopRule(StrEnum):
 
 
 @dataclass(frozen=True)
-class Protocol:
+class EvaluationProtocol:
     """One way to score an episode.
 
     Attributes:
@@ -48,5 +48,7 @@ class Protocol:
         )
 
 
-PROTOCOLS = tuple(Protocol(distance, rule) for rule in StopRule for distance in SUCCESS_DISTANCES_M)
+PROTOCOLS = tuple(
+    EvaluationProtocol(distance, rule) for rule in StopRule for distance in SUCCESS_DISTANCES_M
+)
 """Every success distance with every stop rule."""

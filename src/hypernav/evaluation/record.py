@@ -5,7 +5,7 @@ from typing import Annotated
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer
 
-from hypernav.evaluation.failures import Failure
+from hypernav.evaluation.failures.classification import Failure
 from hypernav.evaluation.outcome import Outcome
 
 Length = Annotated[

@@ -6,11 +6,13 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from hypernav.core.grid import OccupancyGrid
+from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.trace import StepTrace
-from hypernav.evaluation.episode import EpisodeStep
-from hypernav.mapping import save_ros_map
-from hypernav.show import EpisodeVideo, write_map_png, write_page
+from hypernav.evaluation.episode_run import EpisodeStep
+from hypernav.mapping.ros_map import save_ros_map
+from hypernav.show.drawing.maps import write_map_png
+from hypernav.show.pages.page import write_page
+from hypernav.show.video.video import EpisodeVideo
 
 
 class EpisodeRecorder:

@@ -5,10 +5,10 @@ from dataclasses import asdict, dataclass, field
 from importlib.metadata import version
 from typing import Any
 
-from hypernav.evaluation.datasets import EpisodeSpec, fingerprint
+from hypernav.build.component_specs import ComponentSpecs
+from hypernav.build.presets import HyPerNavConfig, PresetName
+from hypernav.evaluation.datasets import Episode, fingerprint
 from hypernav.evaluation.protocol import StopRule
-from hypernav.part_specs import PartSpecs
-from hypernav.presets import HyPerNavConfig, PresetName
 from hypernav.worlds.referee import SUCCESS_DISTANCE_M
 
 
@@ -46,14 +46,14 @@ class RunPlan:
     dataset: str
     selection: Selection = Selection()
     preset: PresetName = "default"
-    specs: PartSpecs = field(default_factory=PartSpecs)
+    specs: ComponentSpecs = field(default_factory=ComponentSpecs)
     who: dict[str, Any] = field(default_factory=dict)
     config: HyPerNavConfig = field(default_factory=HyPerNavConfig)
     max_steps: int = 500
     success_distance_m: float = SUCCESS_DISTANCE_M
     seed: int = 0
 
-    def configuration(self, episodes: Sequence[EpisodeSpec]) -> dict[str, Any]:
+    def configuration(self, episodes: Sequence[Episode]) -> dict[str, Any]:
         """For ``run.json``.
 
         Args:

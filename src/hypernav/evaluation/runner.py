@@ -5,13 +5,21 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from hypernav.core.errors import HyPerNavError
-from hypernav.evaluation.crew import Crashed, Crew, Done, Lost, Ready, Refused, Report
-from hypernav.evaluation.datasets import EpisodeSpec
-from hypernav.evaluation.failures import Failure
+from hypernav.evaluation.datasets import Episode
+from hypernav.evaluation.failures.classification import Failure
 from hypernav.evaluation.record import EpisodeRecord
-from hypernav.evaluation.schedule import ATTEMPTS, Schedule
-from hypernav.evaluation.store import RunStore
-from hypernav.evaluation.workbench import broken
+from hypernav.evaluation.store.run_store import RunStore
+from hypernav.evaluation.workers.schedule import ATTEMPTS, Schedule
+from hypernav.evaluation.workers.worker import broken
+from hypernav.evaluation.workers.worker_pool import (
+    Crashed,
+    Done,
+    Lost,
+    Ready,
+    Refused,
+    Report,
+    WorkerPool,
+)
 
 POLL_S = 0.5
 """How often somebody is told that nothing has happened, so that clocks on screens go on."""
@@ -44,13 +52,13 @@ class RunNews:
     done_now: int = 0
     peak_mb: dict[int, float] = field(default_factory=dict)
     losses: int = 0
-    crashes: dict[EpisodeSpec, str] = field(default_factory=dict)
+    crashes: dict[Episode, str] = field(default_factory=dict)
 
 
 def run_episodes(
-    episodes: Sequence[EpisodeSpec],
+    episodes: Sequence[Episode],
     store: RunStore,
-    crew: Crew,
+    pool: WorkerPool,
     *,
     workers: int,
     watch: Callable[[RunNews], None] | None = None,
@@ -60,7 +68,7 @@ def run_episodes(
     Args:
         episodes: All of the run, the finished ones included.
         store: Open.
-        crew: Nobody needs to be hired yet. It is closed in any case.
+        pool: Nobody needs to be hired yet. It is closed in any case.
         workers: How many to hire at most.
         watch: Is told whenever something has happened, and from time to time.
 
@@ -70,17 +78,17 @@ def run_episodes(
         HyPerNavError: A worker said that the run can't go on.
     """
     waiting = [episode for episode in episodes if episode.key not in store.records]
-    owner = _Owner(Schedule(waiting), store, crew, RunNews(list(store.records.values()), 0))
+    owner = _Owner(Schedule(waiting), store, pool, RunNews(list(store.records.values()), 0))
     owner.news.total = len(episodes)
     try:
         owner.hire(min(workers, len(waiting)))
         while not owner.schedule.is_finished:
-            for report in crew.wait(POLL_S):
+            for report in pool.wait(POLL_S):
                 owner.take(report)
             if watch is not None:
                 watch(owner.news)
     finally:
-        crew.close()
+        pool.close()
     return owner.news
 
 
@@ -90,7 +98,7 @@ class _Owner:
 
     schedule: Schedule
     store: RunStore
-    crew: Crew
+    pool: WorkerPool
     news: RunNews
     workers: int = 0
     outages: int = 0
@@ -100,7 +108,7 @@ class _Owner:
     def hire(self, workers: int) -> None:
         self.workers = workers
         for worker in range(workers):
-            self.crew.start(worker)
+            self.pool.start(worker)
 
     def take(self, report: Report) -> None:
         """Deal with what happened to one worker."""
@@ -162,9 +170,9 @@ class _Owner:
     def _replace(self, worker: int) -> None:
         """Hire a new worker for a lost one, if anything waits."""
         if self.schedule.has_waiting:
-            self.crew.start(worker)
+            self.pool.start(worker)
 
     def _give_work(self, worker: int) -> None:
         episode = self.schedule.next_for(worker)
         if episode is not None:
-            self.crew.send(worker, episode)
+            self.pool.send(worker, episode)

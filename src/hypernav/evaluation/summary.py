@@ -4,8 +4,8 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from hypernav.evaluation.failures import Failure
-from hypernav.evaluation.protocol import Protocol
+from hypernav.evaluation.failures.classification import Failure
+from hypernav.evaluation.protocol import EvaluationProtocol
 from hypernav.evaluation.record import EpisodeRecord
 from hypernav.evaluation.statistics import DRAWS, Estimate, mean_with_interval
 
@@ -35,7 +35,10 @@ def counted(records: Sequence[EpisodeRecord]) -> list[EpisodeRecord]:
 
 
 def summarise(
-    records: Sequence[EpisodeRecord], protocol: Protocol | None = None, *, draws: int = DRAWS
+    records: Sequence[EpisodeRecord],
+    protocol: EvaluationProtocol | None = None,
+    *,
+    draws: int = DRAWS,
 ) -> Summary:
     """The numbers of some episodes.
 
@@ -44,7 +47,7 @@ def summarise(
         protocol: What counts as success; Habitat's by default.
         draws: Bootstrap samples of the intervals.
     """
-    protocol = protocol or Protocol()
+    protocol = protocol or EvaluationProtocol()
     records = counted(records)
     scores = [protocol.score(record) for record in records]
     scenes = [record.scene_id for record in records]

@@ -4,12 +4,12 @@ import cv2
 import numpy as np
 from jaxtyping import Bool, Int64, UInt8
 
-from hypernav.core.geometry import Pose2
-from hypernav.core.grid import OccupancyGrid
+from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.overview import Block
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.distance_kernels import nearest_open_cell
-from hypernav.mapping.reach import Reach
+from hypernav.mapping.reachable_area import ReachableArea
 
 
 def divide_into_blocks(
@@ -25,7 +25,7 @@ def divide_into_blocks(
         robot: Where the robot is.
         config: Size of the squares, least free floor, clearance.
     """
-    reach = Reach.of(grid, robot, config)
+    reach = ReachableArea.of(grid, robot, config)
     side = config.block_size_m
     row_square, column_square = _squares(reach.grid, side)
     blocks: list[Block] = []
@@ -54,7 +54,7 @@ def _slice(squares: Int64[np.ndarray, "n"], square: int) -> slice:
 
 
 def _block(
-    reach: Reach,
+    reach: ReachableArea,
     window: tuple[slice, slice],
     number: int,
     x_min: float,

@@ -6,10 +6,10 @@ import cv2
 import numpy as np
 from jaxtyping import Float64, Int64
 
-from hypernav.core.geometry import Pose2
-from hypernav.core.grid import OccupancyGrid
+from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.reach import Reach
+from hypernav.mapping.reachable_area import ReachableArea
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +45,7 @@ def find_frontiers(grid: OccupancyGrid, robot: Pose2, config: MappingConfig) -> 
         robot: Where the robot is.
         config: Smallest size and clearance.
     """
-    reach = Reach.of(grid, robot, config)
+    reach = ReachableArea.of(grid, robot, config)
     _, parts = cv2.connectedComponents(reach.frontier.view(np.uint8), connectivity=8)
     flat = np.flatnonzero(reach.frontier)
     cells = np.stack(np.divmod(flat, reach.frontier.shape[1]), axis=1)
@@ -56,7 +56,7 @@ def find_frontiers(grid: OccupancyGrid, robot: Pose2, config: MappingConfig) -> 
     return [_frontier(reach, groups[i]) for i in np.argsort(first)]
 
 
-def _frontier(reach: Reach, cells: Int64[np.ndarray, "n 2"]) -> Frontier:
+def _frontier(reach: ReachableArea, cells: Int64[np.ndarray, "n 2"]) -> Frontier:
     away = ((cells - cells.mean(axis=0)) ** 2).sum(axis=1)
     row, column = cells[int(away.argmin())]
     destination = reach.look_out(int(row), int(column))

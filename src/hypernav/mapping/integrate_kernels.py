@@ -115,11 +115,11 @@ def ends_behind(depth, lens, u, v, behind):
 def sees_floor(depth, lens, pose, x, y, heights):
     """Whether a cell is seen free, as low as the camera can look.
 
-    Far away that is just above the floor. Near the robot, where the floor lies below the picture's
-    lower edge, it is the lowest ray of the picture inside the height band.
+    Far away that is just above the floor. Near the robot, where the floor lies below the image's
+    lower edge, it is the lowest ray of the image inside the height band.
 
     Returns:
-        2 if seen free down to the floor, 1 if as low as the picture shows, 0 if not seen free.
+        2 if seen free down to the floor, 1 if as low as the image shows, 0 if not seen free.
     """
     for j in range(heights.shape[0]):
         h = heights[j]
@@ -161,7 +161,7 @@ def sees_through(depth, lens, pose, x, y, h, sizes, margins):
 
 @njit(nogil=True)
 def in_sight(width, lens, pose, x, y, low, high):
-    """Whether any of a cell's column, from height `low` to `high`, may lie in the picture."""
+    """Whether any of a cell's column, from height `low` to `high`, may lie in the image."""
     left, right = 0, 0
     for h in (low, high):
         z = pose[8] * x + pose[9] * y + pose[10] * h + pose[11]

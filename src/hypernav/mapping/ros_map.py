@@ -9,7 +9,7 @@ import yaml
 from PIL import Image, UnidentifiedImageError
 
 from hypernav.core.errors import MapError
-from hypernav.core.grid import Cell, OccupancyGrid
+from hypernav.core.geometry.grid import Cell, OccupancyGrid
 
 OCCUPIED_THRESHOLD = 0.65
 FREE_THRESHOLD = 0.196
@@ -21,7 +21,7 @@ def save_ros_map(grid: OccupancyGrid, folder: Path, name: str = "map") -> Path:
 
     Shades and thresholds are those of map_saver: free 254, occupied 0, unknown 205, which the
     thresholds 0.65 and 0.196 read back as the same three states (with map_saver's newer free
-    threshold of 0.25, unknown cells would be read as free). The picture's first row is the map's
+    threshold of 0.25, unknown cells would be read as free). The image's first row is the map's
     highest y. Each file is replaced at once, never left half written.
 
     Source: nav2_map_server, ``map_io.cpp``.
@@ -64,7 +64,7 @@ def load_ros_map(path: Path) -> OccupancyGrid:
     try:
         resolution, (x, y, yaw) = float(facts["resolution"]), map(float, facts["origin"])
         occupied, free = float(facts["occupied_thresh"]), float(facts["free_thresh"])
-        picture = path.parent / str(facts["image"])
+        image = path.parent / str(facts["image"])
         negate, corner = bool(facts.get("negate", 0)), (x, y)
     except (KeyError, TypeError, ValueError) as error:
         raise MapError(
@@ -79,10 +79,10 @@ def load_ros_map(path: Path) -> OccupancyGrid:
     if yaw != 0.0:
         raise MapError(f"{path}: a map turned by {yaw} rad cannot be read; save it unturned")
     try:
-        with Image.open(picture) as image:
+        with Image.open(image) as image:
             shades = np.asarray(image.convert("L"), dtype=np.float64)
     except (OSError, UnidentifiedImageError) as error:
-        raise MapError(f"{path}: cannot read its picture {picture}: {error}") from error
+        raise MapError(f"{path}: cannot read its image {image}: {error}") from error
     darkness = shades / 255.0 if negate else (255.0 - shades) / 255.0
     cells = np.full(shades.shape, Cell.UNKNOWN, dtype=np.uint8)
     cells[darkness > occupied] = Cell.OCCUPIED

@@ -6,10 +6,10 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float, Float32, Float64, UInt8, UInt32
 
-from hypernav.core.camera import PinholeCamera
 from hypernav.core.errors import MapError
-from hypernav.core.geometry import Transform
-from hypernav.core.grid import OccupancyGrid
+from hypernav.core.geometry.camera import PinholeCamera
+from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.geometry.transforms import Transform
 from hypernav.core.observation import Observation
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.integrate_kernels import FREE, OCCUPIED, UNKNOWN, integrate_frame

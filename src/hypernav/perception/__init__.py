@@ -1,1 +1,1 @@
-"""Local (detect, segment, refine, project) and global (draw, ask, choose, remember)."""
+"""Local perception of the goal, and explorers for where to look next."""

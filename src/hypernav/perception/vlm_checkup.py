@@ -10,18 +10,18 @@ from enum import StrEnum
 
 import numpy as np
 
-from hypernav.core.boxes import Box
-from hypernav.core.chat import Answer, Picture, Question
+from hypernav.core.chat import Answer, Image, Question
 from hypernav.core.errors import ConfigError, ModelRejectedError, ModelUnavailableError
+from hypernav.core.geometry.boxes import Box
 from hypernav.core.goal import Goal
 from hypernav.core.protocols import ChatModel
-from hypernav.models.answer_reading import shortened, without_thinking
-from hypernav.models.openai_chat import OpenAiChat
-from hypernav.models.vlm_families import VlmFamily, family_named, family_of
-from hypernav.perception.grounding_format import read_grounding
-from hypernav.perception.presence import PresenceConfig, presence_question
-from hypernav.perception.vlm_detector import VlmDetectorConfig, grounding_question
-from hypernav.perception.vlm_reasoner import VlmReasonerConfig, map_question
+from hypernav.models.chat.answer_reading import shortened, without_thinking
+from hypernav.models.chat.openai_chat import OpenAiChat
+from hypernav.models.chat.vlm_families import VlmFamily, family_named, family_of
+from hypernav.perception.explorers.vlm_reasoner import VlmReasonerConfig, map_question
+from hypernav.perception.local.grounding_format import read_grounding
+from hypernav.perception.local.presence import PresenceConfig, presence_question
+from hypernav.perception.local.vlm_detector import VlmDetectorConfig, grounding_question
 
 _GOAL = Goal("red rectangle")
 _WIDTH, _HEIGHT = 640, 480
@@ -87,12 +87,12 @@ def check_up(
         yield Finding("answers", State.FAULT, str(error), _WAIT)
 
 
-def drawn_shape() -> Picture:
+def drawn_shape() -> Image:
     """A red rectangle at a known place on a plain, light ground."""
-    picture = np.full((_HEIGHT, _WIDTH, 3), 225, dtype=np.uint8)
+    image = np.full((_HEIGHT, _WIDTH, 3), 225, dtype=np.uint8)
     x_min, y_min, x_max, y_max = _PLACE.pixels()
-    picture[y_min:y_max, x_min:x_max] = (215, 30, 30)
-    return picture
+    image[y_min:y_max, x_min:x_max] = (215, 30, 30)
+    return image
 
 
 def _check_server(chat: OpenAiChat) -> Generator[Finding, None, bool]:
@@ -121,7 +121,7 @@ def _check_server(chat: OpenAiChat) -> Generator[Finding, None, bool]:
 
 
 def _check_sight(chat: ChatModel) -> Generator[Finding, None, bool]:
-    """Whether it takes pictures and tells one colour from another."""
+    """Whether it takes images and tells one colour from another."""
     wrong = []
     for colour, rgb in _COLOURS.items():
         plain = np.full((224, 224, 3), rgb, dtype=np.uint8)
@@ -193,10 +193,10 @@ def _time_questions(
     chat: ChatModel, block_choice: VlmReasonerConfig, presence: PresenceConfig
 ) -> Iterator[Finding]:
     """What the other questions of a search take."""
-    picture = drawn_shape()
+    image = drawn_shape()
     overview = np.full((_MAP_SIDE, _MAP_SIDE, 3), 200, dtype=np.uint8)
     yield _timed(chat.ask(map_question(block_choice, overview, _GOAL, _BLOCKS)), "choose block")
-    yield _timed(chat.ask(presence_question(presence, picture, _GOAL)), "verify")
+    yield _timed(chat.ask(presence_question(presence, image, _GOAL)), "verify")
 
 
 def _timed(answer: Answer, kind: str) -> Finding:

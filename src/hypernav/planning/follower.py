@@ -7,12 +7,12 @@ import numpy as np
 from jaxtyping import Float32
 
 from hypernav.core.actions import Action
-from hypernav.core.geometry import Pose2, wrap_angle
+from hypernav.core.geometry.transforms import Pose2, wrap_angle
+from hypernav.planning.astar import costs_to_go
 from hypernav.planning.config import PlanningConfig
+from hypernav.planning.costmap import Costmap
 from hypernav.planning.motion_kernels import plan_actions
-from hypernav.planning.planner import Path, is_blocked
-from hypernav.planning.search import costs_to_go
-from hypernav.planning.terrain import Terrain
+from hypernav.planning.planner import PlannedPath, is_blocked
 
 _TURN_COST_M = 0.05
 """What a turn weighs against a longer way: enough to keep the robot from zigzagging."""
@@ -43,10 +43,10 @@ class PathFollower:
             config: Steering, tolerances, step and turn.
         """
         self._config = config
-        self._path: Path | None = None
+        self._path: PlannedPath | None = None
         self.follow(None)
 
-    def follow(self, path: Path | None) -> None:
+    def follow(self, path: PlannedPath | None) -> None:
         """Take a new path, or drop the present one."""
         end = None if self._path is None else self._path.end
         self._path = path
@@ -56,7 +56,7 @@ class PathFollower:
             self._plan: list[Action] = []
 
     @property
-    def path(self) -> Path | None:
+    def path(self) -> PlannedPath | None:
         """The path that is being followed."""
         return self._path
 
@@ -72,12 +72,12 @@ class PathFollower:
         self._pass_waypoints(self._path, robot)
         return (robot.xy, *self._path.waypoints[self._next :])
 
-    def next_action(self, robot: Pose2, terrain: Terrain | None = None) -> Action | None:
+    def next_action(self, robot: Pose2, costmap: Costmap | None = None) -> Action | None:
         """What to do now.
 
         Args:
             robot: Where the robot is.
-            terrain: The inflated map, for ``steering: lattice``. Without it the robot steers to the
+            costmap: The inflated map, for ``steering: lattice``. Without it the robot steers to the
                 next waypoint whatever the configuration says.
 
         Returns:
@@ -88,16 +88,16 @@ class PathFollower:
         if self._path is None:
             return None
         self._pass_waypoints(self._path, robot)
-        if self._config.steering == "lattice" and terrain is not None:
-            action = self._by_lattice(self._path, robot, terrain)
-            if action is None and terrain.is_tight and not self._is_at_end(self._path, robot):
+        if self._config.steering == "lattice" and costmap is not None:
+            action = self._by_lattice(self._path, robot, costmap)
+            if action is None and costmap.is_tight and not self._is_at_end(self._path, robot):
                 action = self._to_waypoint(self._path, robot)
         else:
             action = self._to_waypoint(self._path, robot)
         self._arrived = action is None and self._is_at_end(self._path, robot)
         return action
 
-    def _is_at_end(self, path: Path, robot: Pose2) -> bool:
+    def _is_at_end(self, path: PlannedPath, robot: Pose2) -> bool:
         # A step may end up to half its length away from where it should.
         return robot.distance_to(*path.end) <= max(self._tolerance, self._config.forward_m)
 
@@ -105,7 +105,7 @@ class PathFollower:
     def _tolerance(self) -> float:
         return self._config.waypoint_tolerance_m
 
-    def _pass_waypoints(self, path: Path, robot: Pose2) -> None:
+    def _pass_waypoints(self, path: PlannedPath, robot: Pose2) -> None:
         """Go on to the next waypoint when one is near, or when the robot is beyond it.
 
         Steps are long, so a waypoint is often stepped over. It never comes back.
@@ -118,7 +118,7 @@ class PathFollower:
                 break
             self._next += 1
 
-    def _to_waypoint(self, path: Path, robot: Pose2) -> Action | None:
+    def _to_waypoint(self, path: PlannedPath, robot: Pose2) -> Action | None:
         """The paper's follower: turn if the next waypoint is too far off, else go."""
         aim = path.waypoints[min(self._next, len(path.waypoints) - 1)]
         if self._next >= len(path.waypoints) - 1:
@@ -136,7 +136,7 @@ class PathFollower:
             return Action.MOVE_FORWARD
         return Action.TURN_LEFT if bearing > 0.0 else Action.TURN_RIGHT
 
-    def _by_lattice(self, path: Path, robot: Pose2, terrain: Terrain) -> Action | None:
+    def _by_lattice(self, path: PlannedPath, robot: Pose2, costmap: Costmap) -> Action | None:
         """The next of the actions that lead on best, searched some steps ahead.
 
         They are carried out to their end, where less is left to go than before. To choose anew
@@ -144,8 +144,8 @@ class PathFollower:
         """
         if robot.distance_to(*path.end) <= self._tolerance:
             return None  # no wall is thin enough to lie between
-        if not (self._plan and self._goes_as_planned(robot, terrain)):
-            actions = self._search_actions(path, robot, terrain)
+        if not (self._plan and self._goes_as_planned(robot, costmap)):
+            actions = self._search_actions(path, robot, costmap)
             if actions is None:
                 return self._to_waypoint(path, robot)
             self._plan = actions
@@ -155,7 +155,7 @@ class PathFollower:
         self._expected = self._after(robot, action)
         return action
 
-    def _goes_as_planned(self, robot: Pose2, terrain: Terrain) -> bool:
+    def _goes_as_planned(self, robot: Pose2, costmap: Costmap) -> bool:
         """Whether the robot is where its plan has it, and the plan's next step is still open."""
         expected = self._expected
         if expected.distance_to(*robot.xy) > _SAME_PLACE_M:
@@ -166,7 +166,7 @@ class PathFollower:
         for action in self._plan:
             before, pose = pose, self._after(pose, action)
             if action is Action.MOVE_FORWARD:
-                return not is_blocked((before.xy, pose.xy), terrain)
+                return not is_blocked((before.xy, pose.xy), costmap)
         return True
 
     def _after(self, robot: Pose2, action: Action) -> Pose2:
@@ -181,12 +181,14 @@ class PathFollower:
         turn = math.radians(self._config.turn_angle_deg)
         return Pose2(robot.x, robot.y, robot.yaw + (turn if action is Action.TURN_LEFT else -turn))
 
-    def _search_actions(self, path: Path, robot: Pose2, terrain: Terrain) -> list[Action] | None:
+    def _search_actions(
+        self, path: PlannedPath, robot: Pose2, costmap: Costmap
+    ) -> list[Action] | None:
         """Actions that lead on; empty if none does, None if the search cannot be made here."""
-        size = terrain.grid.resolution_m
-        costs, (bottom, left) = _surroundings(terrain, robot)
-        row, column = terrain.continuous(*robot.xy)
-        aim_row, aim_column = terrain.grid.cell_of(*self._ahead(path, robot))
+        size = costmap.grid.resolution_m
+        costs, (bottom, left) = _surroundings(costmap, robot)
+        row, column = costmap.continuous(*robot.xy)
+        aim_row, aim_column = costmap.grid.cell_of(*self._ahead(path, robot))
         here = (math.floor(row) - bottom, math.floor(column) - left)
         aim = (aim_row - bottom, aim_column - left)
         if not all(_is_open(costs, cell) for cell in (here, aim)):
@@ -212,7 +214,7 @@ class PathFollower:
             return []
         return [_ACTIONS[action] for action in actions]
 
-    def _ahead(self, path: Path, robot: Pose2) -> tuple[float, float]:
+    def _ahead(self, path: PlannedPath, robot: Pose2) -> tuple[float, float]:
         """The place on the path that is `_LOOK_AHEAD_M` farther along it than the robot."""
         left = _LOOK_AHEAD_M
         for start, end in list(pairwise(path.waypoints))[self._next - 1 :]:
@@ -243,13 +245,13 @@ def _along(
 
 
 def _surroundings(
-    terrain: Terrain, robot: Pose2
+    costmap: Costmap, robot: Pose2
 ) -> tuple[Float32[np.ndarray, "rows columns"], tuple[int, int]]:
     """The costs around the robot, and row and column of their corner."""
-    row, column = terrain.grid.cell_of(*robot.xy)
-    reach = math.ceil(_SURROUNDINGS_M / terrain.grid.resolution_m)
+    row, column = costmap.grid.cell_of(*robot.xy)
+    reach = math.ceil(_SURROUNDINGS_M / costmap.grid.resolution_m)
     bottom, left = max(row - reach, 0), max(column - reach, 0)
-    costs = terrain.costs[bottom : row + reach + 1, left : column + reach + 1]
+    costs = costmap.costs[bottom : row + reach + 1, left : column + reach + 1]
     return np.ascontiguousarray(costs), (bottom, left)
 
 

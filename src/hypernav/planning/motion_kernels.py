@@ -68,7 +68,7 @@ def cost_of_line(costs, row_a, column_a, row_b, column_b):
 
 
 @njit(cache=True, nogil=True)
-def pull_string(costs, path, start_row, start_column):
+def shortcut(costs, path, start_row, start_column):
     """Straighten a path: leave out cells where the direct line is open and costs no more.
 
     Args:

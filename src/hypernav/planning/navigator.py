@@ -7,12 +7,12 @@ import numpy as np
 from jaxtyping import Float64
 
 from hypernav.core.actions import Action
-from hypernav.core.geometry import Pose2
-from hypernav.core.grid import OccupancyGrid
+from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2
 from hypernav.planning.config import PlanningConfig
+from hypernav.planning.costmap import Costmap
 from hypernav.planning.follower import PathFollower
-from hypernav.planning.planner import Path, Planner, is_blocked
-from hypernav.planning.terrain import Terrain
+from hypernav.planning.planner import PlannedPath, Planner, is_blocked
 
 
 class Navigator:
@@ -32,7 +32,7 @@ class Navigator:
         self._targets: Float64[np.ndarray, "n 2"] = np.zeros((0, 2))
 
     @property
-    def path(self) -> Path | None:
+    def path(self) -> PlannedPath | None:
         """The way that is being followed."""
         return self._follower.path
 
@@ -57,9 +57,9 @@ class Navigator:
         """
         self._age += 1
         if self._path_is_fresh(targets):
-            terrain = Terrain.of(grid, self._config, robot.xy, self._inflation_m)
-            if not is_blocked(self._follower.remaining(robot), terrain):
-                action = self._follower.next_action(robot, terrain)
+            costmap = Costmap.of(grid, self._config, robot.xy, self._inflation_m)
+            if not is_blocked(self._follower.remaining(robot), costmap):
+                action = self._follower.next_action(robot, costmap)
                 if action is not None or self.arrived:
                     return action
         return self._plan(grid, robot, targets)
@@ -87,9 +87,9 @@ class Navigator:
         self._targets, self._age = targets, 0
         for inflation_m in self._config.inflations_m:
             self._inflation_m = inflation_m
-            terrain = Terrain.of(grid, self._config, robot.xy, inflation_m)
-            self._follower.follow(self._planner.plan_on(terrain, robot.xy, targets))
-            action = self._follower.next_action(robot, terrain)
+            costmap = Costmap.of(grid, self._config, robot.xy, inflation_m)
+            self._follower.follow(self._planner.plan_on(costmap, robot.xy, targets))
+            action = self._follower.next_action(robot, costmap)
             if action is not None or self.arrived:
                 return action
         return None

@@ -7,15 +7,15 @@ import cv2
 import numpy as np
 from jaxtyping import Float64, UInt8
 
-from hypernav.core.grid import OccupancyGrid
+from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.planning.astar import astar
 from hypernav.planning.config import PlanningConfig
-from hypernav.planning.motion_kernels import cost_of_line, pull_string
-from hypernav.planning.search import astar
-from hypernav.planning.terrain import Terrain
+from hypernav.planning.costmap import Costmap
+from hypernav.planning.motion_kernels import cost_of_line, shortcut
 
 
 @dataclass(frozen=True)
-class Path:
+class PlannedPath:
     """A way for the robot's middle, ``map`` frame.
 
     Attributes:
@@ -51,7 +51,7 @@ class Planner:
         grid: OccupancyGrid,
         start: tuple[float, float],
         targets: Float64[np.ndarray, "n 2"],
-    ) -> Path | None:
+    ) -> PlannedPath | None:
         """The cheapest way to a destination.
 
         From inside an inflated obstacle the way first leads out of it. A destination that cannot
@@ -67,63 +67,63 @@ class Planner:
             The way; None if there is none.
         """
         for inflation_m in self._config.inflations_m:
-            terrain = Terrain.of(grid, self._config, start, inflation_m)
-            path = self.plan_on(terrain, start, targets)
+            costmap = Costmap.of(grid, self._config, start, inflation_m)
+            path = self.plan_on(costmap, start, targets)
             if path is not None:
                 return path
         return None
 
     def plan_on(
         self,
-        terrain: Terrain,
+        costmap: Costmap,
         start: tuple[float, float],
         targets: Float64[np.ndarray, "n 2"],
-    ) -> Path | None:
+    ) -> PlannedPath | None:
         """The same over a map that is inflated already."""
         if self._config.targets == "nearest-straight":
             offsets = ((targets - np.array(start)) ** 2).sum(axis=1)
             targets = targets[[int(offsets.argmin())]]
-        if terrain.way_out is None:
+        if costmap.escape is None:
             return None
-        here = terrain.grid.cell_of(*start)
-        goal, gap_m = _reachable_goal(terrain, here, targets, self._config.end_in_unknown)
+        here = costmap.grid.cell_of(*start)
+        goal, gap_m = _reachable_goal(costmap, here, targets, self._config.end_in_unknown)
         if gap_m > self._config.max_gap_m:
             return None
-        cells, _ = astar(terrain.costs, here, goal)
+        cells, _ = astar(costmap.costs, here, goal)
         if len(cells) == 0:
             return None
-        corners = cells[pull_string(terrain.costs, cells, *terrain.continuous(*start))]
-        points = [(float(x), float(y)) for x, y in terrain.grid.centres_of(corners)]
-        return Path((start, *(points[1:] if len(points) > 1 else points)), gap_m)
+        corners = cells[shortcut(costmap.costs, cells, *costmap.continuous(*start))]
+        points = [(float(x), float(y)) for x, y in costmap.grid.centres_of(corners)]
+        return PlannedPath((start, *(points[1:] if len(points) > 1 else points)), gap_m)
 
 
-def is_blocked(points: tuple[tuple[float, float], ...], terrain: Terrain) -> bool:
+def is_blocked(points: tuple[tuple[float, float], ...], costmap: Costmap) -> bool:
     """Whether the map shows an obstacle on a polyline.
 
     Args:
         points: Its corners, metres.
-        terrain: The inflated map.
+        costmap: The inflated map.
     """
-    places = [terrain.continuous(*point) for point in points]
-    return any(np.isinf(cost_of_line(terrain.costs, *a, *b)) for a, b in pairwise(places))
+    places = [costmap.continuous(*point) for point in points]
+    return any(np.isinf(cost_of_line(costmap.costs, *a, *b)) for a, b in pairwise(places))
 
 
 def _reachable_goal(
-    terrain: Terrain,
+    costmap: Costmap,
     here: tuple[int, int],
     targets: Float64[np.ndarray, "n 2"],
     end_in_unknown: bool,
 ) -> tuple[UInt8[np.ndarray, "rows columns"], float]:
     """Cells to go to (1), and how far from the destination they are, metres."""
     # Diagonal steps need both neighbours, so what is 8-reachable is 4-connected.
-    passable = (terrain.costs > 0.0).view(np.uint8)
+    passable = (costmap.costs > 0.0).view(np.uint8)
     _, parts = cv2.connectedComponents(passable, connectivity=4)
-    reachable = (parts == parts[here]) & (terrain.is_open > 0)
+    reachable = (parts == parts[here]) & (costmap.is_open > 0)
     wanted = np.zeros(reachable.shape, dtype=bool)
-    cells = terrain.grid.cells_of(targets)
+    cells = costmap.grid.cells_of(targets)
     inside = ((cells >= 0) & (cells < np.array(reachable.shape))).all(axis=1)
     wanted[cells[inside, 0], cells[inside, 1]] = True
-    known = reachable & terrain.grid.explored
+    known = reachable & costmap.grid.explored
     for allowed in (known, reachable) if end_in_unknown else (known,):
         goal = wanted & allowed
         if goal.any():
@@ -134,10 +134,10 @@ def _reachable_goal(
         away = cv2.distanceTransform((~wanted).view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
     else:  # beyond the explored map: the reachable cell nearest to the first target
         rows, columns = np.indices(reachable.shape)
-        row, column = terrain.continuous(*targets[0])
+        row, column = costmap.continuous(*targets[0])
         away = np.hypot(rows + 0.5 - row, columns + 0.5 - column)
     away = np.where(known, away, np.inf)
     nearest = np.unravel_index(int(away.argmin()), away.shape)
     beside = np.zeros(wanted.shape, dtype=bool)
     beside[nearest] = True
-    return beside.view(np.uint8), float(away[nearest]) * terrain.grid.resolution_m
+    return beside.view(np.uint8), float(away[nearest]) * costmap.grid.resolution_m

@@ -1,4 +1,7 @@
-"""Object-goal navigation as a Gymnasium environment, ``hypernav/ObjectNav-v0``."""
+"""Object-goal navigation as a Gymnasium environment, ``hypernav/ObjectNav-v0``.
+
+Importing this module registers it: ``gymnasium.make("hypernav.worlds.env:hypernav/ObjectNav-v0")``.
+"""
 
 import math
 from collections.abc import Mapping
@@ -15,14 +18,14 @@ from pydantic import Field
 from hypernav.core.actions import Action
 from hypernav.core.config import RoomConfig
 from hypernav.core.errors import GoalError, WorldError
-from hypernav.core.geometry import Pose2
+from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.worlds.loading import load_scene
 from hypernav.worlds.referee import SUCCESS_DISTANCE_M, Referee
-from hypernav.worlds.scene import Scene
+from hypernav.worlds.scenes.loading import load_scene
+from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.simulation import SimulatedWorld, SimulationConfig
-from hypernav.worlds.starts import random_start
+from hypernav.worlds.surface.starts import random_start
 
 ENV_ID = "hypernav/ObjectNav-v0"
 
@@ -226,7 +229,7 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
     def _observed(self) -> dict[str, Any]:
         seen = self.world.observation
         return {
-            # Copies: the caller may change what it gets, and STOP shows the last picture again.
+            # Copies: the caller may change what it gets, and STOP shows the last image again.
             "rgb": seen.rgb.copy(),
             "depth": seen.depth.copy(),
             "pose": np.array([seen.robot.x, seen.robot.y, seen.robot.yaw]),
@@ -249,7 +252,5 @@ def _checked_goal(text: str) -> Goal:
     return Goal(text)
 
 
-def register_env() -> None:
-    """Make ``gymnasium.make("hypernav/ObjectNav-v0", scene=…)`` work. Harmless if it does."""
-    if ENV_ID not in gymnasium.registry:
-        gymnasium.register(ENV_ID, entry_point="hypernav.worlds.env:ObjectNavEnv")
+if ENV_ID not in gymnasium.registry:
+    gymnasium.register(ENV_ID, entry_point="hypernav.worlds.env:ObjectNavEnv")

@@ -8,7 +8,7 @@ from jaxtyping import Float32
 from pydantic import Field
 
 from hypernav.core.config import RoomConfig
-from hypernav.core.geometry import Pose2
+from hypernav.core.geometry.transforms import Pose2
 
 
 class NoiseConfig(RoomConfig):

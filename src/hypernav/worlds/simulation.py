@@ -8,12 +8,13 @@ from pydantic import Field
 
 from hypernav.core.actions import Action
 from hypernav.core.config import RoomConfig
+from hypernav.core.embodiment import ActionConfig, CameraConfig, RobotConfig
 from hypernav.core.errors import StartError, WorldError
-from hypernav.core.geometry import Pose2, Transform, wrap_angle
+from hypernav.core.geometry.transforms import Pose2, Transform, wrap_angle
 from hypernav.core.observation import LabelledPixels, Observation
 from hypernav.core.protocols import RenderedView, Renderer
-from hypernav.worlds.embodiment import ActionConfig, CameraConfig, RobotConfig
-from hypernav.worlds.goal_regions import GoalRegions
+from hypernav.worlds.drawing.rays import RayCaster
+from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.noise import (
     NoiseConfig,
     noisy_depth,
@@ -21,11 +22,10 @@ from hypernav.worlds.noise import (
     noisy_turn,
     reported_motion,
 )
-from hypernav.worlds.rays import RayCaster
-from hypernav.worlds.renderer import CpuRenderer
-from hypernav.worlds.scene import Scene
-from hypernav.worlds.storeys import CELL_M
-from hypernav.worlds.walkable import WalkableGrid
+from hypernav.worlds.scenes.scene import Scene
+from hypernav.worlds.surface.goal_regions import GoalRegions
+from hypernav.worlds.surface.storeys import CELL_M
+from hypernav.worlds.surface.walkable import WalkableGrid
 
 
 class SimulationConfig(RoomConfig):

@@ -7,8 +7,8 @@ import numpy as np
 
 from hypernav.core.actions import Action
 from hypernav.core.errors import LabelsMissingError
+from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.goal import Goal
-from hypernav.core.grid import OccupancyGrid
 from hypernav.core.observation import Observation
 from hypernav.core.protocols import ExplainsItself
 from hypernav.core.trace import StepTrace
@@ -22,7 +22,7 @@ def check_agent(agent: Any, *, goal: str = DOOR, steps: int = 30, repeatable: bo
     """Run an agent through its contract and say in words what breaks it.
 
     The agent searches an empty room with a door, which needs no simulator. It must answer every
-    observation with an `Action`, leave observations as they are, live with a picture without any
+    observation with an `Action`, leave observations as they are, live with an image without any
     depth, forget everything at `reset`, and, if it explains itself, do so consistently.
 
     Args:
@@ -98,7 +98,7 @@ def _act(agent: Any, observation: Observation, faults: Faults) -> Action | None:
 
 
 def _see_nothing(agent: Any, goal: str, faults: Faults) -> None:
-    """A picture without any return of depth is legal, and so is one without labels."""
+    """An image without any return of depth is legal, and so is one without labels."""
     seen = BoxRoom(labels=False).observe()
     with While("called reset(goal)"):
         agent.reset(Goal(goal))

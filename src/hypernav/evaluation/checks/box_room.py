@@ -7,8 +7,8 @@ import numpy as np
 from jaxtyping import Float64
 
 from hypernav.core.actions import Action
-from hypernav.core.camera import PinholeCamera, optical_to_base
-from hypernav.core.geometry import Pose2, wrap_angle
+from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
+from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels, Observation
 

@@ -11,7 +11,7 @@ from gymnasium import spaces
 from gymnasium.utils.env_checker import check_env
 
 from hypernav.core.actions import Action
-from hypernav.core.geometry import wrap_angle
+from hypernav.core.geometry.transforms import wrap_angle
 from hypernav.core.metrics import EpisodeMetrics
 from hypernav.evaluation.checks.faults import Faults, While
 
@@ -25,7 +25,7 @@ _EXPLORED = 40
 def check_world(env: Any, *, seed: int = 0) -> None:
     """Run a world through the contract of object-goal navigation and say in words what breaks it.
 
-    The world is a Gymnasium environment like `hypernav.worlds.ObjectNavEnv`: observations with
+    The world is a Gymnasium environment like `hypernav.worlds.env.ObjectNavEnv`: observations with
     ``rgb``, ``depth`` (float32 metres, 0 where there is no return), ``pose`` (x forward, y left,
     yaw counter-clockwise, from the start pose) and ``goal``; Habitat's four actions; STOP ends an
     episode; ``info`` carries the measures. Gymnasium's own checker runs last. That the depth is

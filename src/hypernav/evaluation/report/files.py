@@ -5,7 +5,7 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 
-from hypernav.evaluation.protocol import PROTOCOLS, Protocol, StopRule
+from hypernav.evaluation.protocol import PROTOCOLS, EvaluationProtocol, StopRule
 from hypernav.evaluation.report import tables
 from hypernav.evaluation.report.run_data import RunData
 from hypernav.evaluation.statistics import Estimate
@@ -115,7 +115,7 @@ def _with_interval(estimate: Estimate, factor: float, digits: int) -> str:
     return f"{mean:.{digits}f} [{low:.{digits}f}, {high:.{digits}f}]"
 
 
-def _column(protocol: Protocol) -> str:
+def _column(protocol: EvaluationProtocol) -> str:
     rule = "stop" if protocol.stop_rule is StopRule.STOP_REQUIRED else "timeout"
     return f"{protocol.success_distance_m:g}m_{rule}"
 

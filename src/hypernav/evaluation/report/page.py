@@ -9,15 +9,15 @@ from urllib.parse import quote
 import yaml
 
 from hypernav.core.errors import RunFolderError
-from hypernav.evaluation.failures import RULES, Failure
+from hypernav.evaluation.failures.classification import RULES, Failure
 from hypernav.evaluation.protocol import SUCCESS_DISTANCES_M, StopRule
 from hypernav.evaluation.record import EpisodeRecord
 from hypernav.evaluation.report import tables, wording
 from hypernav.evaluation.report.files import write_csv, write_tex
 from hypernav.evaluation.report.published import PUBLISHED
 from hypernav.evaluation.report.run_data import RunData
-from hypernav.show import words
-from hypernav.show.site import page_environment, plain
+from hypernav.show.pages import words
+from hypernav.show.pages.site import page_environment, plain
 
 _SHOWN_FAILURES = 200
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from hypernav.core.errors import RunFolderError
 from hypernav.evaluation.record import EpisodeKey, EpisodeRecord
-from hypernav.evaluation.store import read_configuration, read_records, read_sessions
+from hypernav.evaluation.store.run_store import read_configuration, read_records, read_sessions
 from hypernav.evaluation.summary import counted
 
 

@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from hypernav.evaluation.failures import Failure
-from hypernav.evaluation.protocol import SUCCESS_DISTANCES_M, Protocol, StopRule
+from hypernav.evaluation.failures.classification import Failure
+from hypernav.evaluation.protocol import SUCCESS_DISTANCES_M, EvaluationProtocol, StopRule
 from hypernav.evaluation.record import EpisodeRecord
 from hypernav.evaluation.report.run_data import RunData
 from hypernav.evaluation.statistics import (
@@ -101,16 +101,16 @@ def overall(runs: Sequence[RunData]) -> list[Summary]:
     return [summarise(run.records, own_protocol(run)) for run in runs]
 
 
-def own_protocol(run: RunData) -> Protocol:
+def own_protocol(run: RunData) -> EvaluationProtocol:
     """The protocol that a run was made for."""
     told = run.configuration["protocol"]
-    return Protocol(float(told["success_distance_m"]), StopRule(told["stop_rule"]))
+    return EvaluationProtocol(float(told["success_distance_m"]), StopRule(told["stop_rule"]))
 
 
 def protocol_matrix(run: RunData) -> dict[StopRule, list[Summary]]:
     """A run under every protocol: by stop rule, then in the order of the success distances."""
     return {
-        rule: [summarise(run.records, Protocol(d, rule)) for d in SUCCESS_DISTANCES_M]
+        rule: [summarise(run.records, EvaluationProtocol(d, rule)) for d in SUCCESS_DISTANCES_M]
         for rule in StopRule
     }
 

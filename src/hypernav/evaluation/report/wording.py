@@ -2,14 +2,14 @@
 
 from collections.abc import Sequence
 
-from hypernav.evaluation.failures import MISPLACED_M, Failure
+from hypernav.evaluation.failures.classification import MISPLACED_M, Failure
+from hypernav.evaluation.failures.failure_evidence import SIGHT_SHARE
 from hypernav.evaluation.report.run_data import RunData
 from hypernav.evaluation.report.tables import Pair
 from hypernav.evaluation.statistics import Estimate
 from hypernav.evaluation.summary import Summary
-from hypernav.evaluation.witness import SIGHT_SHARE
-from hypernav.show import words
-from hypernav.worlds import NoiseConfig
+from hypernav.show.pages import words
+from hypernav.worlds.noise import NoiseConfig
 
 SIGNIFICANT = 0.05
 
@@ -39,7 +39,7 @@ RULES_IN_WORDS: dict[Failure, str] = {
     ),
     Failure.NEVER_SEEN: "The goal was never in the picture.",
 }
-"""The rules of `hypernav.evaluation.failures`, for people."""
+"""The rules of `hypernav.evaluation.failures.classification`, for people."""
 
 
 def title(runs: Sequence[RunData]) -> str:

@@ -1,0 +1,137 @@
+"""All that can be configured, and the named configurations."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from hypernav.agents.config import SearchConfig
+from hypernav.core.config import RoomConfig
+from hypernav.mapping.config import MappingConfig
+from hypernav.models.chat.config import ChatConfig
+from hypernav.models.vision.yolox import YoloxConfig
+from hypernav.models.vision.sam import SamConfig
+from hypernav.models.vision.sam_onnx import OnnxSamConfig
+from hypernav.models.vision.zero_shot import ZeroShotConfig
+from hypernav.perception.explorers.prefetch import PrefetchConfig
+from hypernav.perception.local.attention import AttentionConfig
+from hypernav.perception.local.depth_cut import DepthCutConfig
+from hypernav.perception.explorers.geometric_reasoner import GeometricConfig
+from hypernav.perception.local.config import LocalConfig
+from hypernav.perception.explorers.block_explorer import OverviewConfig
+from hypernav.perception.local.presence import PresenceConfig
+from hypernav.perception.local.vlm_detector import VlmDetectorConfig
+from hypernav.perception.explorers.vlm_reasoner import VlmReasonerConfig
+from hypernav.planning.config import PlanningConfig
+from hypernav.worlds.simulation import SimulationConfig
+
+PresetName = Literal["default", "paper"]
+
+
+class PriceConfig(RoomConfig):
+    """What a model's tokens cost; None leaves the cost out of the results.
+
+    Attributes:
+        in_per_million: A million prompt tokens, in any currency.
+        out_per_million: A million answer tokens.
+    """
+
+    in_per_million: float | None = Field(default=None, ge=0.0)
+    out_per_million: float | None = Field(default=None, ge=0.0)
+
+
+class HyPerNavConfig(RoomConfig):
+    """Everything that can be set, one section a room.
+
+    Attributes:
+        world: The simulated robot, its camera and its actions.
+        mapping: How the map is drawn.
+        local: How a detection becomes a goal area.
+        overview: How the map question is drawn and repeated.
+        geometric: How blocks are weighed without a model.
+        planning: How the robot drives.
+        search: When to look, when to stop, when to think again.
+        chat: How chat models are reached and how patient we are with them.
+        grounding: How a chat model is asked for boxes.
+        attention: Which images a chat model is asked about.
+        prefetch: When a chat model is asked the next map question.
+        block_choice: How a chat model is asked the map question.
+        presence: How a chat model is asked whether the goal is really there.
+        price: Of tokens, for the cost in the results.
+        depth_cut: How the pixels in a box are found without a model.
+        yolox: How a YOLOX export is used.
+        zero_shot: How an open-vocabulary detector is used.
+        sam: How a SAM model is used.
+        onnx_sam: How an exported SAM is used.
+    """
+
+    world: SimulationConfig = SimulationConfig()
+    mapping: MappingConfig = MappingConfig()
+    local: LocalConfig = LocalConfig()
+    overview: OverviewConfig = OverviewConfig()
+    geometric: GeometricConfig = GeometricConfig()
+    planning: PlanningConfig = PlanningConfig()
+    search: SearchConfig = SearchConfig()
+    chat: ChatConfig = ChatConfig()
+    grounding: VlmDetectorConfig = VlmDetectorConfig()
+    attention: AttentionConfig = AttentionConfig()
+    prefetch: PrefetchConfig = PrefetchConfig()
+    block_choice: VlmReasonerConfig = VlmReasonerConfig()
+    presence: PresenceConfig = PresenceConfig()
+    price: PriceConfig = PriceConfig()
+    depth_cut: DepthCutConfig = DepthCutConfig()
+    yolox: YoloxConfig = YoloxConfig()
+    zero_shot: ZeroShotConfig = ZeroShotConfig()
+    sam: SamConfig = SamConfig()
+    onnx_sam: OnnxSamConfig = OnnxSamConfig()
+
+    @property
+    def stop_reach_m(self) -> float:
+        """How far from the outline of a goal area the robot stops at most, metres."""
+        local = self.local
+        dilated_m = (
+            local.dilation_kernel // 2 * local.dilation_iterations * self.mapping.cell_size_m
+        )
+        return self.search.approach_gap_m + max(local.entry_reach_m - dilated_m, 0.0)
+
+
+def preset(name: PresetName) -> HyPerNavConfig:
+    """A named configuration: the published method, or the one that we measured to be better."""
+    if name == "default":
+        return HyPerNavConfig()
+    return HyPerNavConfig(
+        mapping=MappingConfig(frontier_min_size_m=0.3, squeeze_m=0.0),
+        local=LocalConfig(
+            entry_reach_m=0.0,
+            target="latest",
+            pick="first",
+            max_missed_share=1.0,
+            min_mean_score=0.0,
+            sure_score=0.0,
+            weigh_rivals=False,
+            largest_cluster_only=False,
+        ),
+        geometric=GeometricConfig(turn_cost_m=0.0, gain_exponent=0.5),
+        planning=PlanningConfig(
+            comfort_cost=0.0,
+            end_in_unknown=False,
+            targets="nearest-straight",
+            steering="waypoint",
+            replan_every_steps=10,
+            squeeze_m=0.0,
+        ),
+        search=SearchConfig(
+            stop_distance_m=0.45,
+            approach_gap_m=0.45,
+            give_up_when_stuck=False,
+            look_around_at_start=False,
+            look_again_before_giving_up=False,
+            look_across_boundary=False,
+            drop_explored=False,
+            verify_view="current",
+            face_target=False,
+            see_before_stop=False,
+            pursue_far_sightings=False,
+        ),
+        prefetch=PrefetchConfig(enabled=False),
+        block_choice=VlmReasonerConfig(mode="paper", skip_only_block=False),
+    )

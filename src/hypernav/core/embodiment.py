@@ -1,0 +1,87 @@
+"""What a simulated robot is: its body, its camera, what its actions do."""
+
+from pydantic import Field, model_validator
+
+from hypernav.core.config import RoomConfig
+from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
+from hypernav.core.geometry.transforms import Transform
+
+
+class RobotConfig(RoomConfig):
+    """The robot's body: a cylinder.
+
+    The defaults are those of Habitat's HM3D robot as its navigation mesh really treats it: Recast
+    rounds the height of 0.88 m up to its voxels of 0.2 m. The step is half of Habitat's 0.2 m, what
+    a wheeled robot can take; stairs (0.17 m and more a step) are therefore not walkable, and one
+    storey is all that a robot can reach.
+
+    Attributes:
+        radius_m: Of the cylinder.
+        height_m: Room that it needs above the floor.
+        max_step_m: Highest edge that it drives over.
+        max_slope_deg: Steepest surface that it stands on.
+    """
+
+    radius_m: float = Field(default=0.18, ge=0.0)
+    height_m: float = Field(default=1.0, gt=0.0)
+    max_step_m: float = Field(default=0.1, ge=0.0)
+    max_slope_deg: float = Field(default=45.0, ge=0.0, lt=90.0)
+
+
+class CameraConfig(RoomConfig):
+    """The RGB-D camera, by default that of Habitat's HM3D challenge.
+
+    Depth outside the sensor's range is 0, no return, on both sides of it, as real depth cameras
+    report it. (Habitat clips it to the range instead, so that a far wall looks like one at the
+    maximum; a mapper that trusts every positive depth would draw that wall.)
+
+    Attributes:
+        width: Pixels.
+        height: Pixels.
+        hfov_deg: Horizontal field of view.
+        height_m: Above the floor.
+        pitch_deg: Downward tilt.
+        min_depth_m: Nearest return.
+        max_depth_m: Farthest return.
+    """
+
+    width: int = Field(default=640, ge=1)
+    height: int = Field(default=480, ge=1)
+    hfov_deg: float = Field(default=79.0, gt=0.0, lt=180.0)
+    height_m: float = Field(default=0.88, gt=0.0)
+    pitch_deg: float = Field(default=0.0, gt=-90.0, lt=90.0)
+    min_depth_m: float = Field(default=0.5, ge=0.0)
+    max_depth_m: float = Field(default=5.0, gt=0.0)
+
+    @model_validator(mode="after")
+    def _range_is_not_empty(self) -> "CameraConfig":
+        if self.min_depth_m >= self.max_depth_m:
+            raise ValueError(
+                f"min_depth_m must be below max_depth_m, got {self.min_depth_m} and "
+                f"{self.max_depth_m}"
+            )
+        return self
+
+    @property
+    def intrinsics(self) -> PinholeCamera:
+        """The camera model."""
+        return PinholeCamera.from_hfov(self.width, self.height, self.hfov_deg)
+
+    @property
+    def camera_to_base(self) -> Transform:
+        """Where the camera sits on the robot."""
+        return optical_to_base(self.height_m, self.pitch_deg)
+
+
+class ActionConfig(RoomConfig):
+    """What the actions do, by default as in the paper.
+
+    Attributes:
+        forward_m: Length of a step forward.
+        turn_angle_deg: Angle of a turn.
+        sliding: Slide along obstacles instead of stopping at them; off, as in Habitat's challenges.
+    """
+
+    forward_m: float = Field(default=0.5, gt=0.0)
+    turn_angle_deg: float = Field(default=30.0, gt=0.0, le=180.0)
+    sliding: bool = False

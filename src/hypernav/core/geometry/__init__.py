@@ -1,0 +1,1 @@
+"""Transforms, cameras, boxes and grids."""

@@ -1,0 +1,95 @@
+"""Occupancy grids: ``[row, column]``, row along y, column along x, cell (0, 0) lower left."""
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from jaxtyping import Bool, Float, Float64, Int64, UInt8
+
+
+class Cell(IntEnum):
+    """State of one cell of the map."""
+
+    UNKNOWN = 0
+    FREE = 1
+    OCCUPIED = 2
+
+
+@dataclass(frozen=True, eq=False)
+class OccupancyGrid:
+    """An image of the map at one moment.
+
+    Cells move when the map grows, so whatever is kept from one step to the next is kept in metres.
+
+    Attributes:
+        cells: Values of `Cell`.
+        resolution_m: Side of a cell.
+        origin: Lower left corner of cell (0, 0), metres, in the ``map`` frame.
+    """
+
+    cells: UInt8[np.ndarray, "rows columns"]
+    resolution_m: float
+    origin: tuple[float, float]
+
+    @property
+    def free(self) -> Bool[np.ndarray, "rows columns"]:
+        """Where the robot may be."""
+        return self.cells == Cell.FREE
+
+    @property
+    def occupied(self) -> Bool[np.ndarray, "rows columns"]:
+        """Where obstacles are."""
+        return self.cells == Cell.OCCUPIED
+
+    @property
+    def explored(self) -> Bool[np.ndarray, "rows columns"]:
+        """Free or occupied."""
+        return self.cells != Cell.UNKNOWN
+
+    def cell_of(self, x: float, y: float) -> tuple[int, int]:
+        """The ``(row, column)`` that holds a point; may lie outside the grid."""
+        return (
+            int(np.floor((y - self.origin[1]) / self.resolution_m)),
+            int(np.floor((x - self.origin[0]) / self.resolution_m)),
+        )
+
+    def cells_of(self, points: Float[np.ndarray, "n 2"]) -> Int64[np.ndarray, "n 2"]:
+        """``[row, column]`` of every ``(x, y)``; may lie outside the grid."""
+        cells = np.floor((points - np.array(self.origin)) / self.resolution_m).astype(np.int64)
+        return cells[:, ::-1]
+
+    def centre_of(self, row: int, column: int) -> tuple[float, float]:
+        """``(x, y)`` of a cell's middle, metres."""
+        return (
+            self.origin[0] + (column + 0.5) * self.resolution_m,
+            self.origin[1] + (row + 0.5) * self.resolution_m,
+        )
+
+    def centres_of(self, cells: Int64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "n 2"]:
+        """``(x, y)`` of every ``[row, column]``, metres."""
+        return np.array(self.origin) + (cells[:, ::-1] + 0.5) * self.resolution_m
+
+    def inside(self, row: int, column: int) -> bool:
+        """Whether the grid has this cell."""
+        return 0 <= row < self.cells.shape[0] and 0 <= column < self.cells.shape[1]
+
+    def state_at(self, x: float, y: float) -> Cell:
+        """What is known about a point; unknown outside the grid."""
+        row, column = self.cell_of(x, y)
+        return Cell(self.cells[row, column]) if self.inside(row, column) else Cell.UNKNOWN
+
+    def cropped(self, margin_m: float = 0.5) -> "OccupancyGrid":
+        """The explored part with a margin around it; at least one cell."""
+        # Unknown is 0, so a maximum tells; it is many times faster than building a mask.
+        rows = np.flatnonzero(self.cells.max(axis=1, initial=Cell.UNKNOWN))
+        columns = np.flatnonzero(self.cells.max(axis=0, initial=Cell.UNKNOWN))
+        if rows.size == 0:
+            return OccupancyGrid(self.cells[:1, :1], self.resolution_m, self.origin)
+        margin = int(np.ceil(margin_m / self.resolution_m))
+        row, column = max(rows[0] - margin, 0), max(columns[0] - margin, 0)
+        cells = self.cells[row : rows[-1] + 1 + margin, column : columns[-1] + 1 + margin]
+        origin = (
+            self.origin[0] + float(column) * self.resolution_m,
+            self.origin[1] + float(row) * self.resolution_m,
+        )
+        return OccupancyGrid(cells, self.resolution_m, origin)

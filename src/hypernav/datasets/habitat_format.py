@@ -1,0 +1,152 @@
+"""Episodes in Habitat's ObjectNav format, as data.
+
+The models hold a file's values exactly: numbers stay integers or floats, fields that the format
+doesn't know are kept, absent fields stay absent. So a file that is read and written again holds the
+same JSON values. OVON's files are the same format with ``children_object_categories``, textual
+object ids and no ``iou``.
+
+Positions and rotations are Habitat's (y up, quaternions ``[x, y, z, w]``); see
+`hypernav.datasets.frames` for ours.
+"""
+
+from pathlib import PurePosixPath
+from typing import Annotated, Any
+
+import numpy as np
+from jaxtyping import Float64
+from pydantic import AllowInfNan, BaseModel, ConfigDict, Field, StrictFloat, StrictInt
+
+from hypernav.core.errors import EpisodeError
+from hypernav.core.goal import Goal
+from hypernav.datasets.frames import positions_from_habitat
+
+Number = StrictInt | Annotated[StrictFloat, AllowInfNan(False)]
+"""A finite JSON number; 0 and 0.0 are told apart."""
+
+Position = tuple[Number, Number, Number]
+Quaternion = tuple[Number, Number, Number, Number]
+
+
+class _Entry(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="allow")
+
+
+class AgentState(_Entry):
+    """Where an agent stands and looks, Habitat's frame.
+
+    Attributes:
+        position: Of its feet, metres.
+        rotation: Quaternion ``[x, y, z, w]``; at rest it looks along -z.
+    """
+
+    position: Position
+    rotation: Quaternion
+
+
+class ViewPoint(_Entry):
+    """A place from which a goal is seen.
+
+    Attributes:
+        agent_state: The place, looking at the goal.
+        iou: Share of the image that shows the goal; absent in OVON.
+    """
+
+    agent_state: AgentState
+    iou: Number | None = None
+
+
+class ObjectGoal(_Entry):
+    """One object that satisfies a goal.
+
+    Attributes:
+        object_category: Its kind.
+        object_id: Number in the scene, or text in OVON.
+        position: Its middle, Habitat's frame.
+        view_points: Where it counts as reached.
+        object_name: Name in the scene.
+    """
+
+    object_category: str
+    object_id: StrictInt | str
+    position: Position
+    view_points: list[ViewPoint] = Field(default_factory=list)
+    object_name: str | None = None
+
+
+class ObjectNavEpisode(_Entry):
+    """One start and what to find.
+
+    Attributes:
+        episode_id: Unique within its scene.
+        scene_id: File of the scene within its data set.
+        start_position: Habitat's frame, metres.
+        start_rotation: Quaternion ``[x, y, z, w]``.
+        object_category: What to find, as text.
+        info: Among others ``geodesic_distance``.
+        goals: Usually empty, the goals are in `EpisodeDataset.goals_by_category`; older files have
+            them here.
+        children_object_categories: Kinds that count as well (OVON).
+    """
+
+    episode_id: StrictInt | str
+    scene_id: str
+    start_position: Position
+    start_rotation: Quaternion
+    object_category: str
+    info: dict[str, Any] | None = None
+    goals: list[ObjectGoal] = Field(default_factory=list)
+    children_object_categories: list[str] | None = None
+
+    @property
+    def goal(self) -> Goal:
+        """What to find; Habitat's underscores are spaces."""
+        return Goal(self.object_category.replace("_", " "))
+
+    def goals_key(self, category: str | None = None) -> str:
+        """Where the goals of this scene's category are found in `goals_by_category`."""
+        return f"{PurePosixPath(self.scene_id).name}_{category or self.object_category}"
+
+
+class EpisodeDataset(_Entry):
+    """The content of one file.
+
+    Attributes:
+        episodes: In the file's order; empty in the main file of a split whose episodes are in
+            files of their own for each scene.
+        goals_by_category: All objects of a kind in a scene, by `Episode.goals_key`.
+        category_to_task_category_id: Numbers of the categories.
+    """
+
+    episodes: list[ObjectNavEpisode]
+    goals_by_category: dict[str, list[ObjectGoal]] = Field(default_factory=dict)
+    category_to_task_category_id: dict[str, int] = Field(default_factory=dict)
+
+    def goals_of(self, episode: ObjectNavEpisode) -> tuple[ObjectGoal, ...]:
+        """Every object that counts as found, those of child categories (OVON) included.
+
+        Raises:
+            EpisodeError: The file holds no goals for this episode.
+        """
+        if episode.goals:
+            return tuple(episode.goals)
+        key = episode.goals_key()
+        if key not in self.goals_by_category:
+            raise EpisodeError(
+                f"episode {episode.episode_id}: no goals for '{episode.object_category}', expected "
+                f"the key '{key}' in goals_by_category"
+            )
+        keys = [key, *map(episode.goals_key, episode.children_object_categories or [])]
+        return tuple(goal for key in keys for goal in self.goals_by_category.get(key, []))
+
+    def view_points_of(self, episode: ObjectNavEpisode) -> Float64[np.ndarray, "n 3"]:
+        """All view points of an episode's goals, z-up scene frame, metres.
+
+        Raises:
+            EpisodeError: The file holds no goals for this episode.
+        """
+        positions = [
+            point.agent_state.position
+            for goal in self.goals_of(episode)
+            for point in goal.view_points
+        ]
+        return positions_from_habitat(np.array(positions, dtype=np.float64).reshape(-1, 3))

@@ -1,0 +1,221 @@
+"""Who watches an episode for the failure analysis: knows the truth, never tells the agent."""
+
+import math
+from collections import Counter
+
+import cv2
+import numpy as np
+from jaxtyping import Bool, Float64
+
+from hypernav.agents.search import GAVE_UP
+from hypernav.build.presets import HyPerNavConfig
+from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.observation import LabelledPixels
+from hypernav.core.trace import DetectionRecord
+from hypernav.evaluation.episode_run import EpisodeResult, EpisodeStep
+from hypernav.evaluation.failures.classification import MISPLACED_M, Belief, Facts, Held
+from hypernav.houses.near_misses import near_misses
+from hypernav.planning.planner import Planner
+from hypernav.worlds.scenes.scene import Instance
+from hypernav.worlds.simulation import SimulatedWorld
+from hypernav.worlds.surface.goal_regions import GoalRegion
+
+SIGHT_SHARE = 0.0005
+"""Things that fill less of the image don't count as seen: 12×12 pixels of 640×480."""
+
+_STRIDE = 2
+_SPACING_M = 0.05
+_BESIDE_M = 1.5
+"""A robot that explains nothing means by STOP what is this near."""
+
+
+class FailureEvidence:
+    """Gathers what the rules of failure classification look at, step by step."""
+
+    def __init__(self, world: SimulatedWorld, region: GoalRegion, config: HyPerNavConfig) -> None:
+        """Begin an episode.
+
+        Args:
+            world: Where it takes place.
+            region: Of its goal.
+            config: Of the agent: how near it goes, and how it plans.
+        """
+        self._world = world
+        self._goal = region.goal
+        self._goal_ids = np.array([i.id for i in region.instances], dtype=np.int64)
+        self._config = config
+        self._last: EpisodeStep | None = None
+        self._votes: Counter[int] = Counter()
+        self._explains = False
+        self.sights = 0
+
+    def watch(self, step: EpisodeStep) -> None:
+        """Note one step."""
+        self._last = step
+        self._explains = self._explains or step.grid is not None
+        truth = step.observation.truth
+        if truth is None:
+            return
+        self.sights += self._is_goal_in(truth)
+        if not step.trace.goal_area:
+            self._votes.clear()
+        for detection in step.trace.detections:
+            if detection.accepted and (number := _instance_under(detection, truth)) >= 0:
+                self._votes[number] += 1
+
+    def facts(self, result: EpisodeResult, *, stopped: bool, success_distance_m: float) -> Facts:
+        """All that is known when the episode has ended.
+
+        Args:
+            result: Of the episode.
+            stopped: Whether the robot said that it is there.
+            success_distance_m: What would have been near enough.
+        """
+        last = self._last
+        return Facts(
+            outcome=result.outcome,
+            stopped=stopped,
+            gave_up=last is not None and GAVE_UP in last.trace.events,
+            distance_to_goal_m=result.metrics.distance_to_goal_m,
+            success_distance_m=success_distance_m,
+            sights=self.sights,
+            held=None if last is None or result.metrics.success else self._held(last, stopped),
+            trouble=result.detail,
+        )
+
+    def _is_goal_in(self, truth: LabelledPixels) -> bool:
+        ids = truth.ids[::_STRIDE, ::_STRIDE]
+        pixels = np.bincount(ids.ravel() + 1, minlength=int(self._goal_ids.max(initial=0)) + 2)
+        return bool((pixels[self._goal_ids + 1] >= SIGHT_SHARE * ids.size).any())
+
+    def _held(self, last: EpisodeStep, stopped: bool) -> Held | None:
+        """What the robot took for the goal."""
+        if not self._explains:
+            return self._beside_robot() if stopped else None
+        if not last.trace.goal_area:
+            return None
+        area = self._in_scene(_outline_points(last.trace.goal_area))
+        instance = self._object_of(area)
+        if instance is None:
+            return Held(Belief.OTHER, "building")
+        middle = (area.min(axis=0) + area.max(axis=0)) / 2.0
+        return Held(
+            belief=self._belief(instance),
+            name=_name(instance),
+            offset_m=_gap(instance, middle),
+            is_surrounded=self._is_surrounded(area),
+            map_leads_there=self._map_leads_there(last),
+        )
+
+    def _in_scene(self, points: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "n 2"]:
+        """Points of the robot's map where it believes them to be in the scene."""
+        lifted = np.concatenate([points, np.zeros((len(points), 1))], axis=1)
+        return self._world.map_to_scene.apply(lifted)[:, :2]
+
+    def _object_of(self, area: Float64[np.ndarray, "n 2"]) -> Instance | None:
+        """The object that the goal area stands for; None if that is part of the building.
+
+        It is one whose pixels were accepted while there was a goal area. An image may show several
+        such objects and the robot holds only one: of those at the goal area that with most
+        sightings, and if there is none, the nearest.
+        """
+        middle = (area.min(axis=0) + area.max(axis=0)) / 2.0
+        if not self._votes:
+            return _nearest(self._world, middle, _BESIDE_M)
+        seen = [self._world.scene.instances[number] for number in self._votes]
+        there = [i for i in seen if _gap(i, middle) <= MISPLACED_M]
+        if there:
+            # Of equally many sightings the nearer object wins, so that chance plays no part.
+            winner = max(there, key=lambda i: (self._votes[i.id], -_gap(i, middle), -i.id))
+        else:
+            winner = min(seen, key=lambda i: (_gap(i, middle), i.id))
+        return winner if winner.label is not None else None
+
+    def _beside_robot(self) -> Held:
+        """What a robot that explains nothing means by STOP: the goal if it is near, else the next.
+
+        A goal that is near is what a stop there most likely means; so this errs to the mild side.
+        """
+        here = np.array(self._world.position[:2])
+        goals = [self._world.scene.instances[int(n)] for n in self._goal_ids]
+        close = [i for i in goals if _gap(i, here) <= _BESIDE_M]
+        instance = close[0] if close else _nearest(self._world, here, math.inf)
+        if instance is None:
+            return Held(Belief.OTHER, "building")
+        return Held(self._belief(instance), _name(instance))
+
+    def _belief(self, instance: Instance) -> Belief:
+        if instance.id in self._goal_ids:
+            return Belief.GOAL
+        misses = near_misses(self._world.scene, self._goal)
+        return Belief.NEAR_MISS if instance.id in {i.id for i in misses} else Belief.OTHER
+
+    def _is_surrounded(self, area: Float64[np.ndarray, "n 2"]) -> bool:
+        """Whether in truth no place near the area can be stood on and gone to."""
+        walkable = self._world.walkable
+        here = walkable.component_of(*self._world.position[:2])
+        places = walkable.centres(max(here, 0))
+        low, high = area.min(axis=0), area.max(axis=0)
+        stop_m = self._config.stop_reach_m
+        near = ((places > low - stop_m) & (places < high + stop_m)).all(axis=1)
+        if not near.any():
+            return True
+        gaps = places[near][:, None, :] - area[None, :, :]
+        return bool((gaps**2).sum(axis=2).min() > stop_m**2)
+
+    def _map_leads_there(self, last: EpisodeStep) -> bool | None:
+        """Whether the agent's own planner finds a way to its goal area."""
+        grid: OccupancyGrid | None = last.grid
+        if grid is None:
+            return None
+        area = _outline_points(last.trace.goal_area)
+        path = Planner(self._config.planning).plan(grid, last.observation.robot.xy, area)
+        return path is not None and path.gap_m <= self._config.stop_reach_m
+
+
+def _outline_points(polygons: list[list[tuple[float, float]]]) -> Float64[np.ndarray, "n 2"]:
+    """Points all along the outlines, at most `_SPACING_M` apart."""
+    points = []
+    for polygon in polygons:
+        corners = np.array(polygon, dtype=np.float64)
+        for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+            count = max(math.ceil(float(np.linalg.norm(b - a)) / _SPACING_M), 1)
+            points.append(a + (b - a) * (np.arange(count) / count)[:, None])
+    return np.concatenate(points)
+
+
+def _instance_under(detection: DetectionRecord, truth: LabelledPixels) -> int:
+    """The instance that most pixels of a detection show, -1 if most show none."""
+    ids = truth.ids
+    mask: Bool[np.ndarray, "height width"] = np.zeros(ids.shape, dtype=bool)
+    if detection.outlines:
+        filled = np.zeros(ids.shape, dtype=np.uint8)
+        polygons = [np.array(outline, dtype=np.int32) for outline in detection.outlines]
+        mask = cv2.fillPoly(filled, polygons, (1,)).astype(bool)
+    else:
+        x_min, y_min, x_max, y_max = (round(value) for value in detection.box)
+        mask[max(y_min, 0) : max(y_max, 0), max(x_min, 0) : max(x_max, 0)] = True
+    if not mask.any():
+        return -1
+    return int(np.bincount(ids[mask] + 1).argmax()) - 1
+
+
+def _nearest(
+    world: SimulatedWorld, point: Float64[np.ndarray, "2"], within_m: float
+) -> Instance | None:
+    """The labelled object nearest to a point of the floor plan."""
+    labelled = [i for i in world.scene.instances if i.label is not None]
+    gaps = [(_gap(i, point), i.id) for i in labelled]
+    if not gaps or min(gaps)[0] > within_m:
+        return None
+    return world.scene.instances[min(gaps)[1]]
+
+
+def _gap(instance: Instance, point: Float64[np.ndarray, "2"]) -> float:
+    """Horizontal distance of a point to an object's box, metres."""
+    low, high = np.array(instance.box_min[:2]), np.array(instance.box_max[:2])
+    return float(np.linalg.norm(np.maximum(np.maximum(low - point, point - high), 0.0)))
+
+
+def _name(instance: Instance) -> str:
+    return instance.label.category if instance.label is not None else instance.name

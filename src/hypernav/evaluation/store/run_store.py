@@ -1,0 +1,264 @@
+"""The folder of a run: what was asked for, and one line for every episode that is done.
+
+======================= ============================================================================
+``run.json``            the whole configuration; never changes
+``episodes.jsonl``      one `EpisodeRecord` a line, in the order in which they were done
+``retried.jsonl``       lines that were taken out because their episodes run again
+``sessions.jsonl``      one line for every start of the program: workers, time, memory
+``episodes/``           pages and videos of single episodes, if they are kept
+======================= ============================================================================
+
+A line is on the disk before the next episode is counted as done, so whatever happens to the
+program, only episodes in flight are lost. Lines are only ever added.
+"""
+
+import json
+import logging
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from datetime import UTC, datetime
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+from pydantic import ValidationError
+
+from hypernav.core.errors import RunFolderError
+from hypernav.evaluation.record import EpisodeKey, EpisodeRecord
+from hypernav.evaluation.store.append_only import append_line, write_whole
+from hypernav.evaluation.store.folder_lock import FolderLock
+
+RUN_FILE = "run.json"
+EPISODES_FILE = "episodes.jsonl"
+RETRIED_FILE = "retried.jsonl"
+SESSIONS_FILE = "sessions.jsonl"
+
+_LOGGER = logging.getLogger(__name__)
+
+
+class RunStore:
+    """The folder of a run, open for its only writer.
+
+    Attributes:
+        folder: Where it is.
+        records: What is done, by episode.
+    """
+
+    def __init__(self, folder: Path, configuration: Mapping[str, Any]) -> None:
+        """Name the folder.
+
+        Args:
+            folder: Made if missing.
+            configuration: All that decides about results, as JSON data. A folder that was begun
+                with another one is refused.
+        """
+        self.folder = folder
+        self.records: dict[EpisodeKey, EpisodeRecord] = {}
+        self._configuration = json.loads(json.dumps(configuration))
+        self._stack = ExitStack()
+
+    def __enter__(self) -> "RunStore":
+        """Take the folder, check it, and read what is done.
+
+        Raises:
+            RunFolderError: It is in use, of another configuration, damaged, or can't be written.
+        """
+        with ExitStack() as stack:
+            try:
+                self.folder.mkdir(parents=True, exist_ok=True)
+                stack.enter_context(FolderLock(self.folder))
+            except OSError as error:
+                raise RunFolderError(
+                    f"{self.folder} cannot be written: {error.strerror or error}"
+                ) from error
+            self._check_configuration()
+            _repair_last_line(self.folder / EPISODES_FILE)
+            self.records = {r.key: r for r in read_records(self.folder)}
+            self._stack = stack.pop_all()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Give the folder back."""
+        self._stack.close()
+
+    def add(self, record: EpisodeRecord) -> None:
+        """Put one episode on the disk.
+
+        Raises:
+            RunFolderError: It is there already, or the disk is full.
+        """
+        if record.key in self.records:
+            raise RunFolderError(f"{self.folder}: episode {'/'.join(record.key)} is done already")
+        append_line(self.folder / EPISODES_FILE, record.model_dump_json())
+        self.records[record.key] = record
+
+    def take_out(self, unwanted: Callable[[EpisodeRecord], bool]) -> int:
+        """Take lines out, so that their episodes run again; they are kept in ``retried.jsonl``.
+
+        Args:
+            unwanted: Which.
+
+        Returns:
+            How many.
+        """
+        out = [record for record in self.records.values() if unwanted(record)]
+        if out:
+            for record in out:
+                append_line(self.folder / RETRIED_FILE, record.model_dump_json())
+                del self.records[record.key]
+            lines = [record.model_dump_json() + "\n" for record in self.records.values()]
+            write_whole(self.folder / EPISODES_FILE, "".join(lines))
+        return len(out)
+
+    def note_session(self, session: Mapping[str, Any]) -> None:
+        """Keep what one start of the program did."""
+        append_line(self.folder / SESSIONS_FILE, json.dumps(session, ensure_ascii=False))
+
+    def _check_configuration(self) -> None:
+        path = self.folder / RUN_FILE
+        if not path.exists():
+            if (self.folder / EPISODES_FILE).exists():
+                raise RunFolderError(
+                    f"{self.folder} holds {EPISODES_FILE} but no {RUN_FILE}, so nobody knows how "
+                    "its episodes were made; choose another --out"
+                )
+            content = {
+                "created": datetime.now(UTC).isoformat(timespec="seconds"),
+                "configuration": self._configuration,
+            }
+            write_whole(path, json.dumps(content, indent=2, ensure_ascii=False) + "\n")
+            return
+        found = differences(read_configuration(self.folder), self._configuration)
+        if found:
+            shown = "; ".join(found[:8]) + ("; …" if len(found) > 8 else "")
+            raise RunFolderError(
+                f"{self.folder} was begun with another configuration: {shown}. Say the same again, "
+                "or choose another --out"
+            )
+
+
+def read_configuration(folder: Path) -> dict[str, Any]:
+    """The configuration of a run.
+
+    Raises:
+        RunFolderError: The folder is not one of a run.
+    """
+    path = folder / RUN_FILE
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError as error:
+        raise RunFolderError(
+            f"{folder} is not the folder of an evaluation: there is no {RUN_FILE} in it"
+        ) from error
+    except (OSError, ValueError) as error:
+        raise RunFolderError(f"{path} cannot be read: {error}") from error
+    if not isinstance(content, dict) or not isinstance(content.get("configuration"), dict):
+        raise RunFolderError(f"{path} holds no configuration; was it edited?")
+    return content["configuration"]
+
+
+def read_records(folder: Path) -> list[EpisodeRecord]:
+    """All finished episodes of a run, in the order in which they were done.
+
+    Raises:
+        RunFolderError: A line cannot be read, or an episode is there twice.
+    """
+    path = folder / EPISODES_FILE
+    if not path.exists():
+        return []
+    records: dict[EpisodeKey, EpisodeRecord] = {}
+    for number, line in enumerate(path.read_bytes().splitlines(), start=1):
+        try:
+            record = EpisodeRecord.model_validate_json(line)
+        except ValidationError as error:
+            raise RunFolderError(
+                f"{path}, line {number} is damaged ({error.errors()[0]['msg']}); nothing was "
+                "changed. Remove that line and run again: its episode will be repeated"
+            ) from error
+        if record.key in records:
+            raise RunFolderError(
+                f"{path}, line {number}: episode {'/'.join(record.key)} is there twice; nothing "
+                "was changed. Remove one of the lines"
+            )
+        records[record.key] = record
+    return list(records.values())
+
+
+def read_sessions(folder: Path) -> list[dict[str, Any]]:
+    """What every start of the program noted; lines that cannot be read are left out."""
+    path = folder / SESSIONS_FILE
+    sessions = []
+    for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else []:
+        try:
+            sessions.append(json.loads(line))
+        except ValueError:
+            _LOGGER.warning("%s: a line cannot be read and is left out", path)
+    return sessions
+
+
+def differences(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
+    """Where two configurations differ, in words: "search.endurance_steps was 40, is now 60"."""
+    before, after = _flat(old), _flat(new)
+    return [
+        f"{key} was {_shown(before, key)}, is now {_shown(after, key)}"
+        for key in sorted(before.keys() | after.keys())
+        if _shown(before, key) != _shown(after, key)
+    ]
+
+
+def _flat(value: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    flat: dict[str, Any] = {}
+    for key, item in value.items():
+        if isinstance(item, Mapping):
+            flat.update(_flat(item, f"{prefix}{key}."))
+        else:
+            flat[f"{prefix}{key}"] = item
+    return flat
+
+
+def _shown(values: Mapping[str, Any], key: str) -> str:
+    return json.dumps(values[key], ensure_ascii=False) if key in values else "absent"
+
+
+def _repair_last_line(path: Path) -> None:
+    """Cut off a last line that was not written to its end, and keep a copy of it."""
+    if not path.exists():
+        return
+    content = path.read_bytes()
+    start = content.rstrip(b"\n").rfind(b"\n") + 1
+    last = content[start:]
+    if not last.strip(b"\n"):
+        return
+    if _is_record(last):
+        if not last.endswith(b"\n"):
+            append_line(path, "")
+        return
+    backup = _free_name(path.with_name(path.name + ".cut"))
+    write_whole(backup, last)
+    write_whole(path, content[:start])
+    _LOGGER.warning(
+        "%s: the last line was not written to its end; it was moved to %s, and its episode runs "
+        "again",
+        path,
+        backup.name,
+    )
+
+
+def _is_record(line: bytes) -> bool:
+    try:
+        EpisodeRecord.model_validate_json(line)
+    except ValidationError:
+        return False
+    return True
+
+
+def _free_name(path: Path) -> Path:
+    number = 1
+    while (candidate := path.with_name(f"{path.name}-{number}")).exists():
+        number += 1
+    return candidate

@@ -1,0 +1,168 @@
+"""Workers as processes of this machine. Each uses one core."""
+
+import multiprocessing
+import os
+import signal
+import sys
+import tempfile
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
+from pathlib import Path
+
+from hypernav.core.errors import HyPerNavError
+from hypernav.evaluation.datasets import Episode
+from hypernav.evaluation.record import EpisodeRecord
+from hypernav.evaluation.workers.resource_usage import peak_memory_mb
+from hypernav.evaluation.workers.worker import EpisodeWorker, Job
+from hypernav.evaluation.workers.worker_pool import Crashed, Done, Lost, Ready, Refused, Report
+
+ONE_THREAD = {
+    name: "1"
+    for name in ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+}
+_PYTHON_FAILED = 1
+_PATIENCE_S = 5.0
+
+
+@dataclass(frozen=True)
+class _Process:
+    process: BaseProcess
+    pipe: Connection
+    log: Path
+
+    def said(self) -> str:
+        """The end of what it wrote to its standard error."""
+        return self.log.read_text(errors="replace")[-4000:].strip()
+
+
+class ProcessPool:
+    """A `WorkerPool` of processes that die when their owner does."""
+
+    def __init__(self, job: Job) -> None:
+        """Take the job; nobody is hired yet."""
+        self._job = job
+        self._context = multiprocessing.get_context("spawn")
+        self._logs = tempfile.TemporaryDirectory(prefix="hypernav-workers-")
+        self._hired: dict[int, _Process] = {}
+
+    def start(self, worker: int) -> None:
+        """Hire a worker."""
+        ours, theirs = self._context.Pipe()
+        log = Path(self._logs.name) / f"{worker}.log"
+        log.write_bytes(b"")
+        process = self._context.Process(
+            target=_work, args=(self._job, theirs, log), name=f"hypernav-worker-{worker}"
+        )
+        with _environment(ONE_THREAD):
+            process.start()
+        # Ours alone must keep the pipe open, else nobody notices when the worker is gone.
+        theirs.close()
+        self._hired[worker] = _Process(process, ours, log)
+
+    def send(self, worker: int, episode: Episode) -> None:
+        """Give an idle worker an episode."""
+        try:
+            self._hired[worker].pipe.send(episode)
+        except OSError:
+            return  # It is gone; waiting will tell.
+
+    def wait(self, seconds: float) -> list[Report]:
+        """What has happened."""
+        pipes = {hired.pipe: worker for worker, hired in self._hired.items()}
+        ready = wait(list(pipes), timeout=seconds)
+        return [self._report(pipes[pipe]) for pipe in ready if isinstance(pipe, Connection)]
+
+    def close(self) -> None:
+        """Dismiss everyone."""
+        for hired in self._hired.values():
+            hired.process.terminate()
+        for hired in self._hired.values():
+            hired.process.join(_PATIENCE_S)
+            if hired.process.is_alive():
+                hired.process.kill()
+                hired.process.join()
+            hired.pipe.close()
+        self._hired.clear()
+        self._logs.cleanup()
+
+    def _report(self, worker: int) -> Report:
+        hired = self._hired[worker]
+        try:
+            # What a worker sent before it died is still in the pipe.
+            said = hired.pipe.recv()
+        except (EOFError, OSError):
+            return self._obituary(worker)
+        match said:
+            case str():
+                return Refused(worker, said)
+            case (EpisodeRecord() as record, peak_mb):
+                return Done(worker, record, peak_mb)
+            case _:
+                return Ready(worker)
+
+    def _obituary(self, worker: int) -> Report:
+        hired = self._hired.pop(worker)
+        hired.process.join()
+        hired.pipe.close()
+        code = hired.process.exitcode
+        if code == _PYTHON_FAILED:
+            return Crashed(worker, hired.said())
+        if code is not None and code < 0:
+            return Lost(worker, f"killed by signal {-code} ({_signal_name(-code)})")
+        return Lost(worker, f"ended with status {code}")
+
+
+def _work(job: Job, pipe: Connection, log: Path) -> None:
+    """A worker's life. It says None when it is ready, and why if the run can't go on."""
+    _die_with_owner()
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the owner's business
+    os.dup2(os.open(log, os.O_WRONLY | os.O_APPEND), sys.stderr.fileno())
+    try:
+        bench = EpisodeWorker(job)
+        pipe.send(None)
+        while True:
+            record = bench.run(pipe.recv())
+            pipe.send((record, peak_memory_mb()))
+    except HyPerNavError as error:
+        pipe.send(str(error))
+    except (EOFError, BrokenPipeError):
+        return  # The owner is gone.
+
+
+def _die_with_owner() -> None:
+    """End this process as soon as its owner ends, even if that is killed."""
+    owner = multiprocessing.parent_process()
+    if owner is None:
+        return
+
+    def watch() -> None:
+        wait([owner.sentinel])
+        os._exit(0)
+
+    threading.Thread(target=watch, daemon=True, name="watch-owner").start()
+
+
+@contextmanager
+def _environment(values: dict[str, str]) -> Iterator[None]:
+    """Set variables for processes that are started meanwhile."""
+    before = {name: os.environ.get(name) for name in values}
+    os.environ.update(values)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value
+
+
+def _signal_name(number: int) -> str:
+    try:
+        return signal.Signals(number).name
+    except ValueError:
+        return "unknown"

@@ -1,0 +1,147 @@
+"""Workers as actors on a Ray cluster (extra ``ray``): the same work, on any machine of it.
+
+Results come back to the owner, who alone writes them. The houses are generated where they are
+needed; files of scenes and models must be at the same place on every machine.
+"""
+
+import os
+import socket
+from typing import Any
+
+from hypernav.core.errors import HyPerNavError, RunFolderError
+from hypernav.core.extras import require
+from hypernav.evaluation.datasets import Episode
+from hypernav.evaluation.record import EpisodeRecord
+from hypernav.evaluation.workers.process_pool import ONE_THREAD
+from hypernav.evaluation.workers.resource_usage import peak_memory_mb
+from hypernav.evaluation.workers.worker import EpisodeWorker, Job
+from hypernav.evaluation.workers.worker_pool import Crashed, Done, Lost, Ready, Refused, Report
+
+_KNOCK_S = 5.0
+
+
+class RayPool:
+    """A `WorkerPool` of Ray actors, one core each."""
+
+    def __init__(self, job: Job, address: str) -> None:
+        """Connect to a cluster.
+
+        Args:
+            job: What every worker does.
+            address: ``HOST:PORT`` of the cluster's head, or ``auto`` for that of this machine.
+
+        Raises:
+            MissingExtraError: Ray is not installed.
+            RunFolderError: Episodes would be saved on other machines.
+            HyPerNavError: There is no cluster.
+        """
+        if job.save != "none":
+            raise RunFolderError(
+                "--save keeps videos on the machine that runs an episode, so it can't be used "
+                "with --ray; run the interesting episodes again with local workers"
+            )
+        self._ray: Any = require("ray", extra="ray")
+        try:
+            _knock(address)
+            self._ray.init(
+                address=address,
+                ignore_reinit_error=True,
+                logging_level="error",
+                log_to_driver=False,
+            )
+        except (OSError, ValueError) as error:
+            raise HyPerNavError(
+                f"--ray {address}: no Ray cluster answers there ({error}); start one with "
+                "`ray start --head`, or leave --ray out to use this machine's cores"
+            ) from error
+        self._job = job
+        self._actors: dict[int, Any] = {}
+        self._waiting: dict[Any, int] = {}
+
+    def start(self, worker: int) -> None:
+        """Hire a worker."""
+        actor_class = self._ray.remote(num_cpus=1, max_restarts=0, runtime_env=_environment())(
+            _Worker
+        )
+        actor = actor_class.remote(self._job)
+        self._actors[worker] = actor
+        self._waiting[actor.begin.remote()] = worker
+
+    def send(self, worker: int, episode: Episode) -> None:
+        """Give a ready worker an episode."""
+        self._waiting[self._actors[worker].run.remote(episode)] = worker
+
+    def wait(self, seconds: float) -> list[Report]:
+        """What has happened."""
+        waiting = list(self._waiting)
+        ready, _ = self._ray.wait(waiting, num_returns=len(waiting), timeout=0)
+        if not ready:
+            ready, _ = self._ray.wait(waiting, num_returns=1, timeout=seconds)
+        return [self._report(answer, self._waiting.pop(answer)) for answer in ready]
+
+    def close(self) -> None:
+        """Dismiss everyone; the cluster stays."""
+        for actor in self._actors.values():
+            self._ray.kill(actor)
+        self._actors.clear()
+        self._waiting.clear()
+
+    def _report(self, answer: Any, worker: int) -> Report:
+        errors = self._ray.exceptions
+        try:
+            said = self._ray.get(answer)
+        except (errors.RayActorError, errors.ObjectLostError) as error:
+            self._actors.pop(worker, None)
+            return Lost(worker, " ".join(str(error).split())[:200])
+        except errors.RayTaskError as error:
+            self._ray.kill(self._actors.pop(worker))
+            return Crashed(worker, str(error))
+        match said:
+            case str():
+                return Refused(worker, said)
+            case (record, peak_mb):
+                return Done(worker, record, peak_mb)
+            case _:
+                return Ready(worker)
+
+
+class _Worker:
+    """What runs on the cluster. Says None when it is ready, and why if the run can't go on."""
+
+    def __init__(self, job: Job) -> None:
+        self._job = job
+
+    def begin(self) -> str | None:
+        try:
+            self._bench = EpisodeWorker(self._job)
+        except HyPerNavError as error:
+            return str(error)
+        return None
+
+    def run(self, episode: Episode) -> str | tuple[EpisodeRecord, float]:
+        try:
+            return self._bench.run(episode), peak_memory_mb()
+        except HyPerNavError as error:
+            return str(error)
+
+    def process_id(self) -> int:
+        return os.getpid()
+
+    def node(self) -> str:
+        return require("ray", extra="ray").get_runtime_context().get_node_id()
+
+
+def _knock(address: str) -> None:
+    """Make sure that somebody listens: Ray itself would try for minutes.
+
+    Raises:
+        OSError: Nobody does.
+        ValueError: The address is none.
+    """
+    host, colon, port = address.removeprefix("ray://").rpartition(":")
+    if colon:
+        socket.create_connection((host, int(port)), timeout=_KNOCK_S).close()
+
+
+def _environment() -> dict[str, Any]:
+    return {"env_vars": dict(ONE_THREAD)}

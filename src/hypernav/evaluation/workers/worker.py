@@ -1,0 +1,263 @@
+"""Where a worker runs its episodes: one agent, and one scene at a time."""
+
+import re
+import shutil
+from collections import Counter
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from hypernav.build.agents import build_agent, build_scene
+from hypernav.build.component_specs import ComponentSpecs
+from hypernav.build.presets import HyPerNavConfig
+from hypernav.core.errors import CameraError, SceneError, StartError, WorldError
+from hypernav.core.goal import Goal
+from hypernav.core.metrics import EpisodeMetrics, measure
+from hypernav.core.protocols import Agent
+from hypernav.evaluation.datasets import Episode
+from hypernav.evaluation.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
+from hypernav.evaluation.failures.classification import Facts, Verdict, classify
+from hypernav.evaluation.failures.failure_evidence import FailureEvidence
+from hypernav.evaluation.outcome import Outcome
+from hypernav.evaluation.record import EpisodeRecord
+from hypernav.evaluation.recorder import EpisodeRecorder
+from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
+from hypernav.worlds.referee import SUCCESS_DISTANCE_M
+from hypernav.worlds.scenes.scene import Scene
+from hypernav.worlds.simulation import SimulatedWorld
+
+SaveChoice = Literal["videos", "failures", "none"]
+"""Which episodes keep their page and video: all, those that failed, or none."""
+
+SAVED_FOLDER = "episodes"
+
+_SIMULATOR_ERRORS = (SceneError, StartError, WorldError, CameraError)
+
+
+@dataclass(frozen=True)
+class Job:
+    """How every episode of a run is run. Can be pickled: it is what a worker starts with.
+
+    Attributes:
+        folder: Of the run, for pages and videos.
+        config: Values of the method.
+        specs: Who sees and thinks.
+        max_steps: Step limit.
+        success_distance_m: Of the run's own protocol.
+        seed: Of all noise.
+        save: Which episodes keep page and video.
+        make_agent: Builds an agent of your own in place of the configured one.
+        open_scene: Finds a scene by name.
+    """
+
+    folder: Path
+    config: HyPerNavConfig = field(default_factory=HyPerNavConfig)
+    specs: ComponentSpecs = field(default_factory=ComponentSpecs)
+    max_steps: int = 500
+    success_distance_m: float = SUCCESS_DISTANCE_M
+    seed: int = 0
+    save: SaveChoice = "none"
+    make_agent: Callable[[], Agent] | None = None
+    open_scene: Callable[[str], Scene] = build_scene
+
+
+class EpisodeWorker:
+    """Runs episodes one after the other. A scene stays loaded until another one is asked for."""
+
+    def __init__(self, job: Job) -> None:
+        """Build the agent.
+
+        Raises:
+            HyPerNavError: It can't be built.
+        """
+        self._job = job
+        self._agent, self._words, looks = _agent_of(job)
+        # Drawing is most of the work, and ground truth needs no colours.
+        self._render = RenderConfig(threads=1, colours=looks or job.save != "none")
+        self._scene_id = ""
+        self._world: SimulatedWorld | None = None
+
+    def run(self, spec: Episode) -> EpisodeRecord:
+        """Run one episode.
+
+        What the world gets wrong is part of the record. Every other error says that the run itself
+        can't go on like this, and leaves this method.
+
+        Raises:
+            HyPerNavError: The agent can't do this at all, or page or video can't be written.
+        """
+        try:
+            world = self._world_of(spec.scene_id)
+            episode = EpisodeRun(
+                self._agent,
+                world,
+                Goal(spec.goal),
+                spec.start,
+                rng=np.random.default_rng(spec.seed(self._job.seed)),
+                max_steps=self._job.max_steps,
+                success_distance_m=self._job.success_distance_m,
+            )
+            return self._watch(spec, episode, world)
+        except _SIMULATOR_ERRORS as error:
+            return broken(spec, f"{type(error).__name__}: {error}")
+
+    def _world_of(self, scene_id: str) -> SimulatedWorld:
+        if self._world is None or self._scene_id != scene_id:
+            self._world, self._scene_id = None, ""  # the old one's memory, before the new one's
+            scene = self._job.open_scene(scene_id)
+            renderer = CpuRenderer(scene, self._render)
+            self._world = SimulatedWorld(scene, self._job.config.world, renderer=renderer)
+            self._scene_id = scene_id
+        return self._world
+
+    def _watch(self, spec: Episode, episode: EpisodeRun, world: SimulatedWorld) -> EpisodeRecord:
+        evidence = FailureEvidence(world, world.regions.of(Goal(spec.goal)), self._job.config)
+        questions, tokens = Counter[str](), Counter[str]()
+        with self._recorder(spec) as recorder:
+            for step in episode:
+                evidence.watch(step)
+                _count(step, questions, tokens)
+                if recorder is not None:
+                    recorder.add(step)
+            result = episode.result()
+            facts = evidence.facts(
+                result, stopped=world.stopped, success_distance_m=self._job.success_distance_m
+            )
+            verdict = classify(facts)
+            saved = "" if recorder is None else self._finish(recorder, spec, result, verdict)
+        return EpisodeRecord(
+            scene_id=spec.scene_id,
+            episode_id=spec.episode_id,
+            goal=spec.goal,
+            group=spec.group,
+            outcome=result.outcome,
+            failure=verdict.failure if verdict is not None else None,
+            why=verdict.why if verdict is not None else "",
+            success=result.metrics.success,
+            spl=result.metrics.spl,
+            soft_spl=result.metrics.soft_spl,
+            distance_to_goal_m=result.metrics.distance_to_goal_m,
+            shortest_path_m=result.metrics.shortest_path_m,
+            path_length_m=result.metrics.path_length_m,
+            stopped=world.stopped,
+            steps=result.steps,
+            model_calls=result.model_calls,
+            questions=dict(sorted(questions.items())),
+            tokens_in=tokens["in"],
+            tokens_out=tokens["out"],
+            saved=saved,
+            seconds={module: round(value, 4) for module, value in result.seconds.items()},
+        )
+
+    def _recorder(self, spec: Episode) -> AbstractContextManager[EpisodeRecorder | None]:
+        if self._job.save == "none":
+            return nullcontext()
+        return EpisodeRecorder(
+            self._job.folder / SAVED_FOLDER / folder_name(spec),
+            goal=spec.goal,
+            agent=self._words["agent"],
+            detector=self._words["detector"],
+            reasoner=self._words["reasoner"],
+            step_limit=self._job.max_steps,
+        )
+
+    def _finish(
+        self,
+        recorder: EpisodeRecorder,
+        spec: Episode,
+        result: EpisodeResult,
+        verdict: Verdict | None,
+    ) -> str:
+        """Complete the episode's folder, or remove it; returns its place within the run's."""
+        if self._job.save == "failures" and verdict is None:
+            recorder.__exit__(None, None, None)
+            shutil.rmtree(recorder.folder)
+            return ""
+        recorder.finish(
+            {
+                "goal": spec.goal,
+                "scene": spec.scene_id,
+                "episode": spec.episode_id,
+                **self._words,
+                "outcome": result.outcome.value,
+                "failure": verdict.failure.words if verdict is not None else "",
+                "why": verdict.why if verdict is not None else "",
+                "steps": result.steps,
+                "model_calls": result.model_calls,
+                **_metrics(result.metrics),
+                "seconds": {module: round(s, 3) for module, s in result.seconds.items()},
+                "config": self._job.config.model_dump(mode="json"),
+            }
+        )
+        return recorder.folder.relative_to(self._job.folder).as_posix()
+
+
+def broken(spec: Episode, trouble: str) -> EpisodeRecord:
+    """The record of an episode that the simulator could not run."""
+    infinite = float("inf")
+    nothing = measure(
+        stopped=False,
+        distance_to_goal_m=infinite,
+        shortest_path_m=infinite,
+        path_length_m=0.0,
+        success_distance_m=0.0,
+    )
+    verdict = classify(Facts(Outcome.SIMULATOR_ERROR, trouble=trouble))
+    return EpisodeRecord(
+        scene_id=spec.scene_id,
+        episode_id=spec.episode_id,
+        goal=spec.goal,
+        group=spec.group,
+        outcome=Outcome.SIMULATOR_ERROR,
+        failure=verdict.failure if verdict is not None else None,
+        why=trouble,
+        stopped=False,
+        steps=0,
+        model_calls=0,
+        **_metrics(nothing),
+    )
+
+
+def folder_name(spec: Episode) -> str:
+    """A folder for an episode that every file system takes."""
+    scene = Path(spec.scene_id).stem if "/" in spec.scene_id else spec.scene_id
+    text = f"{scene}-{spec.episode_id}-{spec.goal}".lower()
+    return re.sub(r"[^a-z0-9]+", "-", text).strip("-")[:120]
+
+
+def _agent_of(job: Job) -> tuple[Agent, dict[str, str], bool]:
+    """The agent, who in it sees and thinks in words, and whether it looks at colours."""
+    if job.make_agent is not None:
+        agent = job.make_agent()
+        words = {"agent": type(agent).__name__, "detector": "its own", "reasoner": "its own"}
+        return agent, words, True
+    parts = build_agent(job.config, job.specs)
+    words = {
+        "agent": job.specs.agent,
+        "detector": parts.detector_words,
+        "reasoner": parts.reasoner_words,
+    }
+    looks = parts.chosen.detector != "ground-truth" or parts.chosen.vlm is not None
+    return parts.agent, words, looks
+
+
+def _count(step: EpisodeStep, questions: Counter[str], tokens: Counter[str]) -> None:
+    for exchange in step.trace.exchanges:
+        questions[exchange.kind] += 1
+        tokens["in"] += exchange.tokens_in
+        tokens["out"] += exchange.tokens_out
+
+
+def _metrics(metrics: EpisodeMetrics) -> dict[str, Any]:
+    return {
+        "success": metrics.success,
+        "spl": metrics.spl,
+        "soft_spl": metrics.soft_spl,
+        "distance_to_goal_m": metrics.distance_to_goal_m,
+        "shortest_path_m": metrics.shortest_path_m,
+        "path_length_m": metrics.path_length_m,
+    }

@@ -1,0 +1,180 @@
+"""From placed models to a scene, by way of a compact form that files can hold.
+
+Every number is brought onto a raster on the way (a tenth of a millimetre for positions), so that
+the last bits of sines and sums, which differ between machines, never reach the scene.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float32, Int16, Int32, UInt16
+
+from hypernav.core.labels import ObjectLabel
+from hypernav.houses.kit.mesh import Finish, rotation_matrix
+from hypernav.houses.kit.model import Model
+from hypernav.houses.textures.library import texture
+from hypernav.worlds.scenes.scene import Instance, Material, Scene, Wrap
+
+_STEPS_PER_M = 10_000
+_NORMAL_STEPS = 32_000
+_UV_STEPS = 8_192
+# Values that are exactly half a step in theory must not depend on the last bit.
+_OFF_TIE = 0.0137
+
+
+@dataclass(frozen=True, eq=False)
+class Placed:
+    """A model that has found its place.
+
+    Attributes:
+        model: What.
+        x: Middle of its footprint, metres, scene frame.
+        y: Middle of its footprint.
+        z: Height that the model's z = 0 comes to.
+        yaw_deg: Its front looks along +y turned by this, counter-clockwise.
+        room: Name of its room; empty for what belongs to the building.
+        structural: Whether it is a wall, floor or ceiling, which nobody searches for.
+    """
+
+    model: Model
+    x: float
+    y: float
+    z: float = 0.0
+    yaw_deg: float = 0.0
+    room: str = ""
+    structural: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class CompactScene:
+    """All of a house but the pixels of its textures.
+
+    Attributes:
+        positions: Tenths of a millimetre.
+        normals: Unit normals times 32,000.
+        uv: Texture coordinates.
+        faces: Vertex numbers.
+        face_material: Number in ``finishes``.
+        face_instance: Number in ``names``.
+        finishes: Material of every number.
+        names: Of the instances.
+        categories: Kind of every instance, also of what belongs to the building.
+        rooms: Name of every instance's room, empty for what belongs to none.
+        labels: Of the instances; None for what belongs to the building.
+    """
+
+    positions: Int32[np.ndarray, "vertices 3"]
+    normals: Int16[np.ndarray, "vertices 3"]
+    uv: Float32[np.ndarray, "vertices 2"]
+    faces: Int32[np.ndarray, "faces 3"]
+    face_material: UInt16[np.ndarray, "faces"]
+    face_instance: UInt16[np.ndarray, "faces"]
+    finishes: tuple[Finish, ...]
+    names: tuple[str, ...]
+    categories: tuple[str, ...]
+    rooms: tuple[str, ...]
+    labels: tuple[ObjectLabel | None, ...]
+
+
+def rasterised(values: np.ndarray, steps: int) -> np.ndarray:
+    """Whole numbers of steps nearest to the values (any shape)."""
+    return np.floor(values * steps + (0.5 + _OFF_TIE))
+
+
+def compact(
+    pieces: Sequence[Placed], names: Sequence[str], labels: Sequence[ObjectLabel | None]
+) -> CompactScene:
+    """Collect the triangles of all pieces, in their order.
+
+    Args:
+        pieces: What the house consists of.
+        names: One unique name per piece.
+        labels: One label per piece.
+    """
+    finishes: dict[Finish, int] = {}
+    positions, normals, uv, faces, materials, instances = [], [], [], [], [], []
+    start = 0
+    for number, piece in enumerate(pieces):
+        rotation = rotation_matrix(piece.yaw_deg)
+        for part in piece.model.parts:
+            mesh, finish = part.mesh, part.finish
+            material = finishes.setdefault(finish, len(finishes))
+            c, s = rotation[0, 0], rotation[1, 0]
+            p, n = mesh.positions, mesh.normals
+            moved, turned = np.empty_like(p), np.empty_like(n)
+            moved[:, 0] = p[:, 0] * c - p[:, 1] * s + piece.x
+            moved[:, 1] = p[:, 0] * s + p[:, 1] * c + piece.y
+            moved[:, 2] = p[:, 2] + piece.z
+            turned[:, 0], turned[:, 1] = n[:, 0] * c - n[:, 1] * s, n[:, 0] * s + n[:, 1] * c
+            turned[:, 2] = n[:, 2]
+            positions.append(moved)
+            normals.append(turned)
+            uv.append(mesh.uv / finish.tile_m)
+            faces.append(mesh.faces + start)
+            materials.append(np.full(len(mesh.faces), material, dtype=np.uint16))
+            instances.append(np.full(len(mesh.faces), number, dtype=np.uint16))
+            start += len(p)
+    return CompactScene(
+        rasterised(np.concatenate(positions), _STEPS_PER_M).astype(np.int32),
+        rasterised(np.concatenate(normals), _NORMAL_STEPS).astype(np.int16),
+        (rasterised(np.concatenate(uv), _UV_STEPS) / _UV_STEPS).astype(np.float32),
+        np.concatenate(faces).astype(np.int32),
+        np.concatenate(materials),
+        np.concatenate(instances),
+        tuple(finishes),
+        tuple(names),
+        tuple(piece.model.category for piece in pieces),
+        tuple(piece.room for piece in pieces),
+        tuple(labels),
+    )
+
+
+def to_scene(house: CompactScene, name: str) -> Scene:
+    """The scene of a compact house."""
+    vertices = (house.positions / np.float64(_STEPS_PER_M)).astype(np.float32)
+    normals = house.normals.astype(np.float32) / np.float32(_NORMAL_STEPS)
+    corners = house.faces.ravel()
+    return Scene(
+        name=name,
+        vertices=vertices,
+        faces=house.faces,
+        uv=house.uv[corners].reshape(-1, 3, 2),
+        colors=np.full((len(house.faces), 3, 3), 255, dtype=np.uint8),
+        normals=normals[corners].reshape(-1, 3, 3),
+        face_material=house.face_material.astype(np.int32),
+        face_instance=house.face_instance.astype(np.int32),
+        materials=tuple(_material(number, f) for number, f in enumerate(house.finishes)),
+        instances=_instances(house, vertices),
+    )
+
+
+def _material(number: int, finish: Finish) -> Material:
+    words = " ".join(w for w in (finish.hue, finish.stuff, finish.texture) if w)
+    fitted = finish.texture != "" and finish.tile_m == 1.0 and finish.hue == ""
+    wrap = Wrap.CLAMP if fitted else Wrap.REPEAT
+    return Material(
+        name=f"{number:03d} {words}".strip(),
+        color=finish.color,
+        texture=texture(finish.texture) if finish.texture else None,
+        wrap=(wrap, wrap),
+        unlit=finish.unlit,
+    )
+
+
+def _instances(
+    house: CompactScene, vertices: Float32[np.ndarray, "vertices 3"]
+) -> tuple[Instance, ...]:
+    # Faces come instance by instance, and so do vertices: boxes are reductions over runs.
+    first_face = np.searchsorted(house.face_instance, np.arange(len(house.names)))
+    lowest = np.minimum.reduceat(house.faces.min(axis=1), first_face)
+    low = np.minimum.reduceat(vertices, lowest, axis=0)
+    high = np.maximum.reduceat(vertices, lowest, axis=0)
+    return tuple(
+        Instance(k, name, label, _triple(low[k]), _triple(high[k]))
+        for k, (name, label) in enumerate(zip(house.names, house.labels, strict=True))
+    )
+
+
+def _triple(values: Float32[np.ndarray, "3"]) -> tuple[float, float, float]:
+    return (float(values[0]), float(values[1]), float(values[2]))

@@ -1,0 +1,1 @@
+"""Splits and episodes of the generated houses, in Habitat's ObjectNav format."""

@@ -1,0 +1,70 @@
+"""How hard a set of episodes is."""
+
+from collections import Counter
+from dataclasses import dataclass
+
+import numpy as np
+
+from hypernav.datasets.habitat_format import EpisodeDataset
+
+
+@dataclass(frozen=True)
+class Spread:
+    """How a measure is spread over episodes.
+
+    Attributes:
+        measure: Its name, with the unit.
+        quantiles: Least, tenth, median, ninetieth and greatest of a hundred.
+        mean: Arithmetic mean.
+    """
+
+    measure: str
+    quantiles: tuple[float, float, float, float, float]
+    mean: float
+
+
+@dataclass(frozen=True)
+class Difficulty:
+    """What makes a set of episodes easy or hard.
+
+    Attributes:
+        episodes: How many.
+        houses: In how many houses.
+        spreads: Distance, detour (geodesic over Euclidean) and rooms on the shortest way.
+        goals: How often every goal is asked for, most frequent first.
+        vocabulary: Episodes by kind of name (seen, synonym, unseen); empty without phrases.
+        descriptions: How many ask for more than a name.
+    """
+
+    episodes: int
+    houses: int
+    spreads: tuple[Spread, ...]
+    goals: dict[str, int]
+    vocabulary: dict[str, int]
+    descriptions: int
+
+
+def difficulty(dataset: EpisodeDataset) -> Difficulty:
+    """Measure a split that was made by `hypernav.houses.episodes`."""
+    infos = [episode.info or {} for episode in dataset.episodes]
+    geodesic = np.array([info["geodesic_distance"] for info in infos], dtype=np.float64)
+    euclidean = np.array([info["euclidean_distance"] for info in infos], dtype=np.float64)
+    rooms = np.array([info["rooms_on_path"] for info in infos], dtype=np.float64)
+    named = Counter(info["vocabulary"] for info in infos if "vocabulary" in info)
+    return Difficulty(
+        episodes=len(infos),
+        houses=len({episode.scene_id for episode in dataset.episodes}),
+        spreads=(
+            _spread("geodesic distance (m)", geodesic),
+            _spread("geodesic / Euclidean", geodesic / np.maximum(euclidean, 1e-6)),
+            _spread("rooms on the way", rooms),
+        ),
+        goals=dict(Counter(episode.object_category for episode in dataset.episodes).most_common()),
+        vocabulary={name: named[name] for name in ("seen", "synonym", "unseen") if name in named},
+        descriptions=sum(bool(info.get("is_description")) for info in infos),
+    )
+
+
+def _spread(measure: str, values: np.ndarray) -> Spread:
+    low, tenth, middle, ninetieth, high = np.quantile(values, (0.0, 0.1, 0.5, 0.9, 1.0)).tolist()
+    return Spread(measure, (low, tenth, middle, ninetieth, high), float(values.mean()))

@@ -1,0 +1,163 @@
+"""What is asked for in a house: categories, other names, and descriptions that single out.
+
+Every text is checked against the grammar of `hypernav.core.labels`, the one that decides what
+counts as reached: a description is only used if it is true of something and false of something
+else that bears the same name.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import count, cycle, islice
+from typing import Literal
+
+from hypernav.core.goal import Goal
+from hypernav.core.labels import ObjectLabel, canonical
+from hypernav.houses.dice import Dice
+from hypernav.houses.episodes.site import Site
+from hypernav.houses.near_misses import near_misses
+from hypernav.worlds.scenes.scene import Instance
+
+Vocabulary = Literal["seen", "synonym", "unseen"]
+
+HABITAT_CATEGORIES = ("chair", "bed", "potted plant", "toilet", "tv", "sofa")
+"""The six goals of Habitat's ObjectNav challenge on HM3D."""
+
+CATEGORIES = (
+    *HABITAT_CATEGORIES,
+    *("refrigerator", "oven", "sink", "bathtub", "washing machine", "dishwasher"),
+    *("dining table", "coffee table", "desk", "nightstand", "tv stand"),
+    *("wardrobe", "bookshelf", "dresser", "armchair", "mirror", "floor lamp", "table lamp"),
+)
+"""Goals of ``houses-val`` and ``houses-train``; these are the seen names of ``houses-ovon``."""
+
+_EVERYWHERE = ("window", "door", "ceiling lamp", "kitchen cabinet")
+_LEAST_AREA_M2 = 0.1
+"""Of the largest side of an object's box: a robot shall not be sent to look for a plate."""
+
+
+@dataclass(frozen=True)
+class Ask:
+    """One thing to ask for.
+
+    Attributes:
+        text: As a person says it.
+        vocabulary: Whether the name in it is one of `CATEGORIES`, another name of one of these, or
+            the name of another kind of thing.
+        is_description: Whether the text says more than a name.
+        instances: What satisfies it.
+        near_misses: What doesn't, but comes close.
+    """
+
+    text: str
+    vocabulary: Vocabulary
+    is_description: bool
+    instances: tuple[Instance, ...]
+    near_misses: tuple[Instance, ...]
+
+
+def category_asks(dice: Dice, site: Site) -> Iterator[Ask]:
+    """The house's categories in random order, over and over; Habitat's six come first."""
+    held = [c for c in CATEGORIES if site.satisfying(c)]
+    first = dice.shuffled([c for c in held if c in HABITAT_CATEGORIES])
+    order = first + dice.shuffled([c for c in held if c not in HABITAT_CATEGORIES])
+    asks = [_name_ask(site, c, "seen") for c in order]
+    while asks:
+        yield from asks
+
+
+def phrase_asks(dice: Dice, site: Site) -> Iterator[Ask]:
+    """Seen, synonymous and unseen names in turn, every other one in a description if there is one.
+
+    Endless unless the house is empty.
+    """
+    names: dict[Vocabulary, list[str]] = {
+        vocabulary: dice.fork(vocabulary).shuffled(found)
+        for vocabulary, found in _names(site).items()
+        if found
+    }
+    turns = dice.shuffled(list(names))
+    plain = {vocabulary: cycle(found) for vocabulary, found in names.items()}
+    ambiguous = {vocabulary: cycle(found) for vocabulary, found in names.items()}
+    for number in count() if turns else ():
+        vocabulary = turns[number % len(turns)]
+        if number // len(turns) % 2 == 0:
+            yield _name_ask(site, next(plain[vocabulary]), vocabulary)
+            continue
+        tried = islice(ambiguous[vocabulary], len(names[vocabulary]))
+        name = next((n for n in tried if len(site.satisfying(n)) > 1), None)
+        if name is None:
+            yield _name_ask(site, next(plain[vocabulary]), vocabulary)
+        else:
+            yield _description(dice.fork("description", number), site, name, vocabulary)
+
+
+def _names(site: Site) -> dict[Vocabulary, list[str]]:
+    """All names that a phrase may use, in the scene's order."""
+    known = {canonical(c) for c in CATEGORIES}
+    names: dict[Vocabulary, dict[str, None]] = {"seen": {}, "synonym": {}, "unseen": {}}
+    for instance in _searchable(site):
+        label = _label_of(instance)
+        if label.category in CATEGORIES:
+            names["seen"][label.category] = None
+            others = (s for s in label.synonyms if s not in CATEGORIES)
+            names["synonym"].update(dict.fromkeys(others))
+        elif canonical(label.category) not in known:
+            names["unseen"][label.category] = None
+    return {vocabulary: list(found) for vocabulary, found in names.items()}
+
+
+def _searchable(site: Site) -> list[Instance]:
+    """Objects of some size that are not found in every corner."""
+    return [
+        instance
+        for instance in site.scene.instances
+        if instance.label is not None
+        and instance.label.category not in _EVERYWHERE
+        and _largest_side_m2(instance) >= _LEAST_AREA_M2
+    ]
+
+
+def _largest_side_m2(instance: Instance) -> float:
+    sides = zip(instance.box_min, instance.box_max, strict=True)
+    *_, middle, longest = sorted(high - low for low, high in sides)
+    return middle * longest
+
+
+def _name_ask(site: Site, name: str, vocabulary: Vocabulary) -> Ask:
+    wanted = site.satisfying(name)
+    return Ask(name, vocabulary, False, wanted, near_misses(site.scene, Goal(name)))
+
+
+def _description(dice: Dice, site: Site, name: str, vocabulary: Vocabulary) -> Ask:
+    """A phrase that is true of some things of this name only; the bare name if there is none.
+
+    One that is true of a single thing gets the article "the", as people speak.
+    """
+    bearers = site.satisfying(name)
+    target = dice.choice([b for b in bearers if b in _searchable(site)] or bearers)
+    for phrase in dice.shuffled(_phrases(name, _label_of(target))):
+        goal = Goal(phrase)
+        if all(_label_of(b).satisfies(goal) for b in bearers):
+            continue
+        wanted = site.satisfying(phrase)
+        if target in wanted:
+            text = f"the {phrase}" if len(wanted) == 1 else phrase
+            return Ask(text, vocabulary, True, wanted, near_misses(site.scene, goal))
+    return _name_ask(site, name, vocabulary)
+
+
+def _phrases(name: str, label: ObjectLabel) -> list[str]:
+    """True phrases about an object: by looks, by room, by what stands beside it."""
+    looks = [f"{a} {name}" for a in label.attributes if not a.startswith(("in ", "with "))]
+    others = [other for other in label.beside[:3] if not label.is_named(other)]
+    phrases = [*looks, *(f"{name} beside the {other}" for other in others)]
+    if label.room:
+        in_room = f"in the {label.room}"
+        phrases += [f"{text} {in_room}" for text in (name, *looks)]
+    return phrases
+
+
+def _label_of(instance: Instance) -> ObjectLabel:
+    if instance.label is None:
+        raise ValueError(f"{instance.name} is part of the building and has no label")
+    return instance.label

@@ -1,0 +1,173 @@
+"""The splits: which houses, how many episodes, in which order.
+
+Episodes come in rounds of four per house, so that the first hundred of a split already visit 25
+houses and every house is opened once for four episodes.
+"""
+
+import difflib
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from hypernav.core.errors import EpisodeError
+from hypernav.datasets.habitat_format import EpisodeDataset, ObjectNavEpisode
+from hypernav.houses.episodes.cache import cached_episodes
+from hypernav.houses.episodes.generate import EPISODES_PER_HOUSE, GoalStyle
+from hypernav.houses.episodes.queries import CATEGORIES
+
+ROUND = 4
+"""So many episodes of a house follow each other."""
+
+
+@dataclass(frozen=True)
+class HouseSplit:
+    """A named set of houses and what is asked for in them.
+
+    Attributes:
+        name: Of the split.
+        style: What is asked for.
+        houses: Its houses; for training those that are taken if nobody says which.
+        episodes: How many it has, for training in these houses.
+        is_open: Whether any house may be used that belongs to no other split.
+    """
+
+    name: str
+    style: GoalStyle
+    houses: range
+    episodes: int
+    is_open: bool = False
+
+    def check(self, numbers: range) -> None:
+        """Refuse houses that are not this split's.
+
+        Raises:
+            EpisodeError: Some are not, or there are none.
+        """
+        said = f"{numbers.start}:{numbers.stop}"
+        if not numbers or numbers.step != 1 or numbers.start < 0:
+            raise EpisodeError(
+                f"houses {said}: expected FIRST:END with 0 <= FIRST < END, for example "
+                f"{self.houses.start}:{self.houses.start + 4} (END is not included)"
+            )
+        if not self.is_open:
+            if numbers.start < self.houses.start or numbers.stop > self.houses.stop:
+                raise EpisodeError(
+                    f"houses {said}: {self.name} has the houses "
+                    f"{self.houses.start}:{self.houses.stop} (the end is not included)"
+                )
+            return
+        for other in SPLITS.values():
+            if not other.is_open and _overlap(numbers, other.houses):
+                raise EpisodeError(
+                    f"houses {said}: {other.houses.start}:{other.houses.stop} belong to "
+                    f"{other.name}; choose others for {self.name}"
+                )
+
+
+SPLITS = {
+    split.name: split
+    for split in (
+        HouseSplit("houses-val", "categories", range(1000, 1036), 1000),
+        HouseSplit("houses-ovon", "phrases", range(2000, 2036), 1000),
+        HouseSplit("houses-train", "categories", range(3000, 3036), 1000, is_open=True),
+    )
+}
+"""All splits by name."""
+
+
+def load_split(
+    name: str,
+    *,
+    houses: range | None = None,
+    count: int | None = None,
+    cache: Path | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> EpisodeDataset:
+    """The episodes of a split, made and cached on first use.
+
+    Args:
+        name: ``houses-val``, ``houses-ovon`` or ``houses-train``.
+        houses: Only these; for ``houses-train`` any that belong to no other split.
+        count: Only the first so many.
+        cache: Cache folder; the platform's own if None.
+        progress: Is told how many houses of how many are done.
+
+    Returns:
+        Episodes with ids that are unique in the split. Their ``scene_id`` is a scene name that
+        ``hypernav find --scene`` understands, such as ``houses:1000``.
+
+    Raises:
+        EpisodeError: There is no such split, or it has no such houses, or not so many episodes.
+    """
+    split = split_named(name)
+    if houses is not None:
+        split.check(houses)
+    numbers = split.houses if houses is None else houses
+    most = split.episodes if numbers == split.houses else EPISODES_PER_HOUSE * len(numbers)
+    if count is not None and not 1 <= count <= most:
+        raise EpisodeError(
+            f"{count} episodes: {name} has 1 to {most} in the houses {numbers.start}:{numbers.stop}"
+        )
+    wanted = most if count is None else count
+    needed = numbers[: math.ceil(wanted / ROUND)]
+    parts = []
+    for done, number in enumerate(needed):
+        if progress is not None:
+            progress(done, len(needed))
+        parts.append(cached_episodes(number, split.style, cache))
+    if progress is not None:
+        progress(len(needed), len(needed))
+    return _joined(parts, wanted)
+
+
+def split_named(name: str) -> HouseSplit:
+    """A split.
+
+    Raises:
+        EpisodeError: There is none of this name.
+    """
+    if name not in SPLITS:
+        near = difflib.get_close_matches(name, SPLITS, n=1)
+        hint = f"did you mean '{near[0]}'?" if near else f"there are {', '.join(SPLITS)}"
+        raise EpisodeError(f"unknown split '{name}'; {hint}")
+    return SPLITS[name]
+
+
+def _overlap(a: range, b: range) -> bool:
+    return a.start < b.stop and b.start < a.stop
+
+
+def _joined(parts: list[EpisodeDataset], count: int) -> EpisodeDataset:
+    """One data set in rounds, with what its episodes need and no more."""
+    episodes = _in_rounds([part.episodes for part in parts])[:count]
+    goals = {key: found for part in parts for key, found in part.goals_by_category.items()}
+    used = dict.fromkeys(episode.goals_key() for episode in episodes)
+    asked = dict.fromkeys(episode.object_category for episode in episodes)
+    names = [*CATEGORIES, *sorted(set(asked).difference(CATEGORIES))]
+    numbers = {name: number for number, name in enumerate(n for n in names if n in asked)}
+    return EpisodeDataset.model_validate(
+        {
+            "goals_by_category": {key: goals[key] for key in used},
+            "episodes": [_renumbered(episode) for episode in episodes],
+            "category_to_task_category_id": numbers,
+            # Habitat's reader wants both tables, with the same names.
+            "category_to_scene_annotation_category_id": dict(numbers),
+        }
+    )
+
+
+def _in_rounds(houses: list[list[ObjectNavEpisode]]) -> list[ObjectNavEpisode]:
+    longest = max(len(episodes) for episodes in houses)
+    return [
+        episode
+        for first in range(0, longest, ROUND)
+        for episodes in houses
+        for episode in episodes[first : first + ROUND]
+    ]
+
+
+def _renumbered(episode: ObjectNavEpisode) -> ObjectNavEpisode:
+    """With an id that is unique in the split, not only in its house."""
+    house = episode.scene_id.partition(":")[2]
+    return episode.model_copy(update={"episode_id": f"{house}-{episode.episode_id}"})

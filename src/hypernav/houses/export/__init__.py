@@ -1,0 +1,1 @@
+"""Houses for other programs: glTF, Habitat, and a page for people."""

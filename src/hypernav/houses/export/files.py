@@ -1,0 +1,155 @@
+"""A house as a folder that opens in this package, in Habitat, in Blender and in web viewers."""
+
+import colorsys
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import UInt8
+
+from hypernav.core.errors import SceneError
+from hypernav.houses.assembly import CompactScene
+from hypernav.houses.build import build_compact, plan_of
+from hypernav.houses.export.descriptions import describe
+from hypernav.houses.export.glb import write_house, write_semantics
+from hypernav.worlds.scenes.loading import OBJECTS_FILE
+from hypernav.worlds.scenes.scene import Instance, Scene
+
+
+@dataclass(frozen=True)
+class ExportedHouse:
+    """Where the files of an exported house lie.
+
+    Attributes:
+        glb: The house, glTF (y up).
+        objects: What its nodes are.
+        dataset_config: For Habitat's ``scene_dataset_config_file``.
+        semantic_glb: The house in colours that name its instances.
+        semantic_txt: What the colours mean.
+    """
+
+    glb: Path
+    objects: Path
+    dataset_config: Path
+    semantic_glb: Path
+    semantic_txt: Path
+
+
+def export_house(number: int, out_dir: Path) -> ExportedHouse:
+    """Write a house to a folder.
+
+    ``house_N.glb`` and ``objects.json`` open with `hypernav.worlds.load_scene`; the rest is for
+    Habitat: ``hypernav.scene_dataset_config.json``, and the semantics in the form of HM3D's
+    (``house_N.semantic.glb`` with vertex colours, ``house_N.semantic.txt``).
+
+    Args:
+        number: Of the house.
+        out_dir: Folder; made if it is missing.
+
+    Raises:
+        SceneError: The folder cannot be written.
+    """
+    name = f"house_{number}"
+    files = ExportedHouse(
+        out_dir / f"{name}.glb",
+        out_dir / OBJECTS_FILE,
+        out_dir / "hypernav.scene_dataset_config.json",
+        out_dir / f"{name}.semantic.glb",
+        out_dir / f"{name}.semantic.txt",
+    )
+    try:
+        out_dir.mkdir(parents=True, exist_ok=True)
+        house = build_compact(number)
+        rooms = [room.name for room in plan_of(number).rooms]
+        scene = write_house(house, files.glb)
+        files.objects.write_text(json.dumps(_objects(scene, house), indent=1) + "\n")
+        colors = _colors(len(house.names))
+        write_semantics(house, colors, files.semantic_glb)
+        files.semantic_txt.write_text(_semantic_lines(house, colors, rooms))
+        files.dataset_config.write_text(json.dumps(_dataset_config(files), indent=2) + "\n")
+    except OSError as error:
+        raise SceneError(f"{out_dir}: cannot be written ({error.strerror or error})") from error
+    return files
+
+
+def _objects(scene: Scene, house: CompactScene) -> dict[str, Any]:
+    triangles = np.bincount(house.face_instance, minlength=len(house.names))
+    return {
+        "frame": "GLB is glTF y-up metres (x,y,z)_gltf=(x,z,-y)_zup; zup is the scene's own frame",
+        "objects": [
+            _object(instance, int(triangles[instance.id]), house.categories[instance.id])
+            for instance in scene.instances
+        ],
+    }
+
+
+def _object(instance: Instance, triangles: int, category: str) -> dict[str, Any]:
+    low, high = instance.box_min, instance.box_max
+    label = instance.label
+    return {
+        "id": instance.id,
+        "name": instance.name,
+        "category": category,
+        "structural": label is None,
+        "triangles": triangles,
+        "nodes": [instance.name],
+        "aabb_zup": [list(low), list(high)],
+        "aabb_gltf": [[low[0], low[2], -high[1]], [high[0], high[2], -low[1]]],
+        "synonyms": list(label.synonyms) if label else [],
+        "attributes": list(label.attributes) if label else [],
+        "room": label.room if label else "",
+        "beside": list(label.beside) if label else [],
+        "description": describe(label) if label else "",
+    }
+
+
+def _colors(count: int) -> UInt8[np.ndarray, "instances 3"]:
+    """Colours that are far apart and never twice the same."""
+    colors, seen = [], {(0, 0, 0)}
+    step = 0
+    while len(colors) < count:
+        hue, ring = (step * 0.618034) % 1.0, step % 5
+        rgb = colorsys.hsv_to_rgb(hue, 0.45 + 0.13 * ring, 0.98 - 0.11 * (step % 4))
+        code = (round(rgb[0] * 255), round(rgb[1] * 255), round(rgb[2] * 255))
+        step += 1
+        if code not in seen:
+            seen.add(code)
+            colors.append(code)
+    return np.array(colors, dtype=np.uint8)
+
+
+def _semantic_lines(
+    house: CompactScene, colors: UInt8[np.ndarray, "instances 3"], rooms: list[str]
+) -> str:
+    """HM3D's list: instance (from 1 on), colour, category, number of the room."""
+    lines = ["HM3D Semantic Annotations"]
+    for number, (name, category) in enumerate(zip(house.rooms, house.categories, strict=True)):
+        hex_code = "".join(f"{c:02X}" for c in colors[number])
+        room = rooms.index(name) if name in rooms else len(rooms)
+        lines.append(f'{number + 1},{hex_code},"{category}",{room}')
+    return "\n".join(lines) + "\n"
+
+
+def _dataset_config(files: ExportedHouse) -> dict[str, Any]:
+    return {
+        "stages": {
+            "default_attributes": {
+                "shader_type": "flat",
+                "up": [0, 1, 0],
+                "front": [0, 0, -1],
+                "origin": [0, 0, 0],
+                "semantic_up": [0, 1, 0],
+                "semantic_front": [0, 0, -1],
+                "semantic_asset": "%%CONFIG_NAME_AS_ASSET_FILENAME%%.semantic.glb",
+                "semantic_descriptor_filename": "%%CONFIG_NAME_AS_ASSET_FILENAME%%.semantic.txt",
+                "has_semantic_textures": False,
+            },
+            "paths": {".glb": [files.glb.name]},
+        },
+        "scene_instances": {
+            "default_attributes": {"default_lighting": "no_lights"},
+            "paths": {".json": []},
+        },
+    }

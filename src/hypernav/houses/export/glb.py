@@ -1,0 +1,214 @@
+"""Writes binary glTF 2.0 (y up): one node per instance, one primitive per material of it."""
+
+import json
+import struct
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+from jaxtyping import Float32, Int64, UInt8
+
+from hypernav.houses.assembly import CompactScene, to_scene
+from hypernav.worlds.scenes.scene import Material, Scene, Wrap
+
+_FLOAT, _UINT = 5126, 5125
+_ARRAY_BUFFER, _ELEMENT_BUFFER = 34962, 34963
+_GL_WRAPS = {Wrap.REPEAT: 10497, Wrap.MIRROR: 33648, Wrap.CLAMP: 33071}
+
+
+def srgb_to_linear(codes: np.ndarray) -> np.ndarray:
+    """Light of sRGB numbers (0 to 1, any shape)."""
+    return np.where(codes <= 0.04045, codes / 12.92, ((codes + 0.055) / 1.055) ** 2.4)
+
+
+def y_up(points: Float32[np.ndarray, "n 3"]) -> Float32[np.ndarray, "n 3"]:
+    """Scene coordinates (z up) as glTF's (y up)."""
+    return np.column_stack([points[:, 0], points[:, 2], -points[:, 1]]).astype(np.float32)
+
+
+class GlbWriter:
+    """Collects the parts of a file and writes it whole."""
+
+    def __init__(self) -> None:
+        """An empty document."""
+        self.document: dict[str, Any] = {
+            "asset": {"version": "2.0", "generator": "hypernav"},
+            "scene": 0,
+            "scenes": [{"nodes": []}],
+            "nodes": [],
+            "meshes": [],
+            "materials": [],
+            "textures": [],
+            "images": [],
+            "samplers": [],
+            "accessors": [],
+            "bufferViews": [],
+            "extensionsUsed": [],
+        }
+        self._chunks: list[bytes] = []
+        self._length = 0
+
+    def _view(self, content: bytes, target: int | None = None) -> int:
+        view: dict[str, Any] = {"buffer": 0, "byteOffset": self._length, "byteLength": len(content)}
+        if target is not None:
+            view["target"] = target
+        padded = content + b"\0" * (-len(content) % 4)
+        self._chunks.append(padded)
+        self._length += len(padded)
+        self.document["bufferViews"].append(view)
+        return len(self.document["bufferViews"]) - 1
+
+    def vectors(self, values: Float32[np.ndarray, "n width"], *, bounds: bool = False) -> int:
+        """A vertex attribute; gives back the number of its accessor."""
+        accessor: dict[str, Any] = {
+            "bufferView": self._view(np.ascontiguousarray(values).tobytes(), _ARRAY_BUFFER),
+            "componentType": _FLOAT,
+            "count": len(values),
+            "type": f"VEC{values.shape[1]}",
+        }
+        if bounds:
+            accessor["min"] = [float(v) for v in values.min(axis=0)]
+            accessor["max"] = [float(v) for v in values.max(axis=0)]
+        self.document["accessors"].append(accessor)
+        return len(self.document["accessors"]) - 1
+
+    def indices(self, values: Int64[np.ndarray, "n"]) -> int:
+        """Vertex numbers; gives back the number of their accessor."""
+        accessor = {
+            "bufferView": self._view(values.astype(np.uint32).tobytes(), _ELEMENT_BUFFER),
+            "componentType": _UINT,
+            "count": len(values),
+            "type": "SCALAR",
+        }
+        self.document["accessors"].append(accessor)
+        return len(self.document["accessors"]) - 1
+
+    def picture(self, rgb: UInt8[np.ndarray, "height width 3"], wrap: tuple[Wrap, Wrap]) -> int:
+        """A texture; gives back its number."""
+        _, png = cv2.imencode(".png", np.ascontiguousarray(rgb[..., ::-1]))
+        document = self.document
+        document["images"].append(
+            {"bufferView": self._view(png.tobytes()), "mimeType": "image/png"}
+        )
+        sampler = {"wrapS": _GL_WRAPS[wrap[0]], "wrapT": _GL_WRAPS[wrap[1]]}
+        if sampler not in document["samplers"]:
+            document["samplers"].append(sampler)
+        texture = {
+            "source": len(document["images"]) - 1,
+            "sampler": document["samplers"].index(sampler),
+        }
+        document["textures"].append(texture)
+        return len(document["textures"]) - 1
+
+    def material(self, material: Material, texture: int | None) -> None:
+        """A material; they are numbered in the order of their coming."""
+        linear = srgb_to_linear(np.array(material.color))
+        surface: dict[str, Any] = {
+            "baseColorFactor": [*(float(c) for c in linear), 1.0],
+            "metallicFactor": 0.0,
+            "roughnessFactor": 0.9,
+        }
+        if texture is not None:
+            surface["baseColorTexture"] = {"index": texture}
+        entry: dict[str, Any] = {
+            "name": material.name,
+            "pbrMetallicRoughness": surface,
+            "doubleSided": True,
+        }
+        if material.unlit:
+            entry["extensions"] = {"KHR_materials_unlit": {}}
+            if "KHR_materials_unlit" not in self.document["extensionsUsed"]:
+                self.document["extensionsUsed"].append("KHR_materials_unlit")
+        self.document["materials"].append(entry)
+
+    def node(self, name: str, primitives: list[dict[str, Any]]) -> None:
+        """A mesh in its place."""
+        document = self.document
+        document["meshes"].append({"name": name, "primitives": primitives})
+        document["nodes"].append({"name": name, "mesh": len(document["meshes"]) - 1})
+        document["scenes"][0]["nodes"].append(len(document["nodes"]) - 1)
+
+    def write(self, path: Path) -> None:
+        """Write the file."""
+        filled = {key: value for key, value in self.document.items() if value not in ([], {})}
+        filled["buffers"] = [{"byteLength": self._length}]
+        text = json.dumps(filled, separators=(",", ":")).encode()
+        text += b" " * (-len(text) % 4)
+        total = 12 + 8 + len(text) + 8 + self._length
+        with path.open("wb") as file:
+            file.write(struct.pack("<4sII", b"glTF", 2, total))
+            file.write(struct.pack("<I4s", len(text), b"JSON") + text)
+            file.write(struct.pack("<I4s", self._length, b"BIN\0"))
+            file.writelines(self._chunks)
+
+
+def write_house(house: CompactScene, path: Path) -> Scene:
+    """Write a house with all its materials; gives back its scene."""
+    scene = to_scene(house, path.stem)
+    writer = GlbWriter()
+    numbers: dict[tuple[int, tuple[Wrap, Wrap]], int] = {}
+    for material in scene.materials:
+        texture = None
+        if material.texture is not None:
+            key = (id(material.texture), material.wrap)
+            if key not in numbers:
+                numbers[key] = writer.picture(material.texture, material.wrap)
+            texture = numbers[key]
+        writer.material(material, texture)
+    positions = y_up(scene.vertices)
+    normals = y_up(house.normals.astype(np.float32) / np.float32(32_000.0))
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-6)
+    uv = np.column_stack([house.uv[:, 0], 1.0 - house.uv[:, 1]]).astype(np.float32)
+    primitives: dict[int, list[dict[str, Any]]] = {}
+    for instance, material, faces in _groups(house):
+        used, corners = np.unique(faces, return_inverse=True)
+        attributes = {
+            "POSITION": writer.vectors(positions[used], bounds=True),
+            "NORMAL": writer.vectors(normals[used]),
+            "TEXCOORD_0": writer.vectors(uv[used]),
+        }
+        primitive = {
+            "attributes": attributes,
+            "indices": writer.indices(corners.ravel()),
+            "material": material,
+        }
+        primitives.setdefault(instance, []).append(primitive)
+    for number, name in enumerate(house.names):
+        writer.node(name, primitives[number])
+    writer.write(path)
+    return scene
+
+
+def write_semantics(
+    house: CompactScene, colors: UInt8[np.ndarray, "instances 3"], path: Path
+) -> None:
+    """Write a house as one mesh whose vertex colours name the instances, as Habitat reads them."""
+    positions = y_up((house.positions / np.float64(10_000.0)).astype(np.float32))
+    owner = np.zeros(len(positions), dtype=np.int64)
+    owner[house.faces.ravel()] = np.repeat(house.face_instance.astype(np.int64), 3)
+    # glTF stores vertex colours as light; Habitat turns them back into sRGB codes.
+    light = srgb_to_linear(colors[owner] / 255.0).astype(np.float32)
+    writer = GlbWriter()
+    attributes = {
+        "POSITION": writer.vectors(positions, bounds=True),
+        "COLOR_0": writer.vectors(light),
+    }
+    corners = writer.indices(house.faces.ravel().astype(np.int64))
+    writer.node("semantics", [{"attributes": attributes, "indices": corners}])
+    writer.write(path)
+
+
+def _groups(house: CompactScene) -> Iterator[tuple[int, int, np.ndarray]]:
+    """Faces of every instance and material: ``(instance, material, faces)``."""
+    key = house.face_instance.astype(np.int64) * 65_536 + house.face_material
+    order = np.argsort(key, kind="stable")
+    starts = np.flatnonzero(np.concatenate([[True], np.diff(key[order]) != 0]))
+    for start, end in zip(starts, [*starts[1:], len(order)], strict=True):
+        first = order[start]
+        yield (
+            int(house.face_instance[first]),
+            int(house.face_material[first]),
+            house.faces[order[start:end]],
+        )

@@ -1,0 +1,165 @@
+"""A page about one house: plan, picture from above, views from inside, list of things."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import UInt8
+
+from hypernav.core.embodiment import CameraConfig
+from hypernav.core.errors import SceneError
+from hypernav.core.geometry.camera import PinholeCamera
+from hypernav.core.geometry.transforms import Pose2, Transform
+from hypernav.core.labels import ObjectLabel
+from hypernav.houses.assembly import to_scene
+from hypernav.houses.build import build_compact, plan_of
+from hypernav.houses.dice import Dice
+from hypernav.houses.export.drawing import draw_plan
+from hypernav.houses.plan.shapes import FloorPlan, Rect
+from hypernav.show.pages.site import image_uri, page_environment
+from hypernav.worlds.drawing.renderer import CpuRenderer
+from hypernav.worlds.scenes.scene import Scene
+from hypernav.worlds.surface.walkable import WalkableGrid
+
+_TRIES = 16
+_DULL = ("window", "door", "ceiling lamp", "picture", "doormat")
+_SMALL = 0.003
+_NEAR_M = 1.0
+
+Picture = UInt8[np.ndarray, "height width 3"]
+
+
+def house_page(number: int, out: Path) -> Path:
+    """Write a self-contained page about a house.
+
+    Args:
+        number: Of the house.
+        out: The page; or a folder, in which it is called ``house_N.html``.
+
+    Returns:
+        The page.
+
+    Raises:
+        SceneError: The page cannot be written.
+    """
+    path = out if out.suffix == ".html" else out / f"house_{number}.html"
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(_page(number), encoding="utf-8")
+    except OSError as error:
+        raise SceneError(f"{path}: cannot be written ({error.strerror or error})") from error
+    return path
+
+
+def _page(number: int) -> str:
+    plan = plan_of(number)
+    scene = to_scene(build_compact(number), f"houses:{number}")
+    rooms = [room for room in plan.rooms if not room.is_outside]
+    labels = [i.label for i in scene.instances if i.label is not None]
+    things = [label for label in labels if label.category != "window"]
+    return (
+        page_environment("hypernav.houses")
+        .get_template("house.html.j2")
+        .render(
+            number=number,
+            area=f"{sum(room.inner.area for room in rooms):.0f}",
+            rooms=[room.name for room in plan.rooms],
+            plan=draw_plan(plan, scene.instances),
+            above=image_uri(view_from_above(scene)),
+            views=[image_uri(view) for view in interior_views(scene, plan, number, 4)],
+            things=_listed(things),
+            total=len(things),
+            triangles=f"{len(scene.faces):,}",
+        )
+    )
+
+
+def _listed(things: Sequence[ObjectLabel]) -> list[dict[str, Any]]:
+    """One entry per kind: how many, and all that is said of them."""
+    kinds: dict[str, list[ObjectLabel]] = {}
+    for label in things:
+        kinds.setdefault(label.category, []).append(label)
+    return [
+        {
+            "category": category,
+            "count": len(own),
+            "names": sorted({name for label in own for name in label.synonyms}),
+            "rooms": sorted({label.room for label in own}),
+            "looks": sorted({word for label in own for word in label.attributes}),
+        }
+        for category, own in sorted(kinds.items())
+    ]
+
+
+def view_from_above(scene: Scene, width: int = 1280) -> Picture:
+    """The house without its ceilings, straight from above."""
+    hidden = np.array([i.name.startswith(("ceiling", "chandelier")) for i in scene.instances])
+    keep = ~hidden[scene.face_instance]
+    open_scene = replace(
+        scene,
+        faces=scene.faces[keep],
+        uv=scene.uv[keep],
+        colors=scene.colors[keep],
+        normals=None if scene.normals is None else scene.normals[keep],
+        face_material=scene.face_material[keep],
+        face_instance=scene.face_instance[keep],
+    )
+    vertices = scene.vertices.astype(np.float64)
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    size = high - low
+    height = max(int(width * size[1] / size[0]), width // 4)
+    focal = 2.5 * width
+    above = 1.04 * max(size[0] * focal / width, size[1] * focal / height) + high[2]
+    camera = PinholeCamera(width, height, focal, focal, width / 2, height / 2)
+    looking_down = np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]])
+    middle = (low + high) / 2.0
+    pose = Transform(looking_down, np.array([middle[0], middle[1], above]))
+    return CpuRenderer(open_scene).render(camera, pose).rgb
+
+
+def interior_views(scene: Scene, plan: FloorPlan, number: int, count: int) -> list[Picture]:
+    """What a robot sees: in different rooms, from the poses that show most things."""
+    config = CameraConfig()
+    grid, renderer = WalkableGrid.from_scene(scene), CpuRenderer(scene)
+    dice = Dice(number, "views")
+    best: list[tuple[float, Pose2]] = []
+    for room in plan.rooms:
+        places = _places_in(room.inner, grid)
+        tries = []
+        for _ in range(min(_TRIES, len(places))):
+            pose = Pose2(*places[dice.integer(0, len(places) - 1)], dice.uniform(-math.pi, math.pi))
+            tries.append((_interest(scene, renderer, _camera_pose(grid, config, pose)), pose))
+        best += [max(tries, key=lambda t: t[0])] if tries else []
+    chosen = sorted(best, key=lambda t: -t[0])[:count]
+    return [
+        renderer.render(config.intrinsics, _camera_pose(grid, config, pose)).rgb
+        for _, pose in chosen
+    ]
+
+
+def _places_in(rect: Rect, grid: WalkableGrid) -> list[tuple[float, float]]:
+    centres = grid.centres()
+    low, high = np.array((rect.x0, rect.y0)), np.array((rect.x1, rect.y1))
+    inside = ((centres > low) & (centres < high)).all(axis=1)
+    return [(float(x), float(y)) for x, y in centres[inside]]
+
+
+def _camera_pose(grid: WalkableGrid, config: CameraConfig, pose: Pose2) -> Transform:
+    return pose.to_transform(grid.height_at(*pose.xy)) @ config.camera_to_base
+
+
+def _interest(scene: Scene, renderer: CpuRenderer, pose: Transform) -> float:
+    """How much there is to see: many things that are not too small, and nothing too near."""
+    seen = renderer.render(CameraConfig(width=160, height=120).intrinsics, pose)
+    pixels = np.bincount(seen.instance_ids[seen.instance_ids >= 0], minlength=len(scene.instances))
+    share = pixels / seen.instance_ids.size
+    shown = [
+        float(share[i.id])
+        for i in scene.instances
+        if i.label is not None and i.label.category not in _DULL and share[i.id] > _SMALL
+    ]
+    near = float((seen.depth < _NEAR_M).mean())
+    return len(shown) + 12.0 * min(sum(shown), 0.5) - 15.0 * near

@@ -1,0 +1,1 @@
+"""Plants, textiles and what hangs on walls."""

@@ -1,0 +1,1 @@
+"""Pieces of kitchens, bathrooms and laundries."""

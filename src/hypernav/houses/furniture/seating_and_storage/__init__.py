@@ -1,0 +1,1 @@
+"""Pieces to sit, lie and work at, and to keep things in."""

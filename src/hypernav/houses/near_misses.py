@@ -1,0 +1,71 @@
+"""What a careless reader would take for the goal: things that nearly satisfy it."""
+
+import re
+from collections.abc import Iterator
+
+from hypernav.core.goal import Goal
+from hypernav.core.labels import ObjectLabel, canonical, normalise
+from hypernav.worlds.scenes.scene import Instance, Scene
+
+_PLACE = re.compile(r" (?:in|inside|of|beside|next to|near|by|close to|on|under|at) ")
+
+_ALIKE: tuple[frozenset[str], ...] = tuple(
+    frozenset(canonical(name) for name in group)
+    for group in (
+        ("sofa", "armchair", "bean bag", "ottoman", "bench"),
+        ("chair", "armchair", "rocking chair", "stool", "bench"),
+        ("bed", "crib", "sofa", "pet basket"),
+        ("washing machine", "clothes dryer", "dishwasher", "oven"),
+        ("oven", "microwave", "fireplace"),
+        ("refrigerator", "wardrobe", "cabinet"),
+        ("wardrobe", "bookshelf", "cabinet", "dresser", "storage rack", "filing cabinet"),
+        ("nightstand", "dresser", "cabinet", "side table"),
+        ("tv", "computer monitor", "laptop", "picture", "mirror"),
+        ("toilet", "sink", "bathtub", "shower"),
+        ("potted plant", "vase", "succulent", "cactus", "herb"),
+        ("backpack", "handbag", "suitcase"),
+        ("trash can", "basket", "laundry basket", "bucket"),
+        ("bicycle", "exercise equipment"),
+        ("picture", "mirror", "window", "clock"),
+        ("rug", "bath mat", "doormat", "yoga mat"),
+    )
+)
+"""Kinds that look or serve alike."""
+
+
+def near_misses(scene: Scene, goal: Goal) -> tuple[Instance, ...]:
+    """The instances that do not satisfy a goal but come close.
+
+    Near is what has the goal's name but not its looks or place ("the red armchair" and a blue
+    one), what shares the last word of its name (window curtain and shower curtain), and what is of
+    a kind that looks or serves alike (washing machine and clothes dryer).
+
+    Args:
+        scene: With labels.
+        goal: What is looked for.
+    """
+    labelled = [(i, i.label) for i in scene.instances if i.label is not None]
+    wanted = [label for _, label in labelled if label.satisfies(goal)]
+    names = list(_names_in(goal)) + [label.category for label in wanted]
+    return tuple(
+        instance
+        for instance, label in labelled
+        if not label.satisfies(goal) and any(_comes_close(label, name) for name in names)
+    )
+
+
+def _names_in(goal: Goal) -> Iterator[str]:
+    """The goal's name with ever fewer attributes: "red dining chair", "dining chair", "chair"."""
+    words = _PLACE.split(normalise(goal.text), maxsplit=1)[0].split()
+    for first in range(len(words)):
+        yield " ".join(words[first:])
+
+
+def _comes_close(label: ObjectLabel, name: str) -> bool:
+    wanted = canonical(name)
+    if label.is_named(name):
+        return True
+    own = canonical(label.category)
+    if own.rsplit(" ", maxsplit=1)[-1] == wanted.rsplit(" ", maxsplit=1)[-1]:
+        return True
+    return any(wanted in group and own in group for group in _ALIKE)

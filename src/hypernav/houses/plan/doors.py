@@ -1,0 +1,264 @@
+"""Doors and passages between rooms, by the rules of good homes.
+
+Halls, living rooms and dining rooms may be walked through, kitchens only on the way to what
+belongs to them. Bathrooms, storage and laundry never lie on the way to anything, bedrooms only on
+the way to their own bathroom, and at least one bathroom is reached without crossing a bedroom.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from hypernav.houses.dice import Dice
+from hypernav.houses.plan.shapes import WALL_M, Opening, Rect, Room
+
+_CASING_M = 0.1
+DOOR_TOP_M = 2.05
+APPROACH_M = 0.9
+LEAF_M = 0.04
+
+# How good it is to enter the second kind from the first; what is missing is not done.
+_LINKS: dict[str, dict[str, float]] = {
+    "hall": {
+        "living room": 9,
+        "kitchen": 7,
+        "dining room": 6,
+        "bedroom": 9,
+        "bathroom": 9,
+        "office": 9,
+        "laundry": 8,
+        "storage": 8,
+        "hall": 9,
+    },
+    "living room": {
+        "hall": 9,
+        "dining room": 9,
+        "kitchen": 8,
+        "bedroom": 5,
+        "office": 6,
+        "bathroom": 4,
+        "storage": 4,
+        "laundry": 2,
+    },
+    "dining room": {
+        "kitchen": 9,
+        "hall": 6,
+        "living room": 9,
+        "bedroom": 3,
+        "office": 4,
+        "bathroom": 2,
+        "storage": 4,
+        "laundry": 3,
+    },
+    "kitchen": {"dining room": 8, "laundry": 8, "storage": 7, "living room": 7, "hall": 5},
+    "bedroom": {"bathroom": 3, "storage": 2},
+}
+
+
+@dataclass(frozen=True)
+class Border:
+    """The piece of wall that two rooms share, between the inner faces of the walls that end it."""
+
+    low: int
+    high: int
+    along: str
+    at: float
+    start: float
+    end: float
+
+
+def borders(rooms: Sequence[Room]) -> list[Border]:
+    """All shared walls; ``low`` is the room on the side of smaller coordinates."""
+    result = []
+    for i, a in enumerate(rooms):
+        for j, b in enumerate(rooms):
+            if i == j or a.is_outside or b.is_outside:
+                continue
+            p, q = a.cell, b.cell
+            for along, at, other, lo, hi in (
+                ("y", p.x1, q.x0, max(p.y0, q.y0), min(p.y1, q.y1)),
+                ("x", p.y1, q.y0, max(p.x0, q.x0), min(p.x1, q.x1)),
+            ):
+                if abs(at - other) < 1e-6 and hi - lo > WALL_M:
+                    result.append(Border(i, j, along, at, lo + WALL_M / 2, hi - WALL_M / 2))
+    return result
+
+
+def door_width(kind: str) -> float:
+    """Clear width of a door into a kind of room."""
+    return {"bathroom": 0.85, "storage": 0.85, "laundry": 0.85}.get(kind, 0.9)
+
+
+def find_links(rooms: Sequence[Room]) -> list[tuple[int, int, Border]] | None:
+    """Which rooms to connect: ``(from, to, wall)`` so that every room is reached by the rules.
+
+    Returns:
+        None if no choice of doors satisfies the rules.
+    """
+    ways: dict[tuple[int, int], Border] = {}
+    for border in borders(rooms):
+        for a, b in ((border.low, border.high), (border.high, border.low)):
+            if border.end - border.start >= door_width(rooms[b].kind) + 2 * _CASING_M + 0.04:
+                ways[(a, b)] = border
+    root = next((k for k, r in enumerate(rooms) if r.kind == "hall"), 0)
+    if rooms[root].kind not in _LINKS:
+        return None
+    reached, links = [root], []
+    left = [k for k in range(len(rooms)) if k != root and not rooms[k].is_outside]
+    while left:
+        best, choice = 0.0, None
+        for a in reached:
+            for b in left:
+                score = (
+                    _LINKS.get(rooms[a].kind, {}).get(rooms[b].kind, 0.0) if (a, b) in ways else 0.0
+                )
+                if score > best:
+                    best, choice = score, (a, b)
+        if choice is None:
+            return None
+        links.append((*choice, ways[choice]))
+        reached.append(choice[1])
+        left.remove(choice[1])
+    if not _rules_hold(rooms, links):
+        return None
+    return links + _extra_links(rooms, links, ways)
+
+
+def _rules_hold(rooms: Sequence[Room], links: list[tuple[int, int, Border]]) -> bool:
+    parents = {b: a for a, b, _ in links}
+    baths = [k for k, r in enumerate(rooms) if r.kind == "bathroom"]
+    if baths and all(rooms[parents[k]].kind == "bedroom" for k in baths):
+        return False
+    ensuites: dict[int, int] = {}
+    for k in baths:
+        ensuites[parents[k]] = ensuites.get(parents[k], 0) + (rooms[parents[k]].kind == "bedroom")
+    kitchen = next((k for k, r in enumerate(rooms) if r.kind == "kitchen"), None)
+    dining = next((k for k, r in enumerate(rooms) if r.kind == "dining room"), None)
+    if kitchen is not None and dining is not None:
+        near = any({kitchen, dining} == {b.low, b.high} for b in borders(rooms))
+        both_public = {rooms[parents.get(k, 0)].kind for k in (kitchen, dining)} <= {
+            "living room",
+            "hall",
+            "dining room",
+            "kitchen",
+        }
+        if not near and not both_public:
+            return False
+    return all(count <= 1 for count in ensuites.values())
+
+
+def _extra_links(
+    rooms: Sequence[Room], links: list[tuple[int, int, Border]], ways: dict[tuple[int, int], Border]
+) -> list[tuple[int, int, Border]]:
+    """Openings between public rooms that lie side by side, as open plans have them."""
+    linked = {frozenset((a, b)) for a, b, _ in links}
+    public = ("living room", "dining room", "kitchen")
+    extra = []
+    for (a, b), border in ways.items():
+        if (
+            a < b
+            and rooms[a].kind in public
+            and rooms[b].kind in public
+            and frozenset((a, b)) not in linked
+        ):
+            extra.append((a, b, border))
+    return extra
+
+
+def draw_doors(dice: Dice, rooms: Sequence[Room]) -> list[Opening] | None:
+    """Doors and passages for all links; None if the rooms can't be connected by the rules."""
+    links = find_links(rooms)
+    if links is None:
+        return None
+    openings: list[Opening] = []
+    for a, b, border in links:
+        opening = _fitted(dice, rooms, a, b, border, openings)
+        if opening is None:
+            return None
+        openings.append(opening)
+    return openings
+
+
+def _fitted(
+    dice: Dice, rooms: Sequence[Room], a: int, b: int, border: Border, others: Sequence[Opening]
+) -> Opening | None:
+    """A door somewhere on the shared wall whose leaf and approach are free of other doors."""
+    kinds = {rooms[a].kind, rooms[b].kind}
+    length = border.end - border.start
+    public = kinds <= {"living room", "dining room", "kitchen"}
+    if public and length > 1.9 and dice.chance(0.8):
+        wide = min(dice.uniform(1.2, 2.4, 0.05), length - 0.5)
+        start = border.start + (length - wide) * dice.uniform(0.35, 0.65)
+        start = round(start, 3)
+        return Opening(
+            "passage",
+            border.along,
+            border.at,
+            start,
+            round(start + wide, 3),
+            0.0,
+            2.25,
+            (border.low, border.high),
+        )
+    wide = door_width(rooms[b].kind)
+    private = b if rooms[b].kind not in ("living room", "dining room", "kitchen", "hall") else -1
+    with_leaf = private >= 0 and dice.chance(0.75)
+    for attempt in range(12):
+        room_left = length - wide - 2 * _CASING_M
+        where = dice.choice((0.0, 1.0)) if attempt < 8 and dice.chance(0.8) else dice.unit()
+        start = round(border.start + _CASING_M + room_left * where, 3)
+        hinge_low = where < 0.5
+        leaf = private if with_leaf and attempt < 9 else -1
+        door = Opening(
+            "door" if leaf >= 0 else "doorway",
+            border.along,
+            border.at,
+            start,
+            round(start + wide, 3),
+            0.0,
+            DOOR_TOP_M,
+            (border.low, border.high),
+            leaf,
+            hinge_low,
+        )
+        if not any(_collide(door, other) for other in others) and _leaf_fits(door, rooms):
+            return door
+    return None
+
+
+def leaf_rect(door: Opening) -> Rect | None:
+    """Where the open leaf stands: at right angles to its wall, just outside of the opening."""
+    if door.leaf_room < 0:
+        return None
+    upper = door.leaf_room == door.rooms[1]
+    near, far = WALL_M / 2 + 0.017, WALL_M / 2 + 0.017 + door.width - 0.01
+    low, high = (near, far) if upper else (-far, -near)
+    a = door.start - LEAF_M + 0.005 if door.hinge_low else door.end - 0.005
+    if door.along == "x":
+        return Rect(a, door.at + low, a + LEAF_M, door.at + high)
+    return Rect(door.at + low, a, door.at + high, a + LEAF_M)
+
+
+def approach(door: Opening, *, margin: float = 0.0, deep: float = APPROACH_M) -> Rect:
+    """The floor before and behind a door that must stay free."""
+    return door.strip(-deep, deep, margin)
+
+
+def _collide(a: Opening, b: Opening) -> bool:
+    la, lb = leaf_rect(a), leaf_rect(b)
+    if la is not None and la.overlaps(approach(b, deep=1.0), 0.02):
+        return True
+    if lb is not None and lb.overlaps(approach(a, deep=1.0), 0.02):
+        return True
+    if la is not None and lb is not None and la.overlaps(lb, 0.05):
+        return True
+    return (
+        a.along == b.along
+        and abs(a.at - b.at) < 1e-6
+        and a.start < b.end + 0.25
+        and b.start < a.end + 0.25
+    )
+
+
+def _leaf_fits(door: Opening, rooms: Sequence[Room]) -> bool:
+    leaf = leaf_rect(door)
+    return leaf is None or rooms[door.leaf_room].inner.grown(-0.004).holds(leaf)

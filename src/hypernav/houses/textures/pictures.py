@@ -1,0 +1,280 @@
+"""Pictures that are fitted to one surface: paintings, screens, book spines, clock faces, views."""
+
+import math
+
+import numpy as np
+from jaxtyping import Bool, Float64
+
+from hypernav.houses.dice import Dice
+from hypernav.houses.textures.noise import (
+    Picture,
+    cloud_noise,
+    mix,
+    pixel_grid,
+    smooth_noise,
+    to_picture,
+)
+
+Canvas = Float64[np.ndarray, "height width 3"]
+INKS = (
+    (0.75, 0.2, 0.17),
+    (0.9, 0.66, 0.2),
+    (0.2, 0.36, 0.55),
+    (0.23, 0.45, 0.33),
+    (0.88, 0.86, 0.8),
+    (0.18, 0.18, 0.2),
+    (0.55, 0.3, 0.45),
+    (0.85, 0.5, 0.36),
+    (0.42, 0.6, 0.68),
+    (0.93, 0.8, 0.66),
+)
+
+
+def _hills(
+    dice: Dice, width: int, base: float, rise: float, cells: int
+) -> Float64[np.ndarray, "width"]:
+    line = smooth_noise(dice, 1, width, 1, cells)[0] * 0.7
+    return base + rise * (line + 0.3 * smooth_noise(dice, 1, width, 1, cells * 3)[0])
+
+
+def landscape(dice: Dice, height: int = 192, width: int = 256) -> Canvas:
+    """Sky, sun, hills and water."""
+    row, column = pixel_grid(height, width)
+    skies = (
+        ((0.35, 0.55, 0.82), (0.9, 0.9, 0.86)),
+        ((0.86, 0.45, 0.3), (0.97, 0.85, 0.55)),
+        ((0.5, 0.62, 0.75), (0.93, 0.85, 0.8)),
+    )
+    top, low = dice.choice(skies)
+    canvas = mix(top, low, row * 1.7)
+    sun_x, sun_y = dice.uniform(0.2, 0.8), dice.uniform(0.15, 0.4)
+    sun = np.sqrt(((column - sun_x) * width / height) ** 2 + (row - sun_y) ** 2) < 0.06
+    canvas[sun] = (1.0, 0.97, 0.85)
+    greens = ((0.45, 0.55, 0.62), (0.33, 0.5, 0.42), (0.24, 0.38, 0.22), (0.5, 0.48, 0.2))
+    for k, ink in enumerate(greens):
+        line = _hills(dice, width, 0.42 + 0.14 * k, 0.16, 3 + k)
+        shade = 0.8 + 0.4 * smooth_noise(dice, height, width, 24, 32)[..., None]
+        canvas = np.where((row > line[None, :])[..., None], np.array(ink) * shade, canvas)
+    return canvas
+
+
+def abstract(dice: Dice, height: int = 192, width: int = 192) -> Canvas:
+    """Overlapping fields of colour."""
+    row, column = pixel_grid(height, width)
+    canvas = np.ones((height, width, 3)) * np.array(dice.choice(INKS[4:5] + INKS[9:]))
+    for _ in range(dice.integer(5, 9)):
+        ink = np.array(dice.choice(INKS))
+        cx, cy, size = dice.unit(), dice.unit(), dice.uniform(0.1, 0.3)
+        if dice.chance(0.5):
+            area = (column - cx) ** 2 + (row - cy) ** 2 < size * size
+        else:
+            area = (np.abs(column - cx) < size) & (np.abs(row - cy) < size * dice.uniform(0.4, 1.4))
+        canvas = np.where(area[..., None], ink, canvas)
+    return canvas * (0.92 + 0.12 * smooth_noise(dice, height, width, 40, 40)[..., None])
+
+
+def still_life(dice: Dice, height: int = 224, width: int = 176) -> Canvas:
+    """A vase with blossoms on a table."""
+    row, column = pixel_grid(height, width)
+    canvas = mix((0.5, 0.47, 0.42), (0.75, 0.7, 0.62), smooth_noise(dice, height, width, 6, 6))
+    canvas[row > 0.78] = (0.4, 0.27, 0.18)
+    body = np.abs(column - 0.5) < 0.13 * np.sqrt(
+        np.clip(1.0 - ((row - 0.72) / 0.17) ** 2, 0.0, 1.0)
+    )
+    canvas[body] = dice.choice(INKS[2:5])
+    for _ in range(26):
+        angle, reach = dice.uniform(0.0, 2.0 * math.pi), dice.uniform(0.0, 0.22)
+        cx, cy = 0.5 + reach * math.cos(angle) * 1.2, 0.36 + reach * math.sin(angle)
+        petal = (column - cx) ** 2 * (width / height) ** 2 + (row - cy) ** 2 < dice.uniform(
+            0.02, 0.06
+        ) ** 2
+        canvas[petal] = dice.choice((INKS[0], INKS[1], INKS[7], INKS[4], (0.25, 0.42, 0.2)))
+    return canvas
+
+
+def portrait(dice: Dice, height: int = 224, width: int = 176) -> Canvas:
+    """Head and shoulders before a plain ground."""
+    row, column = pixel_grid(height, width)
+    ground = dice.choice(INKS)
+    canvas = mix(ground, (0.2, 0.18, 0.17), np.abs(column - 0.5) + 0.3 * row)
+    coat = (
+        np.abs(column - 0.5) < 0.34 * np.sqrt(np.clip((row - 0.62) / 0.38, 0.0, 1.0)) + 0.05
+    ) & (row > 0.62)
+    canvas[coat] = dice.choice(INKS)
+    skin = dice.choice(((0.9, 0.74, 0.62), (0.62, 0.44, 0.33), (0.8, 0.62, 0.48)))
+    hair = ((column - 0.5) / 0.2) ** 2 + ((row - 0.37) / 0.2) ** 2 < 1.0
+    canvas[hair] = dice.choice(((0.2, 0.14, 0.1), (0.45, 0.3, 0.16), (0.7, 0.6, 0.45)))
+    face = ((column - 0.5) / 0.14) ** 2 + ((row - 0.42) / 0.18) ** 2 < 1.0
+    canvas[face | ((np.abs(column - 0.5) < 0.06) & (row > 0.5) & (row < 0.68))] = skin
+    for side in (-0.055, 0.055):
+        canvas[((column - 0.5 - side) ** 2 + (row - 0.4) ** 2) < 0.012**2] = (0.12, 0.1, 0.1)
+    canvas[(np.abs(column - 0.5) < 0.04) & (np.abs(row - 0.51) < 0.006)] = (0.6, 0.25, 0.25)
+    return canvas
+
+
+def painting(dice: Dice) -> Picture:
+    """What hangs in a frame."""
+    return to_picture(dice.choice((landscape, abstract, still_life, portrait, landscape))(dice))
+
+
+def screen_off(dice: Dice, height: int = 96, width: int = 160) -> Picture:
+    """A dark screen with the faint reflection of a window."""
+    row, column = pixel_grid(height, width)
+    glow = np.clip(1.0 - np.abs(column - 0.3 - 0.25 * row) * 4.0, 0.0, 1.0) * (1.0 - row)
+    return to_picture(mix((0.035, 0.037, 0.042), (0.14, 0.15, 0.17), glow))
+
+
+def screen_show(dice: Dice) -> Picture:
+    """A programme: a landscape with a title bar, or a studio with a speaker."""
+    canvas = landscape(dice, 180, 320)
+    row, column = pixel_grid(180, 320)
+    if dice.chance(0.4):
+        speaker = portrait(dice, 180, 176)
+        canvas[:, 72:248] = speaker
+    bar = (row > 0.8) & (row < 0.93) & (column > 0.05) & (column < 0.75)
+    canvas[bar] = dice.choice(INKS[:4])
+    letters = bar & ((np.floor(column * 60) % 3) < 2) & (row > 0.835) & (row < 0.89)
+    canvas[letters & (column < 0.65)] = (0.97, 0.97, 0.97)
+    return to_picture(canvas)
+
+
+def screen_desktop(dice: Dice, height: int = 160, width: int = 256) -> Picture:
+    """A computer's desktop with windows."""
+    row, column = pixel_grid(height, width)
+    canvas = landscape(dice, height, width) * 0.9
+    for _ in range(2):
+        x0, y0 = dice.uniform(0.04, 0.35), dice.uniform(0.08, 0.25)
+        x1, y1 = x0 + dice.uniform(0.35, 0.55), y0 + dice.uniform(0.4, 0.55)
+        window = (column > x0) & (column < x1) & (row > y0) & (row < y1)
+        canvas[window] = (0.95, 0.95, 0.96)
+        canvas[window & (row < y0 + 0.06)] = (0.3, 0.42, 0.6)
+        lines = window & ((row * 40.0) % 2.0 < 0.8) & (row > y0 + 0.1) & (column > x0 + 0.03)
+        canvas[lines & (column < x1 - 0.03 - 0.12 * ((np.floor(row * 20) * 7) % 3))] = (
+            0.4,
+            0.4,
+            0.45,
+        )
+    canvas[row > 0.94] = (0.15, 0.17, 0.2)
+    return to_picture(canvas)
+
+
+def book_spines(dice: Dice, height: int = 128, width: int = 512) -> Picture:
+    """A row of books, seen on a shelf; about 0.8 m × 0.26 m."""
+    canvas = np.ones((height, width, 3)) * 0.07
+    x = 0
+    while x < width:
+        thick = dice.integer(9, 26)
+        top = dice.integer(2, int(height * 0.28))
+        ink = np.array(dice.choice(INKS)) * dice.uniform(0.7, 1.05)
+        end = min(x + thick, width)
+        canvas[top:, x:end] = ink
+        canvas[top:, x : min(x + 1, width)] *= 0.6
+        canvas[top:, max(end - 2, x) : end] *= 0.75
+        light = np.array((0.95, 0.9, 0.75)) if ink.mean() < 0.5 else np.array((0.15, 0.12, 0.1))
+        at = top + dice.integer(8, 20)
+        canvas[at : at + 26, x + thick // 3 : min(x + 2 * thick // 3, width)] = light
+        canvas[at + 38 : at + 41, x:end] = light
+        x = end
+    return to_picture(canvas)
+
+
+def clock_face(dice: Dice, size: int = 192) -> Picture:
+    """A dial with marks and hands."""
+    row, column = pixel_grid(size, size)
+    dy, dx = 0.5 - row, column - 0.5
+    radius = np.sqrt(dx * dx + dy * dy)
+    angle = np.arctan2(dx, dy) % (2.0 * np.pi)
+    canvas = np.ones((size, size, 3)) * 0.95
+    hour = (angle / (2 * np.pi) * 12.0 + 0.5) % 1.0 - 0.5
+    minute = (angle / (2 * np.pi) * 60.0 + 0.5) % 1.0 - 0.5
+    canvas[(np.abs(hour) * radius < 0.014) & (radius > 0.36) & (radius < 0.46)] = 0.08
+    canvas[(np.abs(minute) * radius < 0.03) & (radius > 0.43) & (radius < 0.46)] = 0.2
+
+    def hand(turn: float, length: float, width: float) -> Bool[np.ndarray, "height width"]:
+        s, c = math.sin(2 * math.pi * turn), math.cos(2 * math.pi * turn)
+        along, across = dx * s + dy * c, dx * c - dy * s
+        return (np.abs(across) < width) & (along > -0.05) & (along < length)
+
+    canvas[hand(dice.unit(), 0.25, 0.014) | hand(dice.unit(), 0.38, 0.009)] = 0.06
+    canvas[radius < 0.025] = 0.06
+    return to_picture(canvas)
+
+
+def keyboard(dice: Dice, height: int = 96, width: int = 256) -> Picture:
+    """Rows of keys."""
+    row, column = pixel_grid(height, width)
+    r, c = (row * 5.6 + 0.7) % 1.0, (column * 15.5 + np.floor(row * 5.6 + 0.7) * 0.3) % 1.0
+    key = (r > 0.16) & (c > 0.14)
+    space = (row > 0.87) & (np.abs(column - 0.45) < 0.2)
+    tone = np.where(key | space, 0.8 - 0.25 * r, 0.12)
+    return to_picture(np.where((row < 0.04) | (row > 0.97), 0.1, tone))
+
+
+def label(dice: Dice, height: int = 96, width: int = 128) -> Picture:
+    """A printed label or package: a field of colour, a stripe, lines of text."""
+    row, column = pixel_grid(height, width)
+    ink, other = dice.choice(INKS[:4]), dice.choice(INKS)
+    canvas = np.ones((height, width, 3)) * np.array(ink)
+    canvas[(row > 0.3) & (row < 0.62)] = other if other != ink else INKS[4]
+    canvas[((column - 0.5) ** 2 + (row - 0.46) ** 2) < 0.02] = (0.97, 0.95, 0.9)
+    text = ((row * 26.0) % 2.0 < 0.9) & (row > 0.7) & (row < 0.92) & (np.abs(column - 0.5) < 0.4)
+    canvas[text] = (0.95, 0.95, 0.93)
+    return to_picture(canvas)
+
+
+def rug(dice: Dice, height: int = 256, width: int = 384) -> Picture:
+    """A carpet with borders and an inner pattern."""
+    row, column = pixel_grid(height, width)
+    palettes = (
+        ((0.5, 0.13, 0.12), (0.85, 0.75, 0.58), (0.14, 0.17, 0.3)),
+        ((0.85, 0.83, 0.78), (0.45, 0.46, 0.48), (0.65, 0.64, 0.62)),
+        ((0.2, 0.3, 0.45), (0.85, 0.82, 0.74), (0.6, 0.35, 0.25)),
+        ((0.72, 0.62, 0.47), (0.35, 0.25, 0.18), (0.9, 0.86, 0.76)),
+        ((0.36, 0.45, 0.4), (0.87, 0.84, 0.75), (0.75, 0.5, 0.28)),
+    )
+    ground, ink, accent = dice.choice(palettes)
+    canvas = np.ones((height, width, 3)) * np.array(ground)
+    kind = dice.integer(0, 3)
+    if kind == 0:
+        lattice = np.abs((row * 4) % 1 - 0.5) + np.abs((column * 6) % 1 - 0.5)
+        canvas[np.abs(lattice - 0.5) < 0.06] = ink
+        canvas[lattice < 0.15] = accent
+    elif kind == 1:
+        band = np.floor(column * 14).astype(np.int64) % 4
+        canvas[band == 1], canvas[band == 3] = ink, accent
+    elif kind == 2:
+        medallion = ((row - 0.5) / 0.36) ** 2 + ((column - 0.5) / 0.3) ** 2
+        canvas[(medallion % 0.5) < 0.22] = accent
+        canvas[medallion < 0.3] = ink
+    edge = np.minimum(np.minimum(row, 1 - row) * height, np.minimum(column, 1 - column) * width)
+    if kind != 3:
+        canvas[(edge < 34) & (edge > 10)] = ink
+        canvas[(edge < 27) & (edge > 17)] = accent
+    tufts = 0.8 + 0.3 * smooth_noise(dice, height, width, height // 2, width // 2)
+    return to_picture(canvas * tufts[..., None])
+
+
+def outdoors(dice: Dice, height: int = 256, width: int = 256) -> Picture:
+    """What a window shows: bright sky, trees, perhaps houses."""
+    row, column = pixel_grid(height, width)
+    clouds = (
+        smooth_noise(dice, height, width, 5, 4) * 0.6
+        + smooth_noise(dice, height, width, 12, 8) * 0.4
+    )
+    canvas = mix((0.66, 0.8, 0.95), (0.97, 0.98, 1.0), clouds * 0.9 + row * 0.5)
+    if dice.chance(0.6):
+        for _ in range(5):
+            left, wide = dice.unit(), dice.uniform(0.1, 0.25)
+            roof = dice.uniform(0.4, 0.62)
+            house = (column > left) & (column < left + wide) & (row > roof)
+            canvas[house] = np.array(
+                dice.choice(((0.8, 0.74, 0.66), (0.66, 0.6, 0.56), (0.85, 0.83, 0.8)))
+            )
+            panes = house & ((column * 40) % 2 < 0.9) & ((row * 30) % 2 < 0.9)
+            canvas[panes] = (0.45, 0.5, 0.56)
+    for k in range(3):
+        line = _hills(dice, width, 0.5 + 0.12 * k, 0.16, 6)
+        leaves = 0.6 + 0.7 * cloud_noise(dice, 256, 24, octaves=3)[:height, :width]
+        shade = np.array((0.42, 0.55, 0.33)) * (1.0 - 0.15 * k) * leaves[..., None]
+        canvas = np.where((row > line[None, :])[..., None], shade, canvas)
+    return to_picture(np.clip(canvas * 1.08, 0.0, 1.0))

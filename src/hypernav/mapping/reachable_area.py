@@ -1,0 +1,87 @@
+"""What the robot can reach over the known map, and how far that is."""
+
+import math
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from jaxtyping import Bool, Float32, UInt8
+
+from hypernav.core.geometry.grid import Cell, OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.distance_kernels import nearest_open_cell, travel_cells
+from hypernav.mapping.escape import Escape
+from hypernav.mapping.inflation import inflate
+
+
+@dataclass(frozen=True, eq=False)
+class ReachableArea:
+    """The explored part of the map as seen from where the robot stands.
+
+    Attributes:
+        grid: The cropped map.
+        travel_m: Length of the way to every cell over free floor, keeping clear of obstacles;
+            infinite where none leads.
+        reachable: 1 where `travel_m` is finite.
+        frontier: Free cells that touch the unknown and can be looked into from a reachable cell, in
+            stretches that are long enough.
+        look_within: Rows and columns from a frontier cell that hold such a reachable cell.
+    """
+
+    grid: OccupancyGrid
+    travel_m: Float32[np.ndarray, "rows columns"]
+    reachable: UInt8[np.ndarray, "rows columns"]
+    frontier: Bool[np.ndarray, "rows columns"]
+    look_within: int
+
+    @staticmethod
+    def of(grid: OccupancyGrid, robot: Pose2, config: MappingConfig) -> "ReachableArea":
+        """Look at a map from the robot's place.
+
+        Args:
+            grid: The map.
+            robot: Where the robot is. If that is no reachable place itself, the one nearest by way
+                counts.
+            config: Clearance, and least length of a frontier.
+        """
+        grid = grid.cropped()
+        size = grid.resolution_m
+        free = grid.cells == Cell.FREE
+        occupied = grid.cells == Cell.OCCUPIED
+        closed = inflate(occupied, config.clearance_m, size)
+        is_open = (free & (closed == 0)).view(np.uint8)
+        escape = Escape.find(occupied, is_open, grid.cell_of(*robot.xy), size)
+        if escape is None:
+            travel_m = np.full(free.shape, np.inf, dtype=np.float32)
+        else:
+            travel_m = travel_cells(is_open, *escape.exit)
+            travel_m *= np.float32(size)
+        reachable = np.isfinite(travel_m).view(np.uint8)
+        # A frontier beside an obstacle is seen from a clearance away, and one cell for diagonals.
+        look_m = config.clearance_m + size
+        in_view = inflate(reachable, look_m, size) > 0
+        beside_unknown = inflate(grid.cells == Cell.UNKNOWN, size, size, outside=True) > 0
+        return ReachableArea(
+            grid=grid,
+            travel_m=travel_m,
+            reachable=reachable,
+            frontier=_long_stretches(
+                free & beside_unknown & in_view, config.frontier_min_size_m / size
+            ),
+            look_within=math.ceil(look_m / size),
+        )
+
+    def look_out(self, row: int, column: int) -> tuple[int, int]:
+        """The reachable cell nearest to a frontier cell."""
+        return nearest_open_cell(self.reachable, row, column, self.look_within)
+
+
+def _long_stretches(
+    cells: Bool[np.ndarray, "rows columns"], least_cells: float
+) -> Bool[np.ndarray, "rows columns"]:
+    """The cells that hang together with enough others, 8-connected."""
+    _, parts, stats, _ = cv2.connectedComponentsWithStats(cells.view(np.uint8), connectivity=8)
+    is_long = stats[:, cv2.CC_STAT_AREA] >= least_cells - 1e-9
+    is_long[0] = False  # the background
+    return is_long[parts.astype(np.intp)]

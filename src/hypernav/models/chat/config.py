@@ -1,0 +1,58 @@
+"""How chat models are reached and how patient we are with them."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from hypernav.core.config import RoomConfig
+
+DialectName = Literal[
+    "vllm",
+    "vllm-guided",
+    "sglang",
+    "ollama",
+    "llamacpp",
+    "openai",
+    "transformers",
+    "decisions",
+    "plain",
+]
+
+
+class ChatConfig(RoomConfig):
+    """Settings that all chat models share.
+
+    Attributes:
+        timeout_s: Longest wait for one attempt (the SDK's own 600 s would freeze a robot).
+        connect_timeout_s: Longest wait for a connection.
+        patience_s: From asking a question to giving the model up. Failed attempts are repeated
+            until then; 0 asks once.
+        first_wait_s: Between the first two attempts; doubles each time.
+        longest_wait_s: Between two attempts. A server's own ``Retry-After`` is cut to it, too.
+        dialect: How the server is told to choose among allowed answers; "auto" finds out.
+        temperature: 0 is the most repeatable. None leaves it to the server, as some hosted
+            reasoning models insist.
+        seed: For servers that sample. None sends none.
+        logprobs: Ask for the probabilities of allowed answers where the server tells them.
+        decisions: Ask a decision endpoint, which answers closed questions with a probability for
+            every allowed answer, where the server has one.
+        jpeg_quality: Of the images that are sent (colour is not subsampled).
+        concurrency: Questions that one process has under way at the same time.
+        device: For a model in this process: "auto", "cpu", "cuda", "cuda:1", "mps".
+        dtype: For a model in this process: "auto" is bfloat16 where the device has it.
+    """
+
+    timeout_s: float = Field(default=60.0, gt=0.0)
+    connect_timeout_s: float = Field(default=5.0, gt=0.0)
+    patience_s: float = Field(default=120.0, ge=0.0)
+    first_wait_s: float = Field(default=0.5, ge=0.0)
+    longest_wait_s: float = Field(default=8.0, gt=0.0)
+    dialect: Literal["auto"] | DialectName = "auto"
+    temperature: float | None = Field(default=0.0, ge=0.0)
+    seed: int | None = 0
+    logprobs: bool = True
+    decisions: bool = True
+    jpeg_quality: int = Field(default=95, ge=1, le=100)
+    concurrency: int = Field(default=8, ge=1)
+    device: str = "auto"
+    dtype: Literal["auto", "bfloat16", "float16", "float32"] = "auto"

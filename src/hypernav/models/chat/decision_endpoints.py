@@ -1,0 +1,117 @@
+"""Decision endpoints: closed questions answered with a probability for every allowed answer.
+
+No text is generated: the server reads the scores of the answers' labels in one forward pass. Two
+forms exist: System One (``POST /v1/systemone``; ``transformers serve``, see
+``transformers/cli/serving/systemone.py``) and OpenAI's Decisions (``POST /v1/decisions``; see
+``openai/types/decision_create_params.py``; also SGLang and LiteLLM).
+"""
+
+import math
+from typing import Any
+
+from hypernav.core.chat import Question, Usage
+from hypernav.core.errors import ChatTransportError
+from hypernav.models.chat.images import jpeg_base64, jpeg_data_url
+
+_QUESTION = "question"
+_SYSTEMONE_LIMIT = 26
+_SYSTEMONE_IMAGES = 4
+_DECISIONS_LIMIT = 255
+
+
+def can_decide(endpoint: str, question: Question) -> bool:
+    """Whether the endpoint takes this question: closed, and not too many answers or images."""
+    answers = len(question.allowed)
+    if endpoint == "systemone":
+        return 2 <= answers <= _SYSTEMONE_LIMIT and len(question.images) <= _SYSTEMONE_IMAGES
+    return endpoint == "decisions" and 2 <= answers <= _DECISIONS_LIMIT
+
+
+def decision_body(endpoint: str, model: str, question: Question, *, quality: int) -> dict[str, Any]:
+    """The request."""
+    if endpoint == "systemone":
+        assets = {
+            f"<picture-{number}>": {
+                "type": "image",
+                "format": "jpeg",
+                "data_base64": jpeg_base64(image, quality=quality),
+            }
+            for number, image in enumerate(question.images, start=1)
+        }
+        choice = {
+            "type": "choice",
+            "instructions": question.text,
+            "criteria": dict.fromkeys(question.allowed),
+        }
+        state = "\n".join(assets)
+        return {"model": model, "state": state, "questions": {_QUESTION: choice}, "assets": assets}
+    images = [
+        {"type": "input_image", "image_url": jpeg_data_url(image, quality=quality)}
+        for image in question.images
+    ]
+    content = [*images, {"type": "input_text", "text": question.text}]
+    return {
+        "model": model,
+        "input": [{"type": "message", "role": "user", "content": content}],
+        "questions": [
+            {
+                "type": "choice",
+                "name": _QUESTION,
+                "instructions": question.text,
+                "choices": [{"value": answer} for answer in question.allowed],
+            }
+        ],
+    }
+
+
+def read_decision(
+    endpoint: str, reply: dict[str, Any], question: Question
+) -> tuple[str, dict[str, float], Usage, bool]:
+    """The chosen answer, the probabilities, the usage, and whether the model refused.
+
+    Raises:
+        ChatTransportError: The reply is not of the endpoint's form.
+    """
+    answers = reply.get("answers")
+    answer = answers.get(_QUESTION) if isinstance(answers, dict) else None
+    if isinstance(answers, list) and answers:
+        answer = answers[0]
+    if not isinstance(answer, dict):
+        raise ChatTransportError(f"the {endpoint} endpoint sent no answer: {str(reply)[:200]}")
+    usage = _usage(reply.get("usage"))
+    if answer.get("type") == "refusal":
+        return "", {}, usage, True
+    chances = _chances(answer.get("probabilities"), question.allowed)
+    chosen = answer.get("choice")
+    if not isinstance(chosen, str) or not chances:
+        raise ChatTransportError(f"the {endpoint} endpoint sent no choice: {str(answer)[:200]}")
+    return chosen, chances, usage, False
+
+
+def _chances(value: object, allowed: tuple[str, ...]) -> dict[str, float]:
+    if isinstance(value, list):
+        value = {
+            entry.get("value"): entry.get("probability")
+            for entry in value
+            if isinstance(entry, dict)
+        }
+    if not isinstance(value, dict):
+        return {}
+    chances = {}
+    for answer in allowed:
+        chance = value.get(answer)
+        if not isinstance(chance, int | float) or not math.isfinite(chance) or chance < 0.0:
+            return {}
+        chances[answer] = float(chance)
+    total = sum(chances.values())
+    return {answer: chance / total for answer, chance in chances.items()} if total > 0.0 else {}
+
+
+def _usage(value: object) -> Usage:
+    if not isinstance(value, dict):
+        return Usage()
+    tokens_in, tokens_out = value.get("input_tokens"), value.get("output_tokens")
+    return Usage(
+        tokens_in if isinstance(tokens_in, int) else 0,
+        tokens_out if isinstance(tokens_out, int) else 0,
+    )

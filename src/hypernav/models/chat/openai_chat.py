@@ -1,0 +1,242 @@
+"""Chat models behind an OpenAI-compatible server: vLLM, SGLang, Ollama, llama.cpp, hosted APIs."""
+
+import logging
+import os
+import threading
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from hypernav.core.chat import Answer, Question, Usage
+from hypernav.core.errors import ChatTransportError, ModelRejectedError
+from hypernav.models.chat.answer_reading import read_answer
+from hypernav.models.chat.config import ChatConfig
+from hypernav.models.chat.decision_endpoints import can_decide, decision_body, read_decision
+from hypernav.models.chat.dialects import Constraint, constraint_for
+from hypernav.models.chat.http_client import BadRequestError, HttpClient
+from hypernav.models.chat.images import jpeg_data_url
+from hypernav.models.chat.label_probabilities import label_probabilities, read_logprobs
+from hypernav.models.chat.retry import Retry
+from hypernav.models.chat.server_probe import Server, probe, with_suggestion
+
+_log = logging.getLogger(__name__)
+_PROBE_LIMIT_S = 10.0
+
+
+@dataclass(frozen=True)
+class _Reply:
+    """What came back for one question, before it is checked against the question."""
+
+    text: str
+    usage: Usage
+    probabilities: Mapping[str, float]
+    refused: bool
+
+
+class OpenAiChat:
+    """Asks a server over HTTP. Safe to share between threads.
+
+    What a server does not understand is left out from then on: if it rejects a request that
+    carries optional fields (a decision, label probabilities, a constraint, sampling), the same
+    question is asked without them, one kind at a time. Answers are checked here either way.
+    """
+
+    def __init__(
+        self,
+        url: str,
+        model: str | None = None,
+        config: ChatConfig | None = None,
+        *,
+        environment: Mapping[str, str] = os.environ,
+        sleep: Callable[[float], None] = time.sleep,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        """Prepare; the server is first spoken to when a question comes.
+
+        Args:
+            url: Of the API, for example ``http://localhost:8000/v1``.
+            model: Its name there; None takes the server's only one.
+            config: Timeouts, patience, dialect.
+            environment: Where the key is.
+            sleep: Waits between attempts.
+            clock: Seconds.
+
+        Raises:
+            ConfigError: The URL is none, or holds a password.
+        """
+        self.config = config or ChatConfig()
+        self._client = HttpClient(url, self.config, environment)
+        self._wanted = model
+        self._patience = Retry(self.config, sleep=sleep, clock=clock)
+        self._clock = clock
+        self._server: Server | None = None
+        self._lock = threading.Lock()
+        self._dropped: tuple[str, ...] = ()
+
+    @property
+    def url(self) -> str:
+        """Of the API."""
+        return self._client.url
+
+    def identify(self) -> str:
+        """The model's name on the server.
+
+        Raises:
+            ModelUnavailableError: It was not named and the server cannot be asked.
+        """
+        return self._wanted or self.server().model
+
+    @property
+    def dropped(self) -> tuple[str, ...]:
+        """Kinds of optional fields that the server has rejected so far."""
+        return self._dropped
+
+    def server(self) -> Server:
+        """What the server is; asked once.
+
+        Raises:
+            ModelUnavailableError: It cannot be reached, or has no such model.
+        """
+        with self._lock:
+            if self._server is None:
+                self._server, _ = self._patience.call(self._probe, who=self._who())
+            return self._server
+
+    def ask(self, question: Question) -> Answer:
+        """Ask, wait, read and check.
+
+        Raises:
+            ModelUnavailableError: The server stayed away for longer than the configured patience,
+                or (`ModelRejectedError`) will never answer this.
+        """
+        begin = self._clock()
+        server = self.server()
+        try:
+            reply, lost = self._patience.call(
+                lambda limit_s: self._attempt(server, question, limit_s), who=self._who()
+            )
+        except ModelRejectedError as error:
+            raise with_suggestion(error, server, self.url) from error
+        return read_answer(
+            question,
+            reply.text,
+            model=server.model,
+            usage=reply.usage,
+            seconds=self._clock() - begin,
+            lost=lost,
+            probabilities=reply.probabilities,
+            refused=reply.refused,
+        )
+
+    def _who(self) -> str:
+        return f"openai:{self.url}" + (f"#{self._wanted}" if self._wanted else "")
+
+    def _probe(self, limit_s: float) -> Server:
+        return probe(self._client, self._wanted, self.config, limit_s=min(limit_s, _PROBE_LIMIT_S))
+
+    def _attempt(self, server: Server, question: Question, limit_s: float) -> _Reply:
+        """One attempt; a rejected request is repeated at once with fewer optional fields."""
+        end = self._clock() + limit_s
+        dropped = self._dropped
+        while True:
+            optional = self._optional(server, question, dropped)
+            left = max(end - self._clock(), 0.05)
+            try:
+                if "decision" in optional:
+                    reply = self._decide(server, question, left)
+                else:
+                    reply = self._complete(server, question, optional, left)
+            except ModelRejectedError as error:
+                about_content = isinstance(error, BadRequestError) or "decision" in optional
+                if not about_content or not optional:
+                    raise
+                _log.warning("%s; asking without %s", error, optional[0])
+                dropped = (*dropped, optional[0])
+            else:
+                self._dropped = dropped
+                return reply
+
+    def _optional(
+        self, server: Server, question: Question, dropped: tuple[str, ...]
+    ) -> tuple[str, ...]:
+        """The kinds of optional fields that this question would carry, first to go first."""
+        dialect = server.dialect
+        kinds = []
+        if self.config.decisions and can_decide(dialect.decision, question):
+            kinds.append("decision")
+        if self.config.logprobs and dialect.logprobs and question.allowed:
+            kinds.append("logprobs")
+        if constraint_for(dialect, question).fields:
+            kinds.append("constraint")
+        if self.config.temperature is not None or self.config.seed is not None:
+            kinds.append("sampling")
+        return tuple(kind for kind in kinds if kind not in dropped)
+
+    def _decide(self, server: Server, question: Question, limit_s: float) -> _Reply:
+        endpoint = server.dialect.decision
+        body = decision_body(endpoint, server.model, question, quality=self.config.jpeg_quality)
+        reply = self._client.post(f"/{endpoint}", body, limit_s=limit_s)
+        text, chances, usage, refused = read_decision(endpoint, reply, question)
+        return _Reply(text, usage, chances, refused)
+
+    def _complete(
+        self, server: Server, question: Question, optional: tuple[str, ...], limit_s: float
+    ) -> _Reply:
+        constraint = Constraint({})
+        if "constraint" in optional:
+            constraint = constraint_for(server.dialect, question)
+        body: dict[str, Any] = {
+            "model": server.model,
+            "messages": [{"role": "user", "content": self._content(question, constraint.note)}],
+            server.dialect.token_limit: question.max_tokens + constraint.extra_tokens,
+            **constraint.fields,
+        }
+        if "logprobs" in optional:
+            body |= {"logprobs": True, "top_logprobs": server.dialect.logprobs}
+        if "sampling" in optional:
+            sampling = {"temperature": self.config.temperature, "seed": self.config.seed}
+            body |= {key: value for key, value in sampling.items() if value is not None}
+        reply = self._client.post("/chat/completions", body, limit_s=limit_s)
+        return _read_completion(reply, question, wrapped=constraint.wrapped)
+
+    def _content(self, question: Question, note: str) -> str | list[dict[str, Any]]:
+        text = f"{question.text}\n\n{note}" if note else question.text
+        if not question.images:
+            return text
+        quality = self.config.jpeg_quality
+        images = [
+            {"type": "image_url", "image_url": {"url": jpeg_data_url(image, quality=quality)}}
+            for image in question.images
+        ]
+        return [*images, {"type": "text", "text": text}]
+
+
+def _read_completion(reply: Any, question: Question, *, wrapped: bool) -> _Reply:
+    """Take a chat completion apart; half a one counts as lost on the way."""
+    choices = reply.get("choices")
+    choice = choices[0] if isinstance(choices, list) and choices else None
+    message = choice.get("message") if isinstance(choice, dict) else None
+    if not isinstance(choice, dict) or not isinstance(message, dict):
+        raise ChatTransportError(f"the server sent no choice: {str(reply)[:200]}")
+    content, refusal = message.get("content"), message.get("refusal")
+    refused = bool(refusal) or choice.get("finish_reason") == "content_filter"
+    text = content if isinstance(content, str) else ""
+    chances: dict[str, float] = {}
+    logprobs = choice.get("logprobs")
+    if question.allowed and isinstance(logprobs, dict):
+        tokens = read_logprobs(logprobs.get("content"))
+        chances = label_probabilities(tokens, question.allowed, wrapped=wrapped)
+    if refused and not text and isinstance(refusal, str):
+        text = refusal
+    return _Reply(text, _usage(reply.get("usage")), chances, refused)
+
+
+def _usage(value: object) -> Usage:
+    if not isinstance(value, dict):
+        return Usage()
+    tokens_in, tokens_out = value.get("prompt_tokens"), value.get("completion_tokens")
+    return Usage(
+        tokens_in if isinstance(tokens_in, int) else 0,
+        tokens_out if isinstance(tokens_out, int) else 0,
+    )

@@ -1,0 +1,236 @@
+"""Recording what a chat model was asked and said, and replaying it without the model.
+
+A recording is a JSON-lines file: a header, then one exchange a line in the order of the answers.
+Images are named by the hash of their pixels, so a recording stays small and a replay notices when
+an image differs in a single pixel.
+"""
+
+import hashlib
+import json
+import threading
+from collections import defaultdict, deque
+from difflib import SequenceMatcher
+from pathlib import Path
+from typing import Any, Literal
+
+from pydantic import AliasChoices, BaseModel, ConfigDict, Field, ValidationError
+
+from hypernav.core.chat import Answer, Fault, Question, Usage
+from hypernav.core.errors import ModelUnavailableError, RecordingError
+from hypernav.core.protocols import ChatModel
+from hypernav.models.chat.answer_reading import read_answer, shortened
+from hypernav.models.chat.images import content_hash
+
+
+class _Line(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class _Header(_Line):
+    format: Literal["hypernav-recording"] = "hypernav-recording"
+    version: Literal[1] = 1
+    model: str
+
+
+class _RecordedQuestion(_Line):
+    kind: str
+    text: str
+    images: list[str] = Field(validation_alias=AliasChoices("images", "pictures"))
+    allowed: list[str]
+    form: dict[str, Any] | None
+    max_tokens: int
+
+    @staticmethod
+    def of(question: Question) -> "_RecordedQuestion":
+        return _RecordedQuestion(
+            kind=question.kind,
+            text=question.text,
+            images=[content_hash(image) for image in question.images],
+            allowed=list(question.allowed),
+            form=None if question.form is None else question.form.model_json_schema(),
+            max_tokens=question.max_tokens,
+        )
+
+    @property
+    def key(self) -> str:
+        return hashlib.sha256(
+            json.dumps(self.model_dump(), sort_keys=True).encode("utf-8")
+        ).hexdigest()
+
+
+class _RecordedAnswer(_Line):
+    text: str = ""
+    model: str
+    tokens_in: int = 0
+    tokens_out: int = 0
+    seconds: float = 0.0
+    lost: dict[str, int] = Field(default_factory=dict)
+    probabilities: dict[str, float] = Field(default_factory=dict)
+    refused: bool = False
+    unavailable: str = ""
+
+
+class _Exchange(_Line):
+    question: _RecordedQuestion
+    answer: _RecordedAnswer
+
+
+class RecordingChat:
+    """A chat model whose exchanges are written to a file, each at once. Thread-safe."""
+
+    def __init__(self, model: ChatModel, path: Path | str) -> None:
+        """Begin a recording.
+
+        Raises:
+            RecordingError: The file exists already, or cannot be written.
+        """
+        self._model = model
+        self.path = Path(path)
+        self._lock = threading.Lock()
+        self._name = ""
+        if self.path.exists():
+            raise RecordingError(f"{self.path} exists already; delete it or record to another file")
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            self._file = self.path.open("x", encoding="utf-8")
+        except OSError as error:
+            raise RecordingError(f"cannot record to {self.path}: {error.strerror}") from error
+
+    def identify(self) -> str:
+        """The model's name."""
+        self._name = self._model.identify()
+        return self._name
+
+    def ask(self, question: Question) -> Answer:
+        """Ask the model and write down both."""
+        try:
+            answer = self._model.ask(question)
+        except ModelUnavailableError as error:
+            self._write(question, _RecordedAnswer(model=self._name, unavailable=str(error)))
+            raise
+        recorded = _RecordedAnswer(
+            text=answer.text,
+            model=answer.model,
+            tokens_in=answer.usage.tokens_in,
+            tokens_out=answer.usage.tokens_out,
+            seconds=answer.seconds,
+            lost=dict(sorted(answer.lost.items())),
+            probabilities=dict(answer.probabilities),
+            refused=answer.fault is Fault.REFUSED,
+        )
+        self._write(question, recorded)
+        return answer
+
+    def close(self) -> None:
+        """End the recording; what was recorded is on disk already."""
+        with self._lock:
+            if not self._file.closed:
+                self._file.close()
+
+    def _write(self, question: Question, answer: _RecordedAnswer) -> None:
+        line = _Exchange(question=_RecordedQuestion.of(question), answer=answer).model_dump_json()
+        with self._lock:
+            if self._file.tell() == 0:
+                self._file.write(_Header(model=answer.model).model_dump_json() + "\n")
+            self._file.write(line + "\n")
+            self._file.flush()
+
+
+class ReplayChat:
+    """Answers from a recording. A question asked several times gets its answers in order."""
+
+    def __init__(self, path: Path | str) -> None:
+        """Read a recording.
+
+        Raises:
+            RecordingError: The file is missing or broken; the message names the line.
+        """
+        self.path = Path(path)
+        self._header, exchanges = _read(self.path)
+        self._lock = threading.Lock()
+        self._questions = [exchange.question for exchange in exchanges]
+        self._answers: dict[str, deque[_RecordedAnswer]] = defaultdict(deque)
+        for exchange in exchanges:
+            self._answers[exchange.question.key].append(exchange.answer)
+
+    def identify(self) -> str:
+        """The recorded model's name."""
+        return self._header.model
+
+    def ask(self, question: Question) -> Answer:
+        """The recorded answer.
+
+        Raises:
+            RecordingError: The question is not in the recording, or was asked fewer times.
+            ModelUnavailableError: As it was then.
+        """
+        asked = _RecordedQuestion.of(question)
+        with self._lock:
+            answers = self._answers.get(asked.key)
+            if not answers:
+                raise RecordingError(self._missing(asked))
+            answer = answers.popleft()
+        if answer.unavailable:
+            raise ModelUnavailableError(answer.unavailable)
+        return read_answer(
+            question,
+            answer.text,
+            model=answer.model,
+            usage=Usage(answer.tokens_in, answer.tokens_out),
+            seconds=answer.seconds,
+            lost=answer.lost,
+            probabilities=answer.probabilities,
+            refused=answer.refused,
+        )
+
+    def _missing(self, asked: _RecordedQuestion) -> str:
+        begin = f"{self.path} holds no answer to this '{asked.kind}' question"
+        if asked.key in self._answers:
+            times = sum(asked.key == question.key for question in self._questions)
+            return f"{begin} any more: it was asked {times} times in the recording"
+        if not self._questions:
+            return f"{begin}: the recording is empty"
+        nearest = max(self._questions, key=lambda question: _likeness(asked, question))
+        differences = [
+            name
+            for name in ("kind", "text", "images", "allowed", "form", "max_tokens")
+            if getattr(asked, name) != getattr(nearest, name)
+        ]
+        return (
+            f"{begin}; the nearest differs in {', '.join(differences)}. "
+            f"Asked: '{shortened(asked.text, 200)}' {_images(asked)}. "
+            f"Nearest: '{shortened(nearest.text, 200)}' {_images(nearest)}"
+        )
+
+
+def _read(path: Path) -> tuple[_Header, list[_Exchange]]:
+    try:
+        # Not `splitlines`: an answer may hold other line ends, which JSON does not escape.
+        lines = path.read_text(encoding="utf-8").removesuffix("\n").split("\n")
+    except (OSError, UnicodeDecodeError) as error:
+        raise RecordingError(f"cannot read the recording {path}: {error}") from error
+    if lines == [""]:
+        raise RecordingError(f"the recording {path} is empty")
+    number = 1
+    try:
+        header = _Header.model_validate_json(lines[0])
+        exchanges = []
+        for number, line in enumerate(lines[1:], start=2):  # noqa: B007
+            exchanges.append(_Exchange.model_validate_json(line))
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        where = ".".join(map(str, first["loc"]))
+        raise RecordingError(
+            f"{path} line {number} is not of a recording: {where} {first['msg']}"
+        ) from error
+    return header, exchanges
+
+
+def _likeness(a: _RecordedQuestion, b: _RecordedQuestion) -> float:
+    text = SequenceMatcher(None, a.text, b.text, autojunk=False).quick_ratio()
+    return text + 0.5 * (a.kind == b.kind) + 0.5 * (a.images == b.images)
+
+
+def _images(question: _RecordedQuestion) -> str:
+    hashes = " ".join(name[:8] for name in question.images)
+    return f"with picture {hashes}" if hashes else "without a picture"

@@ -1,0 +1,97 @@
+"""Asking again: bounded, with growing waits, and never a retry for what cannot succeed."""
+
+import logging
+import time
+from collections import Counter
+from collections.abc import Callable
+from typing import TypeVar
+
+from hypernav.core.errors import ChatTimeoutError, ChatTransportError, ModelUnavailableError
+from hypernav.models.chat.config import ChatConfig
+
+_Result = TypeVar("_Result")
+_log = logging.getLogger(__name__)
+
+
+class RetryLaterError(ChatTransportError):
+    """A server that is there but cannot answer now; it may say how long to wait.
+
+    Attributes:
+        wait_s: What the server asks for; None if it does not say.
+        status: Of HTTP.
+    """
+
+    def __init__(self, message: str, wait_s: float | None = None, *, status: int = 503) -> None:
+        """Keep wait and status beside the message."""
+        super().__init__(message)
+        self.wait_s = wait_s
+        self.status = status
+
+
+class Retry:
+    """Repeats what got lost or took too long, until it succeeds or the patience is used up.
+
+    Of the waits between attempts the first is ``first_wait_s`` and each is twice the one before,
+    up to ``longest_wait_s``.
+    """
+
+    def __init__(
+        self,
+        config: ChatConfig,
+        *,
+        sleep: Callable[[float], None] = time.sleep,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        """Prepare.
+
+        Args:
+            config: Timeouts, waits and patience.
+            sleep: Waits for a number of seconds.
+            clock: Tells seconds that never run backwards.
+        """
+        self._config = config
+        self._sleep = sleep
+        self._clock = clock
+
+    def call(
+        self, attempt: Callable[[float], _Result], *, who: str
+    ) -> tuple[_Result, Counter[str]]:
+        """Attempt until it works.
+
+        Args:
+            attempt: Takes the seconds that it may last.
+            who: Is asked, for messages.
+
+        Returns:
+            The result, and how many attempts before it were lost to "transport" and "timeout".
+
+        Raises:
+            ModelUnavailableError: The patience is used up.
+        """
+        config = self._config
+        begin = self._clock()
+        wait = config.first_wait_s
+        lost: Counter[str] = Counter()
+        while True:
+            left = config.patience_s - (self._clock() - begin)
+            limit = min(config.timeout_s, left) if config.patience_s > 0.0 else config.timeout_s
+            try:
+                return attempt(limit), lost
+            except (ChatTransportError, ChatTimeoutError) as error:
+                lost["timeout" if isinstance(error, ChatTimeoutError) else "transport"] += 1
+                asked_for = error.wait_s if isinstance(error, RetryLaterError) else None
+                pause = wait if asked_for is None else asked_for
+                pause = min(max(pause, 0.0), config.longest_wait_s)
+                left = config.patience_s - (self._clock() - begin)
+                if pause >= left:
+                    attempts = lost.total()
+                    raise ModelUnavailableError(
+                        f"{who} gave no answer in {attempts} "
+                        f"{'attempt' if attempts == 1 else 'attempts'} within a patience of "
+                        f"{config.patience_s:g} s; last: {error}"
+                    ) from error
+                _log.warning(
+                    "%s; asking again in %.1f s (attempt %d)", error, pause, lost.total() + 1
+                )
+                self._sleep(pause)
+                wait = min(wait * 2.0, config.longest_wait_s)

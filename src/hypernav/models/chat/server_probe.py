@@ -1,0 +1,141 @@
+"""Finding out what a server is and which model it has.
+
+What ``GET /models`` says in ``owned_by``: vLLM "vllm", SGLang "sglang", llama.cpp "llamacpp",
+Ollama "library". A server that says none of these is asked whether it has a decision endpoint,
+which ``transformers serve`` has.
+"""
+
+import difflib
+import logging
+import re
+from dataclasses import dataclass
+from typing import Any
+from urllib.parse import urlsplit, urlunsplit
+
+from hypernav.core.errors import ModelRejectedError
+from hypernav.models.chat.config import ChatConfig
+from hypernav.models.chat.dialects import Dialect, dialect_named
+from hypernav.models.chat.http_client import BadRequestError, HttpClient
+from hypernav.models.chat.retry import RetryLaterError
+
+_OWNERS = {"vllm": "vllm", "sglang": "sglang", "llamacpp": "llamacpp", "library": "ollama"}
+_STRUCTURED_SINCE = (0, 11)
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Server:
+    """What is known of a server.
+
+    Attributes:
+        model: Who is asked.
+        models: All that it offers; empty if it does not say.
+        dialect: How it is told what may be answered.
+    """
+
+    model: str
+    models: tuple[str, ...]
+    dialect: Dialect
+
+
+def probe(door: HttpClient, model: str | None, config: ChatConfig, *, limit_s: float) -> Server:
+    """Ask a server what it is.
+
+    Args:
+        door: To the server.
+        model: The wanted model's name; None takes the only one.
+        config: May name the dialect, which saves finding out.
+        limit_s: For each of up to three requests.
+
+    Raises:
+        ModelRejectedError: It has several models or none, and none was named.
+        ChatTransportError: It cannot be reached.
+        ChatTimeoutError: It does not answer.
+    """
+    entries = _models(door, model, limit_s)
+    names = tuple(entry["id"] for entry in entries)
+    chosen = model or _only(names, door)
+    if config.dialect != "auto":
+        return Server(chosen, names, dialect_named(config.dialect))
+    owners = {str(entry.get("owned_by", "")).lower() for entry in entries}
+    return Server(chosen, names, _dialect(door, chosen, owners, limit_s))
+
+
+def with_suggestion(error: ModelRejectedError, server: Server, url: str) -> ModelRejectedError:
+    """The same error, with the models that the server does have."""
+    if len(server.models) == 0 or server.model in server.models:
+        return error
+    close = difflib.get_close_matches(server.model, server.models, 3, 0.3) or server.models[:3]
+    return ModelRejectedError(
+        f"{error}; the server has no model '{server.model}', try openai:{url}#{close[0]}"
+        + (f" (or {', '.join(close[1:])})" if len(close) > 1 else "")
+    )
+
+
+def _models(door: HttpClient, model: str | None, limit_s: float) -> list[dict[str, Any]]:
+    try:
+        reply = door.get("/models", limit_s=limit_s)
+    except ModelRejectedError as error:
+        if model is not None and "answered 404" in str(error):
+            return []
+        if "answered 404" in str(error) and not urlsplit(door.url).path.rstrip("/"):
+            raise ModelRejectedError(f"{error}; try openai:{door.url}/v1") from error
+        raise
+    except RetryLaterError as error:
+        # A broken list, as `transformers serve` has without a cache folder, is no reason to stop.
+        if model is not None and error.status == 500:
+            return []
+        raise
+    data = reply.get("data") if isinstance(reply, dict) else None
+    entries = data if isinstance(data, list) else []
+    return [one for one in entries if isinstance(one, dict) and isinstance(one.get("id"), str)]
+
+
+def _only(names: tuple[str, ...], door: HttpClient) -> str:
+    if len(names) == 0:
+        raise ModelRejectedError(f"{door.url} lists no model; name it: openai:{door.url}#MODEL")
+    if len(names) == 1:
+        return names[0]
+    some = ", ".join(names[:5]) + (", …" if len(names) > 5 else "")
+    raise ModelRejectedError(
+        f"{door.url} has several models ({some}); name one: openai:{door.url}#{names[0]}"
+    )
+
+
+def _dialect(door: HttpClient, model: str, owners: set[str], limit_s: float) -> Dialect:
+    name = next((_OWNERS[owner] for owner in sorted(owners) if owner in _OWNERS), "openai")
+    if name == "vllm" and _vllm_version(door, limit_s) < _STRUCTURED_SINCE:
+        name = "vllm-guided"
+    if name == "openai" and urlsplit(door.url).hostname == "api.openai.com":
+        known = dialect_named("openai")
+        return Dialect(
+            "openai", known.choice, known.form, known.logprobs, token_limit="max_completion_tokens"
+        )
+    if name == "openai" and _has_systemone(door, limit_s):
+        name = "transformers"
+    _log.info("%s: model %s, dialect %s", door.url, model, name)
+    return dialect_named(name)
+
+
+def _vllm_version(door: HttpClient, limit_s: float) -> tuple[int, ...]:
+    """From ``GET /version``, which lies beside the API; new if it does not say."""
+    parts = urlsplit(door.url)
+    try:
+        root = urlunsplit((parts.scheme, parts.netloc, "/version", "", ""))
+        version = str(door.get(root, limit_s=limit_s).get("version", ""))
+    except ModelRejectedError:
+        version = ""
+    numbers = re.match(r"(\d+)\.(\d+)", version)
+    return (int(numbers[1]), int(numbers[2])) if numbers else _STRUCTURED_SINCE
+
+
+def _has_systemone(door: HttpClient, limit_s: float) -> bool:
+    """An empty request is refused for its content where the endpoint exists, else not found."""
+    try:
+        door.post("/systemone", {}, limit_s=limit_s)
+    except ModelRejectedError as error:
+        return isinstance(error, BadRequestError)
+    except RetryLaterError as error:
+        if error.status != 500:
+            raise
+    return False

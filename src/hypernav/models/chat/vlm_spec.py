@@ -1,0 +1,71 @@
+"""Opening a chat model by what a person writes: ``openai:URL#MODEL``, ``local:ID`` and so on."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from hypernav.core.errors import ConfigError
+from hypernav.core.protocols import ChatModel
+from hypernav.models.chat.config import ChatConfig
+from hypernav.models.chat.recording import ReplayChat
+
+_FORMS = "openai:http://localhost:8000/v1#MODEL, local:PATH_OR_ID or replay:FILE"
+
+
+@dataclass(frozen=True)
+class VlmSpec:
+    """Which chat model to open.
+
+    Attributes:
+        kind: Of backend.
+        target: URL, path or id.
+        model: The model's name on the server; None where it has only one.
+    """
+
+    kind: Literal["openai", "local", "replay"]
+    target: str
+    model: str | None = None
+
+
+def parse_vlm_spec(text: str) -> VlmSpec:
+    """Read ``openai:URL[#MODEL]``, ``local:PATH_OR_ID`` or ``replay:FILE``.
+
+    Raises:
+        ConfigError: It is none of them; the message shows the nearest right form.
+    """
+    kind, colon, target = text.strip().partition(":")
+    if kind in {"http", "https"}:
+        raise ConfigError(f"'{text}' names no backend; write openai:{text}")
+    if not colon or not target.strip() or kind not in {"openai", "local", "replay"}:
+        raise ConfigError(f"'{text}' is not a model; expected {_FORMS}")
+    if kind == "openai":
+        url, _, model = target.partition("#")
+        if not url.startswith(("http://", "https://")):
+            raise ConfigError(f"'{url}' is not a server's URL; write openai:http://{url}")
+        return VlmSpec("openai", url, model or None)
+    return VlmSpec("local" if kind == "local" else "replay", target)
+
+
+def open_chat(spec: VlmSpec | str, config: ChatConfig | None = None) -> ChatModel:
+    """Open a chat model. A server is first spoken to when a question comes.
+
+    Raises:
+        ConfigError: The spec is none.
+        MissingExtraError: A model in this process needs packages that are not installed.
+        ModelError: Its weights are not there.
+        RecordingError: The recording is missing or broken.
+    """
+    spec = parse_vlm_spec(spec) if isinstance(spec, str) else spec
+    config = config or ChatConfig()
+    # Each backend is imported when it is used: the SDK alone takes half a second.
+    match spec.kind:
+        case "openai":
+            from hypernav.models.chat.openai_chat import OpenAiChat
+
+            return OpenAiChat(spec.target, spec.model, config)
+        case "local":
+            from hypernav.models.chat.local_chat import LocalChat
+
+            return LocalChat(spec.target, config)
+        case "replay":
+            return ReplayChat(Path(spec.target).expanduser())

@@ -1,0 +1,1 @@
+"""Networks that give boxes, masks and similarities."""

@@ -1,0 +1,89 @@
+"""Segmentation by box with the SAM family, through transformers.
+
+The Auto class picks the right model for each checkpoint: SAM and SlimSAM (``SamModel``), SAM 2
+(``Sam2Model``), EdgeTAM (``EdgeTamModel``), HQ-SAM (``SamHQModel``). Those after SAM need
+torchvision for their images.
+
+Source: Kirillov et al., "Segment Anything", 2023; huggingface.co/docs/transformers/model_doc/sam.
+"""
+
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Bool
+
+from hypernav.core.config import RoomConfig
+from hypernav.core.errors import ModelError
+from hypernav.core.extras import require
+from hypernav.core.geometry.boxes import Box
+from hypernav.core.observation import Observation
+from hypernav.models.torch_device import EXTRA, choose_device, choose_dtype, load_pretrained, placed
+
+
+class SamConfig(RoomConfig):
+    """How a SAM model is used.
+
+    Attributes:
+        clip_to_box: Drop what the mask has outside the box.
+        device: "auto", "cpu", "cuda", "mps".
+        dtype: "auto" is bfloat16 where the device has it.
+    """
+
+    clip_to_box: bool = True
+    device: str = "auto"
+    dtype: Literal["auto", "bfloat16", "float16", "float32"] = "auto"
+
+
+class SamSegmenter:
+    """Finds the pixels of the object in a box."""
+
+    def __init__(self, path: str, config: SamConfig | None = None) -> None:
+        """Load a model from disk.
+
+        Args:
+            path: A folder, or the id of a model in the local Hugging Face cache.
+            config: Device and dtype.
+
+        Raises:
+            MissingExtraError: torch or transformers is not installed.
+            ModelError: There are no such weights here, or they are no SAM.
+        """
+        self.config = config or SamConfig()
+        self._torch = require("torch", extra=EXTRA)
+        self._device = choose_device(self.config.device)
+        self._dtype = choose_dtype(self._device, self.config.dtype)
+        model = load_pretrained("AutoModelForMaskGeneration", path, dtype=self._dtype)
+        self._model = model.to(self._device).eval()
+        self._processor = load_pretrained("AutoProcessor", path)
+        if not hasattr(self._processor, "post_process_masks"):
+            raise ModelError(f"'{path}' has no processor for boxes and masks; is it a SAM?")
+
+    def segment(self, observation: Observation, box: Box) -> Bool[np.ndarray, "height width"]:
+        """The object's pixels; all False for a box outside the image."""
+        height, width = observation.rgb.shape[:2]
+        box = box.clipped(width, height)
+        if box.area <= 0.0:
+            return np.zeros((height, width), dtype=bool)
+        corners = [[[box.x_min, box.y_min, box.x_max, box.y_max]]]
+        inputs = self._processor(images=observation.rgb, input_boxes=corners, return_tensors="pt")
+        sizes = [inputs.pop("original_sizes")]
+        if "reshaped_input_sizes" in inputs:  # SAM and HQ-SAM pad, the later ones don't
+            sizes.append(inputs.pop("reshaped_input_sizes"))
+        with self._torch.inference_mode():
+            outputs = self._model(
+                **placed(inputs, self._device, self._dtype), multimask_output=False
+            )
+        masks = self._processor.post_process_masks(outputs.pred_masks.float().cpu(), *sizes)
+        mask = masks[0].reshape(-1, height, width)[0].numpy().astype(bool)
+        return clipped_to_box(mask, box) if self.config.clip_to_box else mask
+
+
+def clipped_to_box(
+    mask: Bool[np.ndarray, "height width"], box: Box
+) -> Bool[np.ndarray, "height width"]:
+    """The part of a mask inside a box."""
+    x_min, y_min, x_max, y_max = box.pixels()
+    inside = np.zeros_like(mask)
+    rows, columns = slice(max(y_min, 0), max(y_max, 0)), slice(max(x_min, 0), max(x_max, 0))
+    inside[rows, columns] = mask[rows, columns]
+    return inside

@@ -1,0 +1,138 @@
+"""Segmentation by box with a SAM encoder and decoder exported to ONNX, MobileSAM for one.
+
+The decoder is the one that the authors of SAM and MobileSAM export (``SamOnnxModel`` in
+``segment_anything/utils/onnx.py``): it takes box corners as two points with the labels 2 and 3. The
+encoder is either the bare image encoder, which wants the image normalised and padded
+(``[1, 3, 1024, 1024]``), or one that does that itself (``[height, width, 3]``, 0 to 255).
+
+Source: facebookresearch/segment-anything, ``notebooks/onnx_model_example.ipynb``, and
+ChaoningZhang/MobileSAM, ``scripts/export_onnx_model.py``.
+"""
+
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+from jaxtyping import Bool, Float32
+from pydantic import Field
+
+from hypernav.core.chat import Image
+from hypernav.core.config import RoomConfig
+from hypernav.core.errors import ModelError
+from hypernav.core.geometry.boxes import Box
+from hypernav.core.observation import Observation
+from hypernav.models.vision.onnx_session import open_session
+from hypernav.models.vision.sam import clipped_to_box
+
+_MEAN = np.array([123.675, 116.28, 103.53], dtype=np.float32)
+_DEVIATION = np.array([58.395, 57.12, 57.375], dtype=np.float32)
+_CORNER_LABELS = np.array([[2.0, 3.0]], dtype=np.float32)
+_DECODER_INPUTS = {
+    "image_embeddings",
+    "point_coords",
+    "point_labels",
+    "mask_input",
+    "has_mask_input",
+    "orig_im_size",
+}
+
+
+class OnnxSamConfig(RoomConfig):
+    """How an exported SAM is used.
+
+    Attributes:
+        side_px: Longest side of the image as the encoder was trained on.
+        mask_side_px: Side of the decoder's mask input.
+        clip_to_box: Drop what the mask has outside the box.
+        threads: Of onnxruntime.
+    """
+
+    side_px: int = Field(default=1024, ge=64)
+    mask_side_px: int = Field(default=256, ge=16)
+    clip_to_box: bool = True
+    threads: int = Field(default=2, ge=1)
+
+
+class OnnxSamSegmenter:
+    """Finds the pixels of the object in a box. One image is encoded once for all its boxes."""
+
+    def __init__(
+        self, encoder: Path | str, decoder: Path | str, config: OnnxSamConfig | None = None
+    ) -> None:
+        """Load both networks.
+
+        Raises:
+            MissingExtraError: onnxruntime is not installed.
+            ModelError: A file is missing, is no ONNX model, or no part of a SAM.
+        """
+        self.config = config or OnnxSamConfig()
+        self._encoder = open_session(Path(encoder), threads=self.config.threads)
+        self._decoder = open_session(Path(decoder), threads=self.config.threads)
+        self._check(Path(encoder), Path(decoder))
+        self._encoded: tuple[Image, Any] | None = None
+
+    def segment(self, observation: Observation, box: Box) -> Bool[np.ndarray, "height width"]:
+        """The object's pixels; all False for a box outside the image."""
+        height, width = observation.rgb.shape[:2]
+        box = box.clipped(width, height)
+        if box.area <= 0.0:
+            return np.zeros((height, width), dtype=bool)
+        scale = self.config.side_px / max(height, width)
+        corners = [[[box.x_min, box.y_min], [box.x_max, box.y_max]]]
+        side = self.config.mask_side_px
+        masks, qualities = self._decoder.run(
+            ["masks", "iou_predictions"],
+            {
+                "image_embeddings": self._embedding(observation.rgb),
+                "point_coords": np.array(corners, dtype=np.float32) * np.float32(scale),
+                "point_labels": _CORNER_LABELS,
+                "mask_input": np.zeros((1, 1, side, side), dtype=np.float32),
+                "has_mask_input": np.zeros(1, dtype=np.float32),
+                "orig_im_size": np.array([height, width], dtype=np.float32),
+            },
+        )
+        best = int(np.argmax(np.asarray(qualities)[0]))
+        mask = np.asarray(masks)[0, best] > 0.0
+        if mask.shape != (height, width):
+            raise ModelError(
+                f"the SAM decoder gave a mask of {mask.shape} for a picture of {(height, width)}"
+            )
+        return clipped_to_box(mask, box) if self.config.clip_to_box else mask
+
+    def _embedding(self, image: Image) -> Any:
+        if self._encoded is None or self._encoded[0] is not image:
+            blob = self._blob(image)
+            name = self._encoder.get_inputs()[0].name
+            self._encoded = (image, self._encoder.run(None, {name: blob})[0])
+        return self._encoded[1]
+
+    def _blob(self, image: Image) -> Float32[np.ndarray, "..."]:
+        """The image as the encoder wants it."""
+        side = self.config.side_px
+        scale = side / max(image.shape[:2])
+        size = (round(image.shape[1] * scale), round(image.shape[0] * scale))
+        resized = cv2.resize(image, size, interpolation=cv2.INTER_LINEAR).astype(np.float32)
+        if len(self._encoder.get_inputs()[0].shape) == 3:
+            return resized
+        blob = np.zeros((1, 3, side, side), dtype=np.float32)
+        normalised = (resized - _MEAN) / _DEVIATION
+        blob[0, :, : size[1], : size[0]] = normalised.transpose(2, 0, 1)
+        return blob
+
+    def _check(self, encoder: Path, decoder: Path) -> None:
+        inputs = self._encoder.get_inputs()
+        if len(inputs) != 1 or len(inputs[0].shape) not in {3, 4}:
+            found = ", ".join(f"{one.name} {one.shape}" for one in inputs)
+            raise ModelError(
+                f"{encoder} is not a SAM encoder: expected one picture "
+                f"[1, 3, {self.config.side_px}, {self.config.side_px}] or [height, width, 3], "
+                f"found {found}"
+            )
+        names = {one.name for one in self._decoder.get_inputs()}
+        outputs = {one.name for one in self._decoder.get_outputs()}
+        if names != _DECODER_INPUTS or not {"masks", "iou_predictions"} <= outputs:
+            raise ModelError(
+                f"{decoder} is not a SAM decoder as its authors export it: expected the inputs "
+                f"{', '.join(sorted(_DECODER_INPUTS))}, found {', '.join(sorted(names))}"
+            )

@@ -1,0 +1,79 @@
+"""How well a text fits an image: CLIP, SigLIP, SigLIP 2 and BLIP-2's matching head.
+
+Sources: Radford et al. 2021 (CLIP: cosine of two embeddings), Zhai et al. 2023 (SigLIP: a
+probability by a sigmoid; its text is padded to 64 tokens, as it was trained), Li et al. 2023
+(BLIP-2: image-text matching).
+"""
+
+from typing import Any, Literal
+
+from hypernav.core.chat import Image
+from hypernav.core.config import RoomConfig
+from hypernav.core.errors import ModelError
+from hypernav.core.extras import require
+from hypernav.models.torch_device import EXTRA, choose_device, choose_dtype, load_pretrained, placed
+
+_SIGLIP_TOKENS = 64
+
+
+class SimilarityConfig(RoomConfig):
+    """How the model is used.
+
+    Attributes:
+        device: "auto", "cpu", "cuda", "mps".
+        dtype: "auto" is bfloat16 where the device has it.
+    """
+
+    device: str = "auto"
+    dtype: Literal["auto", "bfloat16", "float16", "float32"] = "auto"
+
+
+class ImageTextSimilarity:
+    """Compares images with texts."""
+
+    def __init__(self, path: str, config: SimilarityConfig | None = None) -> None:
+        """Load a model from disk.
+
+        Args:
+            path: A folder, or the id of a model in the local Hugging Face cache.
+            config: Device and dtype.
+
+        Raises:
+            MissingExtraError: torch or transformers is not installed.
+            ModelError: There are no such weights here, or they compare nothing.
+        """
+        config = config or SimilarityConfig()
+        self._torch = require("torch", extra=EXTRA)
+        self._device = choose_device(config.device)
+        self._dtype = choose_dtype(self._device, config.dtype)
+        self._kind = str(load_pretrained("AutoConfig", path).model_type)
+        if self._kind not in {"clip", "siglip", "siglip2", "blip-2"}:
+            raise ModelError(
+                f"'{path}' is a '{self._kind}' model; expected CLIP, SigLIP, SigLIP 2 or BLIP-2"
+            )
+        blip2 = self._kind == "blip-2"
+        auto_class = "Blip2ForImageTextRetrieval" if blip2 else "AutoModel"
+        model = load_pretrained(auto_class, path, dtype=self._dtype)
+        self._model = model.to(self._device).eval()
+        self._processor = load_pretrained("AutoProcessor", path)
+
+    def similarity(self, image: Image, text: str) -> float:
+        """From 0 (not at all) to 1; comparable only between answers of the same model."""
+        siglip = self._kind.startswith("siglip")
+        padding = {"padding": "max_length", "max_length": _SIGLIP_TOKENS} if siglip else {}
+        inputs = self._processor(
+            images=image, text=[text], return_tensors="pt", truncation=True, **padding
+        )
+        with self._torch.inference_mode():
+            outputs = self._run(placed(inputs, self._device, self._dtype))
+        return min(max(outputs, 0.0), 1.0)
+
+    def _run(self, inputs: dict[str, Any]) -> float:
+        if self._kind == "blip-2":
+            outputs = self._model(**inputs, use_image_text_matching_head=True)
+            return float(outputs.logits_per_image.float().softmax(-1)[0, 1])
+        outputs = self._model(**inputs)
+        if self._kind == "clip":
+            cosine = (outputs.image_embeds * outputs.text_embeds).float().sum()
+            return float((cosine + 1.0) / 2.0)
+        return float(outputs.logits_per_image.float().sigmoid()[0, 0])

@@ -1,0 +1,202 @@
+"""YOLOX detectors, exported to ONNX.
+
+Source: Ge et al., "YOLOX: Exceeding YOLO Series in 2021", and the reference code
+Megvii-BaseDetection/YOLOX (``yolox/data/data_augment.py::preproc``, ``yolox/utils/demo_utils.py``).
+"""
+
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+from jaxtyping import Float32, Float64, Int64, UInt8
+from pydantic import Field
+
+from hypernav.core.config import RoomConfig
+from hypernav.core.errors import ModelError
+from hypernav.core.geometry.boxes import Box, Detection
+from hypernav.core.goal import Goal
+from hypernav.core.observation import Observation
+from hypernav.models.vision.coco import COCO_CLASSES, class_for
+from hypernav.models.vision.onnx_session import open_session
+
+_PADDING = 114
+
+
+class YoloxConfig(RoomConfig):
+    """How a YOLOX export is used.
+
+    Attributes:
+        score_threshold: Detections below this are dropped; objectness times class score.
+        nms_iou: Of two boxes of one class that overlap more than this, the better one stays.
+        min_box_pixels: A narrower or lower box is dropped.
+        threads: Of onnxruntime.
+        classes: Names in the order of the network's outputs.
+        fallback_input_px: Side of the input for an export whose own input size is not fixed.
+    """
+
+    score_threshold: float = Field(default=0.3, ge=0.0, le=1.0)
+    nms_iou: float = Field(default=0.45, gt=0.0, le=1.0)
+    min_box_pixels: float = Field(default=2.0, ge=0.0)
+    threads: int = Field(default=2, ge=1)
+    classes: tuple[str, ...] = COCO_CLASSES
+    fallback_input_px: int = Field(default=640, ge=32, multiple_of=32)
+
+
+class YoloxDetector:
+    """Sees the things of a closed set of classes (COCO's 80 unless configured otherwise).
+
+    Reads both kinds of export: the raw head, which is decoded here, and one with the decoding
+    built in (``--decode_in_inference``).
+    """
+
+    def __init__(self, path: Path | str, config: YoloxConfig | None = None) -> None:
+        """Load the network.
+
+        Raises:
+            MissingExtraError: onnxruntime is not installed.
+            ModelError: No such file, no ONNX model, or no YOLOX.
+        """
+        self.config = config or YoloxConfig()
+        self.path = Path(path)
+        self._session = open_session(self.path, threads=self.config.threads)
+        self._input_name, self._height, self._width = self._read_input()
+        self._grid, self._strides = self._anchors()
+        self._check_output()
+
+    @property
+    def name(self) -> str:
+        """For traces and reports."""
+        return f"yolox:{self.path.name}"
+
+    def check_goal(self, goal: Goal) -> str:
+        """The class that will be looked for.
+
+        Raises:
+            GoalError: The network cannot see such a thing; the message names the closest classes.
+        """
+        return self.config.classes[class_for(goal, self.config.classes)]
+
+    def detect(self, observation: Observation, goal: Goal) -> list[Detection]:
+        """All things, best first; those of other classes are marked as no goal.
+
+        Raises:
+            GoalError: The network cannot see such a thing.
+        """
+        wanted = self.check_goal(goal)
+        return [
+            replace(found, is_goal=found.label == wanted)
+            for found in self.detect_all(observation.rgb)
+        ]
+
+    def detect_all(self, rgb: UInt8[np.ndarray, "height width 3"]) -> list[Detection]:
+        """Everything the network sees, of all classes, best first."""
+        blob, ratio = self._letterbox(rgb)
+        output = self._session.run(None, {self._input_name: blob})[0][0]
+        boxes, scores, classes = self._decode(np.asarray(output, dtype=np.float32))
+        boxes /= ratio
+        detections = []
+        for index in keep_best_boxes(boxes, scores, classes, self.config.nms_iou):
+            box = Box(*(float(edge) for edge in boxes[index])).clipped(rgb.shape[1], rgb.shape[0])
+            sides = (box.x_max - box.x_min, box.y_max - box.y_min)
+            if min(sides) >= self.config.min_box_pixels:
+                label = self.config.classes[int(classes[index])]
+                detections.append(Detection(box, float(scores[index]), label))
+        return detections
+
+    def _letterbox(
+        self, rgb: UInt8[np.ndarray, "height width 3"]
+    ) -> tuple[Float32[np.ndarray, "1 3 input_height input_width"], float]:
+        """The image in the upper left of the input, in BGR from 0 to 255, and its scale."""
+        ratio = min(self._height / rgb.shape[0], self._width / rgb.shape[1])
+        size = (max(int(rgb.shape[1] * ratio), 1), max(int(rgb.shape[0] * ratio), 1))
+        canvas = np.full((self._height, self._width, 3), _PADDING, dtype=np.uint8)
+        resized = cv2.resize(rgb, size, interpolation=cv2.INTER_LINEAR)
+        canvas[: size[1], : size[0]] = resized[..., ::-1]
+        return np.ascontiguousarray(canvas.transpose(2, 0, 1)[None], dtype=np.float32), ratio
+
+    def _decode(
+        self, output: Float32[np.ndarray, "anchors values"]
+    ) -> tuple[
+        Float64[np.ndarray, "kept 4"], Float64[np.ndarray, " kept"], Int64[np.ndarray, " kept"]
+    ]:
+        """Boxes (input pixels), scores and classes above the threshold."""
+        output = np.nan_to_num(output, nan=0.0, posinf=0.0, neginf=0.0).astype(np.float64)
+        classes = output[:, 5:].argmax(axis=1)
+        scores = output[:, 4] * output[np.arange(len(output)), 5 + classes]
+        centres, sizes = output[:, :2], output[:, 2:4]
+        # A raw centre is an offset of about one cell; a decoded one is spread over the input.
+        if np.median(np.abs(centres[:, 0])) < self._width / 8.0:
+            centres = (centres + self._grid) * self._strides
+            sizes = np.exp(np.clip(sizes, -20.0, 20.0)) * self._strides
+        keep = scores >= self.config.score_threshold
+        half = sizes[keep] / 2.0
+        boxes = np.concatenate([centres[keep] - half, centres[keep] + half], axis=1)
+        return boxes, scores[keep], classes[keep]
+
+    def _read_input(self) -> tuple[str, int, int]:
+        inputs = self._session.get_inputs()
+        if len(inputs) != 1 or len(inputs[0].shape) != 4 or inputs[0].type != "tensor(float)":
+            found = ", ".join(f"{one.name} {one.shape} {one.type}" for one in inputs)
+            raise ModelError(
+                f"{self.path} is not a YOLOX export: expected one float input "
+                f"[1, 3, height, width], found {found}"
+            )
+        sides = [
+            side if isinstance(side, int) else self.config.fallback_input_px
+            for side in inputs[0].shape[2:]
+        ]
+        return inputs[0].name, sides[0], sides[1]
+
+    def _anchors(self) -> tuple[Float64[np.ndarray, "anchors 2"], Float64[np.ndarray, "anchors 1"]]:
+        """Cell ``(x, y)`` and stride of every output row."""
+        cells, strides = [], []
+        for stride in (8, 16, 32):
+            y, x = np.mgrid[: self._height // stride, : self._width // stride]
+            cells.append(np.stack([x.ravel(), y.ravel()], axis=1).astype(np.float64))
+            strides.append(np.full((x.size, 1), float(stride)))
+        return np.concatenate(cells), np.concatenate(strides)
+
+    def _check_output(self) -> None:
+        """Run it once: the declared shape may be symbolic."""
+        blank = np.full((1, 3, self._height, self._width), float(_PADDING), dtype=np.float32)
+        output = self._session.run(None, {self._input_name: blank})[0]
+        expected = (1, len(self._grid), 5 + len(self.config.classes))
+        if np.shape(output) != expected:
+            raise ModelError(
+                f"{self.path} is not a YOLOX with {len(self.config.classes)} classes: expected an "
+                f"output of {list(expected)} for an input of {self._width}×{self._height}, found "
+                f"{list(np.shape(output))}"
+            )
+
+
+def keep_best_boxes(
+    boxes: Float64[np.ndarray, "n 4"],
+    scores: Float64[np.ndarray, " n"],
+    classes: Int64[np.ndarray, " n"],
+    max_iou: float,
+) -> list[int]:
+    """Non-maximum suppression within each class.
+
+    Args:
+        boxes: ``(x_min, y_min, x_max, y_max)``.
+        scores: Higher is better; of equal ones the earlier counts as better.
+        classes: Boxes of different classes never suppress each other.
+        max_iou: How much two kept boxes of one class may overlap.
+
+    Returns:
+        Indices of the boxes to keep, best first.
+    """
+    areas = np.prod(np.maximum(boxes[:, 2:] - boxes[:, :2], 0.0), axis=1)
+    alive = np.ones(len(boxes), dtype=bool)
+    kept: list[int] = []
+    for index in np.argsort(-scores, kind="stable"):
+        if not alive[index]:
+            continue
+        kept.append(int(index))
+        corner_min = np.maximum(boxes[index, :2], boxes[:, :2])
+        corner_max = np.minimum(boxes[index, 2:], boxes[:, 2:])
+        overlap = np.prod(np.maximum(corner_max - corner_min, 0.0), axis=1)
+        union = np.maximum(areas[index] + areas - overlap, 1e-12)
+        alive &= ~((classes == classes[index]) & (overlap / union > max_iou))
+    return kept

@@ -1,0 +1,1 @@
+"""Global perception: where to go next while the goal is out of sight."""

@@ -1,0 +1,107 @@
+"""Global perception: draw the map, ask which block to visit, remember what was visited."""
+
+import math
+from collections.abc import Sequence
+
+from hypernav.core.config import RoomConfig
+from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
+from hypernav.core.overview import Block, Overview
+from hypernav.core.protocols import BlockReasoner
+from hypernav.mapping.blocks import divide_into_blocks
+from hypernav.mapping.config import MappingConfig
+from hypernav.perception.explorers.explorer import Destination
+from hypernav.show.drawing.maps import draw_overview
+
+
+class OverviewConfig(RoomConfig):
+    """How the map question is asked.
+
+    Attributes:
+        picture_px: Side of the image of the map.
+        visited_radius_m: A destination this near to a visited place counts as visited.
+        max_questions: The most times that one choice is asked for, with visited blocks excluded.
+    """
+
+    image_px: int = 768
+    visited_radius_m: float = 0.5
+    max_questions: int = 4
+
+
+class BlockExplorer:
+    """Asks a reasoner which block of the map to visit (paper: global perception).
+
+    If the answer lies near a place already visited, the question is asked again with that block
+    excluded (paper: "don't answer number [x, …]").
+    """
+
+    def __init__(
+        self, reasoner: BlockReasoner, config: OverviewConfig, mapping: MappingConfig
+    ) -> None:
+        """Create it.
+
+        Args:
+            reasoner: Chooses a block.
+            config: How it is asked.
+            mapping: Size of the blocks and clearance of their destinations.
+        """
+        self._reasoner = reasoner
+        self._config = config
+        self._mapping = mapping
+        self.reset(Goal("nothing yet"))
+
+    def reset(self, goal: Goal) -> None:
+        """Forget all visits."""
+        self._goal = goal
+        self._visited: list[tuple[float, float]] = []
+
+    def remember_visit(self, x: float, y: float) -> None:
+        """Note a destination that was reached or given up."""
+        self._visited.append((x, y))
+
+    def next_destination(
+        self, grid: OccupancyGrid, robot: Pose2, trajectory: Sequence[tuple[float, float]]
+    ) -> Destination | None:
+        """Ask until a block is named that was not visited; None if there is none."""
+        offered: tuple[Block, ...] = ()
+        for mapping in self._mapping.clearances:
+            blocks = divide_into_blocks(grid, robot, mapping)
+            if _squares(blocks) == _squares(offered):
+                break
+            offered = blocks
+            destination = self._ask(blocks, grid, robot, trajectory)
+            if destination is not None:
+                return destination
+        return None
+
+    def _ask(
+        self,
+        blocks: tuple[Block, ...],
+        grid: OccupancyGrid,
+        robot: Pose2,
+        trajectory: Sequence[tuple[float, float]],
+    ) -> Destination | None:
+        size = self._config.image_px
+        overview = Overview(
+            lambda: draw_overview(grid, blocks, robot, trajectory, size=size), blocks, robot
+        )
+        excluded: frozenset[int] = frozenset()
+        for _ in range(self._config.max_questions):
+            choice = self._reasoner.choose(overview, self._goal, excluded)
+            if choice.number is None:
+                return None
+            block = overview.block(choice.number)
+            if not self._was_visited(block):
+                return Destination(*block.destination, reason=choice.reason, blocks=blocks)
+            excluded |= {choice.number}
+        return None
+
+    def _was_visited(self, block: Block) -> bool:
+        radius = self._config.visited_radius_m
+        return any(math.dist(block.destination, place) < radius for place in self._visited)
+
+
+def _squares(blocks: tuple[Block, ...]) -> set[tuple[float, float, int]]:
+    """Where there are blocks, and how much boundary to the unknown they have."""
+    return {(block.x_min, block.y_min, block.frontier_cells) for block in blocks}

@@ -1,0 +1,83 @@
+"""Choosing a block without a model: by unexplored boundary and travel cost."""
+
+import math
+
+from hypernav.core.config import RoomConfig
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
+from hypernav.core.overview import Block, BlockChoice, Overview
+from hypernav.core.trace import Exchange, ExchangeLog
+
+
+class GeometricConfig(RoomConfig):
+    """How blocks are weighed.
+
+    Attributes:
+        min_frontier_cells: A block with less unexplored boundary holds nothing new.
+        travel_scale_m: A block this much farther away is worth 1/e as much.
+        turn_cost_m: A turn by one radian on the way out is as dear as so many metres.
+        gain_exponent: How much a longer boundary counts; 0 ignores its length.
+    """
+
+    min_frontier_cells: int = 6
+    travel_scale_m: float = 3.0
+    turn_cost_m: float = 0.8
+    gain_exponent: float = 1.0
+
+
+class GeometricReasoner:
+    """Prefers long unexplored boundaries that are near; knows nothing of the goal.
+
+    The value of a block is ``gain**gain_exponent * exp(-cost / travel_scale)``, where the cost is
+    the way there and a turn to begin with: the trade of information gain against travel cost of
+    González-Baños and Latombe, "Navigation Strategies for Exploring Indoor Environments", 2002.
+    """
+
+    def __init__(self, log: ExchangeLog, config: GeometricConfig | None = None) -> None:
+        """Create the reasoner.
+
+        Args:
+            log: Where every choice is written for the trace.
+            config: Weights.
+        """
+        self._log = log
+        self._config = config or GeometricConfig()
+
+    def choose(self, overview: Overview, goal: Goal, excluded: frozenset[int]) -> BlockChoice:
+        """The most valuable block that can be reached; None if no boundary is left."""
+        open_blocks = [
+            block
+            for block in overview.blocks
+            if block.number not in excluded
+            and block.frontier_cells >= self._config.min_frontier_cells
+            and math.isfinite(block.travel_m)
+        ]
+        choice = self._best(open_blocks, overview.robot)
+        self._log.record(
+            Exchange(
+                kind="choose block",
+                asked="geometric",
+                question="Which block has the most unexplored boundary for the way there?",
+                answer=choice.reason,
+                chosen=choice.number,
+                excluded=sorted(excluded),
+            )
+        )
+        return choice
+
+    def _best(self, blocks: list[Block], robot: Pose2) -> BlockChoice:
+        if not blocks:
+            return BlockChoice(None, "no block has unexplored boundary that can be reached")
+        best = max(blocks, key=lambda block: (self._value(block, robot), -block.number))
+        reason = (
+            f"block {best.number}: {best.frontier_cells} cells of unexplored boundary, "
+            f"{best.travel_m:.1f} m away"
+        )
+        return BlockChoice(best.number, reason)
+
+    def _value(self, block: Block, robot: Pose2) -> float:
+        gain = block.frontier_cells**self._config.gain_exponent
+        cost_m = block.travel_m
+        if self._config.turn_cost_m > 0.0:
+            cost_m += self._config.turn_cost_m * abs(robot.bearing_to(*block.destination))
+        return gain * math.exp(-cost_m / self._config.travel_scale_m)

@@ -1,0 +1,69 @@
+"""The classic baseline: go to the nearest frontier."""
+
+import math
+from collections.abc import Sequence
+
+from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
+from hypernav.core.trace import Exchange, ExchangeLog
+from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.frontiers import Frontier, find_frontiers
+from hypernav.perception.explorers.explorer import Destination
+
+
+class NearestFrontierExplorer:
+    """Drives to the nearest frontier (Yamauchi, 1997), the paper's real-world baseline."""
+
+    def __init__(
+        self, log: ExchangeLog, mapping: MappingConfig, *, visited_radius_m: float = 0.5
+    ) -> None:
+        """Create it.
+
+        Args:
+            log: Where every choice is written for the trace.
+            mapping: Smallest frontier and clearance.
+            visited_radius_m: A frontier this near to a place already visited is passed over.
+        """
+        self._log = log
+        self._mapping = mapping
+        self._visited_radius_m = visited_radius_m
+        self.reset(Goal("nothing yet"))
+
+    def reset(self, goal: Goal) -> None:
+        """Forget all visits."""
+        self._visited: list[tuple[float, float]] = []
+
+    def remember_visit(self, x: float, y: float) -> None:
+        """Note a destination that was reached or given up."""
+        self._visited.append((x, y))
+
+    def next_destination(
+        self, grid: OccupancyGrid, robot: Pose2, trajectory: Sequence[tuple[float, float]]
+    ) -> Destination | None:
+        """The nearest frontier by travel distance; None if all is explored."""
+        nearest = None
+        for mapping in self._mapping.clearances:
+            frontiers = find_frontiers(grid, robot, mapping)
+            fresh = [frontier for frontier in frontiers if not self._was_visited(frontier)]
+            nearest = min(fresh, key=lambda frontier: frontier.travel_m, default=None)
+            if nearest is not None:
+                break
+        reason = "no frontier is left that can be reached"
+        if nearest is not None:
+            reason = f"nearest frontier: {nearest.size_m:.1f} m long, {nearest.travel_m:.1f} m away"
+        self._log.record(
+            Exchange(
+                kind="choose frontier",
+                asked="geometric",
+                question="Which frontier is nearest?",
+                answer=reason,
+            )
+        )
+        return None if nearest is None else Destination(*nearest.destination, reason=reason)
+
+    def _was_visited(self, frontier: Frontier) -> bool:
+        return any(
+            math.dist(frontier.destination, place) < self._visited_radius_m
+            for place in self._visited
+        )

@@ -1,0 +1,1 @@
+"""Local perception: detect, segment, refine and project the goal; check its presence."""

@@ -1,0 +1,164 @@
+"""Which camera images are worth a question, where questions cost time or money."""
+
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float32, Float64
+from pydantic import Field
+
+from hypernav.core.config import RoomConfig
+from hypernav.core.observation import Observation
+from hypernav.core.trace import Exchange, ExchangeLog
+from hypernav.perception.local.goal_area import GoalArea
+
+_COLUMNS, _ROWS = 24, 18
+_REMEMBERED_VIEWS = 64
+_SAME_SURFACE_M = 0.15
+_SAME_SURFACE_SHARE = 0.05
+
+
+class AttentionConfig(RoomConfig):
+    """When the detector is not asked. The paper asks it at every step.
+
+    Both savings are off unless switched on: in our measurement they cost success (docs/models.md).
+
+    Attributes:
+        skip_seen_views: Not about an image that shows nothing but what was asked about before.
+        seen_share: Of an image's surfaces must have been seen before for that.
+        closer_factor: A surface counts as new again once it is nearer than this part of the
+            distance that it was seen from.
+        edge_share: Of an image's sides; what was seen within it may have been cut off.
+        skip_held_target: Not on the way to a target, until it is ``held_factor`` as far as when it
+            was last looked at. Only for ``local.target=hold``.
+        held_factor: See there.
+    """
+
+    skip_seen_views: bool = False
+    seen_share: float = Field(default=0.9, gt=0.0, le=1.0)
+    closer_factor: float = Field(default=0.6, gt=0.0, le=1.0)
+    edge_share: float = Field(default=0.05, ge=0.0, lt=0.5)
+    skip_held_target: bool = False
+    held_factor: float = Field(default=0.7, gt=0.0, le=1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class _View:
+    """An image that was asked about."""
+
+    observation: Observation
+
+    def shows(
+        self,
+        points: Float64[np.ndarray, "n 3"],
+        distance: Float64[np.ndarray, " n"],
+        config: AttentionConfig,
+    ) -> Bool[np.ndarray, " n"]:
+        """Which points were seen in it, large enough and not at its edge.
+
+        Args:
+            points: ``map`` frame, metres.
+            distance: From which each is seen now, along the optical axis.
+            config: What is large enough, and what the edge.
+        """
+        camera, depth = self.observation.camera, self.observation.depth
+        x, y, z = self.observation.camera_to_map.inverse().apply(points).T
+        ahead = np.maximum(z, 1e-6)
+        column, row = camera.fx * x / ahead + camera.cx, camera.fy * y / ahead + camera.cy
+        margin_u, margin_v = config.edge_share * camera.width, config.edge_share * camera.height
+        inside = (
+            (z > 0.1)
+            & (column >= margin_u)
+            & (column < camera.width - margin_u)
+            & (row >= margin_v)
+            & (row < camera.height - margin_v)
+        )
+        pixel = (np.where(inside, row, 0).astype(int), np.where(inside, column, 0).astype(int))
+        there = depth[pixel].astype(np.float64)
+        same = np.abs(there - z) < _SAME_SURFACE_M + _SAME_SURFACE_SHARE * z
+        # Nothing within the range of depth: beyond it, everything along the ray was in sight.
+        beyond = (there <= 0.0) & (z > 0.9 * float(depth.max(initial=0.0)))
+        return inside & (same | beyond) & (z * config.closer_factor <= distance)
+
+
+class Attention:
+    """Remembers what was asked about, and says whether an image shows anything else."""
+
+    def __init__(self, log: ExchangeLog, config: AttentionConfig) -> None:
+        """Create it.
+
+        Args:
+            log: Where every image that is not asked about is written for the trace.
+            config: When that is.
+        """
+        self._log = log
+        self._config = config
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget all views."""
+        self._views: deque[_View] = deque(maxlen=_REMEMBERED_VIEWS)
+        self._held_m: float | None = None
+
+    def is_worth_a_question(self, observation: Observation, target: GoalArea | None) -> bool:
+        """Whether to ask the detector; if so, the image counts as seen from now on.
+
+        Args:
+            observation: What the camera sees.
+            target: The goal area that is held; None while the goal is searched for.
+        """
+        if target is not None and self._config.skip_held_target:
+            distance_m = target.distance_to(*observation.robot.xy)
+            if self._held_m is not None and distance_m > self._config.held_factor * self._held_m:
+                self._skip(f"the way to the goal is known, {distance_m:.1f} m are left")
+                return False
+            self._held_m = distance_m
+        else:
+            self._held_m = None
+            if self._config.skip_seen_views:
+                share = self._seen_share(observation)
+                if share >= self._config.seen_share:
+                    self._skip(f"nothing new, {share:.0%} of it was seen before")
+                    return False
+        self._views.append(_View(observation))
+        return True
+
+    def _seen_share(self, observation: Observation) -> float:
+        points, distance = _sampled(observation)
+        seen = np.zeros(len(points), dtype=bool)
+        for view in reversed(self._views):
+            left = ~seen
+            if not left.any():
+                break
+            seen[left] = view.shows(points[left], distance[left], self._config)
+        return float(seen.mean())
+
+    def _skip(self, why: str) -> None:
+        self._log.record(
+            Exchange(
+                kind="attention",
+                asked="geometric",
+                question="Does the picture show anything that was not asked about before?",
+                answer=why,
+            )
+        )
+
+
+def _sampled(
+    observation: Observation,
+) -> tuple[Float64[np.ndarray, "n 3"], Float64[np.ndarray, " n"]]:
+    """Points all over an image in the ``map`` frame, and their distance along the optical axis.
+
+    Where there is no return, a point just beyond the farthest return stands for what is there.
+    """
+    camera = observation.camera
+    depth: Float32[np.ndarray, "height width"] = observation.depth
+    height, width = depth.shape
+    rows = ((np.arange(_ROWS) + 0.5) * height / _ROWS).astype(int)
+    columns = ((np.arange(_COLUMNS) + 0.5) * width / _COLUMNS).astype(int)
+    z = depth[np.ix_(rows, columns)].astype(np.float64)
+    z = np.where(z > 0.0, z, 1.2 * max(float(depth.max(initial=0.0)), 1.0))
+    x = (columns[None, :] + 0.5 - camera.cx) / camera.fx * z
+    y = (rows[:, None] + 0.5 - camera.cy) / camera.fy * z
+    points = np.stack([x, y, z], axis=-1).reshape(-1, 3)
+    return observation.camera_to_map.apply(points), z.reshape(-1)

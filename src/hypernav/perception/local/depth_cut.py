@@ -1,0 +1,163 @@
+"""Box-prompted segmentation without weights: cut the box by depth, then by colour."""
+
+import cv2
+import numpy as np
+from jaxtyping import Bool, Float32
+
+from hypernav.core.config import RoomConfig
+from hypernav.core.geometry.boxes import Box
+from hypernav.core.observation import Observation
+
+_BIN_M = 0.10
+
+
+class DepthCutConfig(RoomConfig):
+    """How a box is cut.
+
+    Attributes:
+        work_size_px: The longer side of the box is reduced to this before the colour cut.
+        margin: Part of the box's size that is taken around it as certain background.
+        depth_gap_m: A jump in depth of this size ends the object.
+        iterations: Of GrabCut.
+        floor_height_m: What is lower than this is floor, not the object: it touches the object
+            without a jump in depth and often has its colour. 0 keeps it.
+        max_empty_share: If more of the box than this has no depth, the object is beyond the range
+            of depth, and what has depth stands before it.
+        max_floor_share: If more of the box than this is floor, the object lies on it (a rug), and
+            the floor is kept.
+    """
+
+    work_size_px: int = 120
+    margin: float = 0.15
+    depth_gap_m: float = 0.30
+    iterations: int = 2
+    floor_height_m: float = 0.06
+    max_floor_share: float = 0.6
+    max_empty_share: float = 0.5
+
+
+class DepthCutSegmenter:
+    """GrabCut inside the box, seeded by the dominant depth cluster.
+
+    The object is taken to be the nearest large cluster of depth around the middle of the box;
+    pixels in it are probable foreground, pixels outside the box certain background, and the colour
+    models of GrabCut (Rother et al., 2004; OpenCV's ``grabCut``) decide the rest.
+    """
+
+    def __init__(self, config: DepthCutConfig | None = None) -> None:
+        """Create the segmenter."""
+        self._config = config or DepthCutConfig()
+
+    def segment(self, observation: Observation, box: Box) -> Bool[np.ndarray, "height width"]:
+        """The object's pixels; all False if the box lies outside the image."""
+        height, width = observation.depth.shape
+        mask = np.zeros((height, width), dtype=bool)
+        box = box.clipped(width, height)
+        if box.area < 1.0:
+            return mask
+        dx, dy = (
+            self._config.margin * (box.x_max - box.x_min),
+            self._config.margin * (box.y_max - box.y_min),
+        )
+        crop = Box(box.x_min - dx, box.y_min - dy, box.x_max + dx, box.y_max + dy)
+        x0, y0, x1, y1 = crop.clipped(width, height).pixels()
+        scale = min(1.0, self._config.work_size_px / max(x1 - x0, y1 - y0))
+        size = (max(round((x1 - x0) * scale), 2), max(round((y1 - y0) * scale), 2))
+        rgb = cv2.resize(observation.rgb[y0:y1, x0:x1], size, interpolation=cv2.INTER_AREA)
+        depth = cv2.resize(observation.depth[y0:y1, x0:x1], size, interpolation=cv2.INTER_NEAREST)
+        inside = np.zeros(depth.shape, dtype=bool)
+        bx0, by0, bx1, by1 = box.pixels()
+        sx, sy = size[0] / (x1 - x0), size[1] / (y1 - y0)
+        inside[
+            round((by0 - y0) * sy) : max(round((by1 - y0) * sy), 1),
+            round((bx0 - x0) * sx) : max(round((bx1 - x0) * sx), 1),
+        ] = True
+        floor = inside & self._is_floor(observation, depth, (x0, y0), (sx, sy))
+        if floor.sum() <= self._config.max_floor_share * inside.sum():
+            inside &= ~floor
+        cut = self._cut(rgb, depth, inside)
+        whole = cv2.resize(
+            cut.astype(np.uint8), (x1 - x0, y1 - y0), interpolation=cv2.INTER_NEAREST
+        )
+        mask[y0:y1, x0:x1] = whole.astype(bool)
+        return mask
+
+    def _is_floor(
+        self,
+        observation: Observation,
+        depth: Float32[np.ndarray, "h w"],
+        corner: tuple[int, int],
+        scale: tuple[float, float],
+    ) -> Bool[np.ndarray, "h w"]:
+        """Pixels of the reduced crop whose points lie on the floor of the ``map`` frame."""
+        camera = observation.camera
+        columns = corner[0] + (np.arange(depth.shape[1]) + 0.5) / scale[0]
+        rows = corner[1] + (np.arange(depth.shape[0]) + 0.5) / scale[1]
+        x = (columns[None, :] - camera.cx) / camera.fx * depth
+        y = (rows[:, None] - camera.cy) / camera.fy * depth
+        points = np.stack([x, y, depth], axis=-1).reshape(-1, 3).astype(np.float64)
+        height = observation.camera_to_map.apply(points)[:, 2].reshape(depth.shape)
+        return (depth > 0) & (height < self._config.floor_height_m)
+
+    def _cut(
+        self,
+        rgb: np.ndarray,
+        depth: Float32[np.ndarray, "h w"],
+        inside: Bool[np.ndarray, "h w"],
+    ) -> Bool[np.ndarray, "h w"]:
+        empty = inside & (depth <= 0)
+        if empty.sum() > self._config.max_empty_share * inside.sum():
+            return empty
+        cluster = inside & self._dominant_cluster(depth, inside)
+        if not cluster.any():
+            return inside
+        has_depth = depth > 0
+        labels = np.where(inside, cv2.GC_PR_BGD, cv2.GC_BGD).astype(np.uint8)
+        labels[inside & ~has_depth] = cv2.GC_PR_FGD
+        labels[cluster] = cv2.GC_PR_FGD
+        if not (labels == cv2.GC_BGD).any() and not (labels == cv2.GC_PR_BGD).any():
+            return cluster
+        cv2.setRNGSeed(0)  # GrabCut clusters colours at random: the same image, the same cut
+        cv2.grabCut(
+            np.ascontiguousarray(rgb),
+            labels,
+            (0, 0, 0, 0),  # unused: the mask says where the thing is
+            np.zeros((1, 65)),
+            np.zeros((1, 65)),
+            self._config.iterations,
+            cv2.GC_INIT_WITH_MASK,
+        )
+        cut = (labels == cv2.GC_FGD) | (labels == cv2.GC_PR_FGD)
+        # Colour may leak into a background of the same colour; depth may not.
+        cut &= cluster | ~has_depth
+        return cut if cut.sum() * 4 >= cluster.sum() else cluster
+
+    def _dominant_cluster(
+        self, depth: Float32[np.ndarray, "h w"], inside: Bool[np.ndarray, "h w"]
+    ) -> Bool[np.ndarray, "h w"]:
+        rows, columns = np.nonzero(inside)
+        middle = np.zeros_like(inside)
+        top, bottom = np.percentile(rows, [20, 80]).astype(int)
+        left, right = np.percentile(columns, [20, 80]).astype(int)
+        middle[top : bottom + 1, left : right + 1] = True
+        values = depth[middle & inside & (depth > 0)]
+        if values.size == 0:
+            return np.zeros_like(inside)
+        counts = np.bincount((values / _BIN_M).astype(int))
+        # Nearer things hide farther ones, so of two equal clusters the nearer is the object.
+        weight = counts / (1.0 + 0.1 * np.arange(counts.size) * _BIN_M)
+        peak = int(weight.argmax())
+        all_counts = np.bincount((depth[inside & (depth > 0)] / _BIN_M).astype(int))
+        floor = max(1.0, 0.02 * float(all_counts.max()))
+        low, high = self._grow(all_counts, peak, floor)
+        return (depth >= low * _BIN_M) & (depth < (high + 1) * _BIN_M) & (depth > 0)
+
+    def _grow(self, counts: np.ndarray, peak: int, floor: float) -> tuple[int, int]:
+        """Widen the peak over neighbouring depths until a gap."""
+        gap = max(1, round(self._config.depth_gap_m / _BIN_M))
+        low = high = peak
+        while low > 0 and (counts[max(low - gap, 0) : low] > floor).any():
+            low -= 1
+        while high + 1 < counts.size and (counts[high + 1 : high + 1 + gap] > floor).any():
+            high += 1
+        return low, high

@@ -1,0 +1,224 @@
+"""The cells that the refined detection projects to."""
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import cv2
+import numpy as np
+from jaxtyping import Bool, Float64
+
+from hypernav.core.observation import Observation
+from hypernav.perception.local.visibility import lies_open
+
+
+def points_under_mask(
+    mask: Bool[np.ndarray, "height width"],
+    observation: Observation,
+    *,
+    min_depth_m: float,
+    max_depth_m: float,
+    stride: int = 1,
+) -> Float64[np.ndarray, "n 3"]:
+    """The masked pixels as points in the ``map`` frame, metres.
+
+    Pixels without a usable depth are skipped. Points above the robot are kept: a goal may hang on
+    a wall.
+
+    Args:
+        mask: Pixels of the target.
+        observation: The frame that the mask was made from.
+        min_depth_m: Nearest usable depth.
+        max_depth_m: Farthest usable depth.
+        stride: Use every n-th pixel in both directions.
+    """
+    rows, columns = np.nonzero(mask[::stride, ::stride])
+    depth = observation.depth[::stride, ::stride][rows, columns].astype(np.float64)
+    usable = np.isfinite(depth) & (depth >= min_depth_m) & (depth <= max_depth_m)
+    rows, columns, depth = rows[usable] * stride, columns[usable] * stride, depth[usable]
+    camera = observation.camera
+    points = np.stack(
+        [
+            (columns + 0.5 - camera.cx) / camera.fx * depth,
+            (rows + 0.5 - camera.cy) / camera.fy * depth,
+            depth,
+        ],
+        axis=1,
+    )
+    return observation.camera_to_map.apply(points)
+
+
+@dataclass(frozen=True, eq=False)
+class GoalArea:
+    """Where the target is, on the floor plan.
+
+    Cells are kept as metres, since the map's own cells move when it grows.
+
+    Attributes:
+        mask: Dilated cells.
+        seen: Cells that points of the target really fall into.
+        entry: Cells that the robot may go to.
+        origin: Lower left corner of the masks, metres.
+        resolution_m: Side of a cell.
+        height_m: Of the target's middle above the floor.
+    """
+
+    mask: Bool[np.ndarray, "rows columns"]
+    seen: Bool[np.ndarray, "rows columns"]
+    entry: Bool[np.ndarray, "rows columns"]
+    origin: tuple[float, float]
+    resolution_m: float
+    height_m: float
+
+    @staticmethod
+    def from_points(
+        points: Float64[np.ndarray, "n 3"],
+        *,
+        resolution_m: float,
+        kernel: int = 5,
+        iterations: int = 3,
+        largest_cluster_only: bool = True,
+    ) -> "GoalArea | None":
+        """Project points to cells and dilate them (paper: 5×5 kernel, 3 iterations).
+
+        Args:
+            points: Of the target, ``map`` frame, metres.
+            resolution_m: Cell size of the map.
+            kernel: Side of the dilation kernel, cells.
+            iterations: Dilations.
+            largest_cluster_only: Keep only the cluster that most points fall into, so that a mask
+                that leaks to the wall behind does not move the goal there.
+
+        Returns:
+            The area, or None without points.
+        """
+        if len(points) == 0:
+            return None
+        cells = np.floor(points[:, 1::-1] / resolution_m).astype(np.int64)
+        reach = (kernel // 2) * iterations + 1
+        low = cells.min(axis=0) - reach
+        shape = cells.max(axis=0) + reach + 1 - low
+        counts = np.zeros(tuple(shape), dtype=np.int64)
+        np.add.at(counts, tuple((cells - low).T), 1)
+        seen = counts > 0
+        mask = cv2.dilate(
+            seen.astype(np.uint8), np.ones((kernel, kernel), np.uint8), iterations=iterations
+        ).astype(bool)
+        if largest_cluster_only:
+            _, clusters = cv2.connectedComponents(mask.astype(np.uint8), connectivity=8)
+            weights = np.bincount(clusters.ravel(), weights=counts.ravel())
+            weights[0] = -1.0
+            mask = clusters == int(weights.argmax())
+            seen &= mask
+        origin = (float(low[1]) * resolution_m, float(low[0]) * resolution_m)
+        return GoalArea(mask, seen, mask, origin, resolution_m, float(np.median(points[:, 2])))
+
+    def joined(self, other: "GoalArea") -> "GoalArea":
+        """The cells of both areas: what two looks at the same thing have shown of it."""
+        size = self.resolution_m
+        corners = [np.round(np.array(a.origin)[::-1] / size).astype(int) for a in (self, other)]
+        low = np.minimum(*corners)
+        ends = [c + a.mask.shape for c, a in zip(corners, (self, other), strict=True)]
+        shape = tuple(np.maximum(*ends) - low)
+        mask, seen, entry = np.zeros((3, *shape), dtype=bool)
+        for corner, area in zip(corners, (self, other), strict=True):
+            row, column = corner - low
+            rows, columns = area.mask.shape
+            window = (slice(row, row + rows), slice(column, column + columns))
+            mask[window] |= area.mask
+            seen[window] |= area.seen
+            entry[window] |= area.entry
+        origin = (float(low[1]) * size, float(low[0]) * size)
+        return GoalArea(mask, seen, entry, origin, size, self.height_m)
+
+    def entered_from(self, observation: Observation, reach_m: float) -> "GoalArea":
+        """The same, to be entered near what was seen, but not behind a wall.
+
+        Cells are dilated in all directions, also through a thin wall into the next room. An image
+        that shows the target shows as well what lies on its own side of the walls.
+
+        Args:
+            observation: The image that shows the target.
+            reach_m: Of the robot to what was seen.
+        """
+        margin = math.ceil(reach_m / self.resolution_m)
+        wide = self._widened(margin)
+        away = cv2.distanceTransform(
+            (~wide.seen).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE
+        )
+        entry = (away * self.resolution_m <= reach_m) & ~wide.seen
+        entry[entry] = lies_open(wide._centres(entry), observation)
+        return replace(wide, entry=entry) if entry.any() else self
+
+    def _widened(self, margin: int) -> "GoalArea":
+        """The same in a larger window."""
+        shift = margin * self.resolution_m
+        return GoalArea(
+            np.pad(self.mask, margin),
+            np.pad(self.seen, margin),
+            np.pad(self.entry, margin),
+            (self.origin[0] - shift, self.origin[1] - shift),
+            self.resolution_m,
+            self.height_m,
+        )
+
+    @cached_property
+    def points(self) -> Float64[np.ndarray, "n 2"]:
+        """Centres of the dilated cells, ``(x, y)``, metres."""
+        return self._centres(self.mask)
+
+    @cached_property
+    def entry_points(self) -> Float64[np.ndarray, "n 2"]:
+        """Centres of the cells that the robot may go to, ``(x, y)``, metres."""
+        return self._centres(self.entry)
+
+    @cached_property
+    def seen_points(self) -> Float64[np.ndarray, "n 2"]:
+        """Centres of the cells that the target was seen in, ``(x, y)``, metres."""
+        return self._centres(self.seen)
+
+    @cached_property
+    def centre(self) -> tuple[float, float]:
+        """Middle of the cells that the target was seen in, metres."""
+        x, y = self.seen_points.mean(axis=0)
+        return (float(x), float(y))
+
+    def distance_to(self, x: float, y: float) -> float:
+        """Straight distance to the nearest cell that the robot may go to, metres."""
+        offsets = self.entry_points - np.array([x, y])
+        return float(np.sqrt((offsets**2).sum(axis=1).min()))
+
+    def covers(self, other: "GoalArea") -> float:
+        """The share of another area's seen cells that lie in this area, 0 to 1."""
+        low = np.round((np.array(other.origin) - np.array(self.origin)) / self.resolution_m)
+        rows, columns = np.nonzero(other.seen)
+        rows, columns = rows + int(low[1]), columns + int(low[0])
+        inside = (
+            (rows >= 0)
+            & (rows < self.mask.shape[0])
+            & (columns >= 0)
+            & (columns < self.mask.shape[1])
+        )
+        hits = self.mask[rows[inside], columns[inside]].sum()
+        return float(hits) / len(rows)
+
+    @cached_property
+    def outlines(self) -> list[list[tuple[float, float]]]:
+        """Polygons around the dilated cells, metres, for images and the trace."""
+        contours, _ = cv2.findContours(
+            self.mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_TC89_L1
+        )
+        return [
+            [
+                (
+                    round(self.origin[0] + (float(x) + 0.5) * self.resolution_m, 3),
+                    round(self.origin[1] + (float(y) + 0.5) * self.resolution_m, 3),
+                )
+                for x, y in contour.reshape(-1, 2)
+            ]
+            for contour in contours
+        ]
+
+    def _centres(self, mask: Bool[np.ndarray, "rows columns"]) -> Float64[np.ndarray, "n 2"]:
+        cells = np.argwhere(mask)
+        return np.array(self.origin) + (cells[:, ::-1] + 0.5) * self.resolution_m

@@ -1,0 +1,290 @@
+"""Local perception: is the goal in the image, and where on the floor plan is it?"""
+
+import math
+from dataclasses import dataclass, replace
+
+import cv2
+import numpy as np
+from jaxtyping import Bool
+
+from hypernav.core.geometry.boxes import Detection
+from hypernav.core.geometry.transforms import wrap_angle
+from hypernav.core.goal import Goal
+from hypernav.core.observation import Observation
+from hypernav.core.protocols import Detector, Segmenter
+from hypernav.core.trace import DetectionRecord
+from hypernav.perception.local.attention import Attention
+from hypernav.perception.local.config import LocalConfig
+from hypernav.perception.local.goal_area import GoalArea, points_under_mask
+from hypernav.perception.local.target import Target, same_place
+from hypernav.perception.local.visibility import is_cut_off, seems_to_hold, should_be_visible
+
+_NO_DEPTH = "too few points with depth"
+_BESIDE_REJECTED_DEG = 10.0
+
+
+@dataclass(frozen=True, eq=False)
+class _Candidate:
+    detection: Detection
+    area: GoalArea
+
+
+class LocalPerception:
+    """Detect, segment, refine, project; remembers the target and what was rejected."""
+
+    def __init__(
+        self,
+        detector: Detector,
+        segmenter: Segmenter,
+        config: LocalConfig,
+        *,
+        cell_size_m: float,
+        attention: Attention | None = None,
+    ) -> None:
+        """Create it.
+
+        Args:
+            detector: Finds boxes of the goal.
+            segmenter: Finds the pixels in a box; not asked where a detection has its own mask.
+            config: Values of the method.
+            cell_size_m: Of the map.
+            attention: Says which images the detector is asked about; None asks about all.
+        """
+        self._detector = detector
+        self._attention = attention
+        self._segmenter = segmenter
+        self._config = config
+        self._cell_size_m = cell_size_m
+        self.reset(Goal("nothing yet"))
+
+    def reset(self, goal: Goal) -> None:
+        """Forget target and rejections."""
+        self._goal = goal
+        self._target: Target | None = None
+        self._rejected: list[GoalArea] = []
+        self._far_bearing: float | None = None
+        self._score_now = 0.0
+        if self._attention is not None:
+            self._attention.reset()
+
+    @property
+    def far_bearing(self) -> float | None:
+        """Direction of a goal that the latest image shows beyond the range of depth.
+
+        Radians from the robot's heading, positive to the left; None if there is no such sighting,
+        or if it lies behind a rejected area.
+        """
+        return self._far_bearing
+
+    @property
+    def target(self) -> Target | None:
+        """The target, once it was seen often enough."""
+        if self._target is None or self._target.sightings < self._config.min_sightings:
+            return None
+        return self._target
+
+    @property
+    def is_convincing(self) -> bool:
+        """Whether the detections of the target were certain enough on average."""
+        target = self._target
+        return (
+            target is not None
+            and target.mean_score >= self._config.min_mean_score
+            and not target.is_outdone
+        )
+
+    @property
+    def needs_second_look(self) -> bool:
+        """Whether the target is too uncertain to be believed from one side."""
+        target = self._target
+        return (
+            target is not None
+            and not target.confirmed
+            and target.mean_score < self._config.sure_score
+        )
+
+    @property
+    def is_contradicted(self) -> bool:
+        """Whether the target looks more like something else in the latest image."""
+        return self._score_now < 0.0
+
+    def confirm_target(self) -> None:
+        """Note that the target was looked at once more."""
+        if self._target is not None:
+            self._target = replace(self._target, confirmed=True)
+
+    def bar_place(self, observation: Observation) -> bool:
+        """Look for another place at the target if something hides it from a robot that faces it.
+
+        Args:
+            observation: What the robot sees, turned to the target; it has been looked at.
+
+        Returns:
+            Whether the target is hidden and there is another place.
+        """
+        target = self._target
+        is_seen = self._score_now > 0.0
+        if target is None or is_seen:
+            return False
+        if not is_cut_off(target.area.seen_points, target.area.height_m, observation):
+            return False
+        barred = target.barred_at(observation.robot.xy)
+        if barred is None:
+            return False
+        self._target = barred
+        return True
+
+    def reject_target(self) -> None:
+        """Drop the target and never take anything in its area for the goal again."""
+        if self._target is not None:
+            self._rejected.append(self._target.area)
+            self._target = None
+
+    def look(self, observation: Observation) -> list[DetectionRecord]:
+        """Search one image and update the target.
+
+        Returns:
+            Every detection of the image, and why it did or did not give a goal area.
+        """
+        records: list[DetectionRecord] = []
+        candidates: list[_Candidate] = []
+        self._far_bearing = None
+        self._score_now = 0.0
+        if self._attention and not self._attention.is_worth_a_question(observation, self._held):
+            return records
+        detections = self._detector.detect(observation, self._goal)
+        for detection in (one for one in detections if one.is_goal):
+            mask = self._refined_mask(detection, observation)
+            area, reason = self._area(mask, observation)
+            if area is not None:
+                candidates.append(_Candidate(detection, area))
+            elif reason == _NO_DEPTH and self._far_bearing is None:
+                self._far_bearing = self._bearing_of(detection, observation)
+            records.append(_record(detection, mask, accepted=area is not None, reason=reason))
+        self._update(candidates, observation)
+        if self._config.weigh_rivals:
+            self._weigh_rivals([one for one in detections if not one.is_goal], observation)
+        return records
+
+    @property
+    def _held(self) -> GoalArea | None:
+        """The area of a target that one look was enough to believe in."""
+        target, holds = self.target, self._config.target == "hold"
+        return target.area if target and holds and not self.needs_second_look else None
+
+    def _refined_mask(
+        self, detection: Detection, observation: Observation
+    ) -> Bool[np.ndarray, "height width"]:
+        mask = detection.mask
+        if mask is None:
+            mask = self._segmenter.segment(observation, detection.box)
+        kernel = np.ones((self._config.erosion_px, self._config.erosion_px), np.uint8)
+        eroded = cv2.erode(mask.astype(np.uint8), kernel).astype(bool)
+        # A thin thing would vanish; a little background is the smaller evil.
+        return eroded if 4 * int(eroded.sum()) >= int(mask.sum()) else mask
+
+    def _area(
+        self, mask: Bool[np.ndarray, "height width"], observation: Observation
+    ) -> tuple[GoalArea | None, str]:
+        config = self._config
+        points = points_under_mask(
+            mask,
+            observation,
+            min_depth_m=config.min_depth_m,
+            max_depth_m=config.max_depth_m,
+            stride=2 if int(mask.sum()) > 4000 else 1,
+        )
+        if len(points) < config.min_points:
+            return None, _NO_DEPTH
+        area = GoalArea.from_points(
+            points,
+            resolution_m=self._cell_size_m,
+            kernel=config.dilation_kernel,
+            iterations=config.dilation_iterations,
+            largest_cluster_only=config.largest_cluster_only,
+        )
+        if area is None:
+            return None, _NO_DEPTH
+        if any(rejected.covers(area) > 0.5 for rejected in self._rejected):
+            return None, "rejected before"
+        if config.entry_reach_m > 0.0:
+            area = area.entered_from(observation, config.entry_reach_m)
+        return area, ""
+
+    def _bearing_of(self, detection: Detection, observation: Observation) -> float | None:
+        camera, robot = observation.camera, observation.robot
+        column = (detection.box.x_min + detection.box.x_max) / 2.0
+        bearing = math.atan2(camera.cx - column, camera.fx)
+        for rejected in self._rejected:
+            away = wrap_angle(robot.bearing_to(*rejected.centre) - bearing)
+            if abs(away) < math.radians(_BESIDE_REJECTED_DEG):
+                return None
+        return bearing
+
+    def _update(self, candidates: list[_Candidate], observation: Observation) -> None:
+        if self._config.pick == "nearest":
+            candidates = sorted(candidates, key=lambda c: c.area.distance_to(*observation.robot.xy))
+        target = self._target
+        if target is None or self._config.target == "latest":
+            same = candidates[0] if candidates else None
+        else:
+            same = next((c for c in candidates if same_place(c.area, target.area)), None)
+        self._score_now = 0.0 if same is None else float(same.detection.score)
+        if same is not None:
+            self._target = self._merged(same, observation)
+        elif (
+            target is not None
+            and self._config.target == "hold"
+            and should_be_visible(target.area.seen_points, observation)
+        ):
+            self._target = replace(target, misses=target.misses + 1)
+            self._drop_if_refuted()
+
+    def _weigh_rivals(self, others: list[Detection], observation: Observation) -> None:
+        """Note by what score the target looks like something else in this image."""
+        if self._target is None:
+            return
+        places = self._target.area.seen_points
+        scores = [float(one.score) for one in others if seems_to_hold(one.box, places, observation)]
+        if scores:
+            strongest = max(scores)
+            self._target = replace(self._target, rival_score=self._target.rival_score + strongest)
+            self._score_now -= strongest
+            self._drop_if_refuted()
+
+    def _merged(self, candidate: _Candidate, observation: Observation) -> Target:
+        old, detection = self._target, candidate.detection
+        if old is None or not same_place(candidate.area, old.area):
+            score = float(detection.score)
+            return Target(candidate.area, observation, detection.box.area, score)
+        hold = self._config.target == "hold"
+        return old.seen_again(candidate.area, detection, observation, join=hold)
+
+    def _drop_if_refuted(self) -> None:
+        target = self._target
+        if target is None:
+            return
+        is_refuted = target.missed_share > self._config.max_missed_share or target.is_outdone
+        if is_refuted and target.verdicts >= self._config.min_verdicts:
+            self.reject_target()
+
+
+def _record(
+    detection: Detection,
+    mask: Bool[np.ndarray, "height width"],
+    *,
+    accepted: bool,
+    reason: str,
+) -> DetectionRecord:
+    contours, _ = cv2.findContours(
+        mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_TC89_KCOS
+    )
+    box = detection.box
+    return DetectionRecord(
+        box=(round(box.x_min, 1), round(box.y_min, 1), round(box.x_max, 1), round(box.y_max, 1)),
+        score=round(float(detection.score), 4),
+        label=detection.label,
+        outlines=[[(int(x), int(y)) for x, y in c.reshape(-1, 2)] for c in contours if len(c) > 2],
+        accepted=accepted,
+        reason=reason,
+    )

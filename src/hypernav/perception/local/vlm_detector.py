@@ -1,0 +1,191 @@
+"""Seeing the goal with a vision-language model: it is asked for boxes (paper: VLM grounding)."""
+
+from collections import Counter
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field, field_validator
+
+from hypernav.core.chat import Answer, Image, Question
+from hypernav.core.config import RoomConfig
+from hypernav.core.geometry.boxes import Detection
+from hypernav.core.goal import Goal
+from hypernav.core.labels import ObjectLabel
+from hypernav.core.observation import Observation
+from hypernav.core.protocols import ChatModel
+from hypernav.core.trace import ExchangeLog
+from hypernav.models.chat.vlm_families import FamilyName, VlmFamily, family_named, family_of
+from hypernav.perception.exchanges import exchange_of
+from hypernav.perception.local.grounding_format import GroundedBox, Grounding, read_grounding
+
+_PROMPT = (
+    "Locate every {goal} in the picture and report the bounding boxes in JSON format, for example "
+    '[{{"{key}": {example}, "label": "{goal}"}}]. If there is no {goal} in the picture, '
+    "answer []."
+)
+
+
+class VlmDetectorConfig(RoomConfig):
+    """How a vision-language model is asked for boxes.
+
+    Attributes:
+        family: Whose coordinates it answers in; "auto" reads it off the model's name.
+        prompt: The question. ``{goal}``, ``{key}`` (of a box) and ``{example}`` are filled in.
+        constrained: Enforce the JSON form where the server can. The models were trained on free
+            answers and these are read tolerantly, so it is rarely needed.
+        drop_other_labels: Reject boxes that the model itself labels as something else.
+        max_tokens: The longest answer; a box takes about 40.
+        max_boxes: Further candidates are dropped.
+        min_side_px: Boxes with a shorter side are dropped.
+    """
+
+    family: Literal["auto"] | FamilyName = "auto"
+    prompt: str = _PROMPT
+    constrained: bool = False
+    drop_other_labels: bool = False
+    max_tokens: int = Field(default=300, ge=16)
+    max_boxes: int = Field(default=10, ge=1)
+    min_side_px: float = Field(default=4.0, ge=0.0)
+
+    @field_validator("prompt")
+    @classmethod
+    def _can_be_filled_in(cls, prompt: str) -> str:
+        try:
+            prompt.format(goal="", key="", example="")
+        except (KeyError, IndexError, ValueError) as error:
+            raise ValueError(
+                "may hold {goal}, {key} and {example}; other braces are doubled: {{ }}"
+            ) from error
+        return prompt
+
+
+class _Thing(BaseModel):
+    model_config = ConfigDict(extra="forbid")
+
+    bbox_2d: tuple[float, float, float, float]
+    label: str
+
+
+class _Things(BaseModel):
+    """The form of a constrained answer; hosted APIs want an object at the root."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    objects: list[_Thing]
+
+
+def grounding_question(
+    config: VlmDetectorConfig, family: VlmFamily, image: Image, goal: Goal
+) -> Question:
+    """What a model of a family is asked about one image."""
+    example = "[y1, x1, y2, x2]" if family.rows_first else "[x1, y1, x2, y2]"
+    return Question(
+        kind="ground",
+        text=config.prompt.format(goal=goal.text.strip(), key=family.box_key, example=example),
+        images=(family.prepared(image),),
+        form=_Things if config.constrained else None,
+        max_tokens=config.max_tokens,
+    )
+
+
+class VlmDetector:
+    """Asks for boxes of the goal. Whatever comes back is read, counted and never raises."""
+
+    def __init__(
+        self, chat: ChatModel, log: ExchangeLog, config: VlmDetectorConfig | None = None
+    ) -> None:
+        """Create the detector.
+
+        Args:
+            chat: Who is asked.
+            log: Where every question and answer is written for the trace.
+            config: How it is asked.
+        """
+        self._chat = chat
+        self._log = log
+        self._config = config or VlmDetectorConfig()
+        self._family: VlmFamily | None = None
+        self.rejected: Counter[str] = Counter()
+        """Boxes and answers that could not be used so far, by reason."""
+
+    @property
+    def family(self) -> VlmFamily:
+        """Whose coordinates the model answers in.
+
+        Raises:
+            ConfigError: The model's name does not tell, and none is configured.
+            ModelUnavailableError: The model's name cannot be found out.
+        """
+        if self._family is None:
+            name = self._config.family
+            auto = name == "auto"
+            self._family = family_of(self._chat.identify()) if auto else family_named(name)
+        return self._family
+
+    def question(self, observation: Observation, goal: Goal) -> Question:
+        """What is asked about one image."""
+        return grounding_question(self._config, self.family, observation.rgb, goal)
+
+    def detect(self, observation: Observation, goal: Goal) -> list[Detection]:
+        """All candidates, in the model's order.
+
+        Raises:
+            ModelUnavailableError: The model stayed away for longer than the configured patience.
+        """
+        question = self.question(observation, goal)
+        return self.read(question, self._chat.ask(question), observation, goal)
+
+    def read(
+        self, question: Question, answer: Answer, observation: Observation, goal: Goal
+    ) -> list[Detection]:
+        """The detections of an answer that was waited for elsewhere; writes the log."""
+        height, width = observation.rgb.shape[:2]
+        grounding = read_grounding(
+            answer.text,
+            self.family,
+            width,
+            height,
+            max_boxes=self._config.max_boxes,
+            min_side_px=self._config.min_side_px,
+        )
+        boxes, remarks = self._judge(answer, grounding, goal)
+        self._log.record(exchange_of(question, answer, remarks=remarks))
+        return [Detection(one.box, one.score, one.label or goal.text) for one in boxes]
+
+    def _judge(
+        self, answer: Answer, grounding: Grounding, goal: Goal
+    ) -> tuple[list[GroundedBox], list[str]]:
+        """The boxes to keep, and what was odd."""
+        remarks = [
+            f"{count} {'box' if count == 1 else 'boxes'} {reason.value}"
+            for reason, count in grounding.rejected.items()
+        ]
+        self.rejected.update({reason.value: n for reason, n in grounding.rejected.items()})
+        nothing_read = not grounding.boxes and not grounding.rejected
+        if nothing_read and not _says_nothing(answer.text):
+            reason = answer.fault.value if answer.fault is not None else "no box in the answer"
+            remarks.append(reason)
+            self.rejected[reason] += 1
+        kept = []
+        for one in grounding.boxes:
+            if one.label and not labels_agree(one.label, goal):
+                remarks.append(f"labelled '{one.label}', not '{goal.text}'")
+                self.rejected["other label"] += 1
+                if self._config.drop_other_labels:
+                    continue
+            kept.append(one)
+        return kept, remarks
+
+
+def labels_agree(label: str, goal: Goal) -> bool:
+    """Whether a model's label can mean the goal: the same thing, or one named wider or narrower.
+
+    "sofa" agrees with the goal "L-shaped sofa", "corner sofa" with the goal "sofa"; a "window
+    curtain" is no "shower curtain".
+    """
+    return ObjectLabel(label).satisfies(goal) or ObjectLabel(goal.text).is_named(label)
+
+
+def _says_nothing(text: str) -> bool:
+    """Whether an answer plainly says that there is none."""
+    bare = text.strip().strip("`").removeprefix("json").strip()
+    return bare in {"[]", "{}", "null", "None"} or bare.replace(" ", "") == '{"objects":[]}'

@@ -1,0 +1,57 @@
+"""Searches over the costs of a terrain."""
+
+import numpy as np
+from jaxtyping import Float32, Int64, UInt8
+
+from hypernav.planning.astar_kernels import expand, path_back
+
+
+def astar(
+    costs: Float32[np.ndarray, "rows columns"],
+    start: tuple[int, int],
+    targets: UInt8[np.ndarray, "rows columns"],
+) -> tuple[Int64[np.ndarray, "n 2"], float]:
+    """The cheapest way from a cell to any target cell.
+
+    Args:
+        costs: Factor on the length of a way through a cell, at least 1; 0 where closed.
+        start: An open cell ``(row, column)``.
+        targets: Not 0 at the cells to reach.
+
+    Returns:
+        Cells ``[row, column]`` from start to target, and the cost in cells; an empty path and
+        infinity if there is no way.
+    """
+    rows = np.flatnonzero(targets.max(axis=1))
+    columns = np.flatnonzero(targets.max(axis=0))
+    if rows.size == 0:
+        return np.zeros((0, 2), dtype=np.int64), np.inf
+    box = (int(rows[0]), int(rows[-1]), int(columns[0]), int(columns[-1]))
+    spent, came_from, found = expand(costs, *start, targets, box, 0.0)
+    if found < 0:
+        return np.zeros((0, 2), dtype=np.int64), np.inf
+    return path_back(came_from, found, costs.shape[1] + 2), float(spent[found])
+
+
+def costs_to_go(
+    costs: Float32[np.ndarray, "rows columns"],
+    end: tuple[int, int],
+    robot: tuple[int, int],
+    slack: float,
+) -> Float32[np.ndarray, "rows columns"]:
+    """What the way to a cell costs from the robot's surroundings.
+
+    Args:
+        costs: As for `astar`.
+        end: An open cell, where to go.
+        robot: The cell whose surroundings matter.
+        slack: How much dearer than the robot's own way they may be, in cells.
+
+    Returns:
+        Cost in cells; infinite where there is no way, and for most of what is farther away.
+    """
+    rows, columns = costs.shape
+    targets = np.zeros(costs.shape, dtype=np.uint8)
+    targets[robot] = 1
+    spent, _, _ = expand(costs, *end, targets, (0, rows - 1, 0, columns - 1), slack)
+    return np.ascontiguousarray(spent.reshape(rows + 2, columns + 2)[1:-1, 1:-1])

@@ -1,0 +1,159 @@
+"""Cheapest ways over a grid of costs, compiled.
+
+A cell's cost is the factor on the length of a way through it; 0 means closed. Ways are 8-connected,
+a step costs its length times the mean of its two cells' costs, and none cuts the corner of a closed
+cell.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+
+SQRT2 = math.sqrt(2.0)
+BUCKETS_PER_CELL = 2
+"""How finely waiting cells are sorted; finer means fewer cells visited twice, but more buckets."""
+
+
+@njit(nogil=True)
+def with_rim(costs, price):
+    """Copy the costs into flat zeros with room for a closed rim around them.
+
+    The rim spares all tests for the map's edge.
+
+    Returns:
+        The highest cost.
+    """
+    highest = np.float32(0.0)
+    width = costs.shape[1] + 2
+    for row in range(costs.shape[0]):
+        for column in range(costs.shape[1]):
+            cost = costs[row, column]
+            price[(row + 1) * width + column + 1] = cost
+            highest = max(highest, cost)
+    return highest
+
+
+@njit(nogil=True)
+def octile_to_box(row, column, box):
+    """Length of the shortest 8-connected way to a box over open cells of cost 1, in cells."""
+    down = max(box[0] - row, 0, row - box[1])
+    across = max(box[2] - column, 0, column - box[3])
+    return max(down, across) + (SQRT2 - 1.0) * min(down, across)
+
+
+@njit(cache=True, nogil=True)
+def expand(costs, start_row, start_column, targets, box, slack):
+    """Costs of the ways from a cell to others, until a target is reached.
+
+    A* with buckets instead of a heap: waiting cells of similar estimated cost share a list, and a
+    list is worked off until it stays empty. So the result is exact, and taking out, putting in and
+    moving a cell take constant time. With a box that holds the whole grid it is Dijkstra's search.
+
+    Args:
+        costs: float32 (rows, columns), at least 1 where open, 0 where closed.
+        start_row: Of an open cell.
+        start_column: Of an open cell.
+        targets: uint8 (rows, columns), not 0 at the cells to reach.
+        box: Lowest and highest row, lowest and highest column of the targets.
+        slack: How much further to spread after a target was reached, in cells.
+
+    Returns:
+        Flat arrays with a rim of one cell around the grid: float32, the cost of the way to every
+        cell that was looked at, in cells, infinite for others; int32, the cell before it, -1 if
+        none. Then the flat place of the cheapest target, -1 if there is no way.
+    """
+    width = costs.shape[1] + 2
+    size = width * (costs.shape[0] + 2)
+    price = np.zeros(size, dtype=np.float32)
+    highest = with_rim(costs, price)
+    least = octile_to_box(start_row, start_column, box)
+    spent = np.full(size, np.float32(np.inf), dtype=np.float32)
+    estimate = np.empty(size, dtype=np.float32)
+    came_from = np.full(size, -1, dtype=np.int32)
+    # Every bucket is a doubly linked list through its cells; -1 is "none".
+    following = np.full(size, -1, dtype=np.int32)
+    preceding = np.full(size, -1, dtype=np.int32)
+    bucket_of = np.full(size, -1, dtype=np.int32)
+    buckets = int(BUCKETS_PER_CELL * SQRT2 * (highest + 1.0)) + 3
+    heads = np.full(buckets, -1, dtype=np.int32)
+
+    start = (start_row + 1) * width + start_column + 1
+    spent[start], estimate[start] = 0.0, least
+    heads[0], bucket_of[start] = start, 0
+    waiting, level, found, last_level = 1, 0, -1, 0
+    # Four straight steps, and to the left of each of them the side of a diagonal one.
+    steps = np.array([1, -1, width, -width])
+    sides = np.array([width, -width, -1, 1])
+    while waiting > 0:
+        cell = heads[level % buckets]
+        if cell < 0:
+            if found >= 0 and level >= last_level:
+                break
+            level += 1
+            continue
+        heads[level % buckets] = following[cell]
+        if following[cell] >= 0:
+            preceding[following[cell]] = -1
+        bucket_of[cell] = -1
+        waiting -= 1
+        if targets[cell // width - 1, cell % width - 1] > 0:
+            if found < 0:
+                last_level = level + int(slack * BUCKETS_PER_CELL)
+            if found < 0 or spent[cell] < spent[found]:
+                found = cell
+        for k in range(8):
+            other = cell + steps[k >> 1]
+            length = np.float32(0.5)
+            if k & 1:
+                side = sides[k >> 1]
+                if price[other] <= 0.0 or price[cell + side] <= 0.0:
+                    continue
+                other += side
+                length = np.float32(0.5 * SQRT2)
+            if price[other] <= 0.0:
+                continue
+            cost = spent[cell] + length * (price[cell] + price[other])
+            if not cost < spent[other]:
+                continue
+            if came_from[other] < 0:
+                # Never longer than the true rest of the way, so A* is exact.
+                estimate[other] = octile_to_box(other // width - 1, other % width - 1, box)
+            spent[other] = cost
+            came_from[other] = cell
+            # Rounding may put a cell a hair's breadth before the present list.
+            new = max(int((cost + estimate[other] - least) * BUCKETS_PER_CELL), level)
+            old = bucket_of[other]
+            if old == new:
+                continue
+            if old >= 0:
+                before, after = preceding[other], following[other]
+                if before >= 0:
+                    following[before] = after
+                else:
+                    heads[old % buckets] = after
+                if after >= 0:
+                    preceding[after] = before
+                waiting -= 1
+            head = heads[new % buckets]
+            preceding[other], following[other], bucket_of[other] = -1, head, new
+            if head >= 0:
+                preceding[head] = other
+            heads[new % buckets] = other
+            waiting += 1
+    return spent, came_from, found
+
+
+@njit(cache=True, nogil=True)
+def path_back(came_from, cell, width):
+    """The cells from the start of a `spread` to a cell, ``[row, column]`` without the rim."""
+    length, at = 0, cell
+    while at >= 0:
+        length += 1
+        at = came_from[at]
+    path = np.empty((length, 2), dtype=np.int64)
+    at = cell
+    for i in range(length - 1, -1, -1):
+        path[i, 0], path[i, 1] = at // width - 1, at % width - 1
+        at = came_from[at]
+    return path

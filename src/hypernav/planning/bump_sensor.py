@@ -1,0 +1,65 @@
+"""Noticing that the robot ran into something that the camera did not show."""
+
+import numpy as np
+from jaxtyping import Float64
+
+from hypernav.core.actions import Action
+from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.mapping.inflation import inflate
+from hypernav.planning.config import PlanningConfig
+
+_MOVED_SHARE = 0.6
+"""A step shorter than this share of what was ordered has bumped into something."""
+_TOUCHES_M = 0.1
+"""How much larger than seen a thing may be that the robot touches."""
+
+
+class BumpSensor:
+    """Compares how far the robot came with what it was ordered to do."""
+
+    def __init__(self, config: PlanningConfig) -> None:
+        """Create it.
+
+        Args:
+            config: Length of a step and size of the robot.
+        """
+        self._config = config
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the last action."""
+        self._last: tuple[Pose2, Action] | None = None
+
+    def note_action(self, robot: Pose2, action: Action) -> None:
+        """Remember what the robot was ordered to do, to notice a bump in the next step."""
+        self._last = (robot, action)
+
+    def points(self, robot: Pose2, grid: OccupancyGrid) -> Float64[np.ndarray, "n 2"]:
+        """Where something unseen must be, since the last step forward was cut short.
+
+        If the map shows obstacles beside the robot's front, the robot has touched one of them that
+        is a little larger than it was seen; else something unseen is right before it.
+
+        Args:
+            robot: Where the robot is.
+            grid: The map.
+
+        Returns:
+            Points around the robot's front, metres; none if it moved as ordered.
+        """
+        if self._last is None or self._last[1] is not Action.MOVE_FORWARD:
+            return np.zeros((0, 2))
+        moved = self._last[0].distance_to(*robot.xy)
+        if moved >= _MOVED_SHARE * self._config.forward_m:
+            return np.zeros((0, 2))
+        angles = robot.yaw + np.radians(np.arange(-60.0, 61.0, 10.0))
+        front = np.array(robot.xy) + self._config.inflation_m * np.stack(
+            [np.cos(angles), np.sin(angles)], axis=1
+        )
+        beside_known = inflate(grid.occupied, _TOUCHES_M, grid.resolution_m) > 0
+        cells = grid.cells_of(front)
+        inside = ((cells >= 0) & (cells < np.array(grid.cells.shape))).all(axis=1)
+        touched = np.zeros(len(front), dtype=bool)
+        touched[inside] = beside_known[cells[inside, 0], cells[inside, 1]]
+        return front[touched] if touched.any() else front[3:-3]

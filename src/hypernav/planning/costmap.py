@@ -1,0 +1,75 @@
+"""What a way over the map costs: obstacles inflated, narrow and unknown places dearer."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float32, UInt8
+
+from hypernav.core.geometry.grid import Cell, OccupancyGrid
+from hypernav.mapping.escape import Escape
+from hypernav.mapping.inflation import inflate
+from hypernav.planning.config import PlanningConfig
+
+_MARGIN_M = 1.0
+"""How far beyond the explored part a way may lead."""
+_WAY_OUT_COST = np.float32(3.0)
+"""Factor on a way out of an inflated obstacle: the robot may scrape along it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Costmap:
+    """The explored part of the map with the cost of every cell.
+
+    Attributes:
+        grid: The cropped map.
+        costs: Factor on the length of a way through a cell; 0 where the robot cannot be.
+        is_open: 1 where the robot may stay: the cost is not 0, and the cell is no way out.
+        way_out: From the robot to open floor; its cells are priced too. None if there is none.
+        is_squeezed: Whether obstacles are inflated less than they should be.
+    """
+
+    grid: OccupancyGrid
+    costs: Float32[np.ndarray, "rows columns"]
+    is_open: UInt8[np.ndarray, "rows columns"]
+    escape: Escape | None
+    is_squeezed: bool
+
+    @staticmethod
+    def of(
+        grid: OccupancyGrid, config: PlanningConfig, robot: tuple[float, float], inflation_m: float
+    ) -> "Costmap":
+        """Inflate the obstacles of a map and price the rest.
+
+        Args:
+            grid: The map.
+            config: Prices.
+            robot: ``(x, y)``, metres. If that is inside an inflated obstacle, a way out is priced.
+            inflation_m: How far from obstacles the robot keeps.
+        """
+        grid = grid.cropped(_MARGIN_M)
+        size = grid.resolution_m
+        occupied = grid.cells == Cell.OCCUPIED
+        closed = inflate(occupied, inflation_m, size)
+        # One price for every state of a cell, away from obstacles and near them.
+        prices = np.array([config.unknown_cost, 1.0, 1.0], dtype=np.float32)
+        prices = np.concatenate([prices, prices * np.float32(1.0 + config.comfort_cost)])
+        kind = grid.cells
+        if config.comfort_cost > 0.0 and config.comfort_m > 0.0:
+            kind = kind + np.uint8(3) * inflate(closed, config.comfort_m, size)
+        costs = np.take(prices, kind)
+        costs[closed > 0] = 0.0
+        is_open = (costs > 0.0).view(np.uint8)
+        escape = Escape.find(occupied, is_open, grid.cell_of(*robot), size)
+        if escape is not None:
+            costs[escape.cells & (is_open == 0)] = _WAY_OUT_COST
+        return Costmap(grid, costs, is_open, escape, inflation_m < config.inflation_m)
+
+    @property
+    def is_tight(self) -> bool:
+        """Whether the robot is where steps of full length may not fit."""
+        return self.is_squeezed or self.escape is None or bool(self.escape.cells.any())
+
+    def continuous(self, x: float, y: float) -> tuple[float, float]:
+        """A point in continuous ``(row, column)`` cells."""
+        origin, size = self.grid.origin, self.grid.resolution_m
+        return ((y - origin[1]) / size, (x - origin[0]) / size)

@@ -1,0 +1,1 @@
+"""Drawing of maps, legends and letters."""

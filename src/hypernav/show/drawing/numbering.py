@@ -1,0 +1,86 @@
+"""Where the numbers of blocks are written: inside their squares and clear of the robot."""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+_PLACES = tuple(
+    sorted(
+        ((u / 4.0, v / 4.0) for u in range(-4, 5) for v in range(-4, 5)),
+        key=lambda place: (math.hypot(*place), place),
+    )
+)
+
+
+class Square(NamedTuple):
+    """A block in an image, pixels.
+
+    Attributes:
+        left: u of its left edge.
+        top: v of its upper edge.
+        side: Length of its sides.
+    """
+
+    left: float
+    top: float
+    side: float
+
+
+class Disc(NamedTuple):
+    """A place that must stay free, pixels."""
+
+    u: float
+    v: float
+    radius: float
+
+
+def place_number(
+    square: Square, width: float, height: float, robot: Disc | None, mark: Disc | None = None
+) -> tuple[float, float]:
+    """The middle of a number: as near to the middle of its square as robot and mark let it.
+
+    Where the square is too small, the number rather touches the mark than the robot; where it
+    cannot hold number and robot, the number is moved out of it, straight away from the robot.
+
+    Args:
+        square: The block.
+        width: Of the written number.
+        height: Of the written number.
+        robot: Where the robot is drawn.
+        mark: Where the mark of the destination is drawn.
+
+    Returns:
+        ``(u, v)``.
+    """
+    middle = (square.left + square.side / 2.0, square.top + square.side / 2.0)
+    reach_u = max(square.side - width, 0.0) / 2.0
+    reach_v = max(square.side - height, 0.0) / 2.0
+    for obstacles in ((robot, mark), (robot,)):
+        discs = [disc for disc in obstacles if disc is not None]
+        for place_u, place_v in _PLACES:
+            at = (middle[0] + place_u * reach_u, middle[1] + place_v * reach_v)
+            if all(_apart(at, width, height, disc) for disc in discs):
+                return at
+    return _moved_away(middle, width, height, robot) if robot is not None else middle
+
+
+def _apart(at: tuple[float, float], width: float, height: float, disc: Disc) -> bool:
+    beyond_u = max(abs(at[0] - disc.u) - width / 2.0, 0.0)
+    beyond_v = max(abs(at[1] - disc.v) - height / 2.0, 0.0)
+    return math.hypot(beyond_u, beyond_v) >= disc.radius
+
+
+def _moved_away(
+    at: tuple[float, float], width: float, height: float, disc: Disc
+) -> tuple[float, float]:
+    away_u, away_v = at[0] - disc.u, at[1] - disc.v
+    length = math.hypot(away_u, away_v)
+    direction = (away_u / length, away_v / length) if length > 0.0 else (0.0, -1.0)
+    distance = disc.radius + math.hypot(width, height) / 2.0
+    return disc.u + direction[0] * distance, disc.v + direction[1] * distance
+
+
+def number_size(squares: Sequence[Square], image_size: int) -> int:
+    """The size of type for the numbers of an image: one for all, by the smallest square."""
+    side = min((square.side for square in squares), default=0.0)
+    return round(min(max(0.38 * side, image_size / 64.0, 9.0), image_size / 30.0))

@@ -1,0 +1,231 @@
+"""The map as an image, layer upon layer."""
+
+import math
+from collections.abc import Collection, Iterable, Sequence
+
+import numpy as np
+from jaxtyping import Float64, UInt8
+
+from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.overview import Block
+from hypernav.core.trace import BlockRecord
+from hypernav.show.drawing import palette, strokes
+from hypernav.show.drawing.lettering import draw_text, text_width
+from hypernav.show.drawing.numbering import Disc, Square, number_size, place_number
+from hypernav.show.drawing.raster import rasterise
+from hypernav.show.drawing.view import MapView
+
+_SHADES_OF_TIME = 24
+_SCALE_BARS_M = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0)
+# Tip, left wing, notch, right wing, as shares of the arrow's radius; x is ahead.
+_ARROW = np.array([[1.0, 0.0], [-0.76, 0.64], [-0.38, 0.0], [-0.76, -0.64]])
+
+XY = tuple[float, float]
+"""A point in the ``map`` frame, metres."""
+
+
+NumberedSquare = Block | BlockRecord
+"""A block, from an overview or from a trace."""
+
+
+class MapPainter:
+    """Paints one image of a map; every method adds a layer above the former ones.
+
+    Attributes:
+        image: The image so far, RGB.
+        view: Metres to pixels and back.
+    """
+
+    def __init__(
+        self, grid: OccupancyGrid, *, size: int = 768, view: MapView | None = None
+    ) -> None:
+        """Paint the cells.
+
+        Args:
+            grid: The map.
+            size: Side of the image, pixels; unused if ``view`` is given.
+            view: What the image shows; by default the explored area, fitted and centred.
+        """
+        self.view = view if view is not None else MapView.fit(grid, size)
+        self.image: UInt8[np.ndarray, "_ _ 3"] = rasterise(grid, self.view)
+        self._unit = self.view.size / 768.0
+
+    def goal_area(self, polygons: Iterable[Sequence[XY]]) -> None:
+        """Fill the cells that the goal was seen on."""
+        outlines = [self._pixels(polygon) for polygon in polygons if len(polygon) >= 3]
+        strokes.polygon(self.image, outlines, palette.GOAL, opacity=0.45)
+        for outline in outlines:
+            strokes.line(self.image, outline, palette.GOAL, 2 * self._unit, closed=True)
+
+    def blocks(
+        self,
+        blocks: Sequence[NumberedSquare],
+        *,
+        chosen: int | None = None,
+        excluded: Collection[int] = (),
+        opacity: float = 1.0,
+    ) -> None:
+        """Outline blocks; the chosen one stands out, excluded ones are hatched."""
+        outline = palette.blend(palette.FREE, palette.BLOCK, opacity)
+        for block in blocks:
+            low, high = self._corners(block)
+            if block.number in excluded:
+                spacing = max(round(9 * self._unit), 5)
+                strokes.hatch(
+                    self.image, low, high, palette.EXCLUDED, spacing=spacing, opacity=opacity
+                )
+            if block.number == chosen:
+                strokes.rectangle(self.image, low, high, palette.CHOSEN, opacity=0.35 * opacity)
+            self._frame(low, high, outline, 1.0)
+        for block in blocks:
+            if block.number == chosen:
+                self._frame(*self._corners(block), palette.CHOSEN, max(3.0 * self._unit, 2.0))
+
+    def numbers(
+        self,
+        blocks: Sequence[NumberedSquare],
+        *,
+        chosen: int | None = None,
+        excluded: Collection[int] = (),
+        robot: Pose2 | None = None,
+        destination: XY | None = None,
+        opacity: float = 1.0,
+    ) -> None:
+        """Write the numbers of blocks, clear of the robot's arrow and the destination's mark."""
+        squares = [self._square(block) for block in blocks]
+        size = number_size(squares, self.view.size)
+        arrow = self._arrow_disc(robot) if robot is not None else None
+        mark = self._mark_disc(*destination) if destination is not None else None
+        for block, square in zip(blocks, squares, strict=True):
+            text, bold = str(block.number), block.number not in excluded
+            width = text_width(text, size, bold=bold) + 4.0
+            at = place_number(square, width, size, arrow, mark)
+            color = palette.INK if bold else palette.BLOCK
+            draw_text(
+                self.image,
+                text,
+                at,
+                size,
+                bold=bold,
+                align=0.5,
+                color=color,
+                halo=palette.FREE,
+                halo_px=max(round(2 * self._unit), 1),
+                opacity=opacity,
+            )
+
+    def trajectory(self, points: Sequence[XY]) -> None:
+        """Draw where the robot has been, from pale (long ago) to dark (now)."""
+        line = self._pixels(points)
+        pieces = min(max(len(line) - 1, 0), _SHADES_OF_TIME)
+        for piece in range(pieces):
+            start, end = ((len(line) - 1) * k // pieces for k in (piece, piece + 1))
+            share = (piece + 1) / pieces
+            color = palette.blend(palette.TRAJECTORY_OLD, palette.TRAJECTORY_NEW, share)
+            strokes.line(self.image, line[start : end + 1], color, 3.4 * self._unit)
+
+    def start(self, x: float, y: float) -> None:
+        """Mark where the robot began."""
+        at, radius = self.view.pixel_of(x, y), max(6.0 * self._unit, 4.0)
+        strokes.disc(self.image, at, radius + 1.5, palette.FREE)
+        strokes.disc(self.image, at, radius, palette.TRAJECTORY_NEW)
+        strokes.disc(self.image, at, 0.45 * radius, palette.FREE)
+
+    def path(self, points: Sequence[XY]) -> None:
+        """Draw the way that the robot means to go, dashed."""
+        line = self._pixels(points)
+        dash = max(10.0 * self._unit, 6.0)
+        strokes.dashed_line(
+            self.image, line, palette.PATH, 3 * self._unit, dash=dash, gap=0.6 * dash
+        )
+
+    def destination(self, x: float, y: float) -> None:
+        """Mark where the robot is going: a ring with a cross."""
+        mark = self._mark_disc(x, y)
+        at, radius = (mark.u, mark.v), mark.radius - 3.0 * self._unit
+        arm = 0.62 * radius
+        for color, width in ((palette.FREE, 6.0), (palette.PATH, 3.0)):
+            strokes.ring(self.image, at, radius, color, width * self._unit)
+            for slope in (1.0, -1.0):
+                cross = np.array(
+                    [
+                        [at[0] - arm * 0.7, at[1] - slope * arm * 0.7],
+                        [at[0] + arm * 0.7, at[1] + slope * arm * 0.7],
+                    ]
+                )
+                strokes.line(self.image, cross, color, width * self._unit)
+
+    def robot(self, pose: Pose2) -> None:
+        """Draw the robot as an arrow that points where it looks."""
+        disc = self._arrow_disc(pose)
+        draw_arrow(self.image, (disc.u, disc.v), pose.yaw, disc.radius)
+
+    def scale_bar(self) -> None:
+        """Draw a bar of a round length into the lower left corner."""
+        unit = max(self._unit, 0.7)
+        fitting = [m for m in _SCALE_BARS_M if m * self.view.pixels_per_m <= 0.22 * self.view.size]
+        metres = fitting[-1] if fitting else _SCALE_BARS_M[0]
+        length = metres * self.view.pixels_per_m
+        left, bottom = 16.0 * unit, self.view.size - 14.0 * unit
+        for color, rim in ((palette.FREE, 1.5), (palette.INK, 0.0)):
+            for low, high in (
+                ((left, bottom - 3 * unit), (left + length, bottom)),
+                ((left, bottom - 8 * unit), (left + 2, bottom)),
+                ((left + length - 2, bottom - 8 * unit), (left + length, bottom)),
+            ):
+                strokes.rectangle(
+                    self.image,
+                    (low[0] - rim, low[1] - rim),
+                    (high[0] + rim, high[1] + rim),
+                    color,
+                )
+        draw_text(
+            self.image,
+            f"{metres:g} m",
+            (left + length + 8 * unit, bottom - 4 * unit),
+            max(round(15 * unit), 10),
+            color=palette.INK,
+            halo=palette.FREE,
+        )
+
+    def _pixels(self, points: Sequence[XY]) -> Float64[np.ndarray, "_ 2"]:
+        return self.view.to_pixels(np.asarray(points, dtype=np.float64).reshape(-1, 2))
+
+    def _square(self, block: NumberedSquare) -> Square:
+        left, top = self.view.pixel_of(block.x_min, block.y_min + block.size_m)
+        return Square(left, top, block.size_m * self.view.pixels_per_m)
+
+    def _corners(self, block: NumberedSquare) -> tuple[XY, XY]:
+        left, top, side = self._square(block)
+        return (left, top), (left + side, top + side)
+
+    def _frame(self, low: XY, high: XY, color: palette.Rgb, width: float) -> None:
+        corners = np.array([low, (high[0], low[1]), high, (low[0], high[1])])
+        # Whole pixels keep a thin upright line crisp.
+        strokes.line(self.image, np.rint(corners) + 0.5, color, width, closed=True)
+
+    def _arrow_disc(self, pose: Pose2) -> Disc:
+        return Disc(*self.view.pixel_of(pose.x, pose.y), max(17.0 * self._unit, 10.0))
+
+    def _mark_disc(self, x: float, y: float) -> Disc:
+        return Disc(*self.view.pixel_of(x, y), max(13.0 * self._unit, 8.0))
+
+
+def draw_arrow(
+    image: UInt8[np.ndarray, "_ _ 3"], at: tuple[float, float], yaw: float, radius: float
+) -> None:
+    """Draw a robot, in place.
+
+    Args:
+        image: RGB.
+        at: Where, pixels.
+        yaw: Where it looks: radians, counter-clockwise from the image's right.
+        radius: Of the disc that holds the arrow, pixels.
+    """
+    c, s = math.cos(yaw), math.sin(yaw)
+    turned = np.stack([_ARROW @ (c, -s), -(_ARROW @ (s, c))], axis=1)
+    rim = np.array(at) + turned * (radius - 1.0)
+    strokes.polygon(image, [rim], palette.FREE)
+    strokes.line(image, rim, palette.FREE, 3.0, closed=True)
+    strokes.polygon(image, [np.array(at) + turned * (radius - 3.0)], palette.ROBOT)

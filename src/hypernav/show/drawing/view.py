@@ -1,0 +1,149 @@
+"""Which part of the map an image shows: metres to pixels and back. Only here y is flipped."""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from jaxtyping import Float, Float64
+
+from hypernav.core.geometry.grid import OccupancyGrid
+
+_SMALLEST_M = 4.0
+_EMPTY = (math.inf, math.inf, -math.inf, -math.inf)
+
+Bounds = tuple[float, float, float, float]
+"""``(x_min, y_min, x_max, y_max)``, metres, ``map`` frame."""
+
+
+@dataclass(frozen=True)
+class MapView:
+    """A square window on the map.
+
+    Pixel coordinates ``(u, v)`` count from the upper left corner of the image, v downwards;
+    pixel column c covers ``[c, c + 1)``.
+
+    Attributes:
+        left_m: x of the image's left edge, ``map`` frame.
+        top_m: y of its upper edge.
+        pixels_per_m: Scale.
+        size: Side of the image, pixels.
+    """
+
+    left_m: float
+    top_m: float
+    pixels_per_m: float
+    size: int
+
+    @property
+    def side_m(self) -> float:
+        """Side of the window, metres."""
+        return self.size / self.pixels_per_m
+
+    @staticmethod
+    def around(bounds: Bounds, size: int, *, margin: float = 0.05) -> "MapView":
+        """Fit and centre a rectangle.
+
+        Args:
+            bounds: What must be visible; anything smaller than 4 m is shown with room around it.
+            size: Side of the image, pixels.
+            margin: Empty rim on every side, as a share of the image.
+        """
+        if bounds[0] > bounds[2]:
+            bounds = (0.0, 0.0, 0.0, 0.0)
+        extent = max(bounds[2] - bounds[0], bounds[3] - bounds[1], _SMALLEST_M)
+        side = extent / (1.0 - 2.0 * margin)
+        return MapView(
+            left_m=(bounds[0] + bounds[2] - side) / 2.0,
+            top_m=(bounds[1] + bounds[3] + side) / 2.0,
+            pixels_per_m=size / side,
+            size=size,
+        )
+
+    @staticmethod
+    def fit(
+        grid: OccupancyGrid,
+        size: int,
+        *,
+        points: Iterable[tuple[float, float]] = (),
+        margin: float = 0.05,
+    ) -> "MapView":
+        """Fit and centre the explored area.
+
+        Args:
+            grid: The map.
+            size: Side of the image, pixels.
+            points: More that must be visible, for example the trajectory, ``map`` frame.
+            margin: Empty rim on every side, as a share of the image.
+        """
+        return MapView.around(explored_bounds(grid, points), size, margin=margin)
+
+    def to_pixels(self, points: Float[np.ndarray, "n 2"]) -> Float64[np.ndarray, "n 2"]:
+        """``(u, v)`` of every ``(x, y)`` in metres."""
+        corner = np.array([self.left_m, self.top_m])
+        return (points - corner) * np.array([self.pixels_per_m, -self.pixels_per_m])
+
+    def to_metres(self, pixels: Float[np.ndarray, "n 2"]) -> Float64[np.ndarray, "n 2"]:
+        """``(x, y)`` of every ``(u, v)``."""
+        corner = np.array([self.left_m, self.top_m])
+        return pixels / np.array([self.pixels_per_m, -self.pixels_per_m]) + corner
+
+    def pixel_of(self, x: float, y: float) -> tuple[float, float]:
+        """``(u, v)`` of one point in metres."""
+        return (x - self.left_m) * self.pixels_per_m, (self.top_m - y) * self.pixels_per_m
+
+    def shows(self, bounds: Bounds) -> bool:
+        """Whether a rectangle is wholly visible."""
+        return (
+            self.left_m <= bounds[0]
+            and bounds[2] <= self.left_m + self.side_m
+            and self.top_m - self.side_m <= bounds[1]
+            and bounds[3] <= self.top_m
+        )
+
+
+def explored_bounds(grid: OccupancyGrid, points: Iterable[tuple[float, float]] = ()) -> Bounds:
+    """The rectangle around explored cells and points; inverted if there is nothing."""
+    x_min, y_min, x_max, y_max = _EMPTY
+    column, row, columns, rows = cv2.boundingRect(grid.cells)
+    if columns and rows:
+        r = grid.resolution_m
+        x_min, y_min = grid.origin[0] + column * r, grid.origin[1] + row * r
+        x_max, y_max = x_min + columns * r, y_min + rows * r
+    for x, y in points:
+        x_min, y_min, x_max, y_max = min(x_min, x), min(y_min, y), max(x_max, x), max(y_max, y)
+    return x_min, y_min, x_max, y_max
+
+
+class SteadyView:
+    """Keeps a video's map still: moves the window only when the explored area outgrows it.
+
+    Each new window has room to grow, so that the image jumps seldom.
+    """
+
+    def __init__(self, size: int, *, room: float = 1.12) -> None:
+        """Begin without a window.
+
+        Args:
+            size: Side of the image, pixels.
+            room: How much larger than needed a new window is.
+        """
+        self._size = size
+        self._room = room
+        self._view: MapView | None = None
+
+    def follow(self, grid: OccupancyGrid, points: Iterable[tuple[float, float]] = ()) -> MapView:
+        """The window for the next image."""
+        bounds = explored_bounds(grid, points)
+        rim = 0.04
+        if self._view is None or not self._view.shows(_grown(bounds, rim * self._view.side_m)):
+            margin = (1.0 - (1.0 - 2.0 * rim) / self._room) / 2.0
+            self._view = MapView.around(bounds, self._size, margin=margin)
+        return self._view
+
+
+def _grown(bounds: Bounds, by: float) -> Bounds:
+    if bounds[0] > bounds[2]:
+        bounds = (0.0, 0.0, 0.0, 0.0)
+    return bounds[0] - by, bounds[1] - by, bounds[2] + by, bounds[3] + by

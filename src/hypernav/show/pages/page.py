@@ -1,0 +1,203 @@
+"""The page of an episode: one file that tells what happened to someone who was not there."""
+
+import math
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+import yaml
+
+from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.trace import StepTrace
+from hypernav.show.drawing import palette
+from hypernav.show.drawing.maps import draw_result, final_view
+from hypernav.show.pages import story, words
+from hypernav.show.pages.site import data_uri, image_uri, mode_name, page_environment, plain
+from hypernav.show.video import pacing
+
+EMBED_LIMIT_BYTES = 20_000_000
+_MAP_SIZE = 960
+
+
+@dataclass(frozen=True)
+class _Figure:
+    """One number of the result with its meaning."""
+
+    label: str
+    value: str
+    meaning: str
+
+
+def write_page(
+    folder: Path,
+    result: Mapping[str, Any],
+    steps: Sequence[StepTrace],
+    grid: OccupancyGrid | None,
+    *,
+    video: Path | None = None,
+    embed_limit_bytes: int = EMBED_LIMIT_BYTES,
+) -> Path:
+    """Write ``index.html``: one page that needs no network.
+
+    Args:
+        folder: Where to write; made if missing.
+        result: What ``result.json`` holds; missing entries show as a dash.
+        steps: The trace; may be empty.
+        grid: The last map; None if there is none.
+        video: The episode's video; by default ``episode.mp4`` in the folder, if it exists.
+        embed_limit_bytes: A larger video is not put into the page, which then refers to the file.
+
+    Returns:
+        Path of the page.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    if video is None and (folder / "episode.mp4").is_file():
+        video = folder / "episode.mp4"
+    template = page_environment().get_template("episode.html.j2")
+    page = template.render(
+        headline=words.headline(result),
+        summary=_summary(result),
+        facts=_facts(result),
+        told_truth=words.is_ground_truth(str(result.get("detector"))),
+        video=_video_source(folder, video, embed_limit_bytes) if video is not None else "",
+        map=_map(grid, steps) if grid is not None else None,
+        figures=_figures(result, steps),
+        phases=[_band(phase, len(steps)) for phase in story.phases(steps)],
+        shares=story.mode_shares(steps),
+        moments=story.moments(steps),
+        accounts=story.accounts(result),
+        cost=_cost(result),
+        fallbacks=_fallbacks(result),
+        modules=story.module_times(result, steps),
+        total_seconds=story.total_seconds(result),
+        steps=steps,
+        player=_player_data(steps, grid),
+        configuration=_yaml(result.get("config")),
+        words=words,
+        mode_name=mode_name,
+        ink_on=palette.ink_on,
+        modes=palette.MODES,
+    )
+    path = folder / "index.html"
+    path.write_text(page, encoding="utf-8")
+    return path
+
+
+def _video_source(folder: Path, video: Path, embed_limit_bytes: int) -> str:
+    if video.stat().st_size > embed_limit_bytes:
+        return quote(Path(os.path.relpath(video, folder)).as_posix())
+    return data_uri(video.read_bytes(), "video/mp4")
+
+
+def _map(grid: OccupancyGrid, steps: Sequence[StepTrace]) -> dict[str, Any]:
+    # The robot is drawn by the page itself, so that it can follow the video.
+    image = draw_result(grid, steps, size=_MAP_SIZE, robot=False)
+    return {"uri": image_uri(image), "size": _MAP_SIZE}
+
+
+def _band(phase: story.Phase, total: int) -> dict[str, Any]:
+    return {
+        "mode": phase.mode,
+        "first": phase.first,
+        "count": phase.count,
+        "left": 100.0 * phase.first / total,
+        "width": 100.0 * phase.count / total,
+    }
+
+
+def _player_data(steps: Sequence[StepTrace], grid: OccupancyGrid | None) -> dict[str, Any]:
+    """What the page's script needs to keep video, timeline and map together."""
+    robots, destinations = [], []
+    if grid is not None:
+        view = final_view(grid, steps, _MAP_SIZE)
+        for step in steps:
+            u, v = view.pixel_of(step.pose[0], step.pose[1])
+            robots.append([round(u, 1), round(v, 1), round(-math.degrees(step.pose[2]), 1)])
+            at = view.pixel_of(*step.destination) if step.destination is not None else None
+            destinations.append([round(at[0], 1), round(at[1], 1)] if at is not None else None)
+    return {
+        "times": [round(time, 3) for time in pacing.start_times(steps)],
+        "steps": [step.step + 1 for step in steps],
+        "modes": [words.MODES[step.mode] for step in steps],
+        "reasons": [words.sentence(step.reason) for step in steps],
+        "robots": robots,
+        "destinations": destinations,
+    }
+
+
+def _summary(result: Mapping[str, Any]) -> str:
+    """The episode in one or two sentences."""
+    text = "The robot searched a building that it had never seen"
+    steps, walked = result.get("steps"), result.get("path_length_m")
+    if isinstance(steps, int):
+        text += f", for {steps} step{'' if steps == 1 else 's'}"
+    if isinstance(walked, int | float):
+        text += f", and walked {words.number(walked, 1, 'm')}"
+    shortest = result.get("shortest_path_m")
+    text += "."
+    if isinstance(shortest, int | float) and math.isfinite(shortest):
+        text += f" Someone who knew the way would have walked {words.number(shortest, 1, 'm')}."
+    return text
+
+
+def _facts(result: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Who searched, with what, and where."""
+
+    def told(name: str) -> str:
+        return str(result.get(name) or "–")
+
+    preset = f", {told('preset')} settings" if result.get("preset") else ""
+    return [
+        ("Agent", told("agent") + preset),
+        ("Sees with", words.part_in_use(told("detector"))),
+        ("Decides with", words.part_in_use(told("reasoner"))),
+        ("Scene", told("scene")),
+    ]
+
+
+def _figures(result: Mapping[str, Any], steps: Sequence[StepTrace]) -> list[_Figure]:
+    read, written = story.tokens(steps)
+    seconds = story.total_seconds(result)
+    number, value = words.number, result.get
+    figures = [
+        _Figure("Success", number(value("success")), "stopped where the goal is within reach"),
+        _Figure("SPL", number(value("spl")), "success × shortest way ÷ way walked; 1 is perfect"),
+        _Figure("SoftSPL", number(value("soft_spl")), "the same, with progress for success"),
+        _Figure("Steps", number(value("steps")), "actions: forward, turn left, turn right, stop"),
+        _Figure("Way walked", number(value("path_length_m"), 2, "m"), "length of its path"),
+        _Figure("Shortest way", number(value("shortest_path_m"), 2, "m"), "start to goal"),
+        _Figure("Distance to goal", number(value("distance_to_goal_m"), 2, "m"), "at the end"),
+        _Figure("Model calls", number(value("model_calls")), "questions put to neural networks"),
+    ]
+    if seconds is not None:
+        figures.append(_Figure("Time", words.duration(seconds), "that the run took in all"))
+    if read or written:
+        figures.append(_Figure("Tokens", f"{read:,} + {written:,}", "read + written by models"))
+    return figures
+
+
+def _cost(result: Mapping[str, Any]) -> str:
+    """What the tokens cost; empty if no price is known."""
+    cost = (result.get("ledger") or {}).get("cost")
+    return f"{cost:.4f}" if isinstance(cost, int | float) else ""
+
+
+def _fallbacks(result: Mapping[str, Any]) -> str:
+    """What was done in place of unusable answers, in one sentence; empty if nothing."""
+    counts = result.get("fallbacks") or {}
+    boxes = counts.get("rejected_boxes") or {}
+    told = [f"{count} boxes or answers about the picture {why}" for why, count in boxes.items()]
+    if counts.get("geometric_choices"):
+        told.append(f"{counts['geometric_choices']} blocks chosen by the geometric rule instead")
+    if counts.get("unsure_presence_checks"):
+        told.append(f"{counts['unsure_presence_checks']} checks neither yes nor no")
+    return "; ".join(told)
+
+
+def _yaml(configuration: object) -> str:
+    if not configuration:
+        return ""
+    return yaml.safe_dump(plain(configuration), sort_keys=False, allow_unicode=True)

@@ -1,0 +1,251 @@
+"""The trace of an episode, gathered into what a page tells: phases, decisions, time spent."""
+
+import math
+import statistics
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from typing import Any
+
+from hypernav.core.trace import Exchange, Mode, StepTrace
+from hypernav.show.pages import words
+
+_NESTED_NAMES = ("modules", "per_module")
+_SMALLEST_REMAINDER = 0.01
+_MOST_BARS = 5
+_EVERY_STEP = frozenset({"ground", "attention"})
+
+
+@dataclass(frozen=True)
+class Phase:
+    """Steps in a row in which the robot did the same.
+
+    Attributes:
+        mode: What it did.
+        first: Place of the first step in the trace.
+        count: How many steps.
+    """
+
+    mode: Mode
+    first: int
+    count: int
+
+
+def phases(steps: Sequence[StepTrace]) -> list[Phase]:
+    """The episode as phases, in order."""
+    found, first = [], 0
+    for mode, group in groupby(steps, key=lambda step: step.mode):
+        count = sum(1 for _ in group)
+        found.append(Phase(mode, first, count))
+        first += count
+    return found
+
+
+@dataclass(frozen=True)
+class ModeShare:
+    """How much of an episode went into one mode.
+
+    Attributes:
+        mode: The mode.
+        count: Steps.
+        share: Of all steps, 0 to 1.
+    """
+
+    mode: Mode
+    count: int
+    share: float
+
+
+def mode_shares(steps: Sequence[StepTrace]) -> list[ModeShare]:
+    """How the steps divide among the modes that occur, in the order of `Mode`."""
+    counts = {mode: sum(step.mode == mode for step in steps) for mode in Mode}
+    return [ModeShare(mode, n, n / len(steps)) for mode, n in counts.items() if n]
+
+
+@dataclass(frozen=True)
+class Asked:
+    """One question, ready to be shown.
+
+    Attributes:
+        exchange: Question and answer.
+        title: What it was about, in a few words.
+        who: Who was asked, in plain words.
+        answer: In plain words where the answer itself is for programs.
+        likeliest: The likeliest answers with their probability, best first.
+    """
+
+    exchange: Exchange
+    title: str
+    who: str
+    answer: str
+    likeliest: tuple[tuple[str, float], ...]
+
+
+@dataclass(frozen=True)
+class Moment:
+    """A step at which something was decided or happened.
+
+    Attributes:
+        place: Of the step in the trace, from 0.
+        step: Its trace.
+        asked: The questions of the moment.
+    """
+
+    place: int
+    step: StepTrace
+    asked: tuple[Asked, ...]
+
+
+def moments(steps: Sequence[StepTrace]) -> list[Moment]:
+    """The steps worth telling: those with a decision or an event.
+
+    "Is it in the image?" is asked at every step, so it is told only where its answer changed
+    something: at an event of a step that sees the goal.
+    """
+    told = []
+    for place, step in enumerate(steps):
+        seen = bool(step.events and step.detections)
+        asked = tuple(_asked(e, step) for e in step.exchanges if seen or e.kind not in _EVERY_STEP)
+        if asked or step.events:
+            told.append(Moment(place, step, asked))
+    return told
+
+
+@dataclass(frozen=True)
+class Account:
+    """What the questions of one kind took.
+
+    Attributes:
+        name: Of the kind, in plain words.
+        calls: How many were asked.
+        tokens_in: Read by the model.
+        tokens_out: Written by it.
+        seconds: Waited for it.
+        retries: Asked again, because something got lost.
+        unusable: Answers that could not be used, with their reasons; empty if all could.
+    """
+
+    name: str
+    calls: int
+    tokens_in: int
+    tokens_out: int
+    seconds: float
+    retries: int
+    unusable: str
+
+
+def accounts(result: Mapping[str, Any]) -> list[Account]:
+    """The ledger of a result, a row per kind of question and the total last; empty without one."""
+    ledger = result.get("ledger")
+    if not isinstance(ledger, Mapping) or not ledger.get("kinds"):
+        return []
+    rows = [(words.QUESTIONS.get(kind, kind), row) for kind, row in ledger["kinds"].items()]
+    return [_account(name, row) for name, row in [*rows, ("All together", ledger["total"])]]
+
+
+def _account(name: str, row: Mapping[str, Any]) -> Account:
+    faults = ", ".join(f"{count} {reason}" for reason, count in row.get("faults", {}).items())
+    return Account(
+        name=name,
+        calls=row["calls"],
+        tokens_in=row["tokens_in"],
+        tokens_out=row["tokens_out"],
+        seconds=float(row["seconds"]),
+        retries=row["retries"],
+        unusable=faults,
+    )
+
+
+def _asked(exchange: Exchange, step: StepTrace) -> Asked:
+    ranked = sorted(exchange.probabilities.items(), key=lambda item: -item[1])
+    return Asked(
+        exchange=exchange,
+        title=words.question_words(exchange),
+        who=words.who_answered(exchange),
+        answer=words.seen_words(step.detections) if exchange.kind == "ground" else exchange.answer,
+        likeliest=tuple(ranked[:_MOST_BARS]),
+    )
+
+
+@dataclass(frozen=True)
+class ModuleTime:
+    """Time that one module took.
+
+    Attributes:
+        name: In plain words.
+        seconds: In all.
+        share: Of the longest module, 0 to 1.
+        of_total: Of the whole episode, 0 to 1.
+        typical_s: Median over the steps in which it ran; None if the trace doesn't say.
+    """
+
+    name: str
+    seconds: float
+    share: float
+    of_total: float
+    typical_s: float | None
+
+
+def module_times(result: Mapping[str, Any], steps: Sequence[StepTrace]) -> list[ModuleTime]:
+    """Time per module, longest first.
+
+    Args:
+        result: Its ``seconds`` are read: ``total`` and one entry per module, either beside it or
+            in a mapping named ``modules``. Without them the trace is added up.
+        steps: The trace.
+    """
+    seconds = _seconds_by_module(result, steps)
+    total = _number(_seconds_of(result).get("total")) or sum(seconds.values())
+    rest = total - sum(seconds.values())
+    if seconds and rest > _SMALLEST_REMAINDER * total:
+        seconds["everything else"] = rest
+    longest = max(seconds.values(), default=0.0)
+    return [
+        ModuleTime(
+            name=words.MODULES.get(name, name),
+            seconds=spent,
+            share=spent / longest if longest > 0.0 else 0.0,
+            of_total=spent / total if total > 0.0 else 0.0,
+            typical_s=_typical(name, steps),
+        )
+        for name, spent in sorted(seconds.items(), key=lambda item: -item[1])
+    ]
+
+
+def total_seconds(result: Mapping[str, Any]) -> float | None:
+    """How long the episode took, if the result says."""
+    return _number(_seconds_of(result).get("total"))
+
+
+def tokens(steps: Sequence[StepTrace]) -> tuple[int, int]:
+    """Tokens that models read and wrote in all."""
+    asked = [exchange for step in steps for exchange in step.exchanges]
+    return sum(e.tokens_in for e in asked), sum(e.tokens_out for e in asked)
+
+
+def _seconds_of(result: Mapping[str, Any]) -> Mapping[str, Any]:
+    seconds = result.get("seconds")
+    return seconds if isinstance(seconds, Mapping) else {"total": seconds}
+
+
+def _seconds_by_module(result: Mapping[str, Any], steps: Sequence[StepTrace]) -> dict[str, float]:
+    told = _seconds_of(result)
+    nested = [told[name] for name in _NESTED_NAMES if isinstance(told.get(name), Mapping)]
+    entries = nested[0] if nested else {k: v for k, v in told.items() if k != "total"}
+    found = {str(k): value for k, v in entries.items() if (value := _number(v)) is not None}
+    if not found:
+        for step in steps:
+            for name, spent in step.seconds.items():
+                found[name] = found.get(name, 0.0) + spent
+    return found
+
+
+def _number(value: object) -> float | None:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        return None
+    return float(value)
+
+
+def _typical(name: str, steps: Sequence[StepTrace]) -> float | None:
+    ran = [step.seconds[name] for step in steps if step.seconds.get(name)]
+    return statistics.median(ran) if ran else None

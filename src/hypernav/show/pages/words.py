@@ -1,0 +1,199 @@
+"""Plain words for what the trace says in the program's own."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from hypernav.core.trace import DetectionRecord, Exchange, Mode, StepTrace
+
+Tone = Literal["good", "bad", "neutral"]
+
+MODES: dict[Mode, str] = {
+    Mode.LOOK_AROUND: "Looking around",
+    Mode.EXPLORE: "Exploring",
+    Mode.APPROACH: "Going to the goal",
+    Mode.VERIFY: "Checking",
+    Mode.STOP: "Stopped",
+}
+
+MODES_EXPLAINED: dict[Mode, str] = {
+    Mode.LOOK_AROUND: "It turns on the spot to see what is near.",
+    Mode.EXPLORE: "It has not seen the goal and drives to a promising part of the map.",
+    Mode.APPROACH: "It believes to see the goal and drives there.",
+    Mode.VERIFY: "It stands before the goal and looks once more.",
+    Mode.STOP: "It has ended its search.",
+}
+
+QUESTIONS: dict[str, str] = {
+    "ground": "Is it in the picture?",
+    "choose block": "Where to look next?",
+    "verify": "Is it really there?",
+    "summarise": "Which number was meant?",
+    "attention": "Is there anything new to see?",
+}
+
+MODULES: dict[str, str] = {
+    "render": "simulating the camera",
+    "world": "simulating the world",
+    "map": "drawing the map",
+    "local": "looking for the goal",
+    "global": "choosing where to look",
+    "plan": "planning the way",
+    "verify": "looking once more",
+    "show": "filming",
+}
+
+_SHORT_QUESTION = 160
+
+_PARTS_WITHOUT_MODEL: dict[str, str] = {
+    "ground truth": "ground truth labels from the simulator (no model)",
+    "geometric": "geometric rule (no model)",
+}
+
+
+def part_in_use(name: str) -> str:
+    """Who looks or decides, said so that nobody takes ground truth for a model."""
+    return _PARTS_WITHOUT_MODEL.get(_spaced(name), name)
+
+
+def who_answered(exchange: Exchange) -> str:
+    """Who was asked, as a sentence begins; a model's own name is left as it is."""
+    return exchange.asked if exchange.by_model else sentence(part_in_use(exchange.asked))
+
+
+def is_ground_truth(detector: str) -> bool:
+    """Whether a detector is given the answers by the simulator."""
+    return _spaced(detector).startswith("ground truth")
+
+
+def _spaced(name: str) -> str:
+    return name.replace("-", " ").replace("_", " ").strip().lower()
+
+
+def quoted(goal: str) -> str:
+    """The goal between quotation marks."""
+    return f"“{goal.strip()}”"
+
+
+def question_words(exchange: Exchange) -> str:
+    """What was asked, in a few words."""
+    return QUESTIONS.get(exchange.kind, exchange.kind.capitalize())
+
+
+def gist(question: str) -> str:
+    """The question itself, out of a long prompt: its last sentence that ends in a question mark.
+
+    A short question, and one without a question mark, stays as it is.
+    """
+    text = " ".join(question.split())
+    if len(text) <= _SHORT_QUESTION:
+        return text
+    end = text.rfind("?")
+    if end < 0:
+        return text
+    start = max(text.rfind(mark, 0, end) for mark in ".!?:")
+    return text[start + 1 : end + 1].strip()
+
+
+def seen_words(detections: list[DetectionRecord]) -> str:
+    """What the camera shows of the goal, in one short line."""
+    if not detections:
+        return "goal not in view"
+    accepted = [detection for detection in detections if detection.accepted]
+    if accepted:
+        best = max(accepted, key=lambda detection: detection.score)
+        # Chat models and labels give no score, and 1 stands for that.
+        sure = f", {best.score:.0%} sure" if best.score < 1.0 else ""
+        return f"sees {quoted(best.label)}{sure}"
+    best = max(detections, key=lambda detection: detection.score)
+    why = f": {best.reason}" if best.reason else ""
+    return f"{quoted(best.label)} not accepted{why}"
+
+
+def camera_words(step: StepTrace) -> str:
+    """What was asked about the camera image of a step and what came of it, in one line."""
+    asked = [exchange for exchange in step.exchanges if exchange.kind in {"ground", "attention"}]
+    if not asked:
+        return seen_words(step.detections)
+    answer = " ".join(asked[-1].answer.replace("```json", "").replace("```", "").split())
+    if asked[-1].kind == "attention":
+        return f"not looked at, {answer}"
+    return f"{seen_words(step.detections)}  ·  {asked[-1].asked}: {quoted(answer)}"
+
+
+@dataclass(frozen=True)
+class Headline:
+    """How an episode ended, in a few words.
+
+    Attributes:
+        text: For the top of a page.
+        tone: Its colour.
+        detail: One sentence more; may be empty.
+    """
+
+    text: str
+    tone: Tone
+    detail: str = ""
+
+
+def sentence(text: str) -> str:
+    """The text with a capital at its start."""
+    return text[:1].upper() + text[1:]
+
+
+_ENDINGS: dict[str, tuple[str, str]] = {
+    "not_found": (
+        "Did not find {goal}",
+        "It was not where the robot looked, or the robot did not recognise it.",
+    ),
+    "wrong_place": ("Stopped, but not at {goal}", "The robot believed to be there."),
+    "unreachable": ("No way to {goal}", "No path leads to where the goal is."),
+    "model_unavailable": (
+        "Stopped: the model did not answer",
+        "This is an outage, not a failure of the search, and counts as neither.",
+    ),
+    "interrupted": ("Interrupted while looking for {goal}", "Someone stopped the run."),
+}
+_OUTAGES = frozenset({"model_unavailable", "interrupted"})
+
+
+def headline(result: Mapping[str, Any]) -> Headline:
+    """Say how an episode ended.
+
+    Args:
+        result: What `result.json` holds; missing entries are allowed.
+    """
+    goal = quoted(str(result.get("goal", "the goal")))
+    outcome, success = str(result.get("outcome", "")), result.get("success")
+    if success or (outcome == "found" and success is None):
+        return Headline(f"Found {goal}", "good")
+    if outcome == "found":
+        outcome = "wrong_place"
+    text, detail = _ENDINGS.get(outcome, (f"Ended: {outcome.replace('_', ' ') or 'unknown'}", ""))
+    if result.get("detail"):
+        detail = f"{detail} {result['detail']}"
+    tone: Tone = "neutral" if outcome in _OUTAGES else "bad"
+    return Headline(text.replace("{goal}", goal), tone, detail)
+
+
+def duration(seconds: float) -> str:
+    """A time span for people: "12 ms", "3.4 s", "2 min 5 s"."""
+    if seconds < 0.9995:
+        return f"{seconds * 1000:.0f} ms" if seconds >= 0.0095 else f"{seconds * 1000:.1f} ms"
+    if seconds < 59.95:
+        return f"{seconds:.1f} s"
+    minutes, rest = divmod(round(seconds), 60)
+    return f"{minutes} min {rest} s"
+
+
+def number(value: object, digits: int = 2, unit: str = "") -> str:
+    """A number for people; a dash for what is missing, an infinity sign for what has no end."""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if not isinstance(value, int | float) or math.isnan(value):
+        return "–"
+    if math.isinf(value):
+        return "∞"
+    written = str(value) if isinstance(value, int) else f"{value:.{digits}f}"
+    return f"{written}\u00a0{unit}" if unit else written

@@ -1,0 +1,191 @@
+"""One frame of an episode's video: the robot's view, its map, and what it thinks."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from jaxtyping import UInt8
+
+from hypernav.core.trace import BlockRecord, Exchange, StepTrace
+from hypernav.show.drawing import palette, strokes
+from hypernav.show.drawing.legend import Layer, draw_legend
+from hypernav.show.drawing.lettering import draw_text, shortened, text_width, wrapped
+from hypernav.show.pages import words
+from hypernav.show.video.camera_panel import draw_camera
+
+WIDTH, HEIGHT = 1280, 720
+MAP_SIZE = 568
+
+_MARGIN = 24
+_CAMERA = (640, 480)
+_TOP = 80
+_MAP_LEFT = WIDTH - _MARGIN - MAP_SIZE
+_NOTES_TOP = _TOP + _CAMERA[1] + 12
+_BARS_WIDTH = 168
+_LEGEND = (
+    Layer.TRAJECTORY,
+    Layer.ROBOT,
+    Layer.PATH,
+    Layer.DESTINATION,
+    Layer.GOAL,
+    Layer.CHOSEN,
+)
+
+_BLANK = np.full((HEIGHT, WIDTH, 3), palette.GROUND, dtype=np.uint8)
+
+Image = UInt8[np.ndarray, "_ _ 3"]
+
+
+@dataclass(frozen=True)
+class Title:
+    """What stays the same on all frames.
+
+    Attributes:
+        goal: What is looked for.
+        agent: Who looks.
+        detector: Who sees; empty if unknown.
+        reasoner: Who chooses where to look; empty if unknown.
+        step_limit: How many steps there are at most; None if there is no limit.
+    """
+
+    goal: str
+    agent: str
+    detector: str = ""
+    reasoner: str = ""
+    step_limit: int | None = None
+
+    @property
+    def credits(self) -> str:
+        """Who is at work, on one line."""
+        parts = [self.agent]
+        if self.detector:
+            parts.append(f"sees with {words.part_in_use(self.detector)}")
+        if self.reasoner:
+            parts.append(f"decides with {words.part_in_use(self.reasoner)}")
+        return "   ·   ".join(parts)
+
+
+@dataclass(frozen=True)
+class Decision:
+    """The last question that changed where the robot goes.
+
+    Attributes:
+        step: When it was asked.
+        exchange: Question and answer.
+        blocks: What could be chosen; empty if it was not about the map.
+    """
+
+    step: int
+    exchange: Exchange
+    blocks: tuple[BlockRecord, ...] = ()
+
+
+def draw_frame(
+    title: Title,
+    step: StepTrace,
+    rgb: Image,
+    map_image: Image,
+    decision: Decision | None,
+) -> Image:
+    """Draw one frame.
+
+    Args:
+        title: What stays the same on all frames.
+        step: The trace of this step.
+        rgb: The camera image of this step.
+        map_image: The map, `MAP_SIZE` squared.
+        decision: The last one so far.
+
+    Returns:
+        RGB, `HEIGHT` by `WIDTH`.
+    """
+    frame = blank_frame()
+    _draw_header(frame, title, step)
+    camera = draw_camera(rgb, step.detections, width=_CAMERA[0], height=_CAMERA[1])
+    paste(frame, camera, _MARGIN, _TOP)
+    paste(frame, map_image, _MAP_LEFT, _TOP)
+    _draw_notes(frame, title, step, decision)
+    draw_legend(frame, _LEGEND, left=_MAP_LEFT, middle=_TOP + MAP_SIZE + 26, size=13, gap=1.0)
+    return frame
+
+
+def blank_frame() -> Image:
+    """A frame with nothing on it."""
+    return _BLANK.copy()
+
+
+def paste(frame: Image, image: Image, left: int, top: int) -> None:
+    """Put an image onto the frame, in place, with a hairline around it."""
+    height, width = image.shape[:2]
+    frame[top : top + height, left : left + width] = image
+    cv2.rectangle(frame, (left - 1, top - 1), (left + width, top + height), palette.FAINT, 1)
+
+
+def _draw_header(frame: Image, title: Title, step: StepTrace) -> None:
+    strokes.rectangle(frame, (0, 0), (WIDTH, 64), palette.PAPER)
+    strokes.rectangle(frame, (0, 64), (WIDTH, 65), palette.FAINT)
+    goal = shortened(f"Find {words.quoted(title.goal)}", 22, 600.0, bold=True)
+    draw_text(frame, goal, (_MARGIN, 23), 22, bold=True)
+    line = shortened(title.credits, 13, WIDTH - 2.0 * _MARGIN)
+    draw_text(frame, line, (_MARGIN, 49), 13, color=palette.MUTED)
+    draw_chip(frame, words.MODES[step.mode], palette.MODES[step.mode], _MAP_LEFT, 23)
+    limit = f" of {title.step_limit}" if title.step_limit is not None else ""
+    count = f"step {step.step + 1}{limit}"
+    draw_text(frame, count, (WIDTH - _MARGIN, 23), 16, align=1.0)
+
+
+def draw_chip(frame: Image, text: str, color: palette.Rgb, left: float, middle: float) -> None:
+    """Draw a word on a coloured ground with round ends, in place."""
+    width = text_width(text, 15, bold=True) + 28.0
+    strokes.rounded_box(frame, left, middle - 14.0, width, 28.0, color, radius=14.0)
+    ink = palette.ink_on(color)
+    draw_text(frame, text, (left + 14.0, middle), 15, bold=True, color=ink)
+
+
+def _draw_notes(frame: Image, title: Title, step: StepTrace, decision: Decision | None) -> None:
+    """What the robot does, sees and was told, below the camera image."""
+    width = float(_CAMERA[0])
+    reason = words.sentence(step.reason or words.MODES_EXPLAINED[step.mode])
+    line = shortened(reason, 17, width, bold=True)
+    draw_text(frame, line, (_MARGIN, _NOTES_TOP + 9), 17, bold=True)
+    sees = shortened(f"Camera: {words.camera_words(step)}", 14, width)
+    draw_text(frame, sees, (_MARGIN, _NOTES_TOP + 33), 14, color=palette.MUTED)
+    if decision is not None:
+        strokes.rectangle(
+            frame, (_MARGIN, _NOTES_TOP + 47), (_MARGIN + width, _NOTES_TOP + 48), palette.FAINT
+        )
+        _draw_decision(frame, decision, _NOTES_TOP + 60)
+
+
+def _draw_decision(frame: Image, decision: Decision, top: int) -> None:
+    exchange = decision.exchange
+    width = float(_CAMERA[0])
+    if exchange.probabilities:
+        width -= _BARS_WIDTH + 24.0
+        draw_bars(frame, exchange.probabilities, round(_MARGIN + width + 24.0), top)
+    who = words.part_in_use(exchange.asked)
+    asked = f"Step {decision.step + 1}, asked {who}: {words.gist(exchange.question)}"
+    for line in wrapped(asked, 13, width, lines=2):
+        draw_text(frame, line, (_MARGIN, top), 13, color=palette.MUTED)
+        top += 18
+    top += 3
+    for line in wrapped(words.quoted(exchange.answer), 14, width, lines=2):
+        draw_text(frame, line, (_MARGIN, top), 14)
+        top += 19
+
+
+def draw_bars(frame: Image, probabilities: dict[str, float], left: int, top: int) -> None:
+    """Draw the likeliest answers as small bars, in place; the longest bar fills its row."""
+    ranked = sorted(probabilities.items(), key=lambda item: -item[1])[:3]
+    longest = max(ranked[0][1], 1e-9)
+    draw_text(frame, "how likely it held", (left, top), 13, color=palette.MUTED)
+    low, full = left + 44, _BARS_WIDTH - 44 - 42
+    for row, (answer, share) in enumerate(ranked):
+        middle, bold = top + 20 * (row + 1), row == 0
+        name = shortened(answer, 13, 38.0, bold=bold)
+        draw_text(frame, name, (low - 8, middle), 13, bold=bold, align=1.0)
+        length = max(full * min(max(share, 0.0) / longest, 1.0), 1.0)
+        color = palette.CHOSEN if bold else palette.EXCLUDED
+        strokes.rectangle(frame, (low, middle - 6), (low + length, middle + 6), color)
+        at = (low + length + 6, middle)
+        draw_text(frame, f"{share:.0%}", at, 12, color=palette.MUTED)

@@ -1,0 +1,210 @@
+"""The video of an episode, written while it runs."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import av
+import numpy as np
+from jaxtyping import UInt8
+
+from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.observation import Observation
+from hypernav.core.trace import StepTrace
+from hypernav.show.drawing.maps import draw_map, draw_result
+from hypernav.show.drawing.view import SteadyView
+from hypernav.show.video.card import draw_card
+from hypernav.show.video.frame import HEIGHT, MAP_SIZE, WIDTH, Decision, Title, draw_frame
+from hypernav.show.video.pacing import ENDING_FRAMES, FRAMES_PER_SECOND, decisions, frames_of
+
+_BLOCKS_STAY_STEPS = 5
+# Numbers of the video standard: BT.709 colours in the narrow range, what players expect of HD.
+_BT709, _NARROW_RANGE = 1, 1
+_KEY_FRAME_EVERY = 60
+
+
+class VideoFile:
+    """An H.264 video that browsers play, written frame by frame.
+
+    Closing it at any moment leaves a file that plays up to the last frame.
+    """
+
+    def __init__(self, path: Path, width: int, height: int, frames_per_second: int) -> None:
+        """Open the file.
+
+        Args:
+            path: The file; missing folders are made.
+            width: Even, pixels.
+            height: Even, pixels.
+            frames_per_second: The same throughout.
+        """
+        path.parent.mkdir(parents=True, exist_ok=True)
+        # The index goes to the front, so that a browser can seek before it has everything.
+        self._container = av.open(str(path), "w", format="mp4", options={"movflags": "faststart"})
+        self._stream = self._container.add_stream(
+            "libx264",
+            rate=frames_per_second,
+            # Text and lines stay crisp, and 500 steps take less than 5 MB.
+            options={"preset": "veryfast", "crf": "32.5", "aq-mode": "2"},
+        )
+        self._stream.width, self._stream.height = width, height
+        self._stream.pix_fmt = "yuv420p"
+        context = self._stream.codec_context
+        context.color_primaries = context.color_trc = context.colorspace = _BT709
+        context.color_range = _NARROW_RANGE
+        # A key frame every few seconds, so that seeking is quick. One thread: workers of an
+        # evaluation share the machine, and the bytes are the same everywhere.
+        context.gop_size = _KEY_FRAME_EVERY
+        context.thread_count = 1
+        # With frames of unequal length, reordered ones would make the file seem too short.
+        context.max_b_frames = 0
+        self._frames = 0
+        self._last: av.VideoFrame | None = None
+
+    @property
+    def frames(self) -> int:
+        """How long the video is so far, in frames."""
+        return self._frames
+
+    def write(self, image: UInt8[np.ndarray, "height width 3"], repeat: int = 1) -> None:
+        """Append an image.
+
+        Args:
+            image: RGB, of the video's size.
+            repeat: How many frames it stays.
+        """
+        frame = av.VideoFrame.from_ndarray(image, format="rgb24")
+        self._last = frame.reformat(format="yuv420p", dst_colorspace=_BT709)
+        # An image that stays is encoded once; the next one just comes later.
+        self._encode(self._last, self._frames)
+        self._frames += repeat
+
+    def close(self) -> None:
+        """Finish the file."""
+        try:
+            if self._last is not None and self._last.pts != self._frames - 1:
+                # The last image has no next one, so a second copy says how long it stays.
+                self._encode(self._last, self._frames - 1)
+            self._container.mux(self._stream.encode(None))
+        finally:
+            self._container.close()
+
+    def _encode(self, frame: av.VideoFrame, at: int) -> None:
+        frame.pts = at
+        self._container.mux(self._stream.encode(frame))
+
+
+class EpisodeVideo:
+    """Films an episode: camera view, map, and what the agent thinks.
+
+    Use it as a context manager. Whatever ends the block, an interrupt included, the file plays up
+    to the last step that was added.
+
+    Example:
+        >>> with EpisodeVideo(folder / "episode.mp4", "bed", "hypernav") as video:  # doctest: +SKIP
+        ...     video.add(observation, agent.last_step, agent.grid)
+        ...     video.finish(result)
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        goal: str,
+        agent: str,
+        *,
+        detector: str = "",
+        reasoner: str = "",
+        step_limit: int | None = None,
+    ) -> None:
+        """Open the file.
+
+        Args:
+            path: The file, ``.mp4``; missing folders are made.
+            goal: What is looked for.
+            agent: Who looks.
+            detector: Who sees; empty if unknown.
+            reasoner: Who chooses where to look; empty if unknown.
+            step_limit: How many steps there are at most; None if there is no limit.
+        """
+        self._title = Title(goal, agent, detector, reasoner, step_limit)
+        self._file = VideoFile(path, WIDTH, HEIGHT, FRAMES_PER_SECOND)
+        self._view = SteadyView(MAP_SIZE)
+        self._steps: list[StepTrace] = []
+        self._decision: Decision | None = None
+        self._grid: OccupancyGrid | None = None
+        self._closed = False
+
+    def __enter__(self) -> "EpisodeVideo":
+        """Start filming."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Finish the file."""
+        self.close()
+
+    def add(self, observation: Observation, step: StepTrace, grid: OccupancyGrid) -> None:
+        """Film a step.
+
+        Args:
+            observation: What the agent saw before it acted.
+            step: What it did.
+            grid: Its map after it saw that.
+        """
+        self._steps.append(step)
+        self._grid = grid
+        if asked := decisions(step):
+            self._decision = Decision(step.step, asked[-1], tuple(step.blocks))
+        image = draw_frame(
+            self._title, step, observation.rgb, self._map_image(step, grid), self._decision
+        )
+        self._file.write(image, frames_of(step))
+
+    def finish(self, result: Mapping[str, Any]) -> None:
+        """Film how it ended.
+
+        Args:
+            result: What `result.json` holds; missing entries show as a dash.
+        """
+        map_image = None
+        if self._grid is not None:
+            map_image = draw_result(self._grid, self._steps, size=MAP_SIZE)
+        self._file.write(draw_card(self._title, result, map_image), ENDING_FRAMES)
+
+    def close(self) -> None:
+        """Finish the file; does nothing the second time."""
+        if self._closed:
+            return
+        self._closed = True
+        try:
+            if self._file.frames == 0:
+                # A file without any frame would not open.
+                self._file.write(draw_card(self._title, {"outcome": "interrupted"}, None))
+        finally:
+            self._file.close()
+
+    def _map_image(self, step: StepTrace, grid: OccupancyGrid) -> UInt8[np.ndarray, "_ _ 3"]:
+        trajectory = [past.pose[:2] for past in self._steps]
+        decision = self._decision
+        age = step.step - decision.step if decision is not None else _BLOCKS_STAY_STEPS
+        fresh = decision if decision is not None and age < _BLOCKS_STAY_STEPS else None
+        return draw_map(
+            grid,
+            view=self._view.follow(grid, trajectory),
+            robot=Pose2(*step.pose),
+            trajectory=trajectory,
+            start=trajectory[0],
+            path=step.path,
+            destination=step.destination,
+            goal_area=step.goal_area,
+            blocks=fresh.blocks if fresh else (),
+            chosen=fresh.exchange.chosen if fresh else None,
+            excluded=fresh.exchange.excluded if fresh else (),
+            block_opacity=1.0 - 0.8 * age / _BLOCKS_STAY_STEPS,
+        )

@@ -1,0 +1,1 @@
+"""Rendering of scenes: colour, depth and instances."""

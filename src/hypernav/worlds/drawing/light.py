@@ -1,0 +1,123 @@
+"""Soft light: how much of it reaches a place from each of six sides.
+
+A grid of nodes fills the scene. Each node holds the light that arrives from +x, -x, +y, -y, +z and
+-z: a fixed set of rays is cast from the node, the open ones bring the light of a bright ceiling
+above and of dimmer walls and floor, and a thing nearby dims its direction (ambient occlusion). A
+surface reads the eight nodes around the point just in front of it, so a table darkens the floor
+under it and a corner darkens towards its edge. Nodes are computed when a camera first sees a
+surface beside them and kept: a frame that shows nothing new pays nothing, and a node's value
+depends on its place alone, so the order of frames doesn't matter.
+"""
+
+import math
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+from jaxtyping import Float32, Float64, Int64, UInt8
+
+from hypernav.worlds.drawing.light_kernels import gather_light
+
+_RAYS = 48
+_REACH_M = 2.0
+_CONTRAST = 1.5
+_MAX_NODES = 8_000_000
+_BATCH = 512
+_STATE = 7
+
+CastDistances = Callable[
+    [Float32[np.ndarray, "rays 3"], Float32[np.ndarray, "rays 3"], float],
+    Float32[np.ndarray, "rays"],
+]
+"""``(origins, directions, reach)`` to the distance of the first hit; negative or more if none."""
+
+
+class LightGrid:
+    """The nodes around a scene.
+
+    Attributes:
+        nodes: Bytes 0 to 5 light from +x, -x, +y, -y, +z, -z; byte 7 is 1 where known.
+        origin: Place of node (0, 0, 0), scene frame, metres.
+        cell_m: Distance of nodes.
+    """
+
+    nodes: UInt8[np.ndarray, "z y x 8"]
+    origin: Float64[np.ndarray, "3"]
+    cell_m: float
+
+    def __init__(
+        self,
+        low: Float64[np.ndarray, "3"],
+        high: Float64[np.ndarray, "3"],
+        cell_m: float,
+        cast: CastDistances,
+    ) -> None:
+        """Cover a box with nodes; none is computed yet.
+
+        Args:
+            low: Lowest corner of the scene, metres.
+            high: Highest corner.
+            cell_m: Distance of nodes; grows for scenes so large that there would be too many.
+            cast: Measures distances in the scene.
+        """
+        margin = 3.0
+        while np.prod((high - low) / cell_m + 2 * margin + 1) > _MAX_NODES:
+            cell_m *= 1.25
+        size = np.ceil((high - low) / cell_m + 2 * margin).astype(int) + 1
+        self.cell_m = cell_m
+        self.origin = low - margin * cell_m
+        self.nodes = np.zeros((int(size[2]), int(size[1]), int(size[0]), 8), dtype=np.uint8)
+        self._cast = cast
+        self._directions = _even_directions(_RAYS)
+        self._sky = _sky_light(self._directions)
+
+    def bake(self, cells: Int64[np.ndarray, "cells"], pool: ThreadPoolExecutor) -> None:
+        """Compute the unknown ones of the eight nodes around each cell.
+
+        Args:
+            cells: Numbers of the cells' lowest nodes.
+            pool: Threads to use.
+        """
+        _, rows, columns = self.nodes.shape[:3]
+        corners = [z * rows * columns + y * columns + x for z, y, x in np.ndindex(2, 2, 2)]
+        flat = self.nodes.reshape(-1, 8)
+        numbers = np.unique(cells[:, None] + np.array(corners, dtype=np.int64))
+        numbers = numbers[flat[numbers, _STATE] == 0]
+        batches = [numbers[start : start + _BATCH] for start in range(0, len(numbers), _BATCH)]
+        for batch, light in zip(batches, pool.map(self._light_at, batches), strict=True):
+            flat[batch, :6] = light
+            flat[batch, _STATE] = 1
+
+    def _light_at(self, numbers: Int64[np.ndarray, "n"]) -> UInt8[np.ndarray, "n 6"]:
+        z, y, x = np.unravel_index(numbers, self.nodes.shape[:3])
+        places = (np.stack([x, y, z], axis=1) * self.cell_m + self.origin).astype(np.float32)
+        # All places along one direction, then the next: neighbouring rays take similar ways.
+        origins = np.tile(places, (len(self._directions), 1))
+        directions = np.repeat(self._directions, len(places), axis=0)
+        distances = self._cast(origins, directions, _REACH_M)
+        light = np.empty((len(places), 6), dtype=np.uint8)
+        shape = (len(self._directions), len(places))
+        gather_light(
+            distances.reshape(shape), self._directions, self._sky, _REACH_M, _CONTRAST, light
+        )
+        return light
+
+
+def _even_directions(count: int) -> Float32[np.ndarray, "count 3"]:
+    """Directions spread evenly over the sphere (Fibonacci lattice)."""
+    index = np.arange(count) + 0.5
+    z = 1.0 - 2.0 * index / count
+    angle = index * math.pi * (3.0 - math.sqrt(5.0))
+    across = np.sqrt(1.0 - z * z)
+    return np.stack([across * np.cos(angle), across * np.sin(angle), z], axis=1).astype(np.float32)
+
+
+def _sky_light(directions: Float32[np.ndarray, "n 3"]) -> Float64[np.ndarray, "n"]:
+    """Light from every direction of an empty room, at most 1.
+
+    Brightest from above. A little more from one side, askew to walls that follow the axes, so that
+    the four sides of a box differ.
+    """
+    upward = directions[:, 2].astype(np.float64)
+    sideways = directions[:, 0] * 0.8 + directions[:, 1] * 0.6
+    return 0.66 + 0.22 * upward + 0.12 * sideways

@@ -1,0 +1,78 @@
+"""Which triangle every pixel of an image shows first, for a whole scene."""
+
+import numpy as np
+from jaxtyping import Float32, Float64, Int32, Int64
+
+from hypernav.core.geometry.camera import PinholeCamera
+from hypernav.worlds.drawing.raster_kernels import draw_triangles, find_visible
+from hypernav.worlds.scenes.scene import Scene
+
+_GROUP = 64
+"""Triangles that are passed over together when they lie outside the image."""
+_CURVE_BITS = 10
+
+
+class Rasterizer:
+    """A scene's triangles, in groups of neighbours. Safe to use from several threads.
+
+    Through pixel centres it finds what rays find, several times faster: rays have to search for
+    every pixel anew.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        """Sort the triangles.
+
+        Args:
+            scene: What is seen.
+        """
+        corners = scene.vertices[scene.faces]
+        self._faces = _along_a_curve(corners).astype(np.int32)
+        self._corners = np.ascontiguousarray(corners[self._faces], dtype=np.float32)
+        starts = np.arange(0, len(self._corners), _GROUP)
+        self._boxes = np.stack(
+            [
+                np.minimum.reduceat(self._corners.min(axis=1), starts),
+                np.maximum.reduceat(self._corners.max(axis=1), starts),
+            ],
+            axis=1,
+        )
+
+    def faces(
+        self, camera: PinholeCamera, camera_rows: Float64[np.ndarray, "4 3"], rows: slice
+    ) -> Int32[np.ndarray, "rows width"]:
+        """First triangle behind every pixel of some rows, -1 where there is none.
+
+        Args:
+            camera: Intrinsics.
+            camera_rows: Its pose, as for `geometry_kernels.fill_rays`.
+            rows: Which; every pixel is the same, whatever others are asked for.
+        """
+        groups = np.empty(len(self._boxes), dtype=np.int64)
+        distances = np.empty(len(self._boxes), dtype=np.float64)
+        cx, cy = camera.cx, camera.cy
+        count = find_visible(
+            self._boxes, camera_rows, camera.width, cx, cy, rows.start, rows.stop, groups, distances
+        )
+        # What is near is drawn first, and hides the rest before that is written.
+        groups = groups[:count][np.argsort(distances[:count], kind="stable")]
+        shape = (rows.stop - rows.start, camera.width)
+        shown, nearness = np.full(shape, -1, dtype=np.int32), np.zeros(shape, dtype=np.float64)
+        draw_triangles(
+            self._corners, groups, _GROUP, camera_rows, cx, cy, rows.start, shown, nearness
+        )
+        return np.where(shown >= 0, self._faces[shown], np.int32(-1))
+
+
+def _along_a_curve(
+    corners: Float32[np.ndarray, "triangles 3 3"],
+) -> Int64[np.ndarray, " triangles"]:
+    """An order in which neighbours in space follow each other (Morton, 1966)."""
+    middles = corners.mean(axis=1, dtype=np.float64)
+    low = middles.min(axis=0)
+    extent = max(float((middles.max(axis=0) - low).max()), 1e-9)
+    steps = ((middles - low) / extent * (2**_CURVE_BITS - 1)).astype(np.int64)
+    key = np.zeros(len(steps), dtype=np.int64)
+    for bit in range(_CURVE_BITS):
+        for axis in range(3):
+            key |= ((steps[:, axis] >> bit) & 1) << (3 * bit + axis)
+    return np.argsort(key, kind="stable")

@@ -1,0 +1,235 @@
+"""Colour, depth and instances of a scene as a camera sees them, on the CPU.
+
+Triangles are drawn into the image, and compiled kernels shade what every pixel shows; Embree's
+rays find the light, what lies behind holes, and what else is seen in pixels at edges. The image
+is cut into bands of rows that all cores work on; every pixel is computed the same way whichever
+core does it, so the same pose gives the same bytes.
+"""
+
+import math
+import os
+import threading
+from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float32, Float64, Int32, Int64, UInt8
+from pydantic import Field
+
+from hypernav.core.config import RoomConfig
+from hypernav.core.geometry.camera import PinholeCamera
+from hypernav.core.geometry.transforms import Transform
+from hypernav.core.protocols import RenderedView
+from hypernav.worlds.drawing.edge_kernels import find_edges, mix_samples
+from hypernav.worlds.drawing.geometry_kernels import fill_rays, fill_rays_around
+from hypernav.worlds.drawing.rasterizer import Rasterizer
+from hypernav.worlds.drawing.rays import RayCaster
+from hypernav.worlds.drawing.shading import Rays, Shader, Unlit
+from hypernav.worlds.scenes.scene import Scene
+
+_BAND_ROWS = 24
+# Three points that, with the centre, are spread evenly in both directions of a pixel.
+_OFFSETS = np.array([[-0.35, -0.15], [0.15, -0.35], [0.25, 0.35]])
+
+
+class RenderConfig(RoomConfig):
+    """How a scene is drawn.
+
+    Attributes:
+        exposure: Multiplies all light, before bright tones are compressed.
+        ambient: Share of the soft light from ceiling and surroundings.
+        headlight: Share of a light at the camera, which gives form to what faces it.
+        light_cell_m: Distance of the nodes at which the soft light is measured.
+        antialias: Several rays for the colour of pixels at the edges of things. Depth and
+            instances always come from the one ray through the pixel's centre.
+        colours: Whether anybody looks at the image; without, it is black, and drawing takes less
+            than half the time. Depth and instances are the same.
+        background: sRGB colour where nothing is hit.
+        texture_budget_mb: Memory for textures; the largest lose resolution beyond it.
+        threads: Worker threads; all cores of the process where None.
+    """
+
+    exposure: float = Field(default=1.6, gt=0.0)
+    ambient: float = Field(default=0.95, ge=0.0)
+    headlight: float = Field(default=0.1, ge=0.0)
+    light_cell_m: float = Field(default=0.08, gt=0.0)
+    antialias: bool = True
+    colours: bool = True
+    background: tuple[int, int, int] = (214, 228, 240)
+    texture_budget_mb: float = Field(default=400.0, gt=0.0)
+    threads: int | None = Field(default=None, ge=1)
+
+
+class CpuRenderer:
+    """Draws a scene; satisfies `hypernav.core.protocols.Renderer`.
+
+    Attributes:
+        rays: The scene as rays see it, to share with whoever asks what is visible.
+    """
+
+    def __init__(self, scene: Scene, config: RenderConfig | None = None) -> None:
+        """Prepare triangles, textures and light.
+
+        Args:
+            scene: What to draw.
+            config: How to draw it.
+
+        Raises:
+            MissingExtraError: The package embreex is not installed.
+        """
+        config = config or RenderConfig()
+        self.rays = RayCaster(scene)
+        self._colours = config.colours
+        self._antialias = config.antialias and config.colours
+        self._rasterizer = Rasterizer(scene)
+        self._threads = config.threads or _cores()
+        self._pool = ThreadPoolExecutor(self._threads)
+        self._scratch = threading.local()
+        self._shader = Shader(
+            scene,
+            self.rays,
+            light_cell_m=config.light_cell_m,
+            shares=(config.ambient, config.headlight),
+            exposure=config.exposure,
+            background=config.background,
+            texture_budget_mb=config.texture_budget_mb,
+        )
+
+    def render(self, camera: PinholeCamera, camera_to_scene: Transform) -> RenderedView:
+        """Colour, depth and instances as seen from a pose in the scene's frame.
+
+        Args:
+            camera: Intrinsics.
+            camera_to_scene: Pose of the optical frame (x right, y down, z forward).
+
+        Returns:
+            Depth along the optical axis in metres, 0 where nothing is hit; instances are -1 there.
+        """
+        frame = _Frame.empty(camera, camera_to_scene)
+        # Drawing costs a little for every triangle in every band, shading does not.
+        list(
+            self._pool.map(
+                lambda rows: self._find_hits(frame, rows),
+                _bands(camera.height, math.ceil(camera.height / self._threads)),
+            )
+        )
+        bands = _bands(camera.height, _BAND_ROWS)
+        waiting = self._pool.map(lambda rows: self._draw(frame, rows), bands)
+        self._light_up(waiting)
+        rgb = frame.rgb if self._colours else np.zeros_like(frame.rgb)
+        if self._antialias:
+            edges = list(self._pool.map(lambda rows: self._resample(frame, rows), bands))
+            self._light_up(edge.unlit for edge in edges)
+            rgb = frame.rgb.copy()
+            for edge in edges:
+                mix_samples(edge.pixels, edge.samples, rgb.reshape(-1, 3))
+        return RenderedView(rgb, frame.depth, frame.ids)
+
+    def _light_up(self, waiting: Iterable[Unlit | None]) -> None:
+        self._shader.light_up([unlit for unlit in waiting if unlit is not None], self._pool)
+
+    def _find_hits(self, frame: "_Frame", rows: slice) -> None:
+        """Find the triangles behind the pixels of some rows of a frame."""
+        frame.hits[rows] = self._rasterizer.faces(frame.camera, frame.camera_rows, rows)
+
+    def _draw(self, frame: "_Frame", rows: slice) -> Unlit | None:
+        """Fill some rows of a frame; returns what waits for light."""
+        shape = (*frame.depth[rows].shape, 3)
+        rays = replace(
+            self._room_for(shape[0] * shape[1]),
+            depth=frame.depth[rows].reshape(-1),
+            ids=frame.ids[rows].reshape(-1),
+            rgb=frame.rgb[rows].reshape(-1, 3),
+        )
+        fill_rays(
+            frame.camera_rows,
+            frame.camera.cx,
+            frame.camera.cy,
+            rows.start,
+            rays.directions.reshape(shape),
+        )
+        hits = frame.hits[rows].reshape(-1)
+        return self._shader.see(frame.camera_rows, hits, rays, colours=self._colours)
+
+    def _resample(self, frame: "_Frame", rows: slice) -> "_Edges":
+        """Further colours for the pixels of some rows that lie at edges."""
+        camera = frame.camera
+        pixels = np.empty(frame.depth[rows].size, dtype=np.int64)
+        count = find_edges(frame.rgb, frame.ids, frame.depth, rows.start, rows.stop, pixels)
+        pixels = pixels[:count].copy()
+        samples = np.empty((count, len(_OFFSETS), 3), dtype=np.uint8)
+        if count == 0:
+            return _Edges(pixels, samples, None)
+        rays = replace(self._room_for(count * len(_OFFSETS)), rgb=samples.reshape(-1, 3))
+        fill_rays_around(
+            frame.camera_rows,
+            camera.cx,
+            camera.cy,
+            camera.width,
+            pixels,
+            _OFFSETS,
+            rays.origins,
+            rays.directions,
+        )
+        hits = self.rays.faces(rays.origins, rays.directions)
+        return _Edges(pixels, samples, self._shader.see(frame.camera_rows, hits, rays))
+
+    def _room_for(self, count: int) -> Rays:
+        """Scratch memory of this thread: fresh memory for every band would cost a tenth more."""
+        room: Rays | None = getattr(self._scratch, "room", None)
+        if room is None or len(room.depth) < count:
+            room = self._scratch.room = Rays.room_for(count)
+        return room.first(count)
+
+
+@dataclass(frozen=True, eq=False)
+class _Edges:
+    """Pixels at edges, with further colours of each."""
+
+    pixels: Int64[np.ndarray, "pixels"]
+    samples: UInt8[np.ndarray, "pixels samples 3"]
+    unlit: Unlit | None
+
+
+@dataclass(frozen=True, eq=False)
+class _Frame:
+    """Three images in the making, the triangles they show, and the camera that sees them."""
+
+    camera: PinholeCamera
+    camera_rows: Float64[np.ndarray, "4 3"]
+    rgb: UInt8[np.ndarray, "height width 3"]
+    depth: Float32[np.ndarray, "height width"]
+    ids: Int32[np.ndarray, "height width"]
+    hits: Int32[np.ndarray, "height width"]
+
+    @staticmethod
+    def empty(camera: PinholeCamera, camera_to_scene: Transform) -> "_Frame":
+        shape = (camera.height, camera.width)
+        rotation = camera_to_scene.rotation
+        rows = [
+            camera_to_scene.translation,
+            rotation[:, 2],
+            rotation[:, 0] / camera.fx,
+            rotation[:, 1] / camera.fy,
+        ]
+        return _Frame(
+            camera,
+            np.array(rows, dtype=np.float64),
+            np.empty((*shape, 3), dtype=np.uint8),
+            np.empty(shape, dtype=np.float32),
+            np.empty(shape, dtype=np.int32),
+            np.empty(shape, dtype=np.int32),
+        )
+
+
+def _bands(height: int, rows: int) -> list[slice]:
+    """All rows of an image, so many at a time."""
+    return [slice(start, min(start + rows, height)) for start in range(0, height, rows)]
+
+
+def _cores() -> int:
+    """Cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1

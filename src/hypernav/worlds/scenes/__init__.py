@@ -1,0 +1,1 @@
+"""Reading of scenes: triangles, materials and named instances."""

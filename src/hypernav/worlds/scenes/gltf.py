@@ -1,0 +1,204 @@
+"""Turns a glTF file into pieces of a scene: nodes, their transforms and their triangles."""
+
+import itertools
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float, Float32, Float64, Int32, UInt8
+
+from hypernav.worlds.drawing.textures import linear_to_srgb
+from hypernav.worlds.scenes.gltf_file import GltfFile
+from hypernav.worlds.scenes.gltf_format import Node, Primitive, TextureTransform
+from hypernav.worlds.scenes.gltf_materials import read_materials
+from hypernav.worlds.scenes.node_names import is_meaningful
+from hypernav.worlds.scenes.pieces import Piece
+from hypernav.worlds.scenes.scene import Material
+
+_Y_UP_TO_Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+
+
+def read_gltf(path: Path) -> tuple[list[Piece], list[Material]]:
+    """All triangles that a file's default scene shows, in the scene frame, and its materials.
+
+    Args:
+        path: A ``.glb`` or ``.gltf`` file.
+
+    Raises:
+        SceneError: The file is broken or needs something that is not supported.
+    """
+    file = GltfFile(path)
+    materials, transforms = read_materials(file)
+    return [
+        piece
+        for placed in _placed_nodes(file)
+        for piece in _pieces_of(file, placed, materials, transforms)
+    ], materials
+
+
+@dataclass(frozen=True, eq=False)
+class _Placed:
+    """A node that shows a mesh, with the way from it to the scene."""
+
+    name: str
+    title: str
+    mesh: int
+    to_scene: Float64[np.ndarray, "4 4"]
+
+
+def _placed_nodes(file: GltfFile) -> list[_Placed]:
+    nodes = file.document.nodes
+    turned = np.eye(4)
+    turned[:3, :3] = _Y_UP_TO_Z_UP
+    stack = [(index, turned, "") for index in reversed(_roots(file))]
+    names: set[str] = set()
+    visited: set[int] = set()
+    placed: list[_Placed] = []
+    while stack:
+        index, parent, title = stack.pop()
+        node = file.item(nodes, index, "node")
+        if index in visited:
+            raise file.broken(f"node {index} hangs below two parents or below itself")
+        visited.add(index)
+        to_scene = parent @ _local_matrix(node)
+        own = node.name
+        if node.mesh is not None:
+            own = own or file.item(file.document.meshes, node.mesh, "mesh").name
+        title = own if is_meaningful(own) or not title else title
+        if node.mesh is not None:
+            name = _unique(own or f"node {index}", names)
+            placed.append(_Placed(name, title, node.mesh, to_scene))
+        stack += [(child, to_scene, title) for child in reversed(node.children)]
+    return placed
+
+
+def _roots(file: GltfFile) -> list[int]:
+    document = file.document
+    if document.scenes:
+        return list(file.item(document.scenes, document.scene or 0, "scene").nodes)
+    children = {child for node in document.nodes for child in node.children}
+    return [index for index in range(len(document.nodes)) if index not in children]
+
+
+def _unique(name: str, taken: set[str]) -> str:
+    candidates = itertools.chain([name], (f"{name}#{number}" for number in itertools.count(2)))
+    free = next(candidate for candidate in candidates if candidate not in taken)
+    taken.add(free)
+    return free
+
+
+def _local_matrix(node: Node) -> Float64[np.ndarray, "4 4"]:
+    if node.matrix is not None:
+        return np.array(node.matrix, dtype=np.float64).reshape(4, 4).T
+    x, y, z, w = np.array(node.rotation) / max(float(np.linalg.norm(node.rotation)), 1e-12)
+    rotation = np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+    matrix = np.eye(4)
+    matrix[:3, :3] = rotation * np.array(node.scale)
+    matrix[:3, 3] = node.translation
+    return matrix
+
+
+def _pieces_of(
+    file: GltfFile,
+    placed: _Placed,
+    materials: list[Material],
+    transforms: list[TextureTransform],
+) -> Iterator[Piece]:
+    linear, shift = placed.to_scene[:3, :3], placed.to_scene[:3, 3]
+    mirrored = np.linalg.det(linear) < 0.0
+    for primitive in file.item(file.document.meshes, placed.mesh, "mesh").primitives:
+        if "POSITION" not in primitive.attributes or primitive.mode not in (4, 5, 6):
+            continue
+        positions = _vectors(file, primitive, "POSITION", 3)
+        faces = _triangles(file, primitive, len(positions))
+        if mirrored:
+            faces = np.ascontiguousarray(faces[:, ::-1])
+        material = primitive.material if primitive.material is not None else len(materials) - 1
+        file.item(materials, material, "material")
+        yield Piece(
+            node=placed.name,
+            title=placed.title,
+            vertices=(positions @ linear.T + shift).astype(np.float32),
+            faces=faces,
+            material=material,
+            uv=_texture_coordinates(file, primitive, transforms[material], faces),
+            colors=_colors(file, primitive, faces),
+            normals=_normals(file, primitive, linear, faces),
+        )
+
+
+def _vectors(
+    file: GltfFile, primitive: Primitive, attribute: str, width: int
+) -> Float64[np.ndarray, "vertices width"]:
+    values = file.array(primitive.attributes[attribute]).astype(np.float64)
+    if values.shape[1] < width:
+        raise file.broken(f"{attribute} has {values.shape[1]} numbers, expected {width}")
+    return values[:, :width]
+
+
+def _corners(
+    file: GltfFile, attribute: str, values: Float[np.ndarray, "v k"], faces: np.ndarray
+) -> Float[np.ndarray, "faces 3 k"]:
+    if faces.size and int(faces.max()) >= len(values):
+        raise file.broken(f"{attribute} has {len(values)} entries, fewer than POSITION")
+    return values[faces]
+
+
+def _triangles(file: GltfFile, primitive: Primitive, count: int) -> Int32[np.ndarray, "faces 3"]:
+    if primitive.indices is None:
+        corners = np.arange(count, dtype=np.int32)
+    else:
+        raw = file.array(primitive.indices)[:, 0]
+        if raw.size and int(raw.max()) >= count:
+            raise file.broken(f"a triangle uses vertex {int(raw.max())}, but there are {count}")
+        corners = raw.astype(np.int32)
+    if primitive.mode == 4:
+        return np.ascontiguousarray(corners[: len(corners) // 3 * 3].reshape(-1, 3))
+    if len(corners) < 3:
+        return np.zeros((0, 3), dtype=np.int32)
+    if primitive.mode == 5:
+        strip = np.stack([corners[:-2], corners[1:-1], corners[2:]], axis=1)
+        strip[1::2] = strip[1::2, [1, 0, 2]]
+        return np.ascontiguousarray(strip)
+    hub = np.full(len(corners) - 2, corners[0])
+    return np.ascontiguousarray(np.stack([hub, corners[1:-1], corners[2:]], axis=1))
+
+
+def _texture_coordinates(
+    file: GltfFile, primitive: Primitive, transform: TextureTransform, faces: np.ndarray
+) -> Float32[np.ndarray, "faces 3 2"] | None:
+    attribute = f"TEXCOORD_{transform.tex_coord or 0}"
+    if attribute not in primitive.attributes:
+        return None
+    uv = _vectors(file, primitive, attribute, 2) * np.array(transform.scale)
+    c, s = np.cos(transform.rotation), np.sin(transform.rotation)
+    uv = uv @ np.array([[c, -s], [s, c]]) + np.array(transform.offset)
+    uv[:, 1] = 1.0 - uv[:, 1]
+    return _corners(file, attribute, uv.astype(np.float32), faces)
+
+
+def _colors(
+    file: GltfFile, primitive: Primitive, faces: np.ndarray
+) -> UInt8[np.ndarray, "faces 3 3"] | None:
+    if "COLOR_0" not in primitive.attributes:
+        return None
+    codes = linear_to_srgb(_vectors(file, primitive, "COLOR_0", 3)) * 255.0
+    return np.rint(_corners(file, "COLOR_0", codes, faces)).astype(np.uint8)
+
+
+def _normals(
+    file: GltfFile, primitive: Primitive, linear: Float64[np.ndarray, "3 3"], faces: np.ndarray
+) -> Float32[np.ndarray, "faces 3 3"] | None:
+    if "NORMAL" not in primitive.attributes or abs(np.linalg.det(linear)) < 1e-30:
+        return None
+    normals = _vectors(file, primitive, "NORMAL", 3) @ np.linalg.inv(linear)
+    normals = np.nan_to_num(normals)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
+    return _corners(file, "NORMAL", normals.astype(np.float32), faces)

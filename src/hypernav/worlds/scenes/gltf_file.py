@@ -1,0 +1,236 @@
+"""Reads the container of a glTF 2.0 file: document, buffers, arrays and images."""
+
+import base64
+import binascii
+import json
+import struct
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, TypeVar
+from urllib.parse import unquote
+
+import numpy as np
+from pydantic import ValidationError
+
+from hypernav.core.errors import SceneError
+from hypernav.worlds.scenes.gltf_format import Accessor, Document, Image
+
+_MAGIC = b"glTF"
+_JSON_CHUNK, _BINARY_CHUNK = 0x4E4F534A, 0x004E4942
+_DTYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+_WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
+_EXTENSIONS = frozenset(
+    {
+        "KHR_materials_unlit",
+        "KHR_materials_emissive_strength",
+        "KHR_materials_pbrSpecularGlossiness",
+        "KHR_materials_specular",
+        "KHR_materials_ior",
+        "KHR_materials_clearcoat",
+        "KHR_materials_sheen",
+        "KHR_materials_transmission",
+        "KHR_materials_volume",
+        "KHR_lights_punctual",
+        "KHR_mesh_quantization",
+        "KHR_texture_transform",
+        "EXT_texture_webp",
+    }
+)
+_Item = TypeVar("_Item")
+
+
+class GltfFile:
+    """An opened glTF file.
+
+    Attributes:
+        path: Where it lies, for messages.
+        document: Its checked JSON part.
+    """
+
+    def __init__(self, path: Path) -> None:
+        """Read a ``.glb`` or ``.gltf`` file.
+
+        Args:
+            path: The file.
+
+        Raises:
+            SceneError: The file is not glTF 2.0, is cut off, or needs an extension that is not
+                supported.
+        """
+        self.path = path
+        text, binary = _split(path)
+        self.document = _parse(path, text)
+        unknown = sorted(set(self.document.extensions_required) - _EXTENSIONS)
+        if unknown:
+            raise SceneError(
+                f"{path}: needs the glTF extension {', '.join(unknown)}, which is not supported; "
+                "export it again without compression, for example with "
+                "'gltf-transform copy' or Blender"
+            )
+        self._binary = binary
+        self._buffers: dict[int, bytes] = {}
+
+    def broken(self, what: str) -> SceneError:
+        """The error for a file that breaks a promise of the format."""
+        return SceneError(f"{self.path}: is not valid glTF: {what}; export the file again")
+
+    def item(self, items: Sequence[_Item], index: int, what: str) -> _Item:
+        """One item of the document's lists.
+
+        Raises:
+            SceneError: The list is not that long.
+        """
+        if not 0 <= index < len(items):
+            raise self.broken(f"refers to {what} {index}, but there are {len(items)}")
+        return items[index]
+
+    def array(self, index: int) -> np.ndarray:
+        """An accessor's elements ``[count, width]``; normalised integers become float32."""
+        accessor = self.item(self.document.accessors, index, "accessor")
+        width = _WIDTHS[accessor.type]
+        if accessor.buffer_view is None:
+            data = np.zeros((accessor.count, width), dtype=_DTYPES[accessor.component_type])
+        else:
+            data = self._elements(
+                accessor.buffer_view,
+                accessor.byte_offset,
+                accessor.component_type,
+                accessor.count,
+                width,
+            )
+        if accessor.sparse is not None:
+            data = self._with_sparse(accessor, data)
+        if accessor.normalized and data.dtype.kind in "iu":
+            limit = np.iinfo(data.dtype).max
+            data = np.maximum(data.astype(np.float32) / limit, -1.0)
+        return data
+
+    def image_bytes(self, image: Image) -> bytes:
+        """The encoded bytes of an image."""
+        if image.buffer_view is not None:
+            return self._view(image.buffer_view)[0]
+        if image.uri is None:
+            raise self.broken("an image has neither bytes nor a file")
+        return self._fetch(image.uri)
+
+    def _with_sparse(self, accessor: Accessor, data: np.ndarray) -> np.ndarray:
+        assert accessor.sparse is not None
+        part = accessor.sparse
+        rows = self._elements(
+            part.indices.buffer_view,
+            part.indices.byte_offset,
+            part.indices.component_type,
+            part.count,
+            1,
+        )[:, 0]
+        if rows.size and int(rows.max()) >= accessor.count:
+            raise self.broken("a sparse accessor replaces elements that it doesn't have")
+        data = data.copy()
+        data[rows] = self._elements(
+            part.values.buffer_view,
+            part.values.byte_offset,
+            accessor.component_type,
+            part.count,
+            data.shape[1],
+        )
+        return data
+
+    def _elements(
+        self, view: int, offset: int, component_type: int, count: int, width: int
+    ) -> np.ndarray:
+        data, stride = self._view(view)
+        dtype = np.dtype(_DTYPES[component_type])
+        packed = dtype.itemsize * width
+        stride = stride or packed
+        if count and offset + stride * (count - 1) + packed > len(data):
+            raise self.broken(f"an array of {count} elements reaches beyond its buffer view {view}")
+        if count == 0:
+            return np.zeros((0, width), dtype=dtype)
+        return np.ndarray((count, width), dtype, data, offset, (stride, dtype.itemsize))
+
+    def _view(self, index: int) -> tuple[bytes, int | None]:
+        view = self.item(self.document.buffer_views, index, "buffer view")
+        buffer = self._buffer(view.buffer)
+        end = view.byte_offset + view.byte_length
+        if end > len(buffer):
+            raise SceneError(
+                f"{self.path}: is cut off: buffer {view.buffer} has {len(buffer)} bytes, but "
+                f"{end} are needed; copy or download the file again"
+            )
+        return buffer[view.byte_offset : end], view.byte_stride
+
+    def _buffer(self, index: int) -> bytes:
+        if index not in self._buffers:
+            uri = self.item(self.document.buffers, index, "buffer").uri
+            if uri is None and (index != 0 or self._binary is None):
+                raise self.broken(f"buffer {index} has no data")
+            self._buffers[index] = self._fetch(uri) if uri is not None else self._binary or b""
+        return self._buffers[index]
+
+    def _fetch(self, uri: str) -> bytes:
+        """Bytes of a data URI or of a file beside this one."""
+        if uri.startswith("data:"):
+            try:
+                return base64.b64decode(uri.partition(",")[2], validate=True)
+            except binascii.Error as error:
+                raise self.broken(f"embedded data cannot be decoded ({error})") from error
+        file = self.path.parent / unquote(uri)
+        try:
+            return file.read_bytes()
+        except OSError as error:
+            raise SceneError(
+                f"{self.path}: needs the file {file}, which cannot be read "
+                f"({error.strerror or error}); put it there or convert the scene to one .glb"
+            ) from error
+
+
+def _split(path: Path) -> tuple[bytes, bytes | None]:
+    """The JSON text and the binary chunk of a file."""
+    data = path.read_bytes()
+    if data[:4] != _MAGIC:
+        if path.suffix.lower() == ".glb":
+            raise SceneError(
+                f"{path}: is not a GLB file: it begins with {data[:4]!r} instead of {_MAGIC!r}; "
+                "give a binary glTF 2.0 file"
+            )
+        return data, None
+    if len(data) < 20:
+        raise SceneError(f"{path}: is cut off after {len(data)} bytes; copy the file again")
+    version, length = struct.unpack_from("<II", data, 4)
+    if version != 2:
+        raise SceneError(f"{path}: is glTF {version}, only glTF 2 can be read; convert it first")
+    if length > len(data):
+        raise SceneError(
+            f"{path}: is cut off: it has {len(data)} of {length} bytes; "
+            "copy or download the file again"
+        )
+    chunks: dict[int, bytes] = {}
+    place = 12
+    while place + 8 <= length:
+        size, kind = struct.unpack_from("<II", data, place)
+        chunks.setdefault(kind, data[place + 8 : place + 8 + size])
+        place += 8 + size
+    return chunks.get(_JSON_CHUNK, b""), chunks.get(_BINARY_CHUNK)
+
+
+def _parse(path: Path, text: bytes) -> Document:
+    try:
+        raw: Any = json.loads(text)
+    except ValueError as error:
+        raise SceneError(
+            f"{path}: is not valid glTF: its JSON part cannot be read ({error}); "
+            "export the file again"
+        ) from error
+    try:
+        document = Document.model_validate(raw)
+    except ValidationError as error:
+        first = error.errors()[0]
+        place = ".".join(str(part) for part in first["loc"]) or "document"
+        raise SceneError(
+            f"{path}: is not valid glTF: {place}: {first['msg']}; export the file again"
+        ) from error
+    if not document.asset.version.startswith("2."):
+        raise SceneError(
+            f"{path}: is glTF {document.asset.version}, only glTF 2 can be read; convert it first"
+        )
+    return document

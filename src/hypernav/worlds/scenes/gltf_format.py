@@ -1,0 +1,188 @@
+"""The parts of a glTF 2.0 document that a scene is made from, checked when read.
+
+Names and meaning follow the specification of the Khronos Group; what is not listed is ignored.
+"""
+
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+from pydantic.alias_generators import to_camel
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(frozen=True, alias_generator=to_camel)
+
+
+class Asset(_Part):
+    """The version of the format."""
+
+    version: str
+    generator: str = ""
+
+
+class Buffer(_Part):
+    """Bytes: the binary chunk of a GLB, a data URI or a file beside it."""
+
+    byte_length: int = Field(ge=0)
+    uri: str | None = None
+
+
+class BufferView(_Part):
+    """A stretch of a buffer."""
+
+    buffer: int = Field(ge=0)
+    byte_offset: int = Field(default=0, ge=0)
+    byte_length: int = Field(ge=0)
+    byte_stride: int | None = Field(default=None, ge=1)
+
+
+class SparseIndices(_Part):
+    """Which elements of an accessor are replaced."""
+
+    buffer_view: int = Field(ge=0)
+    byte_offset: int = Field(default=0, ge=0)
+    component_type: Literal[5121, 5123, 5125]
+
+
+class SparseValues(_Part):
+    """What they are replaced by."""
+
+    buffer_view: int = Field(ge=0)
+    byte_offset: int = Field(default=0, ge=0)
+
+
+class Sparse(_Part):
+    """Elements of an accessor that differ from its buffer view."""
+
+    count: int = Field(ge=0)
+    indices: SparseIndices
+    values: SparseValues
+
+
+class Accessor(_Part):
+    """An array in a buffer view."""
+
+    buffer_view: int | None = Field(default=None, ge=0)
+    byte_offset: int = Field(default=0, ge=0)
+    component_type: Literal[5120, 5121, 5122, 5123, 5125, 5126]
+    normalized: bool = False
+    count: int = Field(ge=0)
+    type: Literal["SCALAR", "VEC2", "VEC3", "VEC4", "MAT2", "MAT3", "MAT4"]
+    sparse: Sparse | None = None
+
+
+class Image(_Part):
+    """An encoded image."""
+
+    uri: str | None = None
+    buffer_view: int | None = Field(default=None, ge=0)
+
+
+class Sampler(_Part):
+    """What a texture shows beyond its edges."""
+
+    wrap_s: Literal[10497, 33648, 33071] = 10497
+    wrap_t: Literal[10497, 33648, 33071] = 10497
+
+
+class Texture(_Part):
+    """An image with its sampler."""
+
+    source: int | None = Field(default=None, ge=0)
+    sampler: int | None = Field(default=None, ge=0)
+    extensions: dict[str, Any] = Field(default_factory=dict)
+
+
+class TextureTransform(_Part):
+    """The extension KHR_texture_transform."""
+
+    offset: tuple[float, float] = (0.0, 0.0)
+    rotation: float = 0.0
+    scale: tuple[float, float] = (1.0, 1.0)
+    tex_coord: int | None = Field(default=None, ge=0)
+
+
+class TextureInfo(_Part):
+    """Which texture, and which texture coordinates it is laid by."""
+
+    index: int = Field(ge=0)
+    tex_coord: int = Field(default=0, ge=0)
+    extensions: dict[str, Any] = Field(default_factory=dict)
+
+
+class PbrMetallicRoughness(_Part):
+    """Colour of a material; the factor is linear light."""
+
+    base_color_factor: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
+    base_color_texture: TextureInfo | None = None
+
+
+class SpecularGlossiness(_Part):
+    """The extension KHR_materials_pbrSpecularGlossiness: an older way to write a colour."""
+
+    diffuse_factor: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
+    diffuse_texture: TextureInfo | None = None
+
+
+class GltfMaterial(_Part):
+    """How a surface looks."""
+
+    name: str = ""
+    pbr_metallic_roughness: PbrMetallicRoughness = PbrMetallicRoughness()
+    emissive_factor: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    emissive_texture: TextureInfo | None = None
+    alpha_mode: Literal["OPAQUE", "MASK", "BLEND"] = "OPAQUE"
+    alpha_cutoff: float = 0.5
+    extensions: dict[str, Any] = Field(default_factory=dict)
+
+
+class Primitive(_Part):
+    """Triangles of one material; mode 4 are triangles, 5 strips, 6 fans, others have no surface."""
+
+    attributes: dict[str, int]
+    indices: int | None = Field(default=None, ge=0)
+    material: int | None = Field(default=None, ge=0)
+    mode: int = 4
+
+
+class Mesh(_Part):
+    """Primitives that belong together."""
+
+    name: str = ""
+    primitives: list[Primitive]
+
+
+class Node(_Part):
+    """A mesh at a place, with children that move with it."""
+
+    name: str = ""
+    mesh: int | None = Field(default=None, ge=0)
+    children: list[int] = Field(default_factory=list)
+    matrix: list[float] | None = Field(default=None, min_length=16, max_length=16)
+    translation: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    rotation: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
+    scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
+
+
+class GltfScene(_Part):
+    """The nodes that a file shows."""
+
+    nodes: list[int] = Field(default_factory=list)
+
+
+class Document(_Part):
+    """A whole glTF document."""
+
+    asset: Asset
+    extensions_required: list[str] = Field(default_factory=list)
+    scene: int | None = Field(default=None, ge=0)
+    scenes: list[GltfScene] = Field(default_factory=list)
+    nodes: list[Node] = Field(default_factory=list)
+    meshes: list[Mesh] = Field(default_factory=list)
+    materials: list[GltfMaterial] = Field(default_factory=list)
+    textures: list[Texture] = Field(default_factory=list)
+    samplers: list[Sampler] = Field(default_factory=list)
+    images: list[Image] = Field(default_factory=list)
+    accessors: list[Accessor] = Field(default_factory=list)
+    buffer_views: list[BufferView] = Field(default_factory=list)
+    buffers: list[Buffer] = Field(default_factory=list)

@@ -1,0 +1,169 @@
+"""Materials and images of a glTF file."""
+
+import hashlib
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+import cv2
+import numpy as np
+from jaxtyping import UInt8
+from pydantic import BaseModel, ValidationError
+
+from hypernav.core.errors import SceneError
+from hypernav.worlds.drawing.textures import linear_to_srgb
+from hypernav.worlds.scenes.gltf_file import GltfFile
+from hypernav.worlds.scenes.gltf_format import (
+    GltfMaterial,
+    SpecularGlossiness,
+    TextureInfo,
+    TextureTransform,
+)
+from hypernav.worlds.scenes.scene import Material, Wrap
+
+_WRAPS = {10497: Wrap.REPEAT, 33648: Wrap.MIRROR, 33071: Wrap.CLAMP}
+_GLOWS_FROM = 0.5
+_Part = TypeVar("_Part", bound=BaseModel)
+
+
+@dataclass(frozen=True, eq=False)
+class _Image:
+    """A decoded image.
+
+    Attributes:
+        rgb: sRGB.
+        opacity: 0 to 255; None where all of it is opaque.
+    """
+
+    rgb: UInt8[np.ndarray, "height width 3"]
+    opacity: UInt8[np.ndarray, "height width"] | None
+
+
+def read_materials(file: GltfFile) -> tuple[list[Material], list[TextureTransform]]:
+    """All materials of a file, and how the texture of each is laid on its triangles.
+
+    A plain light grey one, for primitives that name no material, comes last.
+
+    Raises:
+        SceneError: An image is missing or cannot be decoded.
+    """
+    infos = [_base_color(file, source)[1] for source in file.document.materials]
+    sources = {_source(file, info) for info in infos if info is not None}
+    images = _decode(file, sorted(sources))
+    opaque: dict[tuple[int, float], np.ndarray] = {}
+    materials = [_material(file, source, images, opaque) for source in file.document.materials]
+    materials.append(Material("default", (0.8, 0.8, 0.8)))
+    transforms = [_transform(file, info) for info in infos]
+    return materials, [*transforms, TextureTransform()]
+
+
+def _material(
+    file: GltfFile,
+    source: GltfMaterial,
+    images: dict[int, _Image],
+    opaque: dict[tuple[int, float], np.ndarray],
+) -> Material:
+    color, info = _base_color(file, source)
+    light = np.array(color[:3])
+    unlit = "KHR_materials_unlit" in source.extensions
+    if max(source.emissive_factor) >= _GLOWS_FROM and source.emissive_texture is None:
+        light, unlit = np.maximum(light, source.emissive_factor), True
+    codes = linear_to_srgb(light)
+    srgb = (float(codes[0]), float(codes[1]), float(codes[2]))
+    if info is None:
+        return Material(source.name, srgb, unlit=unlit)
+    number = _source(file, info)
+    image = images[number]
+    holes = None
+    if image.opacity is not None and source.alpha_mode != "OPAQUE":
+        cutoff = source.alpha_cutoff if source.alpha_mode == "MASK" else 0.5
+        # One array per image, so that materials which share it share its texels as well.
+        holes = opaque.setdefault((number, cutoff), image.opacity >= cutoff * 255.0)
+    texture = file.document.textures[info.index]
+    wrap = (Wrap.REPEAT, Wrap.REPEAT)
+    if texture.sampler is not None:
+        sampler = file.item(file.document.samplers, texture.sampler, "sampler")
+        wrap = (_WRAPS[sampler.wrap_s], _WRAPS[sampler.wrap_t])
+    return Material(source.name, srgb, image.rgb, wrap, holes, unlit)
+
+
+def _base_color(
+    file: GltfFile, source: GltfMaterial
+) -> tuple[tuple[float, float, float, float], TextureInfo | None]:
+    """Colour factor and texture, from either of the two ways to write them."""
+    old = source.extensions.get("KHR_materials_pbrSpecularGlossiness")
+    if old is not None and source.pbr_metallic_roughness.base_color_texture is None:
+        diffuse = _extension(file, SpecularGlossiness, old)
+        return diffuse.diffuse_factor, diffuse.diffuse_texture
+    surface = source.pbr_metallic_roughness
+    return surface.base_color_factor, surface.base_color_texture
+
+
+def _transform(file: GltfFile, info: TextureInfo | None) -> TextureTransform:
+    if info is None:
+        return TextureTransform()
+    raw = info.extensions.get("KHR_texture_transform", {})
+    transform = _extension(file, TextureTransform, raw)
+    if transform.tex_coord is None:
+        return transform.model_copy(update={"tex_coord": info.tex_coord})
+    return transform
+
+
+def _extension(file: GltfFile, kind: type[_Part], raw: Any) -> _Part:
+    try:
+        return kind.model_validate(raw)
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise file.broken(f"an extension holds a wrong value: {first['msg']}") from error
+
+
+def _source(file: GltfFile, info: TextureInfo) -> int:
+    """The number of the image of a texture."""
+    texture = file.item(file.document.textures, info.index, "texture")
+    webp = texture.extensions.get("EXT_texture_webp")
+    if isinstance(webp, dict) and isinstance(webp.get("source"), int):
+        return webp["source"]
+    if texture.source is None:
+        names = ", ".join(texture.extensions) or "nothing"
+        raise SceneError(
+            f"{file.path}: a texture is stored as {names}, which cannot be read; "
+            "export the file again with PNG or JPEG textures"
+        )
+    return texture.source
+
+
+def _decode(file: GltfFile, numbers: list[int]) -> dict[int, _Image]:
+    """Decode images on all cores; equal bytes give one and the same image."""
+    entries = [file.item(file.document.images, number, "image") for number in numbers]
+    data = [file.image_bytes(image) for image in entries]
+    keys = [hashlib.sha256(content).digest() for content in data]
+    distinct = dict(zip(keys, data, strict=True))
+    with ThreadPoolExecutor() as pool:
+        decoded = dict(zip(distinct, pool.map(_decode_one, distinct.values()), strict=True))
+    images: dict[int, _Image] = {}
+    for number, key in zip(numbers, keys, strict=True):
+        image = decoded[key]
+        if image is None:
+            raise SceneError(
+                f"{file.path}: texture {number} cannot be decoded; "
+                "export the file again with PNG or JPEG textures"
+            )
+        images[number] = image
+    return images
+
+
+def _decode_one(content: bytes) -> _Image | None:
+    if not content:
+        return None
+    image = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_UNCHANGED)
+    if image is None or image.dtype not in (np.uint8, np.uint16):
+        return None
+    if image.dtype == np.uint16:
+        image = (image.astype(np.float64) / 257.0).astype(np.uint8)
+    if image.ndim == 2:
+        return _Image(cv2.cvtColor(image, cv2.COLOR_GRAY2RGB), None)
+    if image.shape[2] == 3:
+        return _Image(cv2.cvtColor(image, cv2.COLOR_BGR2RGB), None)
+    opacity = np.ascontiguousarray(image[..., 3])
+    rgb = cv2.cvtColor(image, cv2.COLOR_BGRA2RGB)
+    return _Image(rgb, None if opacity.min() == 255 else opacity)

@@ -1,0 +1,91 @@
+"""Opens a scene from a file."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from hypernav.core.errors import SceneError
+from hypernav.core.labels import ObjectLabel
+from hypernav.worlds.scenes.gltf import read_gltf
+from hypernav.worlds.scenes.node_names import category_of
+from hypernav.worlds.scenes.objects_file import read_objects
+from hypernav.worlds.scenes.pieces import Piece, Thing, assemble
+from hypernav.worlds.scenes.scene import Scene
+
+OBJECTS_FILE = "objects.json"
+_GLTF_SUFFIXES = (".glb", ".gltf")
+_MESH_SUFFIXES = (".obj", ".ply", ".stl", ".off")
+
+
+def load_scene(path: Path) -> Scene:
+    """Open a scene.
+
+    A file ``objects.json`` beside it says which nodes make up which object. Without it every node
+    is an instance of its own, labelled by its name. glTF files (y up) become ``(x, -z, y)``; for
+    the other formats see `read_mesh`. Units are metres.
+
+    Args:
+        path: A ``.glb``, ``.gltf``, ``.obj``, ``.ply``, ``.stl`` or ``.off`` file.
+
+    Raises:
+        SceneError: The file is missing, broken, empty or not a mesh, or ``objects.json`` doesn't
+            belong to it.
+    """
+    path = Path(path)
+    _check_readable(path)
+    suffix = path.suffix.lower()
+    if suffix in _GLTF_SUFFIXES:
+        pieces, materials = read_gltf(path)
+    elif suffix in _MESH_SUFFIXES:
+        from hypernav.worlds.scenes.mesh_files import read_mesh
+
+        pieces, materials = read_mesh(path)
+    else:
+        known = ", ".join((*_GLTF_SUFFIXES, *_MESH_SUFFIXES))
+        raise SceneError(f"{path}: unknown kind of file {suffix!r}; give one of {known}")
+    if not pieces:
+        raise SceneError(f"{path}: holds no triangles; export a mesh with faces")
+    return assemble(_name(path), pieces, _things(path, pieces), materials)
+
+
+def _check_readable(path: Path) -> None:
+    if path.is_dir():
+        inside = sorted(p.name for p in path.iterdir() if p.suffix.lower() in _GLTF_SUFFIXES)
+        hint = f"did you mean {path / inside[0]}?" if inside else "it holds no .glb"
+        raise SceneError(f"{path}: is a folder, expected a scene file; {hint}")
+    try:
+        with path.open("rb") as file:
+            empty = not file.read(1)
+    except FileNotFoundError as error:
+        raise SceneError(f"{path}: no such scene file; check the path") from error
+    except OSError as error:
+        raise SceneError(f"{path}: cannot be read ({error.strerror or error})") from error
+    if empty:
+        raise SceneError(f"{path}: the file is empty; copy or download it again")
+
+
+def _name(path: Path) -> str:
+    """Name of a scene; files that are all called scene.glb go by their folder."""
+    generic = (
+        path.stem.lower() in ("scene", "mesh", "model", "stage") and path.resolve().parent.name
+    )
+    return generic or path.stem
+
+
+def _things(path: Path, pieces: Sequence[Piece]) -> list[Thing]:
+    titles = {piece.node: piece.title for piece in pieces}
+    objects = path.parent / OBJECTS_FILE
+    things: list[Thing] = []
+    if objects.is_file():
+        things = read_objects(objects, set(titles))
+    described = {node for thing in things for node in thing.nodes}
+    taken = {thing.name for thing in things}
+    for node, title in titles.items():
+        if node not in described:
+            name = node if node not in taken else f"{node} (node)"
+            things.append(Thing(name, frozenset({node}), _label(title)))
+    return things
+
+
+def _label(title: str) -> ObjectLabel | None:
+    category = category_of(title)
+    return ObjectLabel(category) if category is not None else None

@@ -1,0 +1,84 @@
+"""Reads OBJ, PLY, STL and OFF files through trimesh."""
+
+from pathlib import Path
+
+import numpy as np
+import trimesh
+from jaxtyping import Float32, Int32, UInt8
+from PIL.Image import Image as PilImage
+from trimesh.visual import ColorVisuals, TextureVisuals
+from trimesh.visual.material import PBRMaterial
+
+from hypernav.core.errors import SceneError
+from hypernav.worlds.scenes.pieces import Piece
+from hypernav.worlds.scenes.scene import Material
+
+_Y_UP_TO_Z_UP = np.array(
+    [[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
+)
+
+
+def read_mesh(path: Path) -> tuple[list[Piece], list[Material]]:
+    """All triangles of a file, in the scene frame, and its materials.
+
+    None of these formats says which way is up: OBJ is read as y up, as modelling tools write it,
+    the others as z up, as scanners do. A PLY with colours is taken for a scan, whose colours
+    already hold the light.
+
+    Args:
+        path: A file that trimesh can read.
+
+    Raises:
+        SceneError: The file cannot be read as a mesh.
+    """
+    try:
+        loaded = trimesh.load_scene(path, process=False, maintain_order=True)
+    except (ValueError, KeyError, IndexError, TypeError, AttributeError, EOFError) as error:
+        raise SceneError(
+            f"{path}: cannot be read as a mesh ({error}); export the file again"
+        ) from error
+    up = _Y_UP_TO_Z_UP if path.suffix.lower() == ".obj" else np.eye(4)
+    scanned = path.suffix.lower() == ".ply"
+    pieces: list[Piece] = []
+    materials: list[Material] = []
+    for name in loaded.graph.nodes_geometry:
+        to_scene, geometry = loaded.graph[name]
+        mesh = loaded.geometry[geometry]
+        if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces):
+            placed = mesh.copy()
+            placed.apply_transform(up @ to_scene)
+            pieces.append(_piece(str(name), placed, len(materials)))
+            materials.append(_material(str(name), placed, scanned=scanned))
+    return pieces, materials
+
+
+def _piece(name: str, mesh: trimesh.Trimesh, material: int) -> Piece:
+    faces: Int32[np.ndarray, "faces 3"] = np.ascontiguousarray(mesh.faces, dtype=np.int32)
+    uv: Float32[np.ndarray, "faces 3 2"] | None = None
+    colors: UInt8[np.ndarray, "faces 3 3"] | None = None
+    visual = mesh.visual
+    if isinstance(visual, TextureVisuals):
+        if visual.uv is not None and len(visual.uv) == len(mesh.vertices):
+            uv = np.asarray(visual.uv, dtype=np.float32)[faces]
+    elif isinstance(visual, ColorVisuals) and visual.kind == "vertex":
+        colors = np.asarray(visual.vertex_colors, dtype=np.uint8)[faces][..., :3].copy()
+    elif isinstance(visual, ColorVisuals) and visual.kind == "face":
+        each = np.asarray(visual.face_colors, dtype=np.uint8)[:, None, :3]
+        colors = np.repeat(each, 3, axis=1)
+    vertices = np.ascontiguousarray(mesh.vertices, dtype=np.float32)
+    return Piece(name, name, vertices, faces, material, uv, colors)
+
+
+def _material(name: str, mesh: trimesh.Trimesh, *, scanned: bool) -> Material:
+    visual = mesh.visual
+    if isinstance(visual, TextureVisuals):
+        material = visual.material
+        simple = material.to_simple() if isinstance(material, PBRMaterial) else material
+        image = simple.image
+        if isinstance(image, PilImage):
+            return Material(name, (1.0, 1.0, 1.0), np.asarray(image.convert("RGB")).copy())
+        red, green, blue = (float(value) / 255.0 for value in simple.diffuse[:3])
+        return Material(name, (red, green, blue))
+    colored = isinstance(visual, ColorVisuals) and visual.kind is not None
+    plain = 1.0 if colored else 0.8
+    return Material(name, (plain, plain, plain), unlit=colored and scanned)

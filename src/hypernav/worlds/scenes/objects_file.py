@@ -1,0 +1,94 @@
+"""Reads ``objects.json``: what the nodes of a scene are."""
+
+import json
+from pathlib import Path
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from hypernav.core.errors import SceneError
+from hypernav.core.labels import ObjectLabel
+from hypernav.worlds.scenes.pieces import Thing
+
+
+class _Object(BaseModel):
+    model_config = ConfigDict(frozen=True)
+
+    name: str = Field(min_length=1)
+    category: str = Field(min_length=1)
+    structural: bool = False
+    nodes: list[str] = Field(min_length=1)
+    synonyms: list[str] = Field(default_factory=list)
+    attributes: list[str] = Field(default_factory=list)
+    room: str = ""
+    beside: list[str] = Field(default_factory=list)
+
+
+class _Objects(BaseModel):
+    objects: list[_Object]
+
+
+def read_objects(path: Path, node_names: set[str]) -> list[Thing]:
+    """The things that a file describes; the building's own parts have no label.
+
+    Every object has ``name``, ``category`` and ``nodes``, and may have ``structural``,
+    ``synonyms``, ``attributes``, ``room`` and ``beside``; other keys are ignored.
+
+    Args:
+        path: The JSON file.
+        node_names: Nodes that the scene has.
+
+    Raises:
+        SceneError: The file cannot be read, lacks something, or doesn't belong to the scene.
+    """
+    try:
+        parsed = _Objects.model_validate(json.loads(path.read_bytes()))
+    except OSError as error:
+        raise SceneError(f"{path}: cannot be read ({error.strerror or error})") from error
+    except ValidationError as error:
+        first = error.errors()[0]
+        place = ".".join(str(part) for part in first["loc"]) or "file"
+        raise SceneError(
+            f"{path}: {place}: {first['msg']}; every object needs name, category and nodes"
+        ) from error
+    except ValueError as error:
+        raise SceneError(
+            f"{path}: is not valid JSON ({error}); correct it, or remove it to label objects "
+            "by the names of their nodes"
+        ) from error
+    _check_nodes(path, parsed.objects, node_names)
+    return [Thing(item.name, frozenset(item.nodes), _label(item)) for item in parsed.objects]
+
+
+def _label(item: _Object) -> ObjectLabel | None:
+    if item.structural:
+        return None
+    return ObjectLabel(
+        item.category,
+        tuple(item.synonyms),
+        tuple(item.attributes),
+        item.room,
+        tuple(item.beside),
+    )
+
+
+def _check_nodes(path: Path, objects: list[_Object], node_names: set[str]) -> None:
+    """Every object's nodes exist and belong to it alone; names are unique."""
+    owner: dict[str, str] = {}
+    names: set[str] = set()
+    for item in objects:
+        if item.name in names:
+            raise SceneError(f"{path}: two objects are named {item.name!r}; give each its own name")
+        names.add(item.name)
+        for node in item.nodes:
+            if node not in node_names:
+                raise SceneError(
+                    f"{path}: object {item.name!r} names the node {node!r}, which the scene does "
+                    "not have; the file belongs to another scene or is out of date, "
+                    "write it again or remove it"
+                )
+            if node in owner and owner[node] != item.name:
+                raise SceneError(
+                    f"{path}: node {node!r} belongs to both {owner[node]!r} and {item.name!r}; "
+                    "list it once"
+                )
+            owner[node] = item.name

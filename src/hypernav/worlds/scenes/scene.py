@@ -1,0 +1,91 @@
+"""What a simulated world consists of: triangles, materials and named instances.
+
+The scene frame is z up, metres. A glTF file (y up) becomes ``(x, -z, y)``.
+"""
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from jaxtyping import Bool, Float32, Int32, UInt8
+
+from hypernav.core.labels import ObjectLabel
+
+
+class Wrap(IntEnum):
+    """What a texture shows beyond its edges."""
+
+    REPEAT = 0
+    MIRROR = 1
+    CLAMP = 2
+
+
+@dataclass(frozen=True, eq=False)
+class Material:
+    """How a surface looks.
+
+    Attributes:
+        name: For people.
+        color: sRGB, 0 to 1; multiplies the texture.
+        texture: sRGB image, first row at the top (v = 1); None for a plain colour.
+        wrap: Beyond the texture's edges, along u and along v.
+        opaque: Texels where the surface exists, for leaves and lace; None where all of it does.
+        unlit: Drawn in its own colour whatever the light: screens, lamps, scans.
+    """
+
+    name: str
+    color: tuple[float, float, float]
+    texture: UInt8[np.ndarray, "height width 3"] | None = None
+    wrap: tuple[Wrap, Wrap] = (Wrap.REPEAT, Wrap.REPEAT)
+    opaque: Bool[np.ndarray, "height width"] | None = None
+    unlit: bool = False
+
+
+@dataclass(frozen=True)
+class Instance:
+    """One thing of the scene.
+
+    Attributes:
+        id: Its number in ``Scene.face_instance``, equal to its place in ``Scene.instances``.
+        name: Unique within the scene.
+        label: What it is; None for walls, floors and ceilings, which nobody searches for.
+        box_min: Lowest corner of its axis-aligned box, scene frame, metres.
+        box_max: Highest corner.
+    """
+
+    id: int
+    name: str
+    label: ObjectLabel | None
+    box_min: tuple[float, float, float]
+    box_max: tuple[float, float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """A furnished building.
+
+    Attributes:
+        name: For people and results.
+        vertices: Metres, scene frame.
+        faces: Vertex numbers of every triangle, counter-clockwise seen from outside.
+        uv: Texture coordinates of every corner (v upwards).
+        colors: sRGB colour of every corner, multiplies the material; white where the file has none.
+        normals: Unit normal of every corner, for smooth shading; None shades every face flat.
+        face_material: Number in ``materials``.
+        face_instance: Number in ``instances``.
+        materials: All materials.
+        instances: All instances.
+        unlit: Whether light is already in the textures, as in scans.
+    """
+
+    name: str
+    vertices: Float32[np.ndarray, "vertices 3"]
+    faces: Int32[np.ndarray, "faces 3"]
+    uv: Float32[np.ndarray, "faces 3 2"]
+    colors: UInt8[np.ndarray, "faces 3 3"]
+    normals: Float32[np.ndarray, "faces 3 3"] | None
+    face_material: Int32[np.ndarray, "faces"]
+    face_instance: Int32[np.ndarray, "faces"]
+    materials: tuple[Material, ...]
+    instances: tuple[Instance, ...]
+    unlit: bool = False

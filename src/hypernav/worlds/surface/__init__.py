@@ -1,0 +1,1 @@
+"""The walkable surface: where a robot can stand, geodesics, view points and starts."""

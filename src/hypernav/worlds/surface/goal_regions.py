@@ -1,0 +1,115 @@
+"""Where a goal counts as reached, and how far that is."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64
+
+from hypernav.core.goal import Goal
+from hypernav.worlds.drawing.rays import RayCaster
+from hypernav.worlds.scenes.scene import Instance, Scene
+from hypernav.worlds.surface.geodesic import DistanceField
+from hypernav.worlds.surface.view_points import EYE_HEIGHT_M, REACH_M, view_points
+from hypernav.worlds.surface.walkable import WalkableGrid
+
+
+@dataclass(frozen=True, eq=False)
+class GoalRegion:
+    """The view points of everything that satisfies a goal.
+
+    Attributes:
+        goal: What was asked for.
+        instances: What satisfies it; empty if the scene holds no such thing.
+        view_points: Points on the floor, metres, scene frame; empty if none can be reached.
+        field: Geodesic distance to the nearest view point.
+    """
+
+    goal: Goal
+    instances: tuple[Instance, ...]
+    view_points: Float64[np.ndarray, "n 3"]
+    field: DistanceField
+
+    @staticmethod
+    def of_points(
+        goal: Goal,
+        walkable: WalkableGrid,
+        points: Float64[np.ndarray, "n 3"],
+        instances: tuple[Instance, ...] = (),
+    ) -> "GoalRegion":
+        """A region of given view points, for example those of an episode file."""
+        field = walkable.distance_field(np.ascontiguousarray(points[:, :2]))
+        return GoalRegion(goal, instances, points, field)
+
+    @property
+    def is_reachable(self) -> bool:
+        """Whether there is a view point at all."""
+        return len(self.view_points) > 0
+
+    def distance(self, x: float, y: float) -> float:
+        """Geodesic distance to the nearest view point, metres; infinite if there is no way."""
+        return self.field.distance(x, y)
+
+
+class GoalRegions:
+    """Goal regions of one scene; the view points of an object are computed once, when needed."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        walkable: WalkableGrid,
+        rays: RayCaster,
+        *,
+        reach_m: float = REACH_M,
+        eye_height_m: float = EYE_HEIGHT_M,
+    ) -> None:
+        """Take a scene.
+
+        Args:
+            scene: Holds the objects.
+            walkable: Where the robot can stand.
+            rays: Of the scene.
+            reach_m: Greatest horizontal distance of a view point to its object's box.
+            eye_height_m: Of the camera above the floor.
+        """
+        self._scene = scene
+        self._walkable = walkable
+        self._rays = rays
+        self._reach_m = reach_m
+        self._eye_height_m = eye_height_m
+        self._of_instance: dict[int, Float64[np.ndarray, "n 3"]] = {}
+
+    def of(self, goal: Goal) -> GoalRegion:
+        """The region of a goal. Legal for a goal that nothing satisfies: it is empty then."""
+        instances = tuple(
+            instance
+            for instance in self._scene.instances
+            if instance.label is not None and instance.label.satisfies(goal)
+        )
+        parts = [self.view_points(instance) for instance in instances]
+        points = np.unique(np.concatenate([np.zeros((0, 3)), *parts]), axis=0)
+        return GoalRegion.of_points(goal, self._walkable, points, instances)
+
+    def view_points(self, instance: Instance) -> Float64[np.ndarray, "n 3"]:
+        """The view points of one object."""
+        if instance.id not in self._of_instance:
+            self._of_instance[instance.id] = view_points(
+                self._scene,
+                self._walkable,
+                instance,
+                self._rays,
+                reach_m=self._reach_m,
+                eye_height_m=self._eye_height_m,
+            )
+        return self._of_instance[instance.id]
+
+    def categories(self) -> tuple[str, ...]:
+        """Categories of the scene's objects that have a view point, sorted."""
+        return tuple(
+            sorted(
+                {
+                    instance.label.category
+                    for instance in self._scene.instances
+                    if instance.label is not None and len(self.view_points(instance)) > 0
+                }
+            )
+        )

@@ -1,0 +1,48 @@
+"""Seeded random starts."""
+
+import math
+
+import numpy as np
+
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.worlds.surface.goal_regions import GoalRegion
+from hypernav.worlds.surface.walkable import WalkableGrid
+
+_DRAWS = 2000
+
+
+def random_start(
+    walkable: WalkableGrid,
+    rng: np.random.Generator,
+    region: GoalRegion | None = None,
+    *,
+    nearest_m: float = 2.0,
+    farthest_m: float = 30.0,
+) -> Pose2:
+    """A start pose from which a goal can be reached.
+
+    Args:
+        walkable: Where the robot can stand.
+        rng: Source of the pose.
+        region: The goal; without one (or if no path can lead to it) the start is any place.
+        nearest_m: Least geodesic distance to the goal.
+        farthest_m: Greatest geodesic distance to the goal.
+
+    Returns:
+        A uniformly drawn pose of the largest connected part with a geodesic distance in the range.
+        A goal so large or a home so small that there is none gets the farthest start found.
+
+    Raises:
+        StartError: The walkable surface is empty.
+    """
+    best, best_distance = walkable.random_point(rng), -math.inf
+    if region is not None and region.is_reachable:
+        for _ in range(_DRAWS):
+            point = walkable.random_point(rng)
+            distance = region.distance(*point)
+            if nearest_m <= distance <= farthest_m:
+                best = point
+                break
+            if math.isfinite(distance) and distance > best_distance:
+                best, best_distance = point, distance
+    return Pose2(*best, float(rng.uniform(-math.pi, math.pi)))

@@ -1,0 +1,104 @@
+"""View points: where a robot stands when it has reached an object.
+
+As Habitat's ObjectNav defines them: standable points within 1.0 m (horizontal) of the object's
+axis-aligned box from which the object is really visible. Habitat counts object pixels in images
+taken from the point with the camera turned to the object; here rays go from the camera's height
+to points on the object's surface, and one must meet the object before anything else. As there, the
+camera's direction and vertical field of view don't matter.
+"""
+
+import numpy as np
+from jaxtyping import Bool, Float32, Float64
+
+from hypernav.worlds.drawing.rays import RayCaster
+from hypernav.worlds.scenes.scene import Instance, Scene
+from hypernav.worlds.surface.walkable import WalkableGrid
+
+REACH_M = 1.0
+EYE_HEIGHT_M = 0.88
+
+_SURFACE_POINTS = 128
+_ROUNDS = (4, 12, 32, 80)
+"""So many surface points are tried at a time; most view points see one of the first."""
+
+
+def view_points(
+    scene: Scene,
+    walkable: WalkableGrid,
+    instance: Instance,
+    rays: RayCaster,
+    *,
+    reach_m: float = REACH_M,
+    eye_height_m: float = EYE_HEIGHT_M,
+) -> Float64[np.ndarray, "n 3"]:
+    """Where an object counts as reached.
+
+    Every cell of the largest connected part of the walkable surface is tried, so the points are one
+    cell (5 cm) apart and nobody can stand among them farther than that from one.
+
+    Args:
+        scene: Holds the object.
+        walkable: Where the robot can stand.
+        instance: The object.
+        rays: Of the scene.
+        reach_m: Greatest horizontal distance to the object's box.
+        eye_height_m: Of the camera above the floor.
+
+    Returns:
+        Points on the floor, metres, scene frame; empty if the object is seen from nowhere.
+    """
+    floor = _near(walkable, instance, reach_m)
+    eyes = floor + np.array([0.0, 0.0, eye_height_m])
+    return floor[_sees(scene, instance, eyes, rays)]
+
+
+def _near(walkable: WalkableGrid, instance: Instance, reach_m: float) -> Float64[np.ndarray, "n 3"]:
+    """Middles of standable cells around an object's box, with the floor's height."""
+    centres = walkable.centres()
+    low, high = np.array(instance.box_min[:2]), np.array(instance.box_max[:2])
+    gaps = np.maximum(np.maximum(low - centres, centres - high), 0.0)
+    near = (gaps**2).sum(axis=1) <= reach_m**2
+    heights = walkable.heights[walkable.components == 0][near]
+    return np.column_stack([centres[near], heights.astype(np.float64)])
+
+
+def _sees(
+    scene: Scene, instance: Instance, eyes: Float64[np.ndarray, "n 3"], rays: RayCaster
+) -> Bool[np.ndarray, "n"]:
+    """Whether an object is visible from each eye."""
+    surface = surface_points(scene, instance, _SURFACE_POINTS)
+    seen = np.zeros(len(eyes), dtype=bool)
+    first = 0
+    for count in _ROUNDS:
+        targets = surface[first : first + count]
+        first += count
+        waiting = np.flatnonzero(~seen)
+        if len(waiting) == 0 or len(targets) == 0:
+            break
+        origins = np.repeat(eyes[waiting].astype(np.float32), len(targets), axis=0)
+        directions = np.tile(targets, (len(waiting), 1)) - origins
+        met = rays.instances(origins, directions) == instance.id
+        seen[waiting] = met.reshape(len(waiting), len(targets)).any(axis=1)
+    return seen
+
+
+def surface_points(scene: Scene, instance: Instance, count: int) -> Float32[np.ndarray, "n 3"]:
+    """Points spread evenly over an object's surface, the same on every call.
+
+    The first few are spread as evenly as all of them. Empty if the object has no triangles.
+    """
+    corners = scene.vertices[scene.faces[scene.face_instance == instance.id]].astype(np.float64)
+    if len(corners) == 0:
+        return np.zeros((0, 3), dtype=np.float32)
+    sides = corners[:, 1:] - corners[:, :1]
+    areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) / 2.0
+    # Object files may hold triangles without area only, as for a line.
+    shares = np.cumsum(areas if areas.sum() > 0.0 else np.ones(len(areas)))
+    # Fractions of the three-dimensional golden ratio are spread evenly, however many are taken.
+    golden = 1.2207440846057596
+    along, u, v = (0.5 + np.arange(1, count + 1)[:, None] / golden ** np.arange(1, 4)).T % 1.0
+    chosen = np.minimum(np.searchsorted(shares, along * shares[-1]), len(corners) - 1)
+    folded = u + v > 1.0
+    u, v = np.where(folded, 1.0 - u, u), np.where(folded, 1.0 - v, v)
+    points = corners[chosen, 0] + u[:, None] * sides[chosen, 0] + v[:, None] * sides[chosen, 1]
+    return points.astype(np.float32)

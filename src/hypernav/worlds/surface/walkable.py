@@ -1,0 +1,208 @@
+"""Where a robot can stand and walk, computed from the triangles of a scene."""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Bool, Float32, Float64, Int32
+
+from hypernav.core.embodiment import RobotConfig
+from hypernav.core.errors import SceneError, StartError
+from hypernav.worlds.scenes.scene import Scene
+from hypernav.worlds.surface.geodesic import DistanceField, FreeSpace
+from hypernav.worlds.surface.storeys import CELL_M, Storey, find_storey
+from hypernav.worlds.surface.walkable_kernels import label_components, slide, walk
+
+_SMALLEST_ISLAND_M2 = 1.0
+"""Smaller pockets, cut off from the rest, are the insides of furniture and gaps behind it."""
+_ROUNDING = 1e-6
+"""Cells."""
+
+
+@dataclass(frozen=True, eq=False)
+class WalkableGrid:
+    """The truth about one storey: standable cells, their heights, and the ways between them.
+
+    The scene frame's x and y are used throughout, metres. A position is standable if its cell is.
+    Ways may run along the border of standable cells, but never slip between two diagonal cells.
+
+    Attributes:
+        standable: Cells where the robot's middle may be.
+        heights: Floor height of every standable cell, metres; NaN elsewhere.
+        components: Connected part of every cell: 0 is the largest, -1 is not standable.
+        cell_m: Side of a cell.
+        origin: Lower left corner of cell (0, 0).
+        floor_z: Height of the storey's floor (median).
+    """
+
+    standable: Bool[np.ndarray, "rows columns"]
+    heights: Float32[np.ndarray, "rows columns"]
+    components: Int32[np.ndarray, "rows columns"]
+    cell_m: float
+    origin: tuple[float, float]
+    floor_z: float
+
+    @staticmethod
+    def from_scene(
+        scene: Scene,
+        robot: RobotConfig | None = None,
+        *,
+        cell_m: float = CELL_M,
+        floor_z: float | None = None,
+    ) -> "WalkableGrid":
+        """Compute where a robot fits.
+
+        Args:
+            scene: All its triangles count, whatever they belong to: a closed door blocks.
+            robot: What has to fit.
+            cell_m: Side of a cell; the robot's clearance is kept to this accuracy.
+            floor_z: Height of the wanted storey's floor, metres; None takes the largest storey.
+
+        Raises:
+            SceneError: Nowhere in the scene (or on that storey) can the robot stand.
+        """
+        robot = robot or RobotConfig()
+        return _grid_of(find_storey(scene, robot, cell_m=cell_m, floor_z=floor_z), robot)
+
+    @staticmethod
+    def from_mask(
+        standable: Bool[np.ndarray, "rows columns"],
+        *,
+        cell_m: float = CELL_M,
+        origin: tuple[float, float] = (0.0, 0.0),
+        floor_z: float = 0.0,
+    ) -> "WalkableGrid":
+        """A flat floor with exactly these standable cells."""
+        heights = np.where(standable, np.float32(floor_z), np.float32(np.nan))
+        components = _by_size(*label_components(heights, math.inf))
+        return WalkableGrid(standable, heights, components, cell_m, origin, floor_z)
+
+    def cell_of(self, x: float, y: float) -> tuple[int, int]:
+        """The ``(row, column)`` that holds a point; may lie outside the grid."""
+        return (
+            math.floor((y - self.origin[1]) / self.cell_m),
+            math.floor((x - self.origin[0]) / self.cell_m),
+        )
+
+    def component_of(self, x: float, y: float) -> int:
+        """The connected part that a point lies in: 0 is the largest, -1 is not standable."""
+        row, column = self.cell_of(x, y)
+        rows, columns = self.components.shape
+        if not (0 <= row < rows and 0 <= column < columns):
+            return -1
+        return int(self.components[row, column])
+
+    def is_standable(self, x: float, y: float) -> bool:
+        """Whether the robot fits here."""
+        return self.component_of(x, y) >= 0
+
+    def height_at(self, x: float, y: float) -> float:
+        """Floor height at a standable point, metres; NaN elsewhere."""
+        return float(self.heights[self.cell_of(x, y)]) if self.is_standable(x, y) else math.nan
+
+    def centres(self, component: int = 0) -> Float64[np.ndarray, "n 2"]:
+        """Middle of every cell of one connected part, in order of rows."""
+        cells = np.argwhere(self.components == component)
+        return np.array(self.origin) + (cells[:, ::-1] + 0.5) * self.cell_m
+
+    def area_m2(self, component: int = 0) -> float:
+        """Area of one connected part."""
+        return int((self.components == component).sum()) * self.cell_m**2
+
+    def nearest_standable(self, x: float, y: float) -> tuple[float, float]:
+        """The middle of the cell of the largest part that is nearest to a point."""
+        centres = self.centres()
+        nearest = centres[np.argmin(((centres - (x, y)) ** 2).sum(axis=1))]
+        return float(nearest[0]), float(nearest[1])
+
+    def step(
+        self, x: float, y: float, dx: float, dy: float, sliding: bool = False
+    ) -> tuple[float, float]:
+        """Where a straight move ends.
+
+        Args:
+            x: Start, metres.
+            y: Start, metres.
+            dx: Wanted displacement, metres.
+            dy: Wanted displacement, metres.
+            sliding: Slide along what is in the way; by default the robot stops at the contact.
+
+        Returns:
+            The target (or up to half a cell beside it if the robot grazed a corner), or the
+            last standable point before the contact, or the point where the robot slid to. A robot
+            off the floor doesn't move.
+        """
+        u, v = (x - self.origin[0]) / self.cell_m, (y - self.origin[1]) / self.cell_m
+        du, dv = dx / self.cell_m, dy / self.cell_m
+        end_u, end_v, arrived = walk(self.standable, u, v, du, dv)
+        if arrived and math.dist((end_u, end_v), (u + du, v + dv)) < _ROUNDING:
+            return x + dx, y + dy
+        if sliding and not arrived:
+            end_u, end_v = slide(self.standable, u, v, du, dv)
+        return (
+            float(end_u * self.cell_m + self.origin[0]),
+            float(end_v * self.cell_m + self.origin[1]),
+        )
+
+    def distance(self, start: tuple[float, float], end: tuple[float, float]) -> float:
+        """Geodesic distance, metres; infinite if no way exists or a point is not standable."""
+        return self.free_space.distance(start, end)
+
+    def shortest_path(
+        self, start: tuple[float, float], end: tuple[float, float]
+    ) -> list[tuple[float, float]]:
+        """Corners of the shortest way with both ends; its length is `distance`. Empty if none."""
+        return self.free_space.shortest_path(start, end)
+
+    def distance_field(self, targets: Float64[np.ndarray, "n 2"]) -> DistanceField:
+        """Geodesic distance from anywhere to the nearest of many points."""
+        return self.free_space.distance_field(targets)
+
+    @cached_property
+    def free_space(self) -> FreeSpace:
+        """The standable cells as a space of shortest paths."""
+        return FreeSpace.of(self.standable, self.cell_m, self.origin)
+
+    def random_point(self, rng: np.random.Generator) -> tuple[float, float]:
+        """A point of the largest connected part, uniform over its area."""
+        cells = np.flatnonzero(self.components == 0)
+        if cells.size == 0:
+            raise StartError("the grid has no standable cell to draw a point from")
+        row, column = divmod(int(cells[rng.integers(cells.size)]), self.components.shape[1])
+        u, v = rng.uniform(0.001, 0.999, size=2)
+        return (
+            float(self.origin[0] + (column + u) * self.cell_m),
+            float(self.origin[1] + (row + v) * self.cell_m),
+        )
+
+
+def _by_size(
+    labels: Int32[np.ndarray, "rows columns"], sizes: np.ndarray
+) -> Int32[np.ndarray, "rows columns"]:
+    """Renumber parts so that the largest is 0 and -1 stays."""
+    rank = np.empty(sizes.size + 1, dtype=np.int32)
+    rank[np.argsort(-sizes, kind="stable")] = np.arange(sizes.size, dtype=np.int32)
+    rank[-1] = -1
+    return rank[labels]
+
+
+def _grid_of(storey: Storey, robot: RobotConfig) -> WalkableGrid:
+    """Number the parts of a storey and drop what is no floor: tabletops, insides of furniture."""
+    components = _by_size(*label_components(storey.heights, robot.max_step_m))
+    floor_z = float(np.median(storey.heights[components == 0]))
+    cells = np.bincount(components[components >= 0])
+    kept = 1
+    for part in range(1, cells.size):
+        height = float(np.median(storey.heights[components == part]))
+        is_floor = abs(height - floor_z) <= robot.max_step_m
+        if is_floor and cells[part] * storey.cell_m**2 >= _SMALLEST_ISLAND_M2:
+            components[components == part] = kept
+            kept += 1
+        else:
+            components[components == part] = -1
+    standable = components >= 0
+    if not standable.any():
+        raise SceneError("the robot fits nowhere in this scene")
+    heights = np.where(standable, storey.heights, np.float32(np.nan))
+    return WalkableGrid(standable, heights, components, storey.cell_m, storey.origin, floor_z)

@@ -1,0 +1,62 @@
+import hashlib
+import os
+import subprocess
+import sys
+
+import pytest
+
+from hypernav.houses.assembly import CompactScene
+from hypernav.houses.build import BUILTIN_HOUSE, build_compact, plan_of
+from hypernav.houses.textures.library import texture
+
+_SCRIPT = """
+from hypernav.houses.build import build_compact
+import test_house_bytes
+print(test_house_bytes.digest(build_compact({number})))
+"""
+
+
+def digest(house: CompactScene) -> str:
+    """All that a house consists of, pictures included."""
+    sha = hashlib.sha256()
+    for array in (house.positions, house.normals, house.uv, house.faces):
+        sha.update(array.tobytes())
+    for array in (house.face_material, house.face_instance):
+        sha.update(array.tobytes())
+    sha.update(repr((house.finishes, house.names, house.rooms, house.labels)).encode())
+    for key in dict.fromkeys(f.texture for f in house.finishes if f.texture):
+        sha.update(texture(key).tobytes())
+    return sha.hexdigest()
+
+
+def elsewhere(number: int, hash_seed: str) -> str:
+    """The digest as another process computes it, with another order of sets and hashes."""
+    here = os.path.dirname(__file__)
+    run = subprocess.run(
+        [sys.executable, "-c", _SCRIPT.format(number=number)],
+        env={**os.environ, "PYTHONHASHSEED": hash_seed, "PYTHONPATH": here},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return run.stdout.strip()
+
+
+def test_two_processes_build_the_same_bytes():
+    assert elsewhere(BUILTIN_HOUSE, "1") == digest(build_compact(BUILTIN_HOUSE))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [3, 11, 1002, 123_456])
+def test_more_processes_build_the_same_bytes(number: int):
+    assert elsewhere(number, "1") == elsewhere(number, "2")
+
+
+def test_other_numbers_are_other_houses():
+    assert plan_of(3) != plan_of(4)
+
+
+@pytest.mark.freeze
+def test_500_houses_in_a_row_can_be_built():
+    for number in range(10_000, 10_500):
+        assert len(build_compact(number).names) > 40

@@ -1,0 +1,106 @@
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hypernav.houses.build import BUILTIN_HOUSE, build_house
+from hypernav.houses.cache import cache_folder, cached_house, generator_version
+from hypernav.worlds.scenes.scene import Scene
+
+NUMBER = BUILTIN_HOUSE
+
+
+@pytest.fixture(scope="module")
+def built() -> Scene:
+    return build_house(NUMBER)
+
+
+@pytest.fixture(scope="module")
+def master(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("master")
+    cached_house(NUMBER, folder)
+    return folder
+
+
+@pytest.fixture
+def filled(master: Path, tmp_path: Path) -> Path:
+    shutil.copytree(master, tmp_path, dirs_exist_ok=True)
+    return tmp_path
+
+
+def files(folder: Path) -> tuple[Path, list[Path]]:
+    home = folder / "houses" / generator_version()
+    return home / f"{NUMBER}.npz", sorted((home / "textures").iterdir())
+
+
+def check_same(a: Scene, b: Scene) -> None:
+    for name in ("vertices", "faces", "uv", "colors", "normals", "face_material", "face_instance"):
+        assert np.array_equal(getattr(a, name), getattr(b, name)), name
+    assert a.instances == b.instances
+    assert a.name == b.name
+    for one, two in zip(a.materials, b.materials, strict=True):
+        assert (one.name, one.color, one.wrap, one.unlit) == (
+            two.name,
+            two.color,
+            two.wrap,
+            two.unlit,
+        )
+        assert (one.texture is None) == (two.texture is None)
+        if one.texture is not None and two.texture is not None:
+            assert np.array_equal(one.texture, two.texture)
+
+
+def test_a_house_from_the_cache_is_the_house(built: Scene, filled: Path):
+    check_same(cached_house(NUMBER, filled), built)
+
+
+def test_nothing_is_left_over(filled: Path):
+    house, _ = files(filled)
+    assert not [p for p in house.parent.rglob("*") if p.name.startswith(".new")]
+
+
+@pytest.mark.parametrize("content", [b"", b"not a zip file", b"PK\x03\x04 broken"])
+def test_a_broken_file_is_replaced(built: Scene, filled: Path, content: bytes):
+    house, _ = files(filled)
+    good = house.read_bytes()
+    house.write_bytes(content)
+    check_same(cached_house(NUMBER, filled), built)
+    assert len(house.read_bytes()) == len(good)
+
+
+def test_a_cut_file_is_replaced(built: Scene, filled: Path):
+    house, _ = files(filled)
+    house.write_bytes(house.read_bytes()[:-2000])
+    check_same(cached_house(NUMBER, filled), built)
+
+
+def test_broken_textures_are_made_again(
+    built: Scene, filled: Path, monkeypatch: pytest.MonkeyPatch
+):
+    _, textures = files(filled)
+    textures[0].write_bytes(b"broken")
+    np.save(textures[1], np.zeros(3))
+    from hypernav.houses.textures import library
+
+    monkeypatch.setattr(library, "_PICTURES", {})
+    check_same(cached_house(NUMBER, filled), built)
+    assert np.load(textures[0]).ndim == 3
+
+
+def test_a_cache_that_cannot_be_written_is_done_without(built: Scene, tmp_path: Path):
+    blocked = tmp_path / "file"
+    blocked.write_text("in the way")
+    check_same(cached_house(NUMBER, blocked), built)
+
+
+def test_negative_numbers_are_no_houses(tmp_path: Path):
+    with pytest.raises(ValueError, match="start at 0"):
+        cached_house(-1, tmp_path)
+
+
+def test_the_folder_can_be_chosen(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+    monkeypatch.setenv("HYPERNAV_CACHE", str(tmp_path))
+    assert cache_folder() == tmp_path
+    monkeypatch.delenv("HYPERNAV_CACHE")
+    assert cache_folder().name == "hypernav"

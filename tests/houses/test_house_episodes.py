@@ -1,0 +1,243 @@
+"""Laws of the houses' episodes, on few houses; all of them where tests may take minutes."""
+
+import math
+
+import numpy as np
+import pytest
+
+from box_houses import box_house
+from box_scenes import room_boxes, scene_of
+from hypernav.core.errors import EpisodeError
+from hypernav.core.goal import Goal
+from hypernav.datasets.files import read_episodes, write_episodes
+from hypernav.datasets.frames import pose_from_habitat
+from hypernav.houses.build import BUILTIN_HOUSE, build_house
+from hypernav.houses.episodes import cache as episode_cache
+from hypernav.houses.episodes.difficulty import difficulty
+from hypernav.houses.episodes.generate import EPISODES_PER_HOUSE, house_episodes
+from hypernav.houses.episodes.queries import CATEGORIES, HABITAT_CATEGORIES
+from hypernav.houses.episodes.site import Site
+from hypernav.houses.episodes.splits import ROUND, SPLITS, load_split
+
+HOUSE = BUILTIN_HOUSE
+STYLES = ("categories", "phrases")
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return build_house(HOUSE)
+
+
+@pytest.fixture(scope="module")
+def site(scene):
+    return Site.of(scene)
+
+
+@pytest.fixture(scope="module", params=STYLES)
+def dataset(scene, request):
+    return house_episodes(scene, HOUSE, request.param)
+
+
+@pytest.fixture
+def box_houses(monkeypatch):
+    """Splits of houses out of boxes, which take no time to build."""
+    monkeypatch.setattr(episode_cache, "cached_house", box_house)
+
+
+def check_laws(dataset, site):
+    """Every start can be stood on, and is as far from the goal as the file says."""
+    regions = {e.object_category: site.regions.of(e.goal) for e in dataset.episodes}
+    for episode in dataset.episodes:
+        pose, floor_z = pose_from_habitat(episode.start_position, episode.start_rotation)
+        assert site.walkable.component_of(pose.x, pose.y) == 0
+        assert floor_z == pytest.approx(site.walkable.height_at(pose.x, pose.y), abs=1e-4)
+        region = regions[episode.object_category]
+        assert site.roomy.component_of(pose.x, pose.y) == 0
+        assert site.has_roomy(region.view_points)
+        distance = region.distance(pose.x, pose.y)
+        assert 2.0 <= distance <= 30.0
+        assert episode.info["geodesic_distance"] == pytest.approx(distance, rel=0.01)
+        assert 0.0 <= episode.info["euclidean_distance"] <= episode.info["geodesic_distance"]
+        goals = {goal.object_id: goal for goal in dataset.goals_of(episode)}
+        reached = {i.id for i in region.instances if len(site.regions.view_points(i))}
+        assert set(goals) == reached
+        assert episode.info["closest_goal_object_id"] in reached
+        assert all(goal.view_points for goal in goals.values())
+
+
+def test_starts_and_goals_hold_what_the_file_says(dataset, site):
+    assert len(dataset.episodes) == EPISODES_PER_HOUSE
+    check_laws(dataset, site)
+
+
+def test_distances_are_measured_to_the_full_region_which_no_place_lies_far_from(dataset, site):
+    for episode in {e.object_category: e for e in dataset.episodes}.values():
+        region = site.regions.of(episode.goal)
+        kept = dataset.view_points_of(episode)
+        gaps = np.linalg.norm(kept[:, None, :2] - region.view_points[None, :, :2], axis=2)
+        assert gaps.min(axis=1).max() < 1e-4
+        # One cell in both directions; at the edges of a region it may be two.
+        assert np.quantile(gaps.min(axis=0), 0.9) <= math.hypot(0.1, 0.1) + 1e-3
+
+
+def test_view_points_look_at_their_object(dataset):
+    goals = [goal for found in dataset.goals_by_category.values() for goal in found]
+    for goal in goals:
+        for point in goal.view_points[:3]:
+            pose, _ = pose_from_habitat(point.agent_state.position, point.agent_state.rotation)
+            bearing = math.atan2(-goal.position[2] - pose.y, goal.position[0] - pose.x)
+            assert math.cos(bearing - pose.yaw) > 0.999
+
+
+def test_the_same_house_gives_the_same_bytes(dataset, scene, tmp_path):
+    style = "phrases" if "vocabulary" in dataset.episodes[0].info else "categories"
+    write_episodes(dataset, tmp_path / "a.json.gz")
+    write_episodes(house_episodes(scene, HOUSE, style), tmp_path / "b.json.gz")
+    assert (tmp_path / "a.json.gz").read_bytes() == (tmp_path / "b.json.gz").read_bytes()
+
+
+def test_what_is_written_is_what_is_read(dataset, tmp_path):
+    path = tmp_path / "house.json.gz"
+    write_episodes(dataset, path)
+    assert read_episodes(path) == dataset
+
+
+def test_categories_are_spread_evenly(scene):
+    asked = difficulty(house_episodes(scene, HOUSE, "categories")).goals
+    assert set(asked) <= set(CATEGORIES)
+    assert max(asked.values()) - min(asked.values()) <= 1
+    labels = [i.label for i in scene.instances if i.label]
+    held = {c for c in HABITAT_CATEGORIES if any(x.satisfies(Goal(c)) for x in labels)}
+    assert len(held & set(asked)) >= 4
+
+
+def test_phrases_use_seen_synonymous_and_unseen_names_alike(scene):
+    dataset = house_episodes(scene, HOUSE, "phrases")
+    found = difficulty(dataset)
+    assert set(found.vocabulary) == {"seen", "synonym", "unseen"}
+    assert min(found.vocabulary.values()) >= EPISODES_PER_HOUSE // 4
+    assert found.descriptions >= EPISODES_PER_HOUSE // 5
+    unseen = {e.object_category for e in dataset.episodes if e.info["vocabulary"] == "unseen"}
+    assert unseen.isdisjoint(CATEGORIES)
+
+
+def test_a_description_is_true_of_some_and_false_of_others_of_the_name(scene):
+    dataset = house_episodes(scene, HOUSE, "phrases")
+    labels = {i.id: i.label for i in scene.instances if i.label}
+    described = [e for e in dataset.episodes if e.info["is_description"]]
+    for episode in described:
+        true = {number for number, label in labels.items() if label.satisfies(episode.goal)}
+        missed = episode.info["near_miss_object_ids"]
+        assert true
+        assert missed
+        assert true.isdisjoint(missed)
+        assert (len(true) == 1) == episode.object_category.startswith("the ")
+
+
+def test_a_house_without_anything_to_find_says_so():
+    empty = scene_of(*room_boxes(6.0, 4.0), name="houses:7")
+    for style in STYLES:
+        with pytest.raises(EpisodeError, match="houses:7"):
+            house_episodes(empty, 7, style)
+
+
+def test_nothing_begins_or_ends_behind_a_gap_that_the_robot_hardly_fits_through():
+    walls = [(None, (7.0, 0.0, 0.0), (7.1, 1.8, 2.5)), (None, (7.0, 2.25, 0.0), (7.1, 4.0, 2.5))]
+    things = [
+        ("bed", (0.2, 0.2, 0.0), (1.2, 1.8, 0.5)),
+        ("chair", (9.4, 0.1, 0.0), (9.8, 0.5, 0.9)),
+    ]
+    scene = scene_of(*room_boxes(10.0, 4.0), *walls, *things, name="houses:7")
+    site = Site.of(scene)
+    assert site.walkable.component_of(8.0, 2.0) == 0
+    assert site.roomy.component_of(8.0, 2.0) != 0
+    episodes = house_episodes(scene, 7, "categories").episodes
+    assert {episode.object_category for episode in episodes} == {"bed"}
+    starts = [pose_from_habitat(e.start_position, e.start_rotation)[0] for e in episodes]
+    assert max(start.x for start in starts) < 7.0
+
+
+def test_rooms_on_a_path_are_counted_by_their_floors():
+    floors = [(None, (0.0, 0.0, -0.1), (3.0, 4.0, 0.0)), (None, (3.0, 0.0, -0.1), (6.0, 4.0, 0.0))]
+    scene = scene_of(*room_boxes(6.0, 4.0), *floors)
+    for instance, name in zip(scene.instances[-2:], ("floor_hall_1", "floor_bath_1"), strict=True):
+        object.__setattr__(instance, "name", name)
+    site = Site.of(scene)
+    assert site.rooms_on([(1.0, 1.0), (2.0, 2.0)]) == 1
+    assert site.rooms_on([(1.0, 1.0), (5.0, 1.0), (1.0, 2.0)]) == 2
+    assert site.rooms_on([(7.0, 7.0), (8.0, 7.0)]) == 0
+
+
+def test_splits_share_no_house():
+    val, ovon, train = SPLITS["houses-val"], SPLITS["houses-ovon"], SPLITS["houses-train"]
+    assert len(val.houses) == len(ovon.houses) == 36
+    assert val.episodes == ovon.episodes == 1000
+    assert not set(val.houses) & set(ovon.houses)
+    assert not set(train.houses) & (set(val.houses) | set(ovon.houses))
+    for taken in (range(999, 1001), range(1035, 1036), range(2000, 2001), range(0, 5000)):
+        with pytest.raises(EpisodeError, match="belong to houses-"):
+            train.check(taken)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"name": "houses-vall"}, "did you mean 'houses-val'"),
+        ({"name": "nothing"}, "houses-train"),
+        ({"name": "houses-val", "houses": range(999, 1001)}, "1000:1036"),
+        ({"name": "houses-val", "houses": range(1004, 1004)}, "FIRST < END"),
+        ({"name": "houses-val", "count": 1001}, "1 to 1000"),
+        ({"name": "houses-val", "count": 0}, "1 to 1000"),
+        ({"name": "houses-train", "houses": range(5, 7), "count": 57}, "1 to 56"),
+    ],
+)
+def test_what_a_split_does_not_have_is_said_before_any_house_is_built(arguments, words):
+    with pytest.raises(EpisodeError, match=words):
+        load_split(**arguments)
+
+
+def test_a_split_visits_houses_in_rounds_and_subsets_agree(box_houses, tmp_path):
+    seen = []
+    whole = load_split(
+        "houses-train", houses=range(5, 8), cache=tmp_path, progress=lambda *told: seen.append(told)
+    )
+    assert seen == [(0, 3), (1, 3), (2, 3), (3, 3)]
+    assert len(whole.episodes) == len({e.episode_id for e in whole.episodes}) == 84
+    scenes = [e.scene_id for e in whole.episodes[: 3 * ROUND]]
+    assert scenes == [f"houses:{number}" for number in (5, 6, 7) for _ in range(ROUND)]
+    some = load_split("houses-train", houses=range(5, 8), count=6, cache=tmp_path)
+    assert some.episodes == whole.episodes[:6]
+    assert set(some.goals_by_category) == {e.goals_key() for e in some.episodes}
+    one = load_split("houses-train", houses=range(6, 7), cache=tmp_path)
+    assert one.episodes == [e for e in whole.episodes if e.scene_id == "houses:6"]
+    assert set(one.category_to_task_category_id) == {"bed", "chair"}
+
+
+def test_a_broken_cache_file_is_made_again(box_houses, tmp_path, monkeypatch):
+    fresh = episode_cache.cached_episodes(5, "categories", tmp_path)
+    (path,) = tmp_path.rglob("*.json.gz")
+    good = path.read_bytes()
+    path.write_bytes(good[: len(good) // 2])
+    assert episode_cache.cached_episodes(5, "categories", tmp_path) == fresh
+    assert path.read_bytes() == good
+    monkeypatch.setattr(episode_cache, "cached_house", None)
+    assert episode_cache.cached_episodes(5, "categories", tmp_path) == fresh
+
+
+def test_a_cache_that_cannot_be_written_is_done_without(box_houses, tmp_path):
+    occupied = tmp_path / "file"
+    occupied.write_text("not a folder")
+    assert episode_cache.cached_episodes(5, "categories", occupied).episodes
+
+
+@pytest.mark.freeze
+@pytest.mark.parametrize("name", ["houses-val", "houses-ovon"])
+def test_the_whole_split_obeys_the_laws(name):
+    split = SPLITS[name]
+    dataset = load_split(name)
+    assert len(dataset.episodes) == split.episodes
+    assert {e.scene_id for e in dataset.episodes} == {f"houses:{n}" for n in split.houses}
+    for number in split.houses:
+        own = [e for e in dataset.episodes if e.scene_id == f"houses:{number}"]
+        part = dataset.model_copy(update={"episodes": own})
+        check_laws(part, Site.of(build_house(number)))

@@ -1,0 +1,131 @@
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from hypernav.core.errors import SceneError
+from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
+from hypernav.core.labels import ObjectLabel
+from hypernav.houses.build import BUILTIN_HOUSE, build_house
+from hypernav.houses.export.descriptions import describe
+from hypernav.houses.export.files import ExportedHouse, export_house
+from hypernav.houses.export.page import house_page
+from hypernav.worlds.drawing.renderer import CpuRenderer
+from hypernav.worlds.scenes.loading import load_scene
+from hypernav.worlds.scenes.scene import Scene
+
+NUMBER = BUILTIN_HOUSE
+
+
+@pytest.fixture(scope="module")
+def built() -> Scene:
+    return build_house(NUMBER)
+
+
+@pytest.fixture(scope="module")
+def exported(tmp_path_factory: pytest.TempPathFactory) -> ExportedHouse:
+    return export_house(NUMBER, tmp_path_factory.mktemp("house") / "new")
+
+
+@pytest.fixture(scope="module")
+def loaded(exported: ExportedHouse) -> Scene:
+    return load_scene(exported.glb)
+
+
+def test_all_things_come_back_with_their_labels(built: Scene, loaded: Scene):
+    by_name = {i.name: i for i in loaded.instances}
+    assert set(by_name) == {i.name for i in built.instances}
+    for instance in built.instances:
+        other = by_name[instance.name]
+        assert other.label == instance.label
+        assert np.allclose(other.box_min, instance.box_min, atol=1e-4)
+        assert np.allclose(other.box_max, instance.box_max, atol=1e-4)
+    assert len(loaded.faces) == len(built.faces)
+
+
+def test_it_looks_the_same(built: Scene, loaded: Scene):
+    camera = PinholeCamera.from_hfov(160, 120, 79.0)
+    bed = next(i for i in built.instances if i.label and i.label.category == "bed")
+    x, y = bed.box_max[0] + 0.4, (bed.box_min[1] + bed.box_max[1]) / 2
+    pose = Pose2(x, y, np.pi).to_transform() @ optical_to_base(1.2, 10.0)
+    one, two = (CpuRenderer(s).render(camera, pose).rgb for s in (built, loaded))
+    difference = np.abs(one.astype(int) - two.astype(int))
+    assert (difference > 8).mean() < 0.01
+
+
+def test_other_readers_open_the_file(exported: ExportedHouse, built: Scene):
+    scene = trimesh.load(exported.glb)
+    assert isinstance(scene, trimesh.Scene)
+    assert len(scene.graph.nodes_geometry) >= len(built.instances)
+    low, high = scene.bounds
+    # glTF is y up.
+    assert high[1] == pytest.approx(built.vertices[:, 2].max(), abs=1e-3)
+    assert low[0] == pytest.approx(built.vertices[:, 0].min(), abs=1e-3)
+
+
+def test_objects_have_the_known_format(exported: ExportedHouse, built: Scene):
+    objects = json.loads(exported.objects.read_text())["objects"]
+    assert [o["id"] for o in objects] == list(range(len(built.instances)))
+    sofa = next(o for o in objects if o["category"] == "sofa")
+    assert sofa["nodes"] == [sofa["name"]]
+    assert not sofa["structural"]
+    (x0, y0, z0), (x1, y1, z1) = sofa["aabb_zup"]
+    assert sofa["aabb_gltf"] == [[x0, z0, -y1], [x1, z1, -y0]]
+    assert sofa["room"] == "living room"
+    assert "couch" in sofa["synonyms"]
+    assert sofa["description"].endswith("in the living room")
+    assert any(o["structural"] and o["category"] == "wall" for o in objects)
+
+
+def test_a_description_is_true_of_its_thing(built: Scene):
+    for label in [i.label for i in built.instances if i.label is not None]:
+        assert label.satisfies(Goal(describe(label))), describe(label)
+
+
+def test_descriptions_read_well():
+    beside = ("L-shaped sofa", "coffee table")
+    label = ObjectLabel("sofa", ("L-shaped sofa",), ("teal", "L-shaped"), "living room", beside)
+    assert describe(label) == "teal L-shaped sofa beside the coffee table in the living room"
+    assert describe(ObjectLabel("sofa")) == "sofa"
+
+
+def test_habitat_finds_its_semantics(exported: ExportedHouse, built: Scene):
+    config = json.loads(exported.dataset_config.read_text())
+    stage = config["stages"]["default_attributes"]
+    assert config["stages"]["paths"][".glb"] == [exported.glb.name]
+    for key, path in (
+        ("semantic_asset", exported.semantic_glb),
+        ("semantic_descriptor_filename", exported.semantic_txt),
+    ):
+        name = stage[key].replace("%%CONFIG_NAME_AS_ASSET_FILENAME%%", exported.glb.stem)
+        assert name == path.name
+    lines = exported.semantic_txt.read_text().splitlines()
+    assert lines[0] == "HM3D Semantic Annotations"
+    rows = [line.split(",") for line in lines[1:]]
+    assert [int(r[0]) for r in rows] == list(range(1, len(built.instances) + 1))
+    assert len({r[1] for r in rows}) == len(rows)
+    mesh = trimesh.load(exported.semantic_glb, force="mesh")
+    assert isinstance(mesh, trimesh.Trimesh)
+    assert len(mesh.faces) == len(built.faces)
+
+
+def test_a_folder_that_cannot_be_made_is_an_error(tmp_path: Path):
+    blocked = tmp_path / "file"
+    blocked.write_text("in the way")
+    with pytest.raises(SceneError, match="cannot be written"):
+        export_house(NUMBER, blocked / "house")
+
+
+def test_the_page_shows_all(tmp_path: Path):
+    page = house_page(NUMBER, tmp_path / "pages")
+    text = page.read_text()
+    assert page.name == f"house_{NUMBER}.html"
+    assert "<svg" in text
+    assert text.count("data:image/png;base64,") == 5
+    assert "refrigerator" in text
+    assert "http://www.w3.org/2000/svg" in text
+    assert 'src="http' not in text

@@ -1,0 +1,118 @@
+from collections.abc import Callable
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hypernav.core.errors import (
+    ChatTimeoutError,
+    ChatTransportError,
+    ModelRejectedError,
+    ModelUnavailableError,
+)
+from hypernav.models.chat.config import ChatConfig
+from hypernav.models.chat.retry import Retry, RetryLaterError
+
+
+class Time:
+    """A clock that only sleeping moves."""
+
+    def __init__(self) -> None:
+        self.now = 0.0
+        self.waits: list[float] = []
+
+    def sleep(self, seconds: float) -> None:
+        self.waits.append(seconds)
+        self.now += seconds
+
+
+def patience(time: Time, **settings: float) -> Retry:
+    return Retry(ChatConfig(**settings), sleep=time.sleep, clock=lambda: time.now)
+
+
+def failing(times: int, error: Exception) -> Callable[[float], str]:
+    left = [times]
+
+    def attempt(limit_s: float) -> str:
+        assert limit_s > 0.0
+        if left[0] > 0:
+            left[0] -= 1
+            raise error
+        return "done"
+
+    return attempt
+
+
+def test_waits_double_up_to_the_longest():
+    time = Time()
+    result, lost = patience(time, longest_wait_s=3.0).call(
+        failing(5, ChatTransportError("lost")), who="m"
+    )
+    assert (result, lost) == ("done", {"transport": 5})
+    assert time.waits == [0.5, 1.0, 2.0, 3.0, 3.0]
+
+
+def test_heeds_what_the_server_asks_for_within_bounds():
+    time = Time()
+    attempt = failing(1, RetryLaterError("busy", 2.5))
+    assert patience(time).call(attempt, who="m") == ("done", {"transport": 1})
+    assert patience(time).call(failing(1, RetryLaterError("busy", 900.0)), who="m")[1].total() == 1
+    assert time.waits == [2.5, 8.0]
+
+
+@given(
+    st.floats(0.0, 60.0),
+    st.floats(0.01, 5.0),
+    st.floats(0.1, 20.0),
+    st.sampled_from([ChatTransportError("lost"), ChatTimeoutError("slow")]),
+)
+def test_gives_up_within_the_patience(limit: float, first: float, longest: float, error: Exception):
+    time = Time()
+    with pytest.raises(ModelUnavailableError, match="patience"):
+        patience(time, patience_s=limit, first_wait_s=first, longest_wait_s=longest).call(
+            failing(10**6, error), who="m"
+        )
+    assert time.now <= limit
+
+
+def test_lost_attempts_are_counted_by_reason():
+    def attempt(limit_s: float) -> str:
+        if errors:
+            raise errors.pop()
+        return "done"
+
+    errors: list[Exception] = [
+        ChatTimeoutError("a"),
+        ChatTransportError("b"),
+        ChatTimeoutError("c"),
+    ]
+    assert patience(Time()).call(attempt, who="m")[1] == {"timeout": 2, "transport": 1}
+
+
+def test_no_patience_means_one_attempt():
+    time = Time()
+    with pytest.raises(ModelUnavailableError, match="in 1 attempt within"):
+        patience(time, patience_s=0.0).call(failing(1, ChatTransportError("lost")), who="m")
+    assert time.waits == []
+
+
+def test_an_attempt_may_last_no_longer_than_the_patience_that_is_left():
+    time = Time()
+    limits: list[float] = []
+
+    def slow(limit_s: float) -> None:
+        limits.append(limit_s)
+        time.now += limit_s
+        raise ChatTimeoutError("slow")
+
+    with pytest.raises(ModelUnavailableError):
+        patience(time, patience_s=10.0, timeout_s=4.0, first_wait_s=1.0).call(slow, who="m")
+    assert limits == [4.0, 4.0]
+    assert time.now <= 10.0
+
+
+def test_what_cannot_succeed_is_not_repeated():
+    time = Time()
+    with pytest.raises(ModelRejectedError):
+        patience(time).call(failing(1, ModelRejectedError("no such model")), who="m")
+    assert time.waits == []

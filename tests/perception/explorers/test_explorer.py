@@ -1,0 +1,110 @@
+import math
+
+import numpy as np
+import pytest
+
+from hypernav.core.geometry.grid import Cell, OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
+from hypernav.core.overview import BlockChoice
+from hypernav.core.trace import ExchangeLog
+from hypernav.mapping.config import MappingConfig
+from hypernav.perception.explorers.block_explorer import BlockExplorer, OverviewConfig
+from hypernav.perception.explorers.explorer import last_free_towards
+from hypernav.perception.explorers.nearest_frontier import NearestFrontierExplorer
+
+HERE = Pose2(0.0, 0.0, 0.0)
+
+
+def hall(length_m=8.0, width_m=2.0):
+    """A free hall along x with walls on both sides, open into the unknown at both ends."""
+    columns, rows = round(length_m / 0.05) + 40, round(width_m / 0.05) + 40
+    cells = np.zeros((rows, columns), dtype=np.uint8)
+    cells[20:-20, 20:-20] = Cell.FREE
+    cells[19, 20:-20] = cells[-20, 20:-20] = Cell.OCCUPIED
+    return OccupancyGrid(cells, 0.05, (-length_m / 2 - 1.0, -width_m / 2 - 1.0))
+
+
+class Insists:
+    """Names blocks from a list, whatever is excluded; notes what was excluded."""
+
+    def __init__(self, *numbers):
+        self._numbers = list(numbers)
+        self.excluded = []
+
+    def choose(self, overview, goal, excluded):
+        self.excluded.append(set(excluded))
+        return BlockChoice(self._numbers.pop(0), "because")
+
+
+def blocks_explorer(reasoner):
+    return BlockExplorer(reasoner, OverviewConfig(), MappingConfig())
+
+
+def test_the_last_free_place_lies_before_the_unknown():
+    x, y = last_free_towards(hall(), HERE, 0.0)
+    assert (x, y) == pytest.approx((4.0, 0.0), abs=0.06)
+
+
+def test_the_last_free_place_lies_before_a_wall():
+    x, y = last_free_towards(hall(), HERE, math.pi / 2)
+    assert (x, y) == pytest.approx((0.0, 1.0), abs=0.11)
+
+
+def test_without_free_floor_ahead_there_is_no_way_on():
+    assert last_free_towards(hall(), Pose2(9.0, 9.0, 0.0), 0.0) == (9.0, 9.0)
+
+
+def test_the_chosen_block_is_the_destination():
+    destination = blocks_explorer(Insists(1)).next_destination(hall(), HERE, [(0.0, 0.0)])
+    block = next(b for b in destination.blocks if b.number == 1)
+    assert destination.xy == block.destination
+    assert destination.reason == "because"
+
+
+def test_a_visited_block_is_excluded_and_asked_about_again():
+    first = blocks_explorer(Insists(1)).next_destination(hall(), HERE, [(0.0, 0.0)])
+    reasoner = Insists(1, 2)
+    explorer = blocks_explorer(reasoner)
+    explorer.remember_visit(*first.xy)
+    second = explorer.next_destination(hall(), HERE, [(0.0, 0.0)])
+    assert reasoner.excluded == [set(), {1}]
+    assert second.xy != first.xy
+
+
+def test_a_reasoner_that_insists_on_visited_blocks_ends_the_search():
+    explorer = blocks_explorer(Insists(1, 1, 1, 1))
+    first = explorer.next_destination(hall(), HERE, [(0.0, 0.0)])
+    explorer.remember_visit(*first.xy)
+    explorer._reasoner = Insists(1, 1, 1, 1)
+    assert explorer.next_destination(hall(), HERE, [(0.0, 0.0)]) is None
+
+
+def test_a_new_search_forgets_visits():
+    explorer = blocks_explorer(Insists(1, 1))
+    first = explorer.next_destination(hall(), HERE, [(0.0, 0.0)])
+    explorer.remember_visit(*first.xy)
+    explorer.reset(Goal("bed"))
+    assert explorer.next_destination(hall(), HERE, [(0.0, 0.0)]).xy == first.xy
+
+
+def test_the_nearest_frontier_is_chosen_and_written_down():
+    log = ExchangeLog()
+    explorer = NearestFrontierExplorer(log, MappingConfig())
+    near_left = Pose2(-2.5, 0.0, 0.0)
+    destination = explorer.next_destination(hall(), near_left, [near_left.xy])
+    assert destination.x < -3.5
+    (exchange,) = log.drain()
+    assert (exchange.kind, exchange.asked) == ("choose frontier", "geometric")
+    explorer.remember_visit(*destination.xy)
+    assert explorer.next_destination(hall(), near_left, [near_left.xy]).x > 3.5
+
+
+def test_an_explored_map_leaves_nothing_to_choose():
+    grid = hall()
+    closed = grid.cells.copy()
+    closed[19:-19, 19] = closed[19:-19, -20] = Cell.OCCUPIED
+    closed[19:-19, 20:-20][closed[19:-19, 20:-20] == Cell.UNKNOWN] = Cell.OCCUPIED
+    grid = OccupancyGrid(closed, grid.resolution_m, grid.origin)
+    explorer = NearestFrontierExplorer(ExchangeLog(), MappingConfig())
+    assert explorer.next_destination(grid, HERE, [HERE.xy]) is None

@@ -1,0 +1,85 @@
+import numpy as np
+import pytest
+
+from box_scenes import room_boxes, scene_of
+from hypernav.core.geometry.boxes import Box
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
+from hypernav.perception.local.depth_cut import DepthCutSegmenter
+from hypernav.perception.local.goal_area import points_under_mask
+from hypernav.perception.local.ground_truth import GroundTruthDetector
+from hypernav.worlds.simulation import SimulatedWorld, SimulationConfig
+from images import THING, thing_before_wall
+
+
+def overlap(a, b):
+    return (a & b).sum() / (a | b).sum()
+
+
+@pytest.mark.parametrize("box", [(55, 35, 105, 85), (60, 40, 100, 80), (58, 42, 98, 84)])
+def test_a_loose_box_is_cut_to_the_thing(box):
+    observation = thing_before_wall()
+    mask = DepthCutSegmenter().segment(observation, Box(*map(float, box)))
+    assert overlap(mask, observation.truth.ids == THING) > 0.85
+
+
+def test_the_nearer_of_two_surfaces_is_the_thing():
+    observation = thing_before_wall(thing_m=1.5, wall_m=2.2, box=(50, 30, 110, 90))
+    mask = DepthCutSegmenter().segment(observation, Box(40.0, 20.0, 120.0, 100.0))
+    assert observation.depth[mask].max() == pytest.approx(1.5)
+
+
+def test_the_same_image_gives_the_same_cut():
+    observation = thing_before_wall()
+    box = Box(55.0, 35.0, 105.0, 85.0)
+    cuts = [DepthCutSegmenter().segment(observation, box) for _ in range(2)]
+    np.testing.assert_array_equal(*cuts)
+
+
+def test_a_box_without_depth_is_taken_whole():
+    observation = thing_before_wall(thing_m=0.0, wall_m=0.0)
+    mask = DepthCutSegmenter().segment(observation, Box(60.0, 40.0, 100.0, 80.0))
+    assert overlap(mask, observation.truth.ids == THING) > 0.9
+
+
+def test_what_stands_before_a_thing_beyond_the_range_is_not_the_thing():
+    """A post of 10 by 40 pixels stands before something that is too far away for depth."""
+    observation = thing_before_wall(thing_m=1.5, wall_m=0.0, box=(60, 40, 70, 80))
+    mask = DepthCutSegmenter().segment(observation, Box(55.0, 35.0, 105.0, 85.0))
+    assert mask.any()
+    assert (observation.depth[mask] == 0.0).all()
+
+
+@pytest.mark.parametrize("box", [(-50, -50, -10, -10), (200, 10, 300, 50), (10, 10, 10, 40)])
+def test_a_box_outside_the_image_holds_nothing(box):
+    mask = DepthCutSegmenter().segment(thing_before_wall(), Box(*map(float, box)))
+    assert not mask.any()
+
+
+@pytest.mark.parametrize("box", [(0, 0, 160, 120), (159, 119, 160, 120), (-20, -20, 400, 400)])
+def test_extreme_boxes_do_not_break_it(box):
+    mask = DepthCutSegmenter().segment(thing_before_wall(), Box(*map(float, box)))
+    assert mask.shape == (120, 160)
+
+
+def seen_in_a_room(name, low, high):
+    """What a robot sees that stands in a room, 2 m before a thing."""
+    config = SimulationConfig.model_validate({"camera": {"width": 160, "height": 120}})
+    world = SimulatedWorld(scene_of(*room_boxes(6.0, 4.0), (name, low, high)), config)
+    observation = world.reset(Pose2(1.5, 1.2, 0.0))
+    (detection,) = GroundTruthDetector().detect(observation, Goal(name))
+    return observation, detection
+
+
+def test_the_floor_before_a_thing_is_no_part_of_it():
+    observation, bed = seen_in_a_room("bed", (3.5, 0.4, 0.0), (5.5, 1.8, 0.5))
+    mask = DepthCutSegmenter().segment(observation, bed.box)
+    points = points_under_mask(mask, observation, min_depth_m=0.5, max_depth_m=5.0)
+    assert points[:, 2].min() > 0.04
+    assert overlap(mask, bed.mask) > 0.8
+
+
+def test_what_lies_on_the_floor_is_kept():
+    observation, rug = seen_in_a_room("rug", (3.0, 0.6, 0.0), (4.6, 1.8, 0.02))
+    mask = DepthCutSegmenter().segment(observation, rug.box)
+    assert overlap(mask, rug.mask) > 0.6

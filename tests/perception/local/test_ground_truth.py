@@ -1,0 +1,39 @@
+import numpy as np
+import pytest
+
+from hypernav.core.errors import LabelsMissingError
+from hypernav.core.goal import Goal
+from hypernav.perception.local.ground_truth import GroundTruthDetector
+from images import THING, thing_before_wall
+
+
+def test_it_sees_exactly_the_visible_pixels():
+    observation = thing_before_wall()
+    (detection,) = GroundTruthDetector().detect(observation, Goal("bed"))
+    assert detection.label == "bed"
+    np.testing.assert_array_equal(detection.mask, observation.truth.ids == THING)
+    assert detection.box.pixels() == (60, 40, 100, 80)
+
+
+def test_it_knows_synonyms_of_what_it_sees():
+    from hypernav.core.labels import ObjectLabel
+
+    observation = thing_before_wall(label=ObjectLabel("sofa"))
+    assert GroundTruthDetector().detect(observation, Goal("couch"))
+
+
+def test_what_is_not_asked_for_is_not_seen():
+    assert GroundTruthDetector().detect(thing_before_wall(), Goal("sofa")) == []
+
+
+def test_what_is_too_small_is_overlooked():
+    observation = thing_before_wall(box=(60, 40, 64, 44))
+    share = 16 / (160 * 120)
+    assert GroundTruthDetector(share * 1.01).detect(observation, Goal("bed")) == []
+    assert GroundTruthDetector(share).detect(observation, Goal("bed"))
+
+
+def test_a_world_without_labels_is_an_error_that_names_the_remedy():
+    observation = thing_before_wall(with_truth=False)
+    with pytest.raises(LabelsMissingError, match="--detector yolox:"):
+        GroundTruthDetector().detect(observation, Goal("bed"))

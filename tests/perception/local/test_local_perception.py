@@ -1,0 +1,223 @@
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+
+from hypernav.core.geometry.boxes import Box, Detection
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
+from hypernav.perception.local.config import LocalConfig
+from hypernav.perception.local.ground_truth import GroundTruthDetector
+from hypernav.perception.local.local_perception import LocalPerception
+from images import thing_before_wall
+
+BED = Goal("bed")
+
+
+@dataclass
+class ScriptedDetector:
+    """Answers from a list, one entry an image."""
+
+    answers: list[list[Detection]] = field(default_factory=list)
+
+    def detect(self, observation, goal):
+        return self.answers.pop(0)
+
+
+class WholeBox:
+    """Takes all pixels of the box."""
+
+    def segment(self, observation, box):
+        mask = np.zeros(observation.depth.shape, dtype=bool)
+        x0, y0, x1, y1 = box.pixels()
+        mask[y0:y1, x0:x1] = True
+        return mask
+
+
+def perception(detector=None, **config):
+    local = LocalPerception(
+        detector or GroundTruthDetector(), WholeBox(), LocalConfig(**config), cell_size_m=0.05
+    )
+    local.reset(BED)
+    return local
+
+
+def seen(box=(60.0, 40.0, 100.0, 80.0)):
+    return [Detection(Box(*box), 0.9, "bed")]
+
+
+def test_a_visible_goal_becomes_a_goal_area_where_it_stands():
+    local = perception()
+    (record,) = local.look(thing_before_wall(thing_m=2.0))
+    assert record.accepted
+    assert record.outlines
+    assert local.target.area.centre == pytest.approx((2.0, 0.0), abs=0.06)
+
+
+def test_nothing_seen_is_no_target():
+    local = perception(ScriptedDetector([[]]))
+    assert local.look(thing_before_wall()) == []
+    assert local.target is None
+
+
+def test_a_goal_beyond_the_depth_camera_gives_no_area_and_says_why():
+    local = perception()
+    (record,) = local.look(thing_before_wall(thing_m=7.0, wall_m=9.0))
+    assert not record.accepted
+    assert "depth" in record.reason
+    assert local.target is None
+
+
+def test_a_rejected_area_is_remembered():
+    local = perception()
+    local.look(thing_before_wall())
+    local.reject_target()
+    (record,) = local.look(thing_before_wall(robot=Pose2(0.3, 0.1, 0.0), thing_m=1.7))
+    assert local.target is None
+    assert record.reason == "rejected before"
+    local.reset(BED)
+    local.look(thing_before_wall())
+    assert local.target is not None
+
+
+def test_a_held_target_is_not_left_for_another():
+    local = perception(ScriptedDetector([seen(), seen((5.0, 40.0, 30.0, 80.0))]))
+    local.look(thing_before_wall())
+    here = local.target.area.centre
+    local.look(thing_before_wall())
+    assert local.target.area.centre == here
+
+
+def test_the_latest_detection_wins_in_the_paper_s_way():
+    local = perception(
+        ScriptedDetector([seen(), seen((5.0, 40.0, 30.0, 80.0))]), target="latest", pick="first"
+    )
+    local.look(thing_before_wall())
+    here = local.target.area.centre
+    local.look(thing_before_wall())
+    assert local.target.area.centre != here
+
+
+def test_several_sightings_can_be_asked_for():
+    local = perception(min_sightings=2)
+    local.look(thing_before_wall())
+    assert local.target is None
+    local.look(thing_before_wall())
+    assert local.target is not None
+
+
+def test_a_target_that_should_be_seen_and_is_not_is_dropped():
+    local = perception(ScriptedDetector([seen(), *[[]] * 6]), min_verdicts=4, max_missed_share=0.7)
+    dropped_after = None
+    for look in range(7):
+        local.look(thing_before_wall())
+        if look and local.target is None:
+            dropped_after = look
+            break
+    assert dropped_after == 3  # one sighting, three misses
+
+
+def test_a_target_out_of_sight_is_not_held_against_it():
+    local = perception(ScriptedDetector([seen(), *[[]] * 9]))
+    local.look(thing_before_wall())
+    for _ in range(9):
+        local.look(thing_before_wall(robot=Pose2(0.0, 0.0, np.pi)))
+    assert local.target is not None
+
+
+def test_the_best_view_is_the_largest():
+    local = perception()
+    near = thing_before_wall(robot=Pose2(0.5, 0.0, 0.0), thing_m=1.5, box=(50, 30, 110, 90))
+    local.look(thing_before_wall())
+    local.look(near)
+    local.look(thing_before_wall())
+    assert local.target.best_view is near
+    assert local.target.sightings == 3
+
+
+def test_a_goal_beyond_the_depth_camera_gives_its_direction():
+    local = perception()
+    local.look(thing_before_wall(thing_m=7.0, wall_m=9.0, box=(20, 40, 40, 80)))
+    left = local.far_bearing
+    local.look(thing_before_wall(thing_m=7.0, wall_m=9.0, box=(120, 40, 140, 80)))
+    assert left == pytest.approx(-local.far_bearing)
+    assert left > 0.3
+    local.look(thing_before_wall(thing_m=2.0))
+    assert local.far_bearing is None
+
+
+def test_a_far_sighting_behind_a_rejected_area_is_not_followed():
+    local = perception()
+    local.look(thing_before_wall(thing_m=2.0))
+    local.reject_target()
+    local.look(thing_before_wall(thing_m=7.0, wall_m=9.0, robot=Pose2(-5.0, 0.0, 0.0)))
+    assert local.far_bearing is None
+
+
+def test_uncertain_detections_do_not_convince():
+    faint = [Detection(Box(60.0, 40.0, 100.0, 80.0), 0.31, "bed")]
+    local = perception(ScriptedDetector([faint, faint, seen()]), min_mean_score=0.45)
+    local.look(thing_before_wall())
+    local.look(thing_before_wall())
+    assert not local.is_convincing
+    local.look(thing_before_wall())
+    assert local.target.mean_score == pytest.approx((0.31 + 0.31 + 0.9) / 3)
+    assert local.is_convincing
+
+
+def rival(score, box=(58.0, 42.0, 102.0, 80.0)):
+    return Detection(Box(*box), score, "couch", is_goal=False)
+
+
+def test_a_target_that_looks_more_like_something_else_is_dropped():
+    doubtful = [Detection(Box(60.0, 40.0, 100.0, 80.0), 0.5, "bed"), rival(0.6)]
+    local = perception(ScriptedDetector([list(doubtful) for _ in range(4)]), min_verdicts=4)
+    for _ in range(3):
+        local.look(thing_before_wall())
+        assert not local.is_convincing
+        assert local.is_contradicted
+    local.look(thing_before_wall())
+    assert local.target is None
+
+
+def test_a_weaker_rival_does_no_harm():
+    local = perception(ScriptedDetector([[*seen(), rival(0.4)] for _ in range(6)]))
+    for _ in range(6):
+        local.look(thing_before_wall())
+    assert local.is_convincing
+    assert not local.is_contradicted
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        rival(0.95, box=(105.0, 40.0, 145.0, 80.0)),  # beside it
+        rival(0.95, box=(0.0, 40.0, 160.0, 80.0)),  # much wider
+        rival(0.95, box=(58.0, 0.0, 102.0, 24.0)),  # above it, on the wall behind
+    ],
+)
+def test_what_is_elsewhere_is_no_rival(other):
+    local = perception(ScriptedDetector([[*seen(), other] for _ in range(5)]))
+    for _ in range(5):
+        local.look(thing_before_wall(thing_m=2.0, wall_m=4.0))
+    assert local.target.rival_score == 0.0
+
+
+def test_rivals_are_not_weighed_in_the_paper_s_way():
+    local = perception(ScriptedDetector([[*seen(), rival(0.95)]] * 5), weigh_rivals=False)
+    for _ in range(5):
+        local.look(thing_before_wall())
+    assert local.is_convincing
+
+
+def test_only_uncertain_targets_need_a_second_look_and_only_one():
+    local = perception(sure_score=0.75)
+    local.look(thing_before_wall())  # ground truth is certain
+    assert not local.needs_second_look
+    faint = [Detection(Box(60.0, 40.0, 100.0, 80.0), 0.6, "bed")]
+    local = perception(ScriptedDetector([faint, faint]), sure_score=0.75)
+    local.look(thing_before_wall())
+    assert local.needs_second_look
+    local.confirm_target()
+    local.look(thing_before_wall())
+    assert not local.needs_second_look

@@ -1,0 +1,32 @@
+"""What the robot believes about its target."""
+
+from dataclasses import replace
+
+import pytest
+
+from hypernav.perception.local.goal_area import GoalArea, points_under_mask
+from hypernav.perception.local.target import Target
+from images import THING, thing_before_wall
+
+
+def target_at(thing_m=2.0):
+    observation = thing_before_wall(thing_m=thing_m)
+    points = points_under_mask(
+        observation.truth.ids == THING, observation, min_depth_m=0.5, max_depth_m=5.0
+    )
+    area = GoalArea.from_points(points, resolution_m=0.05).entered_from(observation, 0.6)
+    return Target(area, observation, best_pixels=1600.0, mean_score=1.0)
+
+
+def test_a_place_that_is_cut_off_is_no_entry_until_none_is_left():
+    target = target_at()
+    place = tuple(target.entry_points[0].tolist())
+    assert target.distance_to(*place) == pytest.approx(0.0)
+    barred = target.barred_at(place)
+    assert barred.distance_to(*place) > 0.3
+    left = barred
+    while (fewer := left.barred_at(tuple(left.entry_points[0].tolist()))) is not None:
+        assert len(fewer.entry_points) < len(left.entry_points)
+        left = fewer
+    everywhere = replace(target, barred=tuple(map(tuple, target.entry_points.tolist())))
+    assert len(everywhere.entry_points) == len(target.entry_points)

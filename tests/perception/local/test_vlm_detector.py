@@ -1,0 +1,142 @@
+import json
+
+import numpy as np
+import pytest
+
+from chat_models import Parrot
+from hypernav.core.errors import ConfigError, ModelUnavailableError
+from hypernav.core.geometry.camera import PinholeCamera
+from hypernav.core.geometry.transforms import Pose2, Transform
+from hypernav.core.goal import Goal
+from hypernav.core.observation import Observation
+from hypernav.core.trace import ExchangeLog
+from hypernav.perception.local.vlm_detector import VlmDetector, VlmDetectorConfig, labels_agree
+
+BED = Goal("bed")
+
+
+@pytest.fixture
+def view() -> Observation:
+    rgb = np.random.default_rng(0).integers(0, 255, (480, 640, 3)).astype(np.uint8)
+    depth = np.ones((480, 640), np.float32)
+    camera = PinholeCamera.from_hfov(640, 480, 79.0)
+    return Observation(rgb, depth, camera, Transform.identity(), Pose2(0.0, 0.0, 0.0))
+
+
+def said(*boxes: list[float], label: str = "bed") -> str:
+    return json.dumps([{"bbox_2d": box, "label": label} for box in boxes])
+
+
+def test_boxes_come_back_in_pixels_of_the_camera_image(view: Observation):
+    parrot, log = Parrot(said([322, 238, 644, 476], [0, 0, 161, 119])), ExchangeLog()
+    first, second = VlmDetector(parrot, log).detect(view, BED)
+    assert (first.box.x_min, first.box.y_max) == pytest.approx((320.0, 480.0))
+    assert (second.box.x_max, second.box.y_max) == pytest.approx((160.0, 120.0))
+    assert (first.label, first.score) == ("bed", 1.0)
+    (question,) = parrot.asked
+    assert question.images[0].shape == (476, 644, 3)
+    assert "every bed" in question.text
+    assert '"bbox_2d"' in question.text
+
+
+def test_the_exchange_is_logged_word_for_word(view: Observation):
+    text = said([0, 0, 161, 119])
+    log = ExchangeLog()
+    VlmDetector(Parrot(text), log).detect(view, BED)
+    (exchange,) = log.drain()
+    assert (exchange.kind, exchange.asked, exchange.answer) == ("ground", "parrot/Qwen2.5-VL", text)
+    assert (exchange.tokens_in, exchange.tokens_out) == (100, len(text))
+    assert exchange.remarks == []
+
+
+@pytest.mark.parametrize("text", ["[]", "```json\n[]\n```", '{"objects": []}'])
+def test_not_seen_is_no_oddity(view: Observation, text: str):
+    log = ExchangeLog()
+    detector = VlmDetector(Parrot(text), log)
+    assert detector.detect(view, BED) == []
+    assert log.drain()[0].remarks == []
+    assert not detector.rejected
+
+
+@pytest.mark.parametrize(
+    ("text", "remark"),
+    [
+        ("There is a bed on the left.", "no box in the answer"),
+        ("", "unparsable"),
+        (said([9, 9, 1]), "1 box not four numbers"),
+        (said([9, 9, 1, 1], [9, 9, 2, 2]), "2 boxes inverted"),
+    ],
+)
+def test_what_cannot_be_used_is_counted_and_told(view: Observation, text: str, remark: str):
+    log = ExchangeLog()
+    detector = VlmDetector(Parrot(text), log)
+    assert detector.detect(view, BED) == []
+    assert log.drain()[0].remarks == [remark]
+    assert sum(detector.rejected.values()) >= 1
+
+
+def test_another_label_is_visible_and_can_be_dropped(view: Observation):
+    text = said([0, 0, 161, 119], label="window curtain")
+    goal = Goal("shower curtain")
+    log = ExchangeLog()
+    (seen,) = VlmDetector(Parrot(text), log).detect(view, goal)
+    assert seen.label == "window curtain"
+    assert log.drain()[0].remarks == ["labelled 'window curtain', not 'shower curtain'"]
+    strict = VlmDetector(Parrot(text), log, VlmDetectorConfig(drop_other_labels=True))
+    assert strict.detect(view, goal) == []
+    assert strict.rejected == {"other label": 1}
+
+
+@pytest.mark.parametrize(
+    ("label", "goal", "agree"),
+    [
+        ("bed", "bed", True),
+        ("The Bed", "bed", True),
+        ("couch", "sofa", True),
+        ("L-shaped sofa", "sofa", True),
+        ("sofa", "L-shaped sofa", True),
+        ("window curtain", "shower curtain", False),
+        ("table", "bed", False),
+    ],
+)
+def test_labels(label: str, goal: str, agree: bool):
+    assert labels_agree(label, Goal(goal)) is agree
+
+
+def test_the_family_is_configured_or_read_off_the_name_but_never_guessed(view: Observation):
+    class Stranger(Parrot):
+        def identify(self) -> str:
+            return "my-finetune"
+
+    text = said([500, 500, 1000, 1000])
+    with pytest.raises(ConfigError, match="name its family"):
+        VlmDetector(Stranger(text), ExchangeLog()).detect(view, BED)
+    config = VlmDetectorConfig(family="qwen3-vl")
+    (seen,) = VlmDetector(Stranger(text), ExchangeLog(), config).detect(view, BED)
+    assert (seen.box.x_min, seen.box.y_min) == (320.0, 240.0)
+
+
+def test_a_constrained_answer_is_read_as_well(view: Observation):
+    text = json.dumps({"objects": [{"bbox_2d": [0, 0, 161, 119], "label": "bed"}]})
+    parrot = Parrot(text)
+    detector = VlmDetector(parrot, ExchangeLog(), VlmDetectorConfig(constrained=True))
+    assert len(detector.detect(view, BED)) == 1
+    form = parrot.asked[0].form
+    assert form is not None
+    assert form.model_json_schema()["additionalProperties"] is False
+
+
+def test_an_outage_is_not_taken_for_an_empty_room(view: Observation):
+    with pytest.raises(ModelUnavailableError):
+        VlmDetector(Parrot(ModelUnavailableError("gone")), ExchangeLog()).detect(view, BED)
+
+
+def test_a_prompt_that_cannot_be_filled_in_is_refused():
+    with pytest.raises(ValueError, match="may hold"):
+        VlmDetectorConfig(prompt="Find {target}")
+
+
+def test_a_goal_with_braces_is_only_text(view: Observation):
+    parrot = Parrot("[]")
+    VlmDetector(parrot, ExchangeLog()).detect(view, Goal("{key} {0}"))
+    assert "every {key} {0} in" in parrot.asked[0].text

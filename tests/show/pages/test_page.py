@@ -1,0 +1,209 @@
+import base64
+import json
+import re
+from collections.abc import Callable
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.trace import DetectionRecord, StepTrace
+from hypernav.show.pages.page import write_page
+from hypernav.show.pages.site import page_environment
+
+MakeStep = Callable[..., StepTrace]
+VOID = frozenset({"meta", "img", "input", "br", "link", "hr", "source"})
+SVG_SHAPES = frozenset({"rect", "circle", "path"})
+ADDRESSES = ("src", "href", "srcset", "poster", "action", "data", "xlink:href")
+
+
+class Page(HTMLParser):
+    """Reads a page and fails where tags don't match."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.tags: list[tuple[str, dict[str, str]]] = []
+        self.texts: dict[str, str] = {}
+        self.visible = ""
+        self.feed(text)
+        self.close()
+        assert self.open == []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append((tag, {name: value or "" for name, value in attrs}))
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append((tag, {name: value or "" for name, value in attrs}))
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        tag = self.open[-1] if self.open else ""
+        self.texts[tag] = self.texts.get(tag, "") + data
+        if not {"script", "style"} & set(self.open):
+            self.visible += data
+
+    def with_tag(self, tag: str) -> list[dict[str, str]]:
+        return [attributes for name, attributes in self.tags if name == tag]
+
+    @property
+    def addresses(self) -> list[str]:
+        return [a[name] for _, a in self.tags for name in ADDRESSES if name in a]
+
+
+@pytest.fixture
+def steps(make_step: MakeStep, sighting: DetectionRecord) -> list[StepTrace]:
+    found = make_step(5, events=["goal seen"], detections=[sighting], goal_area=[[(1.0, 0.0)] * 3])
+    return [*(make_step(n) for n in range(5)), found]
+
+
+def read(path: Path) -> Page:
+    return Page(path.read_text(encoding="utf-8"))
+
+
+def player(page: Page) -> dict[str, Any]:
+    return json.loads(page.texts["script"].strip().splitlines()[0])
+
+
+def test_the_page_tells_the_whole_story(
+    steps: list[StepTrace], result: dict[str, Any], room: OccupancyGrid, tmp_path: Path
+) -> None:
+    page = read(write_page(tmp_path / "new", result, steps, room))
+    assert "Found “bed”" in page.texts["h1"]
+    for expected in ("0.61", "0.63", "23.5", "14.40", "0.04", "small_house", "default settings"):
+        assert expected in page.visible
+    assert "ground truth labels from the simulator" in page.visible
+    assert "it looks like a kitchen" in page.visible
+    assert "Goal seen" in page.visible
+    assert "resolution_m: 0.05" in page.texts["pre"]
+    assert len(page.with_tag("button")) >= 2
+
+
+def test_the_page_needs_no_network(
+    steps: list[StepTrace], result: dict[str, Any], room: OccupancyGrid, tmp_path: Path
+) -> None:
+    (tmp_path / "episode.mp4").write_bytes(b"a film")
+    path = write_page(tmp_path, result, steps, room)
+    page = read(path)
+    assert all(address.startswith("data:") for address in page.addresses)
+    assert page.with_tag("link") == []
+    style = page.texts["style"]
+    assert "url(" not in style
+    assert "@import" not in style
+    policy = next(
+        m["content"] for m in page.with_tag("meta") if "content" in m and "none" in m["content"]
+    )
+    assert policy.startswith("default-src 'none'")
+    assert "http" not in policy
+
+
+def test_the_video_is_inside_unless_it_is_large(
+    steps: list[StepTrace], result: dict[str, Any], room: OccupancyGrid, tmp_path: Path
+) -> None:
+    (tmp_path / "episode.mp4").write_bytes(b"a film")
+    inside = read(write_page(tmp_path, result, steps, room)).with_tag("video")[0]["src"]
+    assert base64.b64decode(inside.removeprefix("data:video/mp4;base64,")) == b"a film"
+    other = tmp_path / "films" / "my film.mp4"
+    other.parent.mkdir()
+    other.write_bytes(b"another film")
+    page = read(write_page(tmp_path, result, steps, room, video=other, embed_limit_bytes=3))
+    assert page.with_tag("video")[0]["src"] == "films/my%20film.mp4"
+
+
+def test_what_models_and_people_write_cannot_become_markup(
+    make_step: MakeStep, result: dict[str, Any], room: OccupancyGrid, tmp_path: Path
+) -> None:
+    evil = "</script><script>alert('x')</script><img src=http://evil.example/x onerror=1>"
+    asked = make_step(2)
+    exchanges = [
+        exchange.model_copy(update={"question": evil, "answer": evil, "probabilities": {evil: 1.0}})
+        for exchange in asked.exchanges
+    ]
+    step = make_step(2, reason=evil, exchanges=exchanges, events=[evil])
+    result |= {"goal": evil, "scene": evil, "config": {evil: evil}, "detector": evil}
+    page = read(write_page(tmp_path, result, [step], room))
+    assert len(page.with_tag("script")) == 2
+    assert all(address.startswith("data:") for address in page.addresses)
+    assert evil in page.texts["h1"]
+    assert player(page)["reasons"] == [evil]
+
+
+def test_the_script_knows_where_the_robot_was(
+    steps: list[StepTrace], result: dict[str, Any], room: OccupancyGrid, tmp_path: Path
+) -> None:
+    data = player(read(write_page(tmp_path, result, steps, room)))
+    places = ("times", "steps", "modes", "reasons", "robots", "destinations")
+    assert {len(data[name]) for name in places} == {len(steps)}
+    (u0, v0, angle0), (u1, v1, angle1) = data["robots"][0], data["robots"][5]
+    assert u1 > u0, "it went along x"
+    assert v1 < v0, "and along y, which points up"
+    assert angle1 < angle0, "and turned left, which the screen counts negative"
+    assert data["times"] == sorted(data["times"])
+
+
+@pytest.mark.parametrize("with_map", [True, False])
+def test_an_episode_without_steps_or_result_has_a_page(
+    with_map: bool, room: OccupancyGrid, tmp_path: Path
+) -> None:
+    page = read(write_page(tmp_path, {}, [], room if with_map else None))
+    assert "–" in page.visible
+    assert len(page.with_tag("img")) == int(with_map)
+    assert page.with_tag("video") == []
+
+
+def test_an_empty_map_and_one_step_have_a_page(make_step: MakeStep, tmp_path: Path) -> None:
+    nothing = OccupancyGrid(np.zeros((1, 1), dtype=np.uint8), 0.05, (0.0, 0.0))
+    step = make_step(0, destination=None, path=[], seconds={}, reason="")
+    page = read(write_page(tmp_path, {"outcome": "interrupted", "goal": "椅子"}, [step], nothing))
+    assert "椅子" in page.texts["h1"]
+    assert player(page)["destinations"] == [None]
+
+
+def test_infinite_lengths_and_odd_results_have_a_page(
+    steps: list[StepTrace], result: dict[str, Any], room: OccupancyGrid, tmp_path: Path
+) -> None:
+    result |= {"shortest_path_m": float("inf"), "distance_to_goal_m": None, "seconds": None}
+    result |= {"success": False, "outcome": "unreachable", "detector": None, "config": None}
+    page = read(write_page(tmp_path, result, steps, room))
+    assert "No way to “bed”" in page.texts["h1"]
+    assert "∞" in page.visible
+    assert "None" not in page.visible
+
+
+def test_long_answers_are_cut_and_told_in_full_below(
+    make_step: MakeStep, result: dict[str, Any], room: OccupancyGrid, tmp_path: Path
+) -> None:
+    answer = "because of the kitchen " * 40
+    asked = make_step(2)
+    exchange = asked.exchanges[1].model_copy(update={"answer": answer})
+    page = read(write_page(tmp_path, result, [make_step(2, exchanges=[exchange])], room))
+    assert page.texts["blockquote"].count("because of the kitchen") == 40
+
+
+def test_the_same_episode_gives_the_same_page(
+    steps: list[StepTrace], result: dict[str, Any], room: OccupancyGrid, tmp_path: Path
+) -> None:
+    first = write_page(tmp_path / "a", result, steps, room).read_bytes()
+    assert first == write_page(tmp_path / "b", result, steps, room).read_bytes()
+
+
+def test_other_pages_can_stand_on_the_same_style_sheet() -> None:
+    environment = page_environment()
+    text = environment.from_string(
+        '{% extends "base.html.j2" %}{% import "parts.html.j2" as parts with context %}'
+        '{% block page %}<table><tr><td class="bar">{{ parts.bar(0.5, "series-2") }}</td></tr>'
+        "</table>{{ name }}{% endblock %}"
+    ).render(name="<b>")
+    page = Page(text)
+    assert "&lt;b&gt;" in text
+    assert any(a.get("width") == "50.00%" for a in page.with_tag("rect"))
+    defined = set(re.findall(r"--([\w-]+):", page.texts["style"]))
+    used = set(re.findall(r"var\(--([\w-]+)\)", text))
+    assert used <= defined

@@ -1,0 +1,104 @@
+import math
+
+import pytest
+
+from hypernav.core.trace import DetectionRecord, Exchange, Mode
+from hypernav.show.drawing import palette
+from hypernav.show.pages import words
+
+
+def test_the_gist_of_a_long_prompt_is_its_question() -> None:
+    prompt = "You help a robot. Is this clear? White is free floor. " * 8
+    assert words.gist(prompt + "Which block is next? Answer a number.") == "Which block is next?"
+    assert words.gist("Which block?\n  Answer a number.") == "Which block? Answer a number."
+    unasked = "Say where to go. " * 30
+    assert words.gist(unasked) == unasked.strip()
+
+
+@pytest.mark.parametrize(
+    ("result", "text", "tone"),
+    [
+        ({"goal": "bed", "outcome": "found", "success": True}, "Found “bed”", "good"),
+        ({"goal": "bed", "outcome": "found"}, "Found “bed”", "good"),
+        ({"goal": "bed", "outcome": "found", "success": False}, "not at “bed”", "bad"),
+        ({"goal": "bed", "outcome": "wrong_place", "success": False}, "not at “bed”", "bad"),
+        ({"goal": "bed", "outcome": "not_found", "success": False}, "Did not find “bed”", "bad"),
+        ({"goal": "bed", "outcome": "model_unavailable"}, "model did not answer", "neutral"),
+        ({"goal": "bed", "outcome": "interrupted"}, "Interrupted", "neutral"),
+        ({"goal": "bed", "outcome": "out_of_battery"}, "out of battery", "bad"),
+        ({"goal": "{goal} {0}", "outcome": "not_found"}, "“{goal} {0}”", "bad"),
+        ({}, "unknown", "bad"),
+    ],
+)
+def test_every_ending_has_a_headline(result: dict[str, object], text: str, tone: str) -> None:
+    headline = words.headline(result)
+    assert text in headline.text
+    assert headline.tone == tone
+
+
+def test_ground_truth_is_called_by_its_name_however_it_is_spelt() -> None:
+    for name in ("ground truth", "ground-truth", "Ground_Truth"):
+        assert words.is_ground_truth(name)
+        assert "ground truth labels" in words.part_in_use(name)
+        assert "no model" in words.part_in_use(name)
+    assert words.is_ground_truth("ground-truth labels of the simulator")
+    assert "no model" in words.part_in_use("geometric")
+    assert not words.is_ground_truth("yolox:ground.onnx")
+    assert words.part_in_use("yolox:nano.onnx") == "yolox:nano.onnx"
+
+
+def test_numbers_that_are_missing_or_endless_can_be_read() -> None:
+    assert words.number(None) == "–"
+    assert words.number("7") == "–"
+    assert words.number(math.nan) == "–"
+    assert words.number(math.inf, unit="m") == "∞"
+    assert words.number(True) == "yes"
+    assert words.number(7) == "7"
+    assert words.number(1.236, 2, "m") == "1.24\u00a0m"
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [
+        (0.0, "0.0 ms"),
+        (0.0021, "2.1 ms"),
+        (0.4104, "410 ms"),
+        (0.9996, "1.0 s"),
+        (59.97, "1 min 0 s"),
+        (125.2, "2 min 5 s"),
+    ],
+)
+def test_durations_have_the_unit_that_fits(seconds: float, text: str) -> None:
+    assert words.duration(seconds) == text
+
+
+def test_what_is_seen_is_said_of_the_best_detection(sighting: DetectionRecord) -> None:
+    far = sighting.model_copy(update={"accepted": False, "reason": "too far", "score": 0.99})
+    assert words.seen_words([]) == "goal not in view"
+    assert words.seen_words([far]) == "“bed” not accepted: too far"
+    assert words.seen_words([far, sighting]) == "sees “bed”, 83% sure"
+
+
+def test_an_unknown_kind_of_question_keeps_its_name() -> None:
+    exchange = Exchange(kind="ask a person", asked="", question="", answer="")
+    assert words.question_words(exchange) == "Ask a person"
+
+
+def test_every_mode_has_words_and_a_colour_that_its_ink_can_be_read_on() -> None:
+    for mode in Mode:
+        assert words.MODES[mode]
+        assert words.MODES_EXPLAINED[mode]
+        color = palette.MODES[mode]
+        assert palette.contrast(palette.ink_on(color), color) >= 4.5
+
+
+def test_colours_of_text_can_be_read_on_their_ground() -> None:
+    for ink in (palette.INK, palette.MUTED, palette.SUCCESS, palette.FAILURE):
+        for ground in (palette.PAPER, palette.GROUND):
+            assert palette.contrast(ink, ground) >= 3.9, (ink, ground)
+
+
+def test_black_on_white_has_the_greatest_contrast() -> None:
+    assert palette.contrast((0, 0, 0), (255, 255, 255)) == pytest.approx(21.0)
+    assert palette.blend((0, 0, 0), (255, 255, 255), 0.5) == (128, 128, 128)
+    assert palette.css((0, 96, 160)) == "#0060a0"

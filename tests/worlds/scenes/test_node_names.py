@@ -1,0 +1,57 @@
+import pytest
+
+from hypernav.worlds.scenes.node_names import category_of, is_structural, words_of
+
+
+@pytest.mark.parametrize(
+    ("name", "category"),
+    [
+        ("Bed_01_001", "bed"),
+        ("dining-table.003", "dining table"),
+        ("SM_OfficeChair2", "office chair"),
+        ("TVCabinet_01_001", "tv cabinet"),
+        ("ChairA_01_004", "chair"),
+        ("SofaC_01_001__1", "sofa"),
+        ("potted plant", "potted plant"),
+        ("Sofa_LOD0", "sofa"),
+        ("geo_Lamp_low", "lamp"),
+        ("wall_clock", "wall clock"),
+        ("floor-lamp.001", "floor lamp"),
+        ("Toilet.fbx", "toilet"),
+        ("TV", "tv"),
+    ],
+)
+def test_names_become_words(name: str, category: str) -> None:
+    assert category_of(name) == category
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "RoomWall_01_001",
+        "HouseWallB_01_001",
+        "FloorB_01_001",
+        "Ceiling.002",
+        "living_room_floor",
+        "door_frame_01",
+        "DoorFrame",
+        "window-frame",
+        "walls",
+        "Roof",
+    ],
+)
+def test_the_building_itself_has_no_category(name: str) -> None:
+    assert is_structural(name)
+    assert category_of(name) is None
+
+
+@pytest.mark.parametrize(
+    "name", ["Object_4", "Cube.003", "mesh", "RootNode", "node 12", "", "001", "Sketchfab_model"]
+)
+def test_names_that_say_nothing_have_no_category(name: str) -> None:
+    assert category_of(name) is None
+
+
+def test_a_single_word_is_never_taken_away() -> None:
+    assert words_of("Mesh_01") == ("mesh",)
+    assert words_of("A1") == ("a",)
