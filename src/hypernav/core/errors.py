@@ -12,6 +12,10 @@ class ConfigError(HyPerNavError):
     """A configuration file, option or environment variable is wrong."""
 
 
+class ImportTargetError(ConfigError):
+    """Something named as ``package.module:Name`` cannot be imported."""
+
+
 class MissingExtraError(HyPerNavError):
     """An optional feature needs packages that are not installed."""
 
@@ -49,7 +53,7 @@ class ModelError(HyPerNavError):
 
 
 class ContractError(HyPerNavError):
-    """An agent or a world of someone's own does not do what its contract says."""
+    """A component, agent or world of someone's own does not do what its contract says."""
 
 
 class WorldError(HyPerNavError):

@@ -1,0 +1,254 @@
+"""Things found by name: built in, brought by an installed package, or ``package.module:Name``.
+
+Nothing is imported before it is wanted: a built-in entry says where its target is, an installed
+package says it in an entry point, and ``package.module:Name`` on the command line says it itself.
+"""
+
+import difflib
+import importlib
+import os
+import re
+import sys
+from collections.abc import Iterable
+from dataclasses import dataclass
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import Any, Generic, TypeVar, cast
+
+from hypernav.core.errors import ConfigError, ContractError, ImportTargetError
+
+T = TypeVar("T")
+
+_MODULE = re.compile(r"[^\W\d]\w*(\.[^\W\d]\w*)*")
+
+
+@dataclass(frozen=True)
+class Entry(Generic[T]):
+    """Something that has a name.
+
+    Attributes:
+        name: What people write.
+        target: The thing itself, or where it is imported from: ``package.module:name``.
+        form: How it is written in full: ``yolox:PATH.onnx``, ``mine[:ARGUMENT]``. The bare name
+            unless given. As many arguments are expected as have commas between them here.
+        words: What people read. ``{files}`` stands for the file names that follow the name; other
+            fields are filled in by who asks for the words. The name unless given.
+        section: Its section of the configuration; empty for none, and for things of others.
+        is_foreign: Whether it comes from another package.
+    """
+
+    name: str
+    target: T | str
+    form: str = ""
+    words: str = ""
+    section: str = ""
+    is_foreign: bool = False
+
+    @property
+    def full_form(self) -> str:
+        """How it is written, for people."""
+        return self.form or self.name
+
+    def load(self) -> T:
+        """The thing itself, imported if it has not been.
+
+        Raises:
+            ImportTargetError: It cannot be imported.
+        """
+        if isinstance(self.target, str):
+            return import_target(self.target)
+        return cast("T", self.target)
+
+
+@dataclass(frozen=True)
+class Choice(Generic[T]):
+    """An entry as somebody wrote it.
+
+    Attributes:
+        entry: What was named.
+        arguments: What followed the name.
+    """
+
+    entry: Entry[T]
+    arguments: tuple[str, ...] = ()
+
+    def load(self) -> T:
+        """The thing that was named, as `Entry.load` gives it."""
+        return self.entry.load()
+
+    def words(self, **fields: str) -> str:
+        """What people read.
+
+        Args:
+            **fields: Whatever else than ``files`` the entry's words may name.
+        """
+        files = " + ".join(Path(argument).name for argument in self.arguments)
+        words = self.entry.words or f"{self.entry.name} {{files}}"
+        return words.format(files=files, **fields).strip()
+
+
+class Registry(Generic[T]):
+    """The things of one kind.
+
+    Example:
+        >>> detectors = Registry("detector", "hypernav.detectors")  # doctest: +SKIP
+        >>> detectors.find("yolox:net.onnx").arguments  # doctest: +SKIP
+        ('net.onnx',)
+    """
+
+    def __init__(self, kind: str, group: str, entries: Iterable[Entry[T]] = ()) -> None:
+        """Fill it.
+
+        Args:
+            kind: What its things are, in the singular.
+            group: Entry points of this group, of any installed package, are found as well.
+            entries: What is built in.
+        """
+        self.kind = kind
+        self.group = group
+        self._entries: dict[str, Entry[T]] = {entry.name: entry for entry in entries}
+
+    def add(self, entry: Entry[T]) -> None:
+        """Register one more.
+
+        Raises:
+            ConfigError: The name is taken.
+        """
+        if entry.name in self._entries:
+            raise ConfigError(f"there is a {self.kind} '{entry.name}' already; choose another name")
+        self._entries[entry.name] = entry
+
+    @property
+    def forms(self) -> list[str]:
+        """How everything built in is written, in the order in which it was registered."""
+        return [entry.full_form for entry in self._entries.values()]
+
+    def knows(self, name: str) -> bool:
+        """Whether there is something of this name, built in or brought by a package."""
+        return name in self._entries or self._installed(name) is not None
+
+    def find(self, spec: str) -> Choice[T]:
+        """What somebody means.
+
+        Args:
+            spec: ``NAME``, ``NAME:ARGUMENTS`` or ``package.module:Name[:ARGUMENTS]``.
+
+        Raises:
+            ConfigError: There is no such thing, or it is not written in its form.
+            ImportTargetError: The thing of another package cannot be imported.
+        """
+        name, _, rest = spec.partition(":")
+        entry = self._entries.get(name) or self._installed(name)
+        if entry is None:
+            attribute, _, rest = rest.partition(":")
+            if not (attribute.isidentifier() and _MODULE.fullmatch(name)):
+                raise ConfigError(f"unknown {self.kind} '{spec}'; {self._advice(name)}")
+            entry = self._imported(name, attribute)
+        return Choice(entry, self._arguments(entry, spec, rest))
+
+    def _installed(self, name: str) -> Entry[T] | None:
+        """What an installed package registers under a name."""
+        for point in entry_points(group=self.group):
+            if point.name == name:
+                return Entry(name, point.value, form=f"{name}[:ARGUMENT]", is_foreign=True)
+        return None
+
+    def _imported(self, module: str, attribute: str) -> Entry[T]:
+        """What somebody names by where it is."""
+        target = f"{module}:{attribute}"
+        _make_current_folder_importable()
+        try:
+            thing = import_target(target)
+        except ImportTargetError as error:
+            raise ImportTargetError(
+                f"{self.kind} '{target}': {error}. To use one that is built in: "
+                f"{self._advice(module)}"
+            ) from error
+        return Entry(
+            target,
+            thing,
+            form=f"{target}[:ARGUMENT]",
+            words=f"{attribute} of {module} {{files}}",
+            is_foreign=True,
+        )
+
+    def _arguments(self, entry: Entry[T], spec: str, text: str) -> tuple[str, ...]:
+        """What follows the name, as many things as the form asks for."""
+        form = entry.full_form
+        if not text and not form.startswith(f"{entry.name}:"):
+            return ()
+        commas = form.count(",")
+        arguments = tuple(text.split(",", commas))
+        if not form.startswith((f"{entry.name}:", f"{entry.name}[:")):
+            raise ConfigError(f"{self.kind} '{spec}': nothing follows this name; write {form}")
+        if len(arguments) != commas + 1 or not all(arguments):
+            raise ConfigError(f"{self.kind} '{spec}': expected {form}")
+        return arguments
+
+    def _advice(self, name: str) -> str:
+        names = [*self._entries, *(point.name for point in entry_points(group=self.group))]
+        close = difflib.get_close_matches(name, names, n=1)
+        hint = f"did you mean '{close[0]}'? " if close else ""
+        installed = [name for name in names if name not in self._entries]
+        forms = ", ".join([*self.forms, *installed])
+        return f"{hint}use {forms} or one of your own, package.module:Name"
+
+
+def import_target(target: str) -> Any:
+    """The thing at ``package.module:name``.
+
+    Raises:
+        ImportTargetError: There is no such module, it needs a package that is not installed, or it
+            holds no such name.
+    """
+    module_name, _, attribute = target.partition(":")
+    try:
+        module = importlib.import_module(module_name)
+    except ModuleNotFoundError as error:
+        missing = error.name or module_name
+        if module_name == missing or module_name.startswith(f"{missing}."):
+            raise ImportTargetError(
+                f"there is no module '{missing}'; run where it lies, install its package or name "
+                "its folder in PYTHONPATH"
+            ) from error
+        raise ImportTargetError(
+            f"{module_name} needs the module '{missing}', which is not installed"
+        ) from error
+    except ImportError as error:
+        raise ImportTargetError(f"{module_name} cannot be imported: {error}") from error
+    if not hasattr(module, attribute):
+        public = [name for name in vars(module) if not name.startswith("_")]
+        close = difflib.get_close_matches(attribute, public, n=1)
+        hint = f"; did you mean '{close[0]}'?" if close else ""
+        raise ImportTargetError(f"{module_name} ({module.__file__}) has no '{attribute}'{hint}")
+    return getattr(module, attribute)
+
+
+def check_protocol(thing: object, protocol: type, *, name: str) -> None:
+    """Make sure that a thing has the methods that a protocol asks for.
+
+    Args:
+        thing: Made by someone else's code.
+        protocol: One of `hypernav.core.protocols`.
+        name: Of the thing, as the user wrote it.
+
+    Raises:
+        ContractError: Methods are missing; the message names them.
+    """
+    wanted = [member for member in dir(protocol) if not member.startswith("_")]
+    missing = [member for member in wanted if not hasattr(thing, member)]
+    if missing:
+        raise ContractError(
+            f"{name} is no {protocol.__name__}: it has no {' and no '.join(missing)}; "
+            f"{protocol.__module__}.{protocol.__name__} says what is expected"
+        )
+
+
+def _make_current_folder_importable() -> None:
+    """As ``python file.py`` does: a file of one's own need not be installed to be used.
+
+    It comes last, so that nothing that lies there by chance stands in for an installed package.
+    """
+    folder = os.getcwd()
+    if folder not in sys.path and "" not in sys.path:
+        sys.path.append(folder)
