@@ -5,31 +5,42 @@ from pathlib import Path
 from typing import Any
 
 from hypernav.agents.search import SearchAgent
-from hypernav.build.components import build_detector, build_reasoner, build_segmenter, component_words, wrap_chat
+from hypernav.build.component_specs import (
+    AgentName,
+    ChosenComponents,
+    ComponentSpecs,
+    choose_components,
+)
+from hypernav.build.components import (
+    build_detector,
+    build_reasoner,
+    build_segmenter,
+    component_words,
+    wrap_chat,
+)
+from hypernav.build.presets import HyPerNavConfig, PriceConfig
 from hypernav.core.errors import SceneError
 from hypernav.core.goal import Goal
 from hypernav.core.protocols import BlockReasoner, Detector, PresenceCheck, Segmenter
 from hypernav.core.trace import ExchangeLog
+from hypernav.houses.build import BUILTIN_HOUSE
+from hypernav.houses.cache import cached_house
 from hypernav.mapping.top_down_map import TopDownMap
 from hypernav.models.chat.ledger import Ledger
 from hypernav.models.chat.recording import RecordingChat
 from hypernav.models.vision.yolox import YoloxDetector
-from hypernav.build.component_specs import AgentName, ChosenComponents, ComponentSpecs, choose_components
+from hypernav.perception.explorers.block_explorer import BlockExplorer
+from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
+from hypernav.perception.explorers.nearest_frontier import NearestFrontierExplorer
 from hypernav.perception.explorers.prefetch import PrefetchingExplorer
+from hypernav.perception.explorers.vlm_reasoner import VlmReasoner
 from hypernav.perception.local.attention import Attention
 from hypernav.perception.local.depth_cut import DepthCutSegmenter
-from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
 from hypernav.perception.local.local_perception import LocalPerception
-from hypernav.perception.explorers.nearest_frontier import NearestFrontierExplorer
-from hypernav.perception.explorers.block_explorer import BlockExplorer
 from hypernav.perception.local.presence import VlmPresenceCheck
 from hypernav.perception.local.vlm_detector import VlmDetector
-from hypernav.perception.explorers.vlm_reasoner import VlmReasoner
-from hypernav.build.presets import HyPerNavConfig, PresetName, PriceConfig, preset
-from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.scenes.loading import load_scene
-from hypernav.houses.build import BUILTIN_HOUSE
-from hypernav.houses.cache import cached_house
+from hypernav.worlds.scenes.scene import Scene
 
 _HOUSE_DIGITS = 9
 

@@ -3,23 +3,23 @@
 from collections.abc import Callable
 from pathlib import Path
 
+from hypernav.build.component_specs import ChosenComponents
+from hypernav.build.presets import HyPerNavConfig
 from hypernav.core.errors import ConfigError
 from hypernav.core.protocols import BlockReasoner, ChatModel, Detector, Segmenter
 from hypernav.core.trace import ExchangeLog
 from hypernav.models.chat.ledger import Ledger, LedgerChat
 from hypernav.models.chat.recording import RecordingChat
 from hypernav.models.chat.vlm_spec import VlmSpec, open_chat, parse_vlm_spec
-from hypernav.models.vision.yolox import YoloxDetector
 from hypernav.models.vision.sam import SamSegmenter
 from hypernav.models.vision.sam_onnx import OnnxSamSegmenter
+from hypernav.models.vision.yolox import YoloxDetector
 from hypernav.models.vision.zero_shot import ZeroShotDetector
-from hypernav.build.component_specs import ChosenComponents
-from hypernav.perception.local.depth_cut import DepthCutSegmenter
 from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
+from hypernav.perception.explorers.vlm_reasoner import VlmReasoner
+from hypernav.perception.local.depth_cut import DepthCutSegmenter
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.perception.local.vlm_detector import VlmDetector
-from hypernav.perception.explorers.vlm_reasoner import VlmReasoner
-from hypernav.build.presets import HyPerNavConfig
 
 _WORDS = {
     "ground-truth": "ground truth",

@@ -8,19 +8,19 @@ from hypernav.agents.config import SearchConfig
 from hypernav.core.config import RoomConfig
 from hypernav.mapping.config import MappingConfig
 from hypernav.models.chat.config import ChatConfig
-from hypernav.models.vision.yolox import YoloxConfig
 from hypernav.models.vision.sam import SamConfig
 from hypernav.models.vision.sam_onnx import OnnxSamConfig
+from hypernav.models.vision.yolox import YoloxConfig
 from hypernav.models.vision.zero_shot import ZeroShotConfig
-from hypernav.perception.explorers.prefetch import PrefetchConfig
-from hypernav.perception.local.attention import AttentionConfig
-from hypernav.perception.local.depth_cut import DepthCutConfig
-from hypernav.perception.explorers.geometric_reasoner import GeometricConfig
-from hypernav.perception.local.config import LocalConfig
 from hypernav.perception.explorers.block_explorer import OverviewConfig
+from hypernav.perception.explorers.geometric_reasoner import GeometricConfig
+from hypernav.perception.explorers.prefetch import PrefetchConfig
+from hypernav.perception.explorers.vlm_reasoner import VlmReasonerConfig
+from hypernav.perception.local.attention import AttentionConfig
+from hypernav.perception.local.config import LocalConfig
+from hypernav.perception.local.depth_cut import DepthCutConfig
 from hypernav.perception.local.presence import PresenceConfig
 from hypernav.perception.local.vlm_detector import VlmDetectorConfig
-from hypernav.perception.explorers.vlm_reasoner import VlmReasonerConfig
 from hypernav.planning.config import PlanningConfig
 from hypernav.worlds.simulation import SimulationConfig
 
