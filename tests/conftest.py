@@ -4,6 +4,7 @@ import os
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 from jaxtyping import install_import_hook
 
 _SOURCE = Path(__file__).parents[1] / "src"
@@ -17,6 +18,10 @@ def _checked_modules() -> list[str]:
         if path.name != "__init__.py" and not path.name.endswith("kernels.py")
     ]
 
+
+# Speed is measured in benchmarks/, never asserted in a test.
+settings.register_profile("hypernav", deadline=None)
+settings.load_profile("hypernav")
 
 install_import_hook(_checked_modules(), "runtime_checks.checked")
 

@@ -3,14 +3,13 @@ from dataclasses import replace
 
 import pytest
 
-from hypernav.agents.search import GAVE_UP
 from hypernav.build.agents import build_search
 from hypernav.core.actions import Action
 from hypernav.core.errors import WorldError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.protocols import Agent, ExplainsItself
-from hypernav.core.trace import ExchangeLog, Mode, without_timings
+from hypernav.core.trace import Ending, ExchangeLog, Mode, without_timings
 from hypernav.evaluation.episode_run import EpisodeRun
 from hypernav.evaluation.outcome import Outcome
 from hypernav.perception.local.ground_truth import GroundTruthDetector
@@ -55,7 +54,8 @@ def test_the_same_search_leaves_the_same_trace():
 def test_a_goal_that_is_not_there_is_given_up_when_all_is_explored():
     steps, result = run(search(), "piano")
     assert result.outcome is Outcome.NOT_FOUND
-    assert GAVE_UP in steps[-1].events
+    assert steps[-1].ending is Ending.GAVE_UP
+    assert steps[-1].action is None
     assert not result.metrics.success
     assert result.steps < 200
 
@@ -102,8 +102,8 @@ class Denies:
 
 
 def test_a_goal_area_that_is_denied_is_rejected_and_the_search_goes_on():
-    agent = search()
-    agent._presence = denies = Denies()
+    denies = Denies()
+    agent = build_search(small_config(), GroundTruthDetector(), ExchangeLog(), presence=denies)
     steps, result = run(agent, "sofa", max_steps=150)
     events = [event for step in steps for event in step.events]
     assert denies.asked == events.count("goal area rejected") >= 1
@@ -173,3 +173,22 @@ def test_it_looks_around_once_more_before_it_gives_up(look_again, circles):
     turned = sum(step.mode is Mode.LOOK_AROUND for step in steps)
     assert turned >= 12 * circles
     assert look_again or turned == 12
+
+
+def test_an_agent_without_a_goal_says_what_to_do():
+    with pytest.raises(WorldError, match=r"call reset\(goal\) first"):
+        search().grid  # noqa: B018
+    with pytest.raises(WorldError, match=r"call reset\(goal\) first"):
+        search().act(two_rooms().reset(START))
+
+
+def test_stop_says_that_the_goal_is_here_and_giving_up_does_not():
+    for goal, action, ending in (
+        ("bed", Action.STOP, Ending.FOUND),
+        ("piano", None, Ending.GAVE_UP),
+    ):
+        steps, _ = run(search(), goal)
+        assert (steps[-1].action, steps[-1].ending) == (action, ending)
+        for step in steps[:-1]:
+            assert step.action not in (Action.STOP, None)
+            assert step.ending is None

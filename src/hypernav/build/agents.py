@@ -1,10 +1,11 @@
 """The one place that turns a configuration into objects."""
 
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from hypernav.agents.search import SearchAgent
+from hypernav.agents.search import SearchAgent, SearchComponents
 from hypernav.build.component_specs import (
     AgentName,
     ChosenComponents,
@@ -202,8 +203,8 @@ def build_search(
             explorer = PrefetchingExplorer(explorer, map_log, log, config.prefetch)
     else:
         explorer = NearestFrontierExplorer(log, config.mapping)
-    return SearchAgent(
-        world_map=TopDownMap(config.mapping),
+    components = SearchComponents(
+        new_map=partial(TopDownMap, config.mapping),
         local=LocalPerception(
             detector,
             segmenter or DepthCutSegmenter(),
@@ -217,6 +218,7 @@ def build_search(
         log=log,
         config=config.search,
     )
+    return SearchAgent(components)
 
 
 def build_scene(spec: str) -> Scene:

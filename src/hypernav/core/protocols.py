@@ -26,8 +26,13 @@ class Agent(Protocol):
         """Forget everything and begin a new search."""
         ...
 
-    def act(self, observation: Observation) -> Action:
-        """Look, decide, and say what to do next. STOP ends the search: "here it is"."""
+    def act(self, observation: Observation) -> Action | None:
+        """Look, decide, and say what to do next.
+
+        Returns:
+            The action. STOP ends the search and says "here it is". None ends it without that
+            claim: the agent gives up.
+        """
         ...
 
 

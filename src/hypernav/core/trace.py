@@ -21,6 +21,15 @@ class Mode(StrEnum):
     STOP = "stop"
 
 
+class Ending(StrEnum):
+    """How an agent ended its search."""
+
+    FOUND = "found"
+    """It says that the goal is here."""
+    GAVE_UP = "gave up"
+    """It knows of nothing left to try."""
+
+
 class _Record(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -95,7 +104,7 @@ class StepTrace(_Record):
     Attributes:
         step: From 0.
         pose: ``(x, y, yaw)`` before the action.
-        action: What it did.
+        action: What it did; None in the last step of a search that it gave up.
         mode: What it was doing.
         reason: Why, in one short sentence for people.
         destination: Where it is going.
@@ -105,12 +114,13 @@ class StepTrace(_Record):
         blocks: As drawn in this step's map question; empty if none was asked.
         exchanges: Questions and answers of this step.
         events: Things worth finding again ("destination reached", "goal area rejected", …).
+        ending: How the agent ended its search; None as long as it goes on.
         seconds: Time per module.
     """
 
     step: int
     pose: tuple[float, float, float]
-    action: Action
+    action: Action | None
     mode: Mode
     reason: str = ""
     destination: tuple[float, float] | None = None
@@ -120,6 +130,7 @@ class StepTrace(_Record):
     blocks: list[BlockRecord] = Field(default_factory=list)
     exchanges: list[Exchange] = Field(default_factory=list)
     events: list[str] = Field(default_factory=list)
+    ending: Ending | None = None
     seconds: dict[str, float] = Field(default_factory=dict)
 
 

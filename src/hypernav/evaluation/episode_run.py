@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hypernav.agents.search import GAVE_UP
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
 from hypernav.core.errors import ModelUnavailableError
@@ -16,7 +15,7 @@ from hypernav.core.goal import Goal
 from hypernav.core.metrics import EpisodeMetrics
 from hypernav.core.observation import Observation
 from hypernav.core.protocols import Agent, ExplainsItself
-from hypernav.core.trace import Mode, StepTrace
+from hypernav.core.trace import Ending, Mode, StepTrace
 from hypernav.evaluation.outcome import Outcome
 from hypernav.worlds.referee import Referee
 from hypernav.worlds.simulation import SimulatedWorld
@@ -135,22 +134,23 @@ class EpisodeRun:
         self._model_calls += sum(exchange.by_model for exchange in trace.exchanges)
         for module, seconds in trace.seconds.items():
             self._clock.seconds[module] = self._clock.seconds.get(module, 0.0) + seconds
-        self._gave_up = GAVE_UP in trace.events
-        if not self._gave_up:
+        self._gave_up = action is None
+        if action is not None:
             with self._clock("world"):
                 self._observation = self._world.step(action)
                 self._referee.watch(self._world.position)
         return EpisodeStep(observation, trace, grid)
 
     def _explanation(
-        self, observation: Observation, action: Action
+        self, observation: Observation, action: Action | None
     ) -> tuple[StepTrace, OccupancyGrid | None]:
         if isinstance(self._agent, ExplainsItself):
             return self._agent.last_step, self._agent.grid
         robot = observation.robot
-        mode = Mode.STOP if action is Action.STOP else Mode.EXPLORE
+        mode = Mode.STOP if action in (Action.STOP, None) else Mode.EXPLORE
         pose = (robot.x, robot.y, robot.yaw)
-        return StepTrace(step=self._steps, pose=pose, action=action, mode=mode), None
+        ending = {Action.STOP: Ending.FOUND, None: Ending.GAVE_UP}.get(action)
+        return StepTrace(step=self._steps, pose=pose, action=action, mode=mode, ending=ending), None
 
     def result(self, *, interrupted: bool = False) -> EpisodeResult:
         """What came of the episode so far.

@@ -7,11 +7,10 @@ import cv2
 import numpy as np
 from jaxtyping import Bool, Float64
 
-from hypernav.agents.search import GAVE_UP
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.observation import LabelledPixels
-from hypernav.core.trace import DetectionRecord
+from hypernav.core.trace import DetectionRecord, Ending
 from hypernav.evaluation.episode_run import EpisodeResult, EpisodeStep
 from hypernav.evaluation.failures.classification import MISPLACED_M, Belief, Facts, Held
 from hypernav.houses.near_misses import near_misses
@@ -75,7 +74,7 @@ class FailureEvidence:
         return Facts(
             outcome=result.outcome,
             stopped=stopped,
-            gave_up=last is not None and GAVE_UP in last.trace.events,
+            gave_up=last is not None and last.trace.ending is Ending.GAVE_UP,
             distance_to_goal_m=result.metrics.distance_to_goal_m,
             success_distance_m=success_distance_m,
             sights=self.sights,

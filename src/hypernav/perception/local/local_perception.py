@@ -113,7 +113,7 @@ class LocalPerception:
         if self._target is not None:
             self._target = replace(self._target, confirmed=True)
 
-    def bar_place(self, observation: Observation) -> bool:
+    def bar_position(self, observation: Observation) -> bool:
         """Look for another place at the target if something hides it from a robot that faces it.
 
         Args:

@@ -1,4 +1,4 @@
-"""A second look at an uncertain target, from another side, before the robot believes in it."""
+"""Where a target can be seen from another side."""
 
 import math
 
@@ -12,54 +12,54 @@ from hypernav.mapping.reachable_area import ReachableArea
 from hypernav.perception.local.goal_area import GoalArea
 
 _OTHER_SIDE_DEG = 60.0
-"""How far around the target the second place lies, at least."""
+"""How far around the target the second position lies, at least."""
 _NEAREST_M, _FARTHEST_M = 1.5, 3.0
 """From the target's middle: the whole of it fits into the image, and is large in it."""
 _APART_CELLS = 4
-"""Places are tried this far apart."""
+"""Positions are tried this far apart."""
 
 
-def place_for_second_look(
+def position_on_other_side(
     grid: OccupancyGrid,
     robot: Pose2,
     area: GoalArea,
     seen_from: tuple[float, float],
     mapping: MappingConfig,
 ) -> tuple[float, float] | None:
-    """The nearest place that shows a goal area from another side.
+    """The nearest position that shows a goal area from another side.
 
     Args:
         grid: The map.
         robot: Where the robot is.
         area: Where the goal seems to be.
-        seen_from: ``(x, y)``, metres: the place of the first look.
+        seen_from: ``(x, y)``, metres: the position of the first look.
         mapping: Clearance.
 
     Returns:
-        ``(x, y)``, metres; None if no such place can be reached.
+        ``(x, y)``, metres; None if no such position can be reached.
     """
     reach = ReachableArea.of(grid, robot, mapping)
     cells = np.argwhere(reach.reachable)
     cells = cells[(cells % _APART_CELLS == 0).all(axis=1)]
-    places = reach.grid.centres_of(cells)
-    away = places - np.array(area.centre)
+    positions = reach.grid.centres_of(cells)
+    away = positions - np.array(area.centre)
     distance = np.hypot(away[:, 0], away[:, 1])
     before = np.array(seen_from) - np.array(area.centre)
     cosine = away @ before / np.maximum(distance * np.hypot(*before), 1e-9)
     good = (distance >= _NEAREST_M) & (distance <= _FARTHEST_M)
     good &= cosine <= math.cos(math.radians(_OTHER_SIDE_DEG))
-    good[good] = _in_sight(reach.grid, places[good], area)
+    good[good] = _in_sight(reach.grid, positions[good], area)
     if not good.any():
         return None
     travel_m = reach.travel_m[cells[:, 0], cells[:, 1]]
-    x, y = places[int(np.where(good, travel_m, np.inf).argmin())]
+    x, y = positions[int(np.where(good, travel_m, np.inf).argmin())]
     return (float(x), float(y))
 
 
 def _in_sight(
-    grid: OccupancyGrid, places: Float64[np.ndarray, "n 2"], area: GoalArea
+    grid: OccupancyGrid, positions: Float64[np.ndarray, "n 2"], area: GoalArea
 ) -> Bool[np.ndarray, "n"]:
-    """From which places nothing on the map hides the middle of an area but the area itself."""
+    """From which positions nothing on the map hides the middle of an area but the area itself."""
     hides = grid.occupied.copy()
     inside = grid.cells_of(area.points)
     inside = inside[((inside >= 0) & (inside < np.array(hides.shape))).all(axis=1)]
@@ -67,8 +67,10 @@ def _in_sight(
     steps = math.ceil(_FARTHEST_M / grid.resolution_m)
     share = np.linspace(0.0, 1.0, steps)[None, :, None]
     middle = np.array(area.centre)
-    rays = grid.cells_of((places[:, None] + share * (middle - places[:, None])).reshape(-1, 2))
+    rays = grid.cells_of(
+        (positions[:, None] + share * (middle - positions[:, None])).reshape(-1, 2)
+    )
     known = ((rays >= 0) & (rays < np.array(hides.shape))).all(axis=1)
     hidden = np.zeros(len(rays), dtype=bool)
     hidden[known] = hides[rays[known, 0], rays[known, 1]]
-    return np.logical_not(hidden.reshape(len(places), steps).any(axis=1))
+    return np.logical_not(hidden.reshape(len(positions), steps).any(axis=1))

@@ -7,12 +7,19 @@ import pytest
 
 from drawn_grids import drawn
 from hypernav.agents.config import SearchConfig
-from hypernav.agents.exploration import Exploration, turn_towards, unexplored_boundary
+from hypernav.agents.phases.explore import Explore, unexplored_boundary
+from hypernav.agents.phases.step import Decision, PhaseName, Step, turn_towards
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
+from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
+from hypernav.core.observation import Observation
 from hypernav.perception.explorers.explorer import Destination
+from hypernav.perception.local.config import LocalConfig
+from hypernav.perception.local.depth_cut import DepthCutSegmenter
+from hypernav.perception.local.ground_truth import GroundTruthDetector
+from hypernav.perception.local.local_perception import LocalPerception
 from hypernav.planning.config import PlanningConfig
 from hypernav.planning.navigator import Navigator
 
@@ -50,20 +57,35 @@ def corridor():
     return drawn(CORRIDOR, scale=10)
 
 
+def frame_of(robot):
+    """What the robot sees does not matter here."""
+    camera = PinholeCamera.from_hfov(4, 3, 79.0)
+    return Observation(
+        rgb=np.zeros((3, 4, 3), dtype=np.uint8),
+        depth=np.zeros((3, 4), dtype=np.float32),
+        camera=camera,
+        camera_to_map=robot.to_transform() @ optical_to_base(0.88),
+        robot=robot,
+    )
+
+
 def explore(explorer, robot, steps, **options):
     """Actions and reasons on a map that never changes; the robot only turns."""
-    exploration = Exploration(explorer, Navigator(PlanningConfig()), SearchConfig(**options))
-    exploration.reset(Goal("bed"))
-    exploration.destination = explorer.next_destination(None, None, [])
+    local = LocalPerception(
+        GroundTruthDetector(), DepthCutSegmenter(), LocalConfig(), cell_size_m=0.05
+    )
+    phase = Explore(
+        Goal("bed"), local, explorer, Navigator(PlanningConfig()), SearchConfig(**options)
+    )
+    phase.destination = explorer.next_destination(None, None, [])
     done = []
     for _ in range(steps):
-        chosen = exploration.next_action(
-            corridor(), robot, [], far_bearing=None, clock=ModuleClock(), events=[]
-        )
-        if chosen is None:
+        outcome = phase.act(Step(frame_of(robot), corridor(), [], ModuleClock(), []))
+        if outcome is PhaseName.END:
             break
-        done.append(chosen[0])
-        turn = {Action.TURN_LEFT: 1, Action.TURN_RIGHT: -1}[chosen[0]]
+        assert isinstance(outcome, Decision)
+        done.append(outcome.action)
+        turn = {Action.TURN_LEFT: 1, Action.TURN_RIGHT: -1}[outcome.action]
         robot = Pose2(robot.x, robot.y, robot.yaw + turn * math.radians(30.0))
     return done, robot
 

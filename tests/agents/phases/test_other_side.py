@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from drawn_grids import drawn
-from hypernav.agents.second_look import place_for_second_look
+from hypernav.agents.phases.other_side import position_on_other_side
 from hypernav.core.geometry.grid import Cell
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.config import MappingConfig
@@ -31,10 +31,10 @@ def area_of_the_thing():
 
 
 def test_it_lies_on_another_side_near_enough_and_in_sight():
-    place = place_for_second_look(
+    position = position_on_other_side(
         hall_with_a_thing(), ROBOT, area_of_the_thing(), FROM_THE_LEFT, CONFIG
     )
-    away = np.array(place) - THING
+    away = np.array(position) - THING
     assert 1.5 <= np.hypot(*away) <= 3.0
     before = np.array(FROM_THE_LEFT) - THING
     cosine = away @ before / np.hypot(*away) / np.hypot(*before)
@@ -43,19 +43,19 @@ def test_it_lies_on_another_side_near_enough_and_in_sight():
 
 def test_a_side_that_a_wall_hides_does_not_count():
     grid = hall_with_a_thing()
-    free = place_for_second_look(grid, ROBOT, area_of_the_thing(), FROM_THE_LEFT, CONFIG)
+    free = position_on_other_side(grid, ROBOT, area_of_the_thing(), FROM_THE_LEFT, CONFIG)
     below = free[1] < THING[1]
     rows = slice(46, 48) if below else slice(72, 74)
     grid.cells[rows, 30:130] = Cell.OCCUPIED
-    other = place_for_second_look(grid, ROBOT, area_of_the_thing(), FROM_THE_LEFT, CONFIG)
+    other = position_on_other_side(grid, ROBOT, area_of_the_thing(), FROM_THE_LEFT, CONFIG)
     assert (other[1] < THING[1]) != below or abs(other[1] - THING[1]) < 0.8
 
 
 def test_in_a_niche_there_is_no_other_side():
     grid = hall_with_a_thing()
     grid.cells[:50], grid.cells[70:], grid.cells[:, 86:] = (Cell.OCCUPIED,) * 3
-    place = place_for_second_look(grid, ROBOT, area_of_the_thing(), FROM_THE_LEFT, CONFIG)
-    assert place is None
+    position = position_on_other_side(grid, ROBOT, area_of_the_thing(), FROM_THE_LEFT, CONFIG)
+    assert position is None
 
 
 @pytest.mark.parametrize("shift", [0.0, -7.35])
@@ -74,6 +74,6 @@ def test_the_origin_of_the_map_does_not_matter(shift):
     )
     robot = Pose2(ROBOT.x + shift, ROBOT.y, 0.0)
     seen_from = (FROM_THE_LEFT[0] + shift, FROM_THE_LEFT[1])
-    x, y = place_for_second_look(moved, robot, area, seen_from, CONFIG)
-    expected = place_for_second_look(grid, ROBOT, area_of_the_thing(), FROM_THE_LEFT, CONFIG)
+    x, y = position_on_other_side(moved, robot, area, seen_from, CONFIG)
+    expected = position_on_other_side(grid, ROBOT, area_of_the_thing(), FROM_THE_LEFT, CONFIG)
     assert (x - shift, y) == pytest.approx(expected, abs=0.25)

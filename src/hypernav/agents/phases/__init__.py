@@ -1,0 +1,1 @@
+"""The phases of a search: look around, explore, approach, verify, look from another side, end."""

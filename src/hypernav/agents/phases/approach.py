@@ -1,0 +1,94 @@
+"""Going to the goal area."""
+
+from hypernav.agents.config import SearchConfig
+from hypernav.agents.phases.explore import Explore
+from hypernav.agents.phases.look_around import LookAround
+from hypernav.agents.phases.step import Decision, PhaseName, Step
+from hypernav.agents.progress import Progress
+from hypernav.core.goal import Goal
+from hypernav.core.trace import Mode
+from hypernav.perception.local.local_perception import LocalPerception
+from hypernav.planning.navigator import Navigator
+
+_CLOSE_BY_M = 1.5
+"""A robot that gets no nearer than this is at the goal area: something stands around it."""
+
+
+class Approach:
+    """Drives to where the goal area may be entered; rests for a while where no path leads there.
+
+    Attributes:
+        as_near_as_possible: Whether everything else is explored, so that the end of the nearest
+            path has to do.
+    """
+
+    def __init__(
+        self,
+        goal: Goal,
+        local: LocalPerception,
+        navigator: Navigator,
+        explore: Explore,
+        look_around: LookAround,
+        config: SearchConfig,
+    ) -> None:
+        """Begin with no approach under way.
+
+        Args:
+            goal: What to find.
+            local: Knows the target.
+            navigator: Drives there.
+            explore: Left when the robot goes to the target: local perception wins.
+            look_around: Left likewise.
+            config: Distances, and patience.
+        """
+        self._goal = goal
+        self._local = local
+        self._navigator = navigator
+        self._explore = explore
+        self._look_around = look_around
+        self._config = config
+        self._progress = Progress(config.patience_steps)
+        self._rest_steps = 0
+        self.as_near_as_possible = False
+
+    def forget(self) -> None:
+        """Begin the next approach with new patience."""
+        self._progress.reset()
+
+    def rests(self) -> bool:
+        """Whether the robot explores for now because it got nowhere; to be asked once a step."""
+        if self._rest_steps == 0 or self.as_near_as_possible:
+            return False
+        self._rest_steps -= 1
+        return True
+
+    def act(self, step: Step) -> Decision | PhaseName:
+        """The next action towards the goal area, or who takes over there or instead."""
+        target, robot, config = self._local.target, step.robot, self._config
+        if target is None:
+            return PhaseName.LOOK_AROUND
+        if target.distance_to(*robot.xy) > config.stop_distance_m:
+            with step.clock("plan"):
+                action = self._navigator.towards(step.grid, robot, target.entry_points)
+            path = self._navigator.path
+            leads_there = path is not None and path.gap_m <= config.approach_gap_m
+            if path is None or not (leads_there or self.as_near_as_possible):
+                self.forget()
+                return PhaseName.LOOK_AROUND
+            left_m = self._navigator.left_m(robot)
+            if action is not None and self._progress.is_made(left_m):
+                self._leave_exploration(step)
+                reason = f"going to the {self._goal.thing}"
+                return Decision(action, Mode.APPROACH, reason, self._navigator.remaining(robot))
+            if left_m > _CLOSE_BY_M and not self.as_near_as_possible:
+                self._rest_steps = config.endurance_steps
+                step.events.append("goal out of reach for now")
+                self.forget()
+                return PhaseName.LOOK_AROUND
+        self._leave_exploration(step)
+        return PhaseName.VERIFY
+
+    def _leave_exploration(self, step: Step) -> None:
+        """Local perception wins."""
+        self._look_around.cancel()
+        self._explore.leave(step)

@@ -1,0 +1,73 @@
+"""The end of exploration: nothing is left to explore."""
+
+from hypernav.agents.config import SearchConfig
+from hypernav.agents.phases.approach import Approach
+from hypernav.agents.phases.explore import Explore
+from hypernav.agents.phases.look_around import LookAround
+from hypernav.agents.phases.step import Decision, PhaseName, Step
+from hypernav.core.actions import Action
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
+from hypernav.core.trace import Ending, Mode
+from hypernav.mapping.top_down_map import TopDownMap
+from hypernav.perception.local.local_perception import LocalPerception
+from hypernav.planning.navigator import Navigator
+
+
+class End:
+    """Goes as near as possible to a goal in sight, looks around once more, or gives up."""
+
+    def __init__(
+        self,
+        goal: Goal,
+        local: LocalPerception,
+        navigator: Navigator,
+        world_map: TopDownMap,
+        explore: Explore,
+        look_around: LookAround,
+        approach: Approach,
+        config: SearchConfig,
+    ) -> None:
+        """Put it together.
+
+        Args:
+            goal: What to find.
+            local: Knows whether a target is in sight.
+            navigator: Drives to the target.
+            world_map: Forgets what the robot bumped into.
+            explore: Forgets what was visited.
+            look_around: Turns once around.
+            approach: Goes as near to the target as possible.
+            config: Whether to look once more, and what counts as the same position.
+        """
+        self._goal = goal
+        self._local = local
+        self._navigator = navigator
+        self._map = world_map
+        self._explore = explore
+        self._look_around = look_around
+        self._approach = approach
+        self._config = config
+        self._ends: list[tuple[float, float]] = []
+
+    def act(self, step: Step) -> Decision | PhaseName:
+        """What is left to try, or the end of the search."""
+        if self._local.target is not None and not self._approach.as_near_as_possible:
+            self._approach.as_near_as_possible = True
+            reason = f"all is explored, going as near to the {self._goal.thing} as possible"
+            path = self._navigator.remaining(step.robot)
+            return Decision(Action.TURN_LEFT, Mode.APPROACH, reason, path)
+        if self._config.look_again_before_giving_up and self._is_new_end(step.robot):
+            self._ends.append(step.robot.xy)
+            self._explore.forget_visits()
+            self._map.forget_bumps()
+            self._look_around.begin()
+            reason = "nothing is left to explore, looking once more"
+            return Decision(Action.TURN_LEFT, Mode.LOOK_AROUND, reason)
+        reason = "nothing is left to explore"
+        return Decision(None, Mode.STOP, reason, ending=Ending.GAVE_UP)
+
+    def _is_new_end(self, robot: Pose2) -> bool:
+        """Whether exploration has not yet ended around here."""
+        near_m = 2.0 * self._config.arrival_distance_m
+        return all(robot.distance_to(*position) > near_m for position in self._ends)

@@ -1,0 +1,33 @@
+"""Turning once around."""
+
+from hypernav.agents.phases.step import Decision, PhaseName, Step
+from hypernav.core.actions import Action
+from hypernav.core.trace import Mode
+
+
+class LookAround:
+    """Turns until a full circle is done, then hands over to exploration."""
+
+    def __init__(self, turn_angle_deg: float) -> None:
+        """Begin with nothing to turn.
+
+        Args:
+            turn_angle_deg: Rotation of one turn action, degrees.
+        """
+        self._turns_of_a_circle = round(360.0 / turn_angle_deg)
+        self._turns_left = 0
+
+    def begin(self) -> None:
+        """Turn a full circle from the next step on."""
+        self._turns_left = self._turns_of_a_circle
+
+    def cancel(self) -> None:
+        """Turn no further."""
+        self._turns_left = 0
+
+    def act(self, step: Step) -> Decision | PhaseName:
+        """The next turn of the circle, if one is left."""
+        if self._turns_left == 0:
+            return PhaseName.EXPLORE
+        self._turns_left -= 1
+        return Decision(Action.TURN_LEFT, Mode.LOOK_AROUND, "looking around")
