@@ -24,6 +24,7 @@ from hypernav.build.agents import build_scene, build_search
 from hypernav.build.presets import preset
 from hypernav.core.actions import Action
 from hypernav.core.geometry.camera import optical_to_base
+from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import LabelledPixels, Observation
@@ -124,7 +125,7 @@ def recorded(data: Path, watch: Stopwatch) -> list[Observation]:
             pose = Pose2(-float(y), float(x), float(yaw) + np.pi / 2)
             camera_to_scene = pose.to_transform() @ optical_to_base(config.camera.height_m)
             view = watch("render", renderer.render, camera, camera_to_scene)
-            in_range = (view.depth >= 0.5) & (view.depth <= 5.0)
+            in_range = is_measured(view.depth, config.camera.min_depth_m, config.camera.max_depth_m)
             observations.append(
                 Observation(
                     rgb=view.rgb,

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, UInt8
 
+from hypernav.core.geometry.bounds import has_cell
 from hypernav.mapping.distance_kernels import travel_cells
 
 _WITHIN_M = 1.0
@@ -46,7 +47,7 @@ class Escape:
             the robot is off the map.
         """
         row, column = here
-        if not (0 <= row < occupied.shape[0] and 0 <= column < occupied.shape[1]):
+        if not has_cell(occupied.shape, row, column):
             return None
         cells = np.zeros(occupied.shape, dtype=bool)
         if is_open[row, column]:

@@ -24,7 +24,11 @@ type in it is renamed:
 import numpy as np
 from numba import njit
 
+from hypernav.core.geometry import depth as depth_rule
+
 UNKNOWN, FREE, OCCUPIED = 0, 1, 2
+
+is_measured = njit(depth_rule.is_measured)
 
 
 @njit(nogil=True)
@@ -32,9 +36,9 @@ def count_points(depth, nearest, farthest, start, across, down, columns, layers,
     """Count the points in every voxel of the window.
 
     Args:
-        depth: float32 (height, width), metres; NaN and all outside the limits is skipped.
-        nearest: Limit, float32, excluded.
-        farthest: Limit, float32, excluded.
+        depth: float32 (height, width), metres; what is not measured is skipped.
+        nearest: Limit of the sensor's range, float32.
+        farthest: Limit of the sensor's range, float32.
         start: float32 (3), the camera in voxels of the window, as (column, row, layer).
         across: float32 (width, 3), what a metre of depth adds for the pixel's column, in voxels.
         down: float32 (height, 3), what a metre of depth adds for the pixel's row, in voxels.
@@ -53,7 +57,7 @@ def count_points(depth, nearest, farthest, start, across, down, columns, layers,
         bx, by, bz = down[v, 0], down[v, 1], down[v, 2]
         for u in range(depth.shape[1]):
             d = depth[v, u]
-            if not (d > nearest and d < farthest):
+            if not is_measured(d, nearest, farthest):
                 continue
             h = z0 + d * (bz + across[u, 2])
             if h < np.float32(0.0) or h >= top:
@@ -108,7 +112,7 @@ def ends_behind(depth, lens, u, v, behind):
     if u < 0.0 or v < 0.0 or u >= depth.shape[1] or v >= depth.shape[0]:
         return False
     d = depth[int(v), int(u)]
-    return d > lens[4] and d < lens[5] and d > behind
+    return is_measured(d, lens[4], lens[5]) and d > behind
 
 
 @njit(nogil=True)

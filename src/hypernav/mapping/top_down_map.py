@@ -287,8 +287,7 @@ class TopDownMap:
         camera, pose = observation.camera, observation.camera_to_map
         per_voxel = 1.0 / np.array([config.cell_size_m, config.cell_size_m, config.voxel_height_m])
         corner = np.array([*self._corner_of(window), config.obstacle_min_height_m])
-        x = (np.arange(camera.width) + 0.5 - camera.cx) / camera.fx
-        y = (np.arange(camera.height) + 0.5 - camera.cy) / camera.fy
+        x, y = camera.ray_slopes()
         across = x[:, None] * (pose.rotation[:, 0] * per_voxel)
         down = y[:, None] * (pose.rotation[:, 1] * per_voxel) + pose.rotation[:, 2] * per_voxel
         start = (pose.translation - corner) * per_voxel
@@ -310,10 +309,9 @@ def _reach(
     camera: PinholeCamera, camera_to_map: Transform, max_depth_m: float
 ) -> tuple[Float64[np.ndarray, "2"], Float64[np.ndarray, "2"]]:
     """Corners of the box, seen from above, around all that a camera can measure, metres."""
-    x = np.array([0.0, camera.width, 0.0, camera.width])
-    y = np.array([0.0, 0.0, camera.height, camera.height])
-    rays = np.stack([(x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy, np.ones(4)], axis=1)
-    points = np.concatenate([np.zeros((1, 3)), rays * max_depth_m])
+    u = np.array([0.0, camera.width, 0.0, camera.width])
+    v = np.array([0.0, 0.0, camera.height, camera.height])
+    points = np.concatenate([np.zeros((1, 3)), camera.unproject(u, v, max_depth_m)])
     flat = camera_to_map.apply(points)[:, :2]
     # Compiled arithmetic is single precision; a hair's breadth keeps its rounding inside the box.
     return flat.min(axis=0) - 1e-3, flat.max(axis=0) + 1e-3

@@ -59,7 +59,7 @@ class BumpSensor:
         )
         beside_known = inflate(grid.occupied, _TOUCHES_M, grid.resolution_m) > 0
         cells = grid.cells_of(front)
-        inside = ((cells >= 0) & (cells < np.array(grid.cells.shape))).all(axis=1)
+        inside = grid.contains(cells)
         touched = np.zeros(len(front), dtype=bool)
         touched[inside] = beside_known[cells[inside, 0], cells[inside, 1]]
         return front[touched] if touched.any() else front[3:-3]

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float32
 
 from hypernav.core.actions import Action
+from hypernav.core.geometry.bounds import has_cell
 from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.planning.astar import costs_to_go
 from hypernav.planning.config import PlanningConfig
@@ -256,6 +257,4 @@ def _surroundings(
 
 
 def _is_open(costs: Float32[np.ndarray, "rows columns"], cell: tuple[int, int]) -> bool:
-    row, column = cell
-    inside = 0 <= row < costs.shape[0] and 0 <= column < costs.shape[1]
-    return inside and bool(costs[row, column] > 0.0)
+    return has_cell(costs.shape, *cell) and bool(costs[cell] > 0.0)

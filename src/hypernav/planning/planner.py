@@ -121,7 +121,7 @@ def _reachable_goal(
     reachable = (parts == parts[here]) & (costmap.is_open > 0)
     wanted = np.zeros(reachable.shape, dtype=bool)
     cells = costmap.grid.cells_of(targets)
-    inside = ((cells >= 0) & (cells < np.array(reachable.shape))).all(axis=1)
+    inside = costmap.grid.contains(cells)
     wanted[cells[inside, 0], cells[inside, 1]] = True
     known = reachable & costmap.grid.explored
     for allowed in (known, reachable) if end_in_unknown else (known,):

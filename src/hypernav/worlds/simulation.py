@@ -10,6 +10,7 @@ from hypernav.core.actions import Action
 from hypernav.core.config import RoomConfig
 from hypernav.core.embodiment import ActionConfig, CameraConfig, RobotConfig
 from hypernav.core.errors import StartError, WorldError
+from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.transforms import Pose2, Transform, wrap_angle
 from hypernav.core.observation import LabelledPixels, Observation
 from hypernav.core.protocols import RenderedView, Renderer
@@ -249,8 +250,8 @@ class SimulatedWorld:
         depth = view.depth
         if noise.depth_sigma_m > 0.0 or noise.depth_edge_px > 0:
             depth = noisy_depth(depth, noise, self._generator())
-        in_range = (depth >= camera.min_depth_m) & (depth <= camera.max_depth_m)
-        return np.where(in_range, depth, np.float32(0.0))
+        measured = is_measured(depth, camera.min_depth_m, camera.max_depth_m)
+        return np.where(measured, depth, np.float32(0.0))
 
 
 def check_start(walkable: WalkableGrid, start: Pose2) -> None:

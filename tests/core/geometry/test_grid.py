@@ -29,6 +29,20 @@ def test_outside_the_grid_nothing_is_known():
     assert grid.state_at(0.5, 7.0) is Cell.UNKNOWN
 
 
+@given(st.integers(-3, 7), st.integers(-3, 9))
+def test_a_grid_has_the_cells_that_can_be_looked_up_without_counting_from_its_end(row, column):
+    grid = grid_of(np.arange(20).reshape(4, 5))
+    assert grid.inside(row, column) == (row in range(4) and column in range(5))
+    assert grid.contains(np.array([[row, column], [0, 0]])).tolist() == [
+        grid.inside(row, column),
+        True,
+    ]
+
+
+def test_of_no_cells_none_is_on_the_grid():
+    assert grid_of([[0]]).contains(np.zeros((0, 2), dtype=np.int64)).shape == (0,)
+
+
 def test_cropping_keeps_every_explored_cell_where_it_was():
     cells = np.zeros((50, 80))
     cells[20, 30], cells[25, 60] = Cell.FREE, Cell.OCCUPIED

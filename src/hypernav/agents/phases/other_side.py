@@ -61,16 +61,16 @@ def _in_sight(
 ) -> Bool[np.ndarray, "n"]:
     """From which positions nothing on the map hides the middle of an area but the area itself."""
     hides = grid.occupied.copy()
-    inside = grid.cells_of(area.points)
-    inside = inside[((inside >= 0) & (inside < np.array(hides.shape))).all(axis=1)]
-    hides[inside[:, 0], inside[:, 1]] = False
+    own = grid.cells_of(area.points)
+    own = own[grid.contains(own)]
+    hides[own[:, 0], own[:, 1]] = False
     steps = math.ceil(_FARTHEST_M / grid.resolution_m)
     share = np.linspace(0.0, 1.0, steps)[None, :, None]
     middle = np.array(area.centre)
     rays = grid.cells_of(
         (positions[:, None] + share * (middle - positions[:, None])).reshape(-1, 2)
     )
-    known = ((rays >= 0) & (rays < np.array(hides.shape))).all(axis=1)
+    known = grid.contains(rays)
     hidden = np.zeros(len(rays), dtype=bool)
     hidden[known] = hides[rays[known, 0], rays[known, 1]]
     return np.logical_not(hidden.reshape(len(positions), steps).any(axis=1))

@@ -4,18 +4,23 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Bool, Float, Float64, Int64
 
 from hypernav.core.errors import CameraError
+from hypernav.core.geometry.bounds import is_within
 from hypernav.core.geometry.transforms import Transform
+
+_CENTRE = 0.5
+"""From the number of a pixel to the coordinate of its centre."""
 
 
 @dataclass(frozen=True)
 class PinholeCamera:
-    """Intrinsics of an undistorted camera.
+    """Intrinsics of an undistorted camera: how pixels become points, and points pixels.
 
-    Pixel centres lie at integer coordinates plus one half: the ray of pixel column ``u`` goes
-    through ``u + 0.5``, and the image spans ``[0, width)``.
+    Pixels have numbers (row and column); places in the image have coordinates (u to the right, v
+    down). The centre of a pixel lies at its numbers plus one half, and the image spans
+    ``[0, width)``.
 
     Attributes:
         width: Pixels.
@@ -54,14 +59,52 @@ class PinholeCamera:
         left = math.atan2(self.cx, self.fx)
         return left + math.atan2(self.width - self.cx, self.fx)
 
+    def ray_slopes(self) -> tuple[Float64[np.ndarray, " width"], Float64[np.ndarray, " height"]]:
+        """What a metre of depth adds to x in every pixel column, and to y in every row."""
+        return self._slopes(np.arange(self.width) + _CENTRE, np.arange(self.height) + _CENTRE)
+
     def rays(self) -> Float64[np.ndarray, "height width 3"]:
         """Ray of every pixel in the optical frame, scaled so that z is 1 (not unit length)."""
-        x = (np.arange(self.width) + 0.5 - self.cx) / self.fx
-        y = (np.arange(self.height) + 0.5 - self.cy) / self.fy
+        x, y = self.ray_slopes()
         rays = np.ones((self.height, self.width, 3))
         rays[..., 0] = x[None, :]
         rays[..., 1] = y[:, None]
         return rays
+
+    def bearing_of(self, u: float) -> float:
+        """Angle of an image column from the optical axis, radians, positive to the left."""
+        return math.atan2(self.cx - u, self.fx)
+
+    def unproject(
+        self,
+        u: Float[np.ndarray, "*#n"],
+        v: Float[np.ndarray, "*#n"],
+        depth: Float[np.ndarray, "*#n"] | float,
+    ) -> Float64[np.ndarray, "*m 3"]:
+        """Points in the optical frame, metres; undoes `project`.
+
+        Args:
+            u: Image coordinates to the right.
+            v: Image coordinates down.
+            depth: Metres along the optical axis.
+        """
+        x, y = self._slopes(u, v)
+        return np.stack(np.broadcast_arrays(x * depth, y * depth, depth), axis=-1)
+
+    def unproject_pixels(
+        self,
+        rows: Int64[np.ndarray, "*#n"],
+        columns: Int64[np.ndarray, "*#n"],
+        depth: Float[np.ndarray, "*#n"] | float,
+    ) -> Float64[np.ndarray, "*m 3"]:
+        """What the centres of pixels show: points in the optical frame, metres.
+
+        Args:
+            rows: Of the pixels.
+            columns: Of the pixels.
+            depth: Metres along the optical axis.
+        """
+        return self.unproject(columns + _CENTRE, rows + _CENTRE, depth)
 
     def project(self, points: Float64[np.ndarray, "n 3"]) -> Float64[np.ndarray, "n 2"]:
         """Pixel coordinates (u, v) of points in the optical frame; NaN where z is not positive."""
@@ -69,6 +112,20 @@ class PinholeCamera:
         u = self.fx * points[:, 0] / z + self.cx
         v = self.fy * points[:, 1] / z + self.cy
         return np.stack([u, v], axis=1)
+
+    def contains(self, pixels: Float64[np.ndarray, "n 2"]) -> Bool[np.ndarray, " n"]:
+        """Which image coordinates (u, v) lie in the image; NaN does not."""
+        return is_within(pixels[:, 0], self.width) & is_within(pixels[:, 1], self.height)
+
+    def contains_columns(self, u: Float64[np.ndarray, " n"]) -> Bool[np.ndarray, " n"]:
+        """Which image coordinates u lie between the left and the right side of the image."""
+        return is_within(u, self.width)
+
+    def _slopes(
+        self, u: Float[np.ndarray, "*n"], v: Float[np.ndarray, "*m"]
+    ) -> tuple[Float64[np.ndarray, "*n"], Float64[np.ndarray, "*m"]]:
+        """The ray through image coordinates: x and y per metre of depth."""
+        return (u - self.cx) / self.fx, (v - self.cy) / self.fy
 
 
 def optical_to_base(height_m: float, pitch_deg: float = 0.0) -> Transform:

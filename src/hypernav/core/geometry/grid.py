@@ -6,6 +6,8 @@ from enum import IntEnum
 import numpy as np
 from jaxtyping import Bool, Float, Float64, Int64, UInt8
 
+from hypernav.core.geometry.bounds import has_cell
+
 
 class Cell(IntEnum):
     """State of one cell of the map."""
@@ -71,7 +73,11 @@ class OccupancyGrid:
 
     def inside(self, row: int, column: int) -> bool:
         """Whether the grid has this cell."""
-        return 0 <= row < self.cells.shape[0] and 0 <= column < self.cells.shape[1]
+        return has_cell(self.cells.shape, row, column)
+
+    def contains(self, cells: Int64[np.ndarray, "n 2"]) -> Bool[np.ndarray, " n"]:
+        """Which ``[row, column]`` the grid has."""
+        return has_cell(self.cells.shape, *cells.T)
 
     def state_at(self, x: float, y: float) -> Cell:
         """What is known about a point; unknown outside the grid."""

@@ -8,6 +8,7 @@ from jaxtyping import Float64
 
 from hypernav.core.actions import Action
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
+from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels, Observation
@@ -49,7 +50,7 @@ class BoxRoom:
         ids = np.where(is_door, np.int32(0), np.int32(-1))
         return Observation(
             rgb=rgb,
-            depth=np.where(depth <= _FARTHEST_M, depth, 0.0).astype(np.float32),
+            depth=np.where(is_measured(depth, 0.0, _FARTHEST_M), depth, 0.0).astype(np.float32),
             camera=camera,
             camera_to_map=camera_to_map,
             robot=self.pose,

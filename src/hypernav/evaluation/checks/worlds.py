@@ -11,6 +11,7 @@ from gymnasium import spaces
 from gymnasium.utils.env_checker import check_env
 
 from hypernav.core.actions import Action
+from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.transforms import wrap_angle
 from hypernav.core.metrics import EpisodeMetrics
 from hypernav.evaluation.checks.faults import Faults, While
@@ -196,7 +197,7 @@ class _Driver:
     def _check_images(self, seen: dict[str, Any]) -> None:
         depth = np.asarray(seen["depth"])
         self._faults.expect(
-            bool(np.isfinite(depth).all() and (depth >= 0.0).all()),
+            bool((is_measured(depth) | (depth == 0.0)).all()),
             "depth holds negative, infinite or NaN values; 0 says that there is no return",
         )
 

@@ -89,7 +89,7 @@ def last_free_towards(
     along = np.arange(grid.resolution_m, reach_m, grid.resolution_m)
     points = np.array(robot.xy) + along[:, None] * np.array([math.cos(angle), math.sin(angle)])
     cells = grid.cells_of(points)
-    inside = ((cells >= 0) & (cells < np.array(grid.cells.shape))).all(axis=1)
+    inside = grid.contains(cells)
     states = np.full(len(points), Cell.UNKNOWN, dtype=np.uint8)
     states[inside] = grid.cells[cells[inside, 0], cells[inside, 1]]
     free = np.flatnonzero(states == Cell.FREE)

@@ -8,6 +8,7 @@ from jaxtyping import Bool, Float32, Float64
 from pydantic import Field
 
 from hypernav.core.config import RoomConfig
+from hypernav.core.geometry.depth import is_measured
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Exchange, ExchangeLog
 from hypernav.perception.local.goal_area import GoalArea
@@ -62,22 +63,16 @@ class _View:
             config: What is large enough, and what the edge.
         """
         camera, depth = self.observation.camera, self.observation.depth
-        x, y, z = self.observation.camera_to_map.inverse().apply(points).T
-        ahead = np.maximum(z, 1e-6)
-        column, row = camera.fx * x / ahead + camera.cx, camera.fy * y / ahead + camera.cy
-        margin_u, margin_v = config.edge_share * camera.width, config.edge_share * camera.height
-        inside = (
-            (z > 0.1)
-            & (column >= margin_u)
-            & (column < camera.width - margin_u)
-            & (row >= margin_v)
-            & (row < camera.height - margin_v)
-        )
-        pixel = (np.where(inside, row, 0).astype(int), np.where(inside, column, 0).astype(int))
-        there = depth[pixel].astype(np.float64)
+        ahead = self.observation.camera_to_map.inverse().apply(points)
+        pixels, z = camera.project(ahead), ahead[:, 2]
+        size = np.array([camera.width, camera.height])
+        margin = config.edge_share * size
+        inside = (z > 0.1) & ((pixels >= margin) & (pixels < size - margin)).all(axis=1)
+        column, row = np.where(inside[:, None], pixels, 0).astype(int).T
+        there = depth[row, column].astype(np.float64)
         same = np.abs(there - z) < _SAME_SURFACE_M + _SAME_SURFACE_SHARE * z
         # Nothing within the range of depth: beyond it, everything along the ray was in sight.
-        beyond = (there <= 0.0) & (z > 0.9 * float(depth.max(initial=0.0)))
+        beyond = ~is_measured(there) & (z > 0.9 * float(depth.max(initial=0.0)))
         return inside & (same | beyond) & (z * config.closer_factor <= distance)
 
 
@@ -151,14 +146,11 @@ def _sampled(
 
     Where there is no return, a point just beyond the farthest return stands for what is there.
     """
-    camera = observation.camera
     depth: Float32[np.ndarray, "height width"] = observation.depth
     height, width = depth.shape
     rows = ((np.arange(_ROWS) + 0.5) * height / _ROWS).astype(int)
     columns = ((np.arange(_COLUMNS) + 0.5) * width / _COLUMNS).astype(int)
     z = depth[np.ix_(rows, columns)].astype(np.float64)
-    z = np.where(z > 0.0, z, 1.2 * max(float(depth.max(initial=0.0)), 1.0))
-    x = (columns[None, :] + 0.5 - camera.cx) / camera.fx * z
-    y = (rows[:, None] + 0.5 - camera.cy) / camera.fy * z
-    points = np.stack([x, y, z], axis=-1).reshape(-1, 3)
+    z = np.where(is_measured(z), z, 1.2 * max(float(depth.max(initial=0.0)), 1.0))
+    points = observation.camera.unproject_pixels(rows[:, None], columns[None, :], z).reshape(-1, 3)
     return observation.camera_to_map.apply(points), z.reshape(-1)

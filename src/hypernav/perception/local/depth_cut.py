@@ -6,6 +6,7 @@ from jaxtyping import Bool, Float32
 
 from hypernav.core.config import RoomConfig
 from hypernav.core.geometry.boxes import Box
+from hypernav.core.geometry.depth import is_measured
 from hypernav.core.observation import Observation
 
 _BIN_M = 0.10
@@ -90,14 +91,11 @@ class DepthCutSegmenter:
         scale: tuple[float, float],
     ) -> Bool[np.ndarray, "h w"]:
         """Pixels of the reduced crop whose points lie on the floor of the ``map`` frame."""
-        camera = observation.camera
         columns = corner[0] + (np.arange(depth.shape[1]) + 0.5) / scale[0]
         rows = corner[1] + (np.arange(depth.shape[0]) + 0.5) / scale[1]
-        x = (columns[None, :] - camera.cx) / camera.fx * depth
-        y = (rows[:, None] - camera.cy) / camera.fy * depth
-        points = np.stack([x, y, depth], axis=-1).reshape(-1, 3).astype(np.float64)
-        height = observation.camera_to_map.apply(points)[:, 2].reshape(depth.shape)
-        return (depth > 0) & (height < self._config.floor_height_m)
+        points = observation.camera.unproject(columns[None, :], rows[:, None], depth)
+        height = observation.camera_to_map.apply(points.reshape(-1, 3))[:, 2].reshape(depth.shape)
+        return is_measured(depth) & (height < self._config.floor_height_m)
 
     def _cut(
         self,
@@ -105,13 +103,13 @@ class DepthCutSegmenter:
         depth: Float32[np.ndarray, "h w"],
         inside: Bool[np.ndarray, "h w"],
     ) -> Bool[np.ndarray, "h w"]:
-        empty = inside & (depth <= 0)
+        has_depth = is_measured(depth)
+        empty = inside & ~has_depth
         if empty.sum() > self._config.max_empty_share * inside.sum():
             return empty
         cluster = inside & self._dominant_cluster(depth, inside)
         if not cluster.any():
             return inside
-        has_depth = depth > 0
         labels = np.where(inside, cv2.GC_PR_BGD, cv2.GC_BGD).astype(np.uint8)
         labels[inside & ~has_depth] = cv2.GC_PR_FGD
         labels[cluster] = cv2.GC_PR_FGD
@@ -140,17 +138,18 @@ class DepthCutSegmenter:
         top, bottom = np.percentile(rows, [20, 80]).astype(int)
         left, right = np.percentile(columns, [20, 80]).astype(int)
         middle[top : bottom + 1, left : right + 1] = True
-        values = depth[middle & inside & (depth > 0)]
+        has_depth = is_measured(depth)
+        values = depth[middle & inside & has_depth]
         if values.size == 0:
             return np.zeros_like(inside)
         counts = np.bincount((values / _BIN_M).astype(int))
         # Nearer things hide farther ones, so of two equal clusters the nearer is the object.
         weight = counts / (1.0 + 0.1 * np.arange(counts.size) * _BIN_M)
         peak = int(weight.argmax())
-        all_counts = np.bincount((depth[inside & (depth > 0)] / _BIN_M).astype(int))
+        all_counts = np.bincount((depth[inside & has_depth] / _BIN_M).astype(int))
         floor = max(1.0, 0.02 * float(all_counts.max()))
         low, high = self._grow(all_counts, peak, floor)
-        return (depth >= low * _BIN_M) & (depth < (high + 1) * _BIN_M) & (depth > 0)
+        return (depth >= low * _BIN_M) & (depth < (high + 1) * _BIN_M) & has_depth
 
     def _grow(self, counts: np.ndarray, peak: int, floor: float) -> tuple[int, int]:
         """Widen the peak over neighbouring depths until a gap."""

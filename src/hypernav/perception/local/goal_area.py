@@ -8,6 +8,8 @@ import cv2
 import numpy as np
 from jaxtyping import Bool, Float64
 
+from hypernav.core.geometry.bounds import has_cell
+from hypernav.core.geometry.depth import is_measured
 from hypernav.core.observation import Observation
 from hypernav.perception.local.visibility import lies_open
 
@@ -22,28 +24,21 @@ def points_under_mask(
 ) -> Float64[np.ndarray, "n 3"]:
     """The masked pixels as points in the ``map`` frame, metres.
 
-    Pixels without a usable depth are skipped. Points above the robot are kept: a goal may hang on
+    Pixels without a measured depth are skipped. Points above the robot are kept: a goal may hang on
     a wall.
 
     Args:
         mask: Pixels of the target.
         observation: The frame that the mask was made from.
-        min_depth_m: Nearest usable depth.
-        max_depth_m: Farthest usable depth.
+        min_depth_m: Lower limit of the sensor's range.
+        max_depth_m: Upper limit of the sensor's range.
         stride: Use every n-th pixel in both directions.
     """
     rows, columns = np.nonzero(mask[::stride, ::stride])
     depth = observation.depth[::stride, ::stride][rows, columns].astype(np.float64)
-    usable = np.isfinite(depth) & (depth >= min_depth_m) & (depth <= max_depth_m)
-    rows, columns, depth = rows[usable] * stride, columns[usable] * stride, depth[usable]
-    camera = observation.camera
-    points = np.stack(
-        [
-            (columns + 0.5 - camera.cx) / camera.fx * depth,
-            (rows + 0.5 - camera.cy) / camera.fy * depth,
-            depth,
-        ],
-        axis=1,
+    measured = is_measured(depth, min_depth_m, max_depth_m)
+    points = observation.camera.unproject_pixels(
+        rows[measured] * stride, columns[measured] * stride, depth[measured]
     )
     return observation.camera_to_map.apply(points)
 
@@ -193,12 +188,7 @@ class GoalArea:
         low = np.round((np.array(other.origin) - np.array(self.origin)) / self.resolution_m)
         rows, columns = np.nonzero(other.seen)
         rows, columns = rows + int(low[1]), columns + int(low[0])
-        inside = (
-            (rows >= 0)
-            & (rows < self.mask.shape[0])
-            & (columns >= 0)
-            & (columns < self.mask.shape[1])
-        )
+        inside = has_cell(self.mask.shape, rows, columns)
         hits = self.mask[rows[inside], columns[inside]].sum()
         return float(hits) / len(rows)
 

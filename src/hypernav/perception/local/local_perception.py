@@ -212,9 +212,8 @@ class LocalPerception:
         return area, ""
 
     def _bearing_of(self, detection: Detection, observation: Observation) -> float | None:
-        camera, robot = observation.camera, observation.robot
-        column = (detection.box.x_min + detection.box.x_max) / 2.0
-        bearing = math.atan2(camera.cx - column, camera.fx)
+        robot = observation.robot
+        bearing = observation.camera.bearing_of((detection.box.x_min + detection.box.x_max) / 2.0)
         for rejected in self._rejected:
             away = wrap_angle(robot.bearing_to(*rejected.centre) - bearing)
             if abs(away) < math.radians(_BESIDE_REJECTED_DEG):

@@ -4,6 +4,7 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from hypernav.core.geometry.boxes import Box
+from hypernav.core.geometry.depth import is_measured
 from hypernav.core.observation import Observation
 
 _BESIDE_M = 0.3
@@ -29,7 +30,7 @@ def lies_open(
         observation: The image; what is right beside its camera lies open, too.
     """
     distance, pixels = _projected(places, 0.0, observation)
-    is_open = _is_between(pixels[:, 0], observation.camera.width)
+    is_open = observation.camera.contains_columns(pixels[:, 0])
     farthest = observation.depth.max(axis=0)[pixels[is_open, 0].astype(int)]
     is_open[is_open] = (farthest == 0.0) | (farthest > distance[is_open])
     beside = np.linalg.norm(places - np.array(observation.robot.xy), axis=1) < _BESIDE_M
@@ -48,10 +49,8 @@ def is_cut_off(
         height_m: Of its middle above the floor.
         observation: The image.
     """
-    camera = observation.camera
     distance, pixels = _projected(places, height_m, observation)
-    shown = (distance > _NEAREST_M) & _is_between(pixels[:, 0], camera.width)
-    shown &= _is_between(pixels[:, 1], camera.height)
+    shown = (distance > _NEAREST_M) & observation.camera.contains(pixels)
     if not shown.any():
         return False
     nearest = float(distance[shown].min())
@@ -74,7 +73,7 @@ def should_be_visible(places: Float64[np.ndarray, "n 2"], observation: Observati
     distance, pixels = _projected(places, 0.0, observation)
     nearest, farthest = _RECOGNISABLE_M
     good = (distance > nearest) & (distance < farthest)
-    good &= _is_between(pixels[:, 0], observation.camera.width)
+    good &= observation.camera.contains_columns(pixels[:, 0])
     if good.sum() < 0.8 * len(distance):
         return False
     # Nothing may stand in between: compare with the farthest return in the column.
@@ -100,7 +99,7 @@ def seems_to_hold(box: Box, places: Float64[np.ndarray, "n 2"], observation: Obs
     union = max(right, box.x_max) - min(left, box.x_min)
     x_min, y_min, x_max, y_max = box.pixels()
     depth = observation.depth[y_min:y_max, x_min:x_max]
-    depth = depth[depth > 0.0]
+    depth = depth[is_measured(depth)]
     if overlap < _SAME_WIDTH * union or len(depth) == 0:
         return False
     middle = float(np.median(depth))
@@ -114,7 +113,3 @@ def _projected(
     points = np.column_stack([places, np.full(len(places), height_m)])
     ahead = observation.camera_to_map.inverse().apply(points)
     return ahead[:, 2], observation.camera.project(ahead)
-
-
-def _is_between(pixel: Float64[np.ndarray, " n"], end: int) -> Bool[np.ndarray, " n"]:
-    return (pixel >= 0.0) & (pixel < end)

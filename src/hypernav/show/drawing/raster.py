@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 from jaxtyping import Int64, UInt8
 
+from hypernav.core.geometry.bounds import is_within
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.show.drawing.palette import FREE, OCCUPIED, UNKNOWN, Rgb, blend
 from hypernav.show.drawing.view import MapView
@@ -80,8 +81,8 @@ def _looked_up(
 ) -> UInt8[np.ndarray, "_ _"]:
     """The cell at every pair of row and column, unknown outside."""
     image = np.full((rows.size, columns.size), Cell.UNKNOWN, dtype=np.uint8)
-    r = np.flatnonzero((rows >= 0) & (rows < cells.shape[0]))
-    c = np.flatnonzero((columns >= 0) & (columns < cells.shape[1]))
+    r = np.flatnonzero(is_within(rows, cells.shape[0]))
+    c = np.flatnonzero(is_within(columns, cells.shape[1]))
     if r.size and c.size:
         # Rows fall and columns rise, so what is inside is one rectangle of the image.
         # Columns first: repeating whole rows is then a plain copy.

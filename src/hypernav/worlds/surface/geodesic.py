@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float64, Int32, Int64, UInt8
 
+from hypernav.core.geometry.bounds import has_cell
 from hypernav.worlds.surface.geodesic_kernels import UNITS, first_bend, propagate, vertex_kinds
 
 _NOWHERE = -1
@@ -52,8 +53,7 @@ class FreeSpace:
     def is_free(self, points: Int64[np.ndarray, "n 2"]) -> Bool[np.ndarray, "n"]:
         """Whether lattice coordinates lie in a free cell."""
         column, row = points[:, 0] // UNITS, points[:, 1] // UNITS
-        rows, columns = self.free.shape
-        inside = (row >= 0) & (row < rows) & (column >= 0) & (column < columns)
+        inside = has_cell(self.free.shape, row, column)
         return inside & self.free[np.where(inside, row, 0), np.where(inside, column, 0)]
 
     def distance_field(self, targets: Float64[np.ndarray, "n 2"]) -> "DistanceField":

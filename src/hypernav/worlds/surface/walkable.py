@@ -9,6 +9,7 @@ from jaxtyping import Bool, Float32, Float64, Int32
 
 from hypernav.core.embodiment import RobotConfig
 from hypernav.core.errors import SceneError, StartError
+from hypernav.core.geometry.bounds import has_cell
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.geodesic import DistanceField, FreeSpace
 from hypernav.worlds.surface.storeys import CELL_M, Storey, find_storey
@@ -88,8 +89,7 @@ class WalkableGrid:
     def component_of(self, x: float, y: float) -> int:
         """The connected part that a point lies in: 0 is the largest, -1 is not standable."""
         row, column = self.cell_of(x, y)
-        rows, columns = self.components.shape
-        if not (0 <= row < rows and 0 <= column < columns):
+        if not has_cell(self.components.shape, row, column):
             return -1
         return int(self.components[row, column])
 
