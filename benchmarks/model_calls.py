@@ -25,8 +25,11 @@ ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT / "tests"))
 
 from hypernav.build.agents import build_agent, build_scene  # noqa: E402
-from hypernav.build.component_specs import ComponentSpecs  # noqa: E402
-from hypernav.build.presets import PresetName, preset  # noqa: E402
+from hypernav.build.component_specs import (  # noqa: E402
+    ComponentSpecs,
+    PresetName,
+)
+from hypernav.build.presets import preset  # noqa: E402
 from hypernav.core.config import layered  # noqa: E402
 from hypernav.core.goal import Goal  # noqa: E402
 from hypernav.evaluation.episode_run import EpisodeRun  # noqa: E402

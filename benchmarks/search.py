@@ -20,8 +20,8 @@ from rich.console import Console
 from rich.table import Table
 
 from hypernav.build.agents import build_agent, build_scene
-from hypernav.build.component_specs import AgentName, ComponentSpecs
-from hypernav.build.presets import PresetName, preset
+from hypernav.build.component_specs import AgentName, ComponentSpecs, PresetName
+from hypernav.build.presets import preset
 from hypernav.core.config import layered
 from hypernav.core.goal import Goal
 from hypernav.evaluation.episode_run import EpisodeResult, EpisodeRun

@@ -6,6 +6,7 @@ from typing import Literal
 from hypernav.core.errors import ConfigError
 
 AgentName = Literal["hypernav", "frontier"]
+PresetName = Literal["default", "paper"]
 
 _EXAMPLE = "--vlm openai:http://localhost:8000/v1"
 DETECTORS = "ground-truth, yolox:PATH.onnx, vlm or zero-shot:ID"

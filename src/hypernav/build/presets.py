@@ -1,10 +1,9 @@
 """All that can be configured, and the named configurations."""
 
-from typing import Literal
-
 from pydantic import Field
 
 from hypernav.agents.config import SearchConfig
+from hypernav.build.component_specs import PresetName
 from hypernav.core.config import RoomConfig
 from hypernav.mapping.config import MappingConfig
 from hypernav.models.chat.config import ChatConfig
@@ -23,8 +22,6 @@ from hypernav.perception.local.presence import PresenceConfig
 from hypernav.perception.local.vlm_detector import VlmDetectorConfig
 from hypernav.planning.config import PlanningConfig
 from hypernav.worlds.simulation import SimulationConfig
-
-PresetName = Literal["default", "paper"]
 
 
 class PriceConfig(RoomConfig):

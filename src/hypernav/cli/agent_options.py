@@ -1,15 +1,19 @@
-"""The options that configure an agent: the same ones, in the same words, for every command."""
+"""The options that configure an agent: the same ones, in the same words, for every command.
+
+What builds the agent is loaded only to build it: help and mistakes are answered without.
+"""
 
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
-from hypernav.build.agents import BuiltAgent, build_agent
-from hypernav.build.component_specs import AgentName, ComponentSpecs
-from hypernav.build.presets import HyPerNavConfig, PresetName, preset
-from hypernav.core.config import layered
+from hypernav.build.component_specs import AgentName, ComponentSpecs, PresetName
+
+if TYPE_CHECKING:
+    from hypernav.build.agents import BuiltAgent
+    from hypernav.build.presets import HyPerNavConfig
 
 
 @dataclass(frozen=True)
@@ -42,15 +46,18 @@ class AgentOptions:
         """Who sees and thinks, as it was asked for."""
         return ComponentSpecs(self.agent, self.vlm, self.detector, self.reasoner, self.segmenter)
 
-    def resolve(self) -> HyPerNavConfig:
+    def resolve(self) -> "HyPerNavConfig":
         """The whole configuration: preset, file, environment and single values, in this order.
 
         Raises:
             ConfigError: A file that cannot be read, a wrong key or an impossible value.
         """
+        from hypernav.build.presets import preset
+        from hypernav.core.config import layered
+
         return layered(preset(self.preset), file=self.config, assignments=self.set)
 
-    def build(self, config: HyPerNavConfig | None = None) -> BuiltAgent:
+    def build(self, config: "HyPerNavConfig | None" = None) -> "BuiltAgent":
         """The agent.
 
         Args:
@@ -62,9 +69,11 @@ class AgentOptions:
             RecordingError: A recording is missing, broken or in the way.
             MissingExtraError: A part needs a package that is not installed.
         """
+        from hypernav.build.agents import build_agent
+
         return build_agent(config or self.resolve(), self.specs, record=self.record)
 
-    def describe(self, parts: BuiltAgent) -> dict[str, Any]:
+    def describe(self, parts: "BuiltAgent") -> dict[str, Any]:
         """Who searched, for ``result.json``: words for people, specifications for repeating it."""
         return {
             "agent": self.agent,

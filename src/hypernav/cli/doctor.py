@@ -1,14 +1,10 @@
 """`hypernav doctor`: examine a vision-language model before relying on it."""
 
-from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Annotated
-
-import tyro
 from rich.console import Console
 from rich.markup import escape
 
 from hypernav.build.presets import preset
+from hypernav.cli.doctor_options import Options
 from hypernav.core.config import layered
 from hypernav.core.errors import ConfigError
 from hypernav.models.chat.vlm_spec import open_chat, parse_vlm_spec
@@ -21,45 +17,32 @@ _MARKS = {
 }
 
 
-@dataclass(frozen=True)
-class Doctor:
-    """Examine a vision-language model and its server, and say what to change."""
+def run(options: Options) -> int:
+    """Run the command.
 
-    vlm: str
-    """The model: openai:URL[#MODEL] or local:PATH_OR_ID."""
-    config: Path | None = None
-    """YAML file with sections like those of result.json's config; only what differs."""
-    set: Annotated[tuple[str, ...], tyro.conf.arg(metavar="SECTION.KEY=VALUE")] = field(
-        default_factory=tuple
-    )
-    """Single values of the configuration, for example grounding.family=qwen3-vl."""
-
-    def run(self) -> int:
-        """Run the command.
-
-        Returns:
-            0 if all is well, 1 if there is a fault.
-        """
-        spec = parse_vlm_spec(self.vlm)
-        if spec.kind == "replay":
-            raise ConfigError(f"--vlm {self.vlm}: a recording cannot be examined, only a model")
-        config = layered(preset("default"), file=self.config, assignments=self.set)
-        # A fault is to show now, not after two minutes of trying again.
-        chat = open_chat(spec, config.chat.model_copy(update={"patience_s": 0.0}))
-        console = Console(highlight=False, soft_wrap=True)
-        faults = []
-        with console.status("asking the model …"):
-            findings = check_up(chat, config.grounding, config.block_choice, config.presence)
-            for finding in findings:
-                console.print(_line(finding))
-                faults += [finding] if finding.state is State.FAULT else []
-        if not faults:
-            console.print("all is well")
-            return 0
-        console.print("what to change:")
-        for fault in faults:
-            console.print(f"  {fault.check}: {escape(fault.remedy)}")
-        return 1
+    Returns:
+        0 if all is well, 1 if there is a fault.
+    """
+    spec = parse_vlm_spec(options.vlm)
+    if spec.kind == "replay":
+        raise ConfigError(f"--vlm {options.vlm}: a recording cannot be examined, only a model")
+    config = layered(preset("default"), file=options.config, assignments=options.set)
+    # A fault is to show now, not after two minutes of trying again.
+    chat = open_chat(spec, config.chat.model_copy(update={"patience_s": 0.0}))
+    console = Console(highlight=False, soft_wrap=True)
+    faults = []
+    with console.status("asking the model …"):
+        findings = check_up(chat, config.grounding, config.block_choice, config.presence)
+        for finding in findings:
+            console.print(_line(finding))
+            faults += [finding] if finding.state is State.FAULT else []
+    if not faults:
+        console.print("all is well")
+        return 0
+    console.print("what to change:")
+    for fault in faults:
+        console.print(f"  {fault.check}: {escape(fault.remedy)}")
+    return 1
 
 
 def _line(finding: Finding) -> str:

@@ -1,18 +1,17 @@
 """`hypernav find`: search for an object and leave a page about it."""
 
 import re
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict
 from datetime import datetime
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
-import tyro
 from rich.console import Console
 from rich.status import Status
 
 from hypernav.build.agents import build_scene
-from hypernav.cli.agent_options import AgentOptions, FlatAgentOptions
+from hypernav.cli.find_options import Options
 from hypernav.cli.warnings_shown import warnings_on
 from hypernav.core.errors import ConfigError
 from hypernav.core.geometry.transforms import Pose2
@@ -36,107 +35,89 @@ _WORDS = {
 }
 
 
-@dataclass(frozen=True)
-class Find:
-    """Search for an object in a simulated building and leave a page about it."""
+def run(options: Options) -> int:
+    """Run the command.
 
-    goal: tyro.conf.Positional[str]
-    """What to find: bed, "L-shaped sofa", …"""
-    scene: str = "builtin"
-    """The building: builtin, houses:N (any whole number N), or the path of a GLB."""
-    options: FlatAgentOptions = field(default_factory=AgentOptions)
-    """Who searches."""
-    start: Annotated[tuple[float, float, float] | None, tyro.conf.arg(metavar="X Y YAW")] = None
-    """Where to start in the scene: metres, and degrees counter-clockwise from x; else at random."""
-    seed: int = 0
-    """Of the random start and of all noise."""
-    max_steps: int = 500
-    """Step limit."""
-    out: Path | None = None
-    """Folder for the results; runs/<time>-<goal> by default."""
-    quiet: bool = False
-    """Say nothing but errors."""
+    Returns:
+        0 if the goal was found, 1 if not, 3 if a model was not available.
+    """
+    if options.max_steps < 1:
+        raise ConfigError(f"--max-steps {options.max_steps}: a search needs at least one step")
+    if options.seed < 0:
+        raise ConfigError(f"--seed {options.seed}: a seed is 0 or more")
+    goal = Goal(options.goal)
+    config = options.who.resolve()
+    parts = options.who.build(config)
+    parts.check_goal(goal)
+    console = Console(stderr=True, quiet=options.quiet, highlight=False)
+    with warnings_on(console), console.status("loading the building …") as status:
+        world = SimulatedWorld(build_scene(options.scene), config.world)
+        rng = np.random.default_rng(options.seed)
+        start = _start(options, world, goal, rng)
+        episode = EpisodeRun(parts.agent, world, goal, start, rng=rng, max_steps=options.max_steps)
+        folder = options.out or _new_folder(goal)
+        with EpisodeRecorder(
+            folder,
+            goal=goal.text,
+            agent=options.who.agent,
+            detector=parts.detector_words,
+            reasoner=parts.reasoner_words,
+            step_limit=options.max_steps,
+        ) as recorder:
+            status.update("the first steps compile and take a few seconds …")
+            interrupted = _search(episode, recorder, status, goal.text)
+            status.update("writing the page …")
+            outcome = episode.result(interrupted=interrupted)
+            recorder.finish(
+                {
+                    "goal": goal.text,
+                    "scene": world.scene.name,
+                    **options.who.describe(parts),
+                    "seed": options.seed,
+                    "start": [start.x, start.y, float(np.degrees(start.yaw))],
+                    **_numbers(outcome),
+                    **parts.take_report(),
+                    "config": config.model_dump(mode="json"),
+                }
+            )
+    parts.close()
+    _say(console, goal, outcome, folder)
+    if interrupted:
+        raise KeyboardInterrupt
+    if outcome.outcome is Outcome.MODEL_UNAVAILABLE:
+        return MODEL_UNAVAILABLE_STATUS
+    return 0 if outcome.metrics.success else 1
 
-    def run(self) -> int:
-        """Run the command.
 
-        Returns:
-            0 if the goal was found, 1 if not, 3 if a model was not available.
-        """
-        if self.max_steps < 1:
-            raise ConfigError(f"--max-steps {self.max_steps}: a search needs at least one step")
-        if self.seed < 0:
-            raise ConfigError(f"--seed {self.seed}: a seed is 0 or more")
-        goal = Goal(self.goal)
-        config = self.options.resolve()
-        parts = self.options.build(config)
-        parts.check_goal(goal)
-        console = Console(stderr=True, quiet=self.quiet, highlight=False)
-        with warnings_on(console), console.status("loading the building …") as status:
-            world = SimulatedWorld(build_scene(self.scene), config.world)
-            rng = np.random.default_rng(self.seed)
-            start = self._start(world, goal, rng)
-            episode = EpisodeRun(parts.agent, world, goal, start, rng=rng, max_steps=self.max_steps)
-            folder = self.out or _new_folder(goal)
-            with EpisodeRecorder(
-                folder,
-                goal=goal.text,
-                agent=self.options.agent,
-                detector=parts.detector_words,
-                reasoner=parts.reasoner_words,
-                step_limit=self.max_steps,
-            ) as recorder:
-                status.update("the first steps compile and take a few seconds …")
-                interrupted = self._search(episode, recorder, status)
-                status.update("writing the page …")
-                outcome = episode.result(interrupted=interrupted)
-                recorder.finish(
-                    {
-                        "goal": goal.text,
-                        "scene": world.scene.name,
-                        **self.options.describe(parts),
-                        "seed": self.seed,
-                        "start": [start.x, start.y, float(np.degrees(start.yaw))],
-                        **_numbers(outcome),
-                        **parts.take_report(),
-                        "config": config.model_dump(mode="json"),
-                    }
-                )
-        parts.close()
-        self._say(console, outcome, folder)
-        if interrupted:
-            raise KeyboardInterrupt
-        if outcome.outcome is Outcome.MODEL_UNAVAILABLE:
-            return MODEL_UNAVAILABLE_STATUS
-        return 0 if outcome.metrics.success else 1
+def _start(options: Options, world: SimulatedWorld, goal: Goal, rng: np.random.Generator) -> Pose2:
+    if options.start is None:
+        return random_start(world.walkable, rng, world.regions.of(goal))
+    x, y, yaw_deg = options.start
+    return Pose2(x, y, float(np.radians(yaw_deg)))
 
-    def _start(self, world: SimulatedWorld, goal: Goal, rng: np.random.Generator) -> Pose2:
-        if self.start is None:
-            return random_start(world.walkable, rng, world.regions.of(goal))
-        x, y, yaw_deg = self.start
-        return Pose2(x, y, float(np.radians(yaw_deg)))
 
-    def _search(self, episode: EpisodeRun, recorder: EpisodeRecorder, status: Status) -> bool:
-        """Run to the end; True if somebody pressed Ctrl-C."""
-        try:
-            for step in episode:
-                recorder.add(step)
-                status.update(_live_line(step, self.goal))
-        except KeyboardInterrupt:
-            return True
-        return False
+def _search(episode: EpisodeRun, recorder: EpisodeRecorder, status: Status, goal: str) -> bool:
+    """Run to the end; True if somebody pressed Ctrl-C."""
+    try:
+        for step in episode:
+            recorder.add(step)
+            status.update(_live_line(step, goal))
+    except KeyboardInterrupt:
+        return True
+    return False
 
-    def _say(self, console: Console, result: EpisodeResult, folder: Path) -> None:
-        metrics = result.metrics
-        console.print(_WORDS[result.outcome].format(goal=Goal(self.goal).thing))
-        if result.detail:
-            console.print(f"  {result.detail}", soft_wrap=True)
-        console.print(
-            f"  {result.steps} steps, {metrics.path_length_m:.1f} m driven, shortest "
-            f"{metrics.shortest_path_m:.1f} m, SPL {metrics.spl:.2f}, "
-            f"{metrics.distance_to_goal_m:.2f} m from the goal, {result.seconds['total']:.0f} s"
-        )
-        console.print(f"  open {folder / 'index.html'}", soft_wrap=True)
+
+def _say(console: Console, goal: Goal, result: EpisodeResult, folder: Path) -> None:
+    metrics = result.metrics
+    console.print(_WORDS[result.outcome].format(goal=goal.thing))
+    if result.detail:
+        console.print(f"  {result.detail}", soft_wrap=True)
+    console.print(
+        f"  {result.steps} steps, {metrics.path_length_m:.1f} m driven, shortest "
+        f"{metrics.shortest_path_m:.1f} m, SPL {metrics.spl:.2f}, "
+        f"{metrics.distance_to_goal_m:.2f} m from the goal, {result.seconds['total']:.0f} s"
+    )
+    console.print(f"  open {folder / 'index.html'}", soft_wrap=True)
 
 
 def _live_line(step: EpisodeStep, goal: str) -> str:

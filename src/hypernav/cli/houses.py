@@ -1,15 +1,13 @@
 """`hypernav houses`: the generated houses, their splits and their episodes."""
 
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
 
-import tyro
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
 from hypernav.build.agents import house_number
+from hypernav.cli.houses_options import Episodes, Export, Show, Splits
 from hypernav.core.errors import ConfigError, EpisodeError
 from hypernav.datasets.files import write_episodes
 from hypernav.houses.episodes.difficulty import Difficulty, difficulty
@@ -18,144 +16,81 @@ from hypernav.houses.export.files import export_house
 from hypernav.houses.export.page import house_page
 
 
-@dataclass(frozen=True)
-class Episodes:
-    """Write the episodes of a split in Habitat's ObjectNav format."""
+def run(options: Show | Export | Episodes | Splits) -> int:
+    """Run the command.
 
-    split: tyro.conf.Positional[str]
-    """houses-val, houses-ovon (phrases) or houses-train (for tuning)."""
-    out: Path
-    """File to write; ends in .json.gz or .json."""
-    houses: str | None = None
-    """Only the houses FIRST:END (END is not included); for houses-train of any numbers."""
-    count: int | None = None
-    """Only the first so many episodes."""
-    quiet: bool = False
-    """Say nothing but errors."""
-
-    def run(self) -> int:
-        """Run the command.
-
-        Returns:
-            0.
-        """
-        split_named(self.split)
-        numbers = None if self.houses is None else _range_of(self.houses)
-        _check_writable(self.out)
-        console = Console(stderr=True, quiet=self.quiet, highlight=False)
-        with _progress(console) as bar:
-            task = bar.add_task("measuring houses", total=None)
-            dataset = load_split(
-                self.split,
-                houses=numbers,
-                count=self.count,
-                progress=lambda done, total: bar.update(task, completed=done, total=total),
-            )
-        try:
-            write_episodes(dataset, self.out)
-        except OSError as error:
-            raise EpisodeError(
-                f"{self.out}: cannot be written ({error.strerror or error})"
-            ) from error
-        _say(console, difficulty(dataset))
-        console.print(f"  wrote {self.out}", soft_wrap=True)
-        return 0
+    Returns:
+        0.
+    """
+    match options:
+        case Show():
+            _show(options)
+        case Export():
+            _export(options)
+        case Episodes():
+            _episodes(options)
+        case Splits():
+            _splits()
+    return 0
 
 
-@dataclass(frozen=True)
-class Splits:
-    """List the splits: which houses, how many episodes, what is asked for."""
-
-    def run(self) -> int:
-        """Run the command.
-
-        Returns:
-            0.
-        """
-        table = Table("split", "houses", "episodes", "goals")
-        for split in SPLITS.values():
-            houses = f"{split.houses.start}:{split.houses.stop}"
-            others = " by default; any others that belong to no split" if split.is_open else ""
-            table.add_row(split.name, houses + others, str(split.episodes), split.style)
-        Console(highlight=False).print(table)
-        return 0
-
-
-@dataclass(frozen=True)
-class Export:
-    """Write a house as GLB with objects.json, and with all that Habitat needs."""
-
-    house: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="ID")]
-    """Number of the house, for example 1234."""
-    out: Path | None = None
-    """Folder to write to; runs/house-ID by default."""
-    quiet: bool = False
-    """Say nothing but errors."""
-
-    def run(self) -> int:
-        """Run the command.
-
-        Returns:
-            0.
-        """
-        number = _number_of(self.house)
-        folder = _folder_for(number) if self.out is None else self.out
-        console = Console(stderr=True, quiet=self.quiet, highlight=False)
-        with console.status(f"building and writing house {number} …"):
-            files = export_house(number, folder)
-        console.print(f"house {number} in {folder}:", soft_wrap=True)
-        for path, what in (
-            (files.glb, "the house; opens in Blender, web viewers and hypernav"),
-            (files.objects, "what its nodes are"),
-            (files.dataset_config, "for Habitat's scene_dataset_config_file"),
-            (files.semantic_glb, "its instances in colours, for Habitat's semantic sensor"),
-            (files.semantic_txt, "what the colours mean"),
-        ):
-            size = f"{path.stat().st_size / 1e6:.1f} MB"
-            console.print(f"  {path.name:34} {size:>8}  {what}", soft_wrap=True)
-        console.print(f"  try: hypernav find bed --scene {files.glb}", soft_wrap=True)
-        return 0
+def _episodes(options: Episodes) -> None:
+    split_named(options.split)
+    numbers = None if options.houses is None else _range_of(options.houses)
+    _check_writable(options.out)
+    console = Console(stderr=True, quiet=options.quiet, highlight=False)
+    with _progress(console) as bar:
+        task = bar.add_task("measuring houses", total=None)
+        dataset = load_split(
+            options.split,
+            houses=numbers,
+            count=options.count,
+            progress=lambda done, total: bar.update(task, completed=done, total=total),
+        )
+    try:
+        write_episodes(dataset, options.out)
+    except OSError as error:
+        raise EpisodeError(
+            f"{options.out}: cannot be written ({error.strerror or error})"
+        ) from error
+    _say(console, difficulty(dataset))
+    console.print(f"  wrote {options.out}", soft_wrap=True)
 
 
-@dataclass(frozen=True)
-class Show:
-    """Make a page about a house: floor plan, top view, interior views, list of things."""
-
-    house: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="ID")]
-    """Number of the house, for example 1234."""
-    out: Path | None = None
-    """The page (.html), or the folder for it; runs/house-ID by default."""
-    quiet: bool = False
-    """Say nothing but errors."""
-
-    def run(self) -> int:
-        """Run the command.
-
-        Returns:
-            0.
-        """
-        number = _number_of(self.house)
-        console = Console(stderr=True, quiet=self.quiet, highlight=False)
-        with console.status(f"building and drawing house {number} …"):
-            page = house_page(number, _folder_for(number) if self.out is None else self.out)
-        console.print(f"house {number}: open {page}", soft_wrap=True)
-        return 0
+def _splits() -> None:
+    table = Table("split", "houses", "episodes", "goals")
+    for split in SPLITS.values():
+        houses = f"{split.houses.start}:{split.houses.stop}"
+        others = " by default; any others that belong to no split" if split.is_open else ""
+        table.add_row(split.name, houses + others, str(split.episodes), split.style)
+    Console(highlight=False).print(table)
 
 
-HousesCommand = Episodes | Splits | Export | Show
+def _export(options: Export) -> None:
+    number = _number_of(options.house)
+    folder = _folder_for(number) if options.out is None else options.out
+    console = Console(stderr=True, quiet=options.quiet, highlight=False)
+    with console.status(f"building and writing house {number} …"):
+        files = export_house(number, folder)
+    console.print(f"house {number} in {folder}:", soft_wrap=True)
+    for path, what in (
+        (files.glb, "the house; opens in Blender, web viewers and hypernav"),
+        (files.objects, "what its nodes are"),
+        (files.dataset_config, "for Habitat's scene_dataset_config_file"),
+        (files.semantic_glb, "its instances in colours, for Habitat's semantic sensor"),
+        (files.semantic_txt, "what the colours mean"),
+    ):
+        size = f"{path.stat().st_size / 1e6:.1f} MB"
+        console.print(f"  {path.name:34} {size:>8}  {what}", soft_wrap=True)
+    console.print(f"  try: hypernav find bed --scene {files.glb}", soft_wrap=True)
 
 
-def houses(
-    command: Annotated[
-        Annotated[Show, tyro.conf.subcommand("show")]
-        | Annotated[Export, tyro.conf.subcommand("export")]
-        | Annotated[Episodes, tyro.conf.subcommand("episodes")]
-        | Annotated[Splits, tyro.conf.subcommand("splits")],
-        tyro.conf.arg(name=""),
-    ],
-) -> HousesCommand:
-    """Generated houses: pages about them, files for other programs, splits and episodes."""
-    return command
+def _show(options: Show) -> None:
+    number = _number_of(options.house)
+    console = Console(stderr=True, quiet=options.quiet, highlight=False)
+    with console.status(f"building and drawing house {number} …"):
+        page = house_page(number, _folder_for(number) if options.out is None else options.out)
+    console.print(f"house {number}: open {page}", soft_wrap=True)
 
 
 def _number_of(text: str) -> int:

@@ -1,30 +1,44 @@
-"""The `hypernav` command."""
+"""The `hypernav` command.
+
+A fast start: help and mistakes are answered from the options alone. Of a command NAME the module
+``NAME_options`` holds the class ``Options``, which imports next to nothing, and ``NAME`` the
+function ``run``, which imports all that it needs and is loaded only to be called.
+"""
 
 import contextlib
+import difflib
+import importlib
 import io
 import re
 import sys
 from collections.abc import Sequence
-from typing import NoReturn
+from dataclasses import make_dataclass
+from typing import Any, NoReturn
 
 import tyro
 
-from hypernav.cli.doctor import Doctor
-from hypernav.cli.eval import Eval
-from hypernav.cli.find import Find
-from hypernav.cli.houses import HousesCommand, houses
-from hypernav.cli.report import Report
 from hypernav.core.errors import HyPerNavError
 
-_COMMANDS = {"find": Find, "eval": Eval, "report": Report, "doctor": Doctor, "houses": houses}
+COMMANDS = {
+    "find": "Search for an object in a simulated building and leave a page about it.",
+    "eval": "Run the episodes of a benchmark; the same command goes on where it was interrupted.",
+    "report": "Write a page, a CSV file and LaTeX tables about one or more evaluations.",
+    "doctor": "Examine a vision-language model and its server, and say what to change.",
+    "houses": "Generated houses: pages about them, files for other programs, splits and episodes.",
+}
 _BOX = re.compile(r"[\u2500-\u257f]+")
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run a command and leave with its exit status: 2 for bad usage or input."""
-    command = _parse(_with_one_set(sys.argv[1:] if arguments is None else list(arguments)))
+    name, *rest = (sys.argv[1:] if arguments is None else list(arguments)) or [""]
+    if name in {"-h", "--help"}:
+        _help()
+    if name not in COMMANDS:
+        _fail(_unknown(name))
+    options = _parse(name, _with_one_set(rest))
     try:
-        status = command.run()
+        status = importlib.import_module(f"hypernav.cli.{name}").run(options)
     except HyPerNavError as error:
         _fail(str(error))
     except KeyboardInterrupt:
@@ -33,21 +47,44 @@ def main(arguments: Sequence[str] | None = None) -> None:
         sys.exit(status)
 
 
-def _parse(arguments: list[str]) -> Find | Eval | Report | Doctor | HousesCommand:
-    """Read the command line; what tyro says in a box is said in one line."""
+def _parse(name: str, arguments: list[str]) -> Any:
+    """The options of a command; what tyro says in a box is said in one line."""
     said = io.StringIO()
     try:
         with contextlib.redirect_stderr(said):
-            return tyro.extras.subcommand_cli_from_dict(
-                _COMMANDS,
-                prog="hypernav",
-                description="Find objects in buildings never seen before.",
+            return tyro.cli(
+                importlib.import_module(f"hypernav.cli.{name}_options").Options,
+                prog=f"hypernav {name}",
+                description=COMMANDS[name],
                 args=arguments,
             )
     except SystemExit as stop:
         if stop.code == 0:
             raise
         _fail(" ".join(_BOX.sub(" ", said.getvalue()).split()))
+
+
+def _help() -> NoReturn:
+    """Say what commands there are; stand-ins without options take their places."""
+    commands = {
+        name: make_dataclass(name, [], namespace={"__doc__": words})
+        for name, words in COMMANDS.items()
+    }
+    tyro.extras.subcommand_cli_from_dict(
+        commands,
+        prog="hypernav",
+        description="Find objects in buildings never seen before.",
+        args=["--help"],
+    )
+    raise AssertionError("help ends the program")
+
+
+def _unknown(name: str) -> str:
+    """What to say to a mistyped command, or to none."""
+    close = difflib.get_close_matches(name, COMMANDS, n=1)
+    found = f"unknown command '{name}'" if name else "no command"
+    hint = f"did you mean '{close[0]}'? " if close else ""
+    return f"{found}; {hint}commands: {', '.join(COMMANDS)}; hypernav --help explains them"
 
 
 def _with_one_set(arguments: list[str]) -> list[str]:

@@ -7,6 +7,9 @@ Source: habitat-lab, ``habitat/tasks/nav/nav.py`` (``Success``, ``SPL``, ``SoftS
 import math
 from dataclasses import dataclass
 
+SUCCESS_DISTANCE_M = 0.1
+"""Habitat's success distance, geodesic: a STOP this near to a view point is a success."""
+
 
 @dataclass(frozen=True)
 class EpisodeMetrics:

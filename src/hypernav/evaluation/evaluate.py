@@ -8,9 +8,10 @@ from hypernav.core.protocols import Agent
 from hypernav.evaluation.datasets import load_episodes, select
 from hypernav.evaluation.run_plan import RunPlan
 from hypernav.evaluation.runner import RunNews, run_episodes
+from hypernav.evaluation.save_choice import SaveChoice
 from hypernav.evaluation.store.run_store import RunStore
 from hypernav.evaluation.workers.process_pool import ProcessPool
-from hypernav.evaluation.workers.worker import Job, SaveChoice
+from hypernav.evaluation.workers.worker import Job
 
 
 def evaluate(

@@ -8,9 +8,8 @@ it is there. A result keeps the lengths that all of them need, so nothing has to
 from dataclasses import dataclass
 from enum import StrEnum
 
-from hypernav.core.metrics import EpisodeMetrics, measure
+from hypernav.core.metrics import SUCCESS_DISTANCE_M, EpisodeMetrics, measure
 from hypernav.evaluation.record import EpisodeRecord
-from hypernav.worlds.referee import SUCCESS_DISTANCE_M
 
 SUCCESS_DISTANCES_M = (0.1, 0.2, 0.25, 0.3, 1.0)
 """All success distances that results are scored under."""

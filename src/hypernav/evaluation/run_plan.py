@@ -5,11 +5,11 @@ from dataclasses import asdict, dataclass, field
 from importlib.metadata import version
 from typing import Any
 
-from hypernav.build.component_specs import ComponentSpecs
-from hypernav.build.presets import HyPerNavConfig, PresetName
+from hypernav.build.component_specs import ComponentSpecs, PresetName
+from hypernav.build.presets import HyPerNavConfig
+from hypernav.core.metrics import SUCCESS_DISTANCE_M
 from hypernav.evaluation.datasets import Episode, fingerprint
 from hypernav.evaluation.protocol import StopRule
-from hypernav.worlds.referee import SUCCESS_DISTANCE_M
 
 
 @dataclass(frozen=True)

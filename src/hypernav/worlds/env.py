@@ -20,8 +20,9 @@ from hypernav.core.config import RoomConfig
 from hypernav.core.errors import GoalError, WorldError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
+from hypernav.core.metrics import SUCCESS_DISTANCE_M
 from hypernav.core.observation import Observation
-from hypernav.worlds.referee import SUCCESS_DISTANCE_M, Referee
+from hypernav.worlds.referee import Referee
 from hypernav.worlds.scenes.loading import load_scene
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.simulation import SimulatedWorld, SimulationConfig

@@ -2,11 +2,8 @@
 
 import math
 
-from hypernav.core.metrics import EpisodeMetrics, measure
+from hypernav.core.metrics import SUCCESS_DISTANCE_M, EpisodeMetrics, measure
 from hypernav.worlds.surface.goal_regions import GoalRegion
-
-SUCCESS_DISTANCE_M = 0.1
-"""Habitat's: a STOP this near to a view point (geodesic) is a success."""
 
 
 class Referee:

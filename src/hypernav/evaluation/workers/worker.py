@@ -7,7 +7,7 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.core.errors import CameraError, SceneError, StartError, WorldError
 from hypernav.core.goal import Goal
-from hypernav.core.metrics import EpisodeMetrics, measure
+from hypernav.core.metrics import SUCCESS_DISTANCE_M, EpisodeMetrics, measure
 from hypernav.core.protocols import Agent
 from hypernav.evaluation.datasets import Episode
 from hypernav.evaluation.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
@@ -25,13 +25,10 @@ from hypernav.evaluation.failures.failure_evidence import FailureEvidence
 from hypernav.evaluation.outcome import Outcome
 from hypernav.evaluation.record import EpisodeRecord
 from hypernav.evaluation.recorder import EpisodeRecorder
+from hypernav.evaluation.save_choice import SaveChoice
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
-from hypernav.worlds.referee import SUCCESS_DISTANCE_M
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.simulation import SimulatedWorld
-
-SaveChoice = Literal["videos", "failures", "none"]
-"""Which episodes keep their page and video: all, those that failed, or none."""
 
 SAVED_FOLDER = "episodes"
 

@@ -1,0 +1,21 @@
+"""What can be said to `hypernav doctor`."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+
+@dataclass(frozen=True)
+class Options:
+    """Which model, and how it is asked."""
+
+    vlm: str
+    """The model: openai:URL[#MODEL] or local:PATH_OR_ID."""
+    config: Path | None = None
+    """YAML file with sections like those of result.json's config; only what differs."""
+    set: Annotated[tuple[str, ...], tyro.conf.arg(metavar="SECTION.KEY=VALUE")] = field(
+        default_factory=tuple
+    )
+    """Single values of the configuration, for example grounding.family=qwen3-vl."""

@@ -1,0 +1,61 @@
+"""What can be said to `hypernav houses`."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+
+@dataclass(frozen=True)
+class Episodes:
+    """Write the episodes of a split in Habitat's ObjectNav format."""
+
+    split: tyro.conf.Positional[str]
+    """houses-val, houses-ovon (phrases) or houses-train (for tuning)."""
+    out: Path
+    """File to write; ends in .json.gz or .json."""
+    houses: str | None = None
+    """Only the houses FIRST:END (END is not included); for houses-train of any numbers."""
+    count: int | None = None
+    """Only the first so many episodes."""
+    quiet: bool = False
+    """Say nothing but errors."""
+
+
+@dataclass(frozen=True)
+class Splits:
+    """List the splits: which houses, how many episodes, what is asked for."""
+
+
+@dataclass(frozen=True)
+class Export:
+    """Write a house as GLB with objects.json, and with all that Habitat needs."""
+
+    house: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="ID")]
+    """Number of the house, for example 1234."""
+    out: Path | None = None
+    """Folder to write to; runs/house-ID by default."""
+    quiet: bool = False
+    """Say nothing but errors."""
+
+
+@dataclass(frozen=True)
+class Show:
+    """Make a page about a house: floor plan, top view, interior views, list of things."""
+
+    house: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="ID")]
+    """Number of the house, for example 1234."""
+    out: Path | None = None
+    """The page (.html), or the folder for it; runs/house-ID by default."""
+    quiet: bool = False
+    """Say nothing but errors."""
+
+
+Options = (
+    Annotated[Show, tyro.conf.subcommand("show")]
+    | Annotated[Export, tyro.conf.subcommand("export")]
+    | Annotated[Episodes, tyro.conf.subcommand("episodes")]
+    | Annotated[Splits, tyro.conf.subcommand("splits")]
+)
+"""One of the commands below `hypernav houses`."""

@@ -1,0 +1,79 @@
+"""What a start of the program may load: the rest waits until it is needed."""
+
+import subprocess
+import sys
+
+import pytest
+
+from hypernav.cli.main import COMMANDS, main
+
+HEAVY = {
+    "av", "cv2", "gymnasium", "jinja2", "matplotlib", "numba", "openai", "onnxruntime", "PIL",
+    "scipy", "torch", "transformers", "trimesh",
+}  # fmt: skip
+MAIN = "from hypernav.cli.main import main; main({})"
+
+
+def loaded_by(program: str) -> set[str]:
+    """The packages that a Python program has loaded when it ends, whatever its exit status."""
+    told = "import atexit, sys; atexit.register(lambda: print('\\n' + ' '.join(sys.modules)))\n"
+    ended = subprocess.run(
+        [sys.executable, "-c", told + program], capture_output=True, text=True, check=False
+    )
+    return {name.partition(".")[0] for name in ended.stdout.splitlines()[-1].split()}
+
+
+def test_a_heavy_package_would_be_noticed():
+    assert "scipy" in loaded_by("import scipy.ndimage; raise SystemExit(2)")
+
+
+def test_importing_the_package_loads_no_other():
+    loaded = loaded_by("import hypernav")
+    assert "hypernav" in loaded
+    assert not loaded & (HEAVY | {"numpy", "pydantic", "tyro", "rich"})
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["--help"],
+        ["fnd", "bed"],
+        ["find", "--help"],
+        ["find", "bed", "--agnt", "frontier"],
+        ["eval", "--help"],
+        ["report", "--help"],
+        ["doctor", "--help"],
+        ["houses", "--help"],
+        ["houses", "show", "--help"],
+    ],
+)
+def test_help_and_mistakes_are_answered_without_a_heavy_package(arguments):
+    loaded = loaded_by(MAIN.format(arguments))
+    assert "tyro" in loaded
+    assert not loaded & HEAVY
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["fnd", "bed"], "did you mean 'find'?"),
+        (["--seed", "3"], "unknown command '--seed'"),
+        ([], "no command"),
+        (["houses", "sow", "3"], "show, export, episodes, splits"),
+    ],
+)
+def test_a_mistyped_command_is_answered_with_those_there_are(arguments, words, capsys):
+    with pytest.raises(SystemExit) as stop:
+        main(arguments)
+    said = capsys.readouterr().err
+    assert stop.value.code == 2
+    assert words in said
+    assert said.count("\n") == 1
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_of_the_list_can_be_asked_for_help(name, capsys):
+    with pytest.raises(SystemExit) as stop:
+        main([name, "--help"])
+    assert stop.value.code == 0
+    assert COMMANDS[name] in " ".join(capsys.readouterr().out.split())
