@@ -128,7 +128,7 @@ def run(
     max_steps: int = 500,
 ) -> tuple[RunNews, list[float]]:
     """Run episodes; returns the news and the moment at which each was done."""
-    episodes = select(load_episodes(dataset, config.world), part=f"0:{count}")
+    episodes = select(load_episodes(dataset, config.world, config.embodiment), part=f"0:{count}")
     moments: list[float] = []
 
     def watch(news: RunNews) -> None:
@@ -191,7 +191,7 @@ def server(
     config = preset("paper")
     if small:
         values = config.model_dump()
-        values["world"]["camera"] |= {"width": 160, "height": 120}
+        values["embodiment"]["camera"] |= {"width": 160, "height": 120}
         config = HyPerNavConfig.model_validate(values)
     with ModelServer(latency_s, capacity) as model:
         specs = ComponentSpecs(vlm=model.address, reasoner="geometric")

@@ -93,7 +93,7 @@ def search(
 def worlds(scenes: tuple[str, ...], set: tuple[str, ...]) -> Iterator[SimulatedWorld]:
     config = layered(preset("default"), assignments=set)
     for scene in scenes:
-        yield SimulatedWorld(build_scene(scene), config.world)
+        yield SimulatedWorld(build_scene(scene), config.world, config.embodiment)
 
 
 def main(

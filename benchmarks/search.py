@@ -61,7 +61,7 @@ class Search(NamedTuple):
 @cache
 def world_of(scene: str, preset_name: PresetName, assignments: tuple[str, ...]) -> SimulatedWorld:
     config = layered(preset(preset_name), assignments=assignments)
-    return SimulatedWorld(build_scene(scene), config.world)
+    return SimulatedWorld(build_scene(scene), config.world, config.embodiment)
 
 
 def run(search: Search) -> tuple[Search, EpisodeResult, list[str]]:

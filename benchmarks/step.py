@@ -70,10 +70,18 @@ def main(data: Path = TEST_DATA, house: str = "houses:100007") -> None:
     config, watch = preset("default"), Stopwatch()
     observations = recorded(data, watch)
     local = LocalPerception(
-        GroundTruthDetector(), DepthCutSegmenter(), config.local, cell_size_m=0.05
+        GroundTruthDetector(),
+        DepthCutSegmenter(),
+        config.local,
+        config.embodiment.camera,
+        cell_size_m=0.05,
     )
     local.reset(Goal("chair"))
-    world_map, planner = TopDownMap(config.mapping), Planner(config.planning)
+    clearance_m = config.planning.clearances_m(config.embodiment.body)[0]
+    world_map, planner = (
+        TopDownMap(config.mapping, config.embodiment),
+        Planner(config.planning, config.embodiment.body),
+    )
     trajectory: list[tuple[float, float]] = []
     for step in range(STEPS):
         observation = observations[step % len(observations)]
@@ -82,8 +90,8 @@ def main(data: Path = TEST_DATA, house: str = "houses:100007") -> None:
         watch("integrate", world_map.integrate, observation)
         watch("local perception", local.look, observation)
         grid = world_map.grid
-        watch("frontiers", find_frontiers, grid, robot, config.mapping)
-        blocks = watch("blocks", divide_into_blocks, grid, robot, config.mapping)
+        watch("frontiers", find_frontiers, grid, robot, config.mapping, clearance_m)
+        blocks = watch("blocks", divide_into_blocks, grid, robot, config.mapping, clearance_m)
         if step % 10 == 0:
             watch("draw overview", draw_overview, grid, blocks, robot, trajectory)
         far = max(blocks, key=lambda b: b.travel_m)
@@ -98,7 +106,7 @@ def search_in_vain(watch: Stopwatch, house: str) -> None:
     config, goal = preset("default"), Goal("something that is not there")
     scene = build_scene(house)
     renderer = CpuRenderer(scene, RenderConfig(colours=False))  # ground truth needs none
-    world = SimulatedWorld(scene, config.world, renderer=renderer)
+    world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
     agent = build_search(config, GroundTruthDetector(), ExchangeLog())
     agent.reset(goal)
     start = random_start(world.walkable, np.random.default_rng(0), None)
@@ -114,7 +122,7 @@ def recorded(data: Path, watch: Stopwatch) -> list[Observation]:
     """The recorded frames, rendered anew."""
     episode = np.load(data / "episodes" / "small_house.npz")
     scene = load_scene(data / "scenes" / "small_house" / "scene.glb")
-    renderer, config = CpuRenderer(scene), preset("default").world
+    renderer, config = CpuRenderer(scene), preset("default").embodiment
     labels = {i.id: i.label for i in scene.instances if i.label is not None}
     camera = config.camera.intrinsics
     observations: list[Observation] = []

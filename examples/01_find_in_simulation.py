@@ -18,7 +18,7 @@ from hypernav.worlds.surface.starts import random_start
 def main() -> None:
     goal = Goal(sys.argv[1] if len(sys.argv) > 1 else "bed")
     config = preset("default")
-    world = SimulatedWorld(build_scene("builtin"), config.world)
+    world = SimulatedWorld(build_scene("builtin"), config.world, config.embodiment)
     start = random_start(world.walkable, np.random.default_rng(0), world.regions.of(goal))
 
     episode = EpisodeRun(build_agent(config).agent, world, goal, start)

@@ -38,7 +38,7 @@ class RedThings:
 def main() -> None:
     goal = Goal("something red")
     config = preset("default")
-    world = SimulatedWorld(build_scene("builtin"), config.world)
+    world = SimulatedWorld(build_scene("builtin"), config.world, config.embodiment)
     start = random_start(world.walkable, np.random.default_rng(3))
 
     agent = build_search(config, RedThings(), ExchangeLog())

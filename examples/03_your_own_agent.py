@@ -11,7 +11,6 @@ import numpy as np
 
 import hypernav
 from hypernav.build.agents import build_scene
-from hypernav.build.presets import preset
 from hypernav.core.actions import Action
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
@@ -53,7 +52,7 @@ def main() -> None:
     hypernav.check_agent(Bouncer(seed=0))
     rng = np.random.default_rng(0)
     goal = Goal("sofa")
-    world = SimulatedWorld(build_scene("builtin"), preset("default").world)
+    world = SimulatedWorld(build_scene("builtin"))
     start = random_start(world.walkable, rng, world.regions.of(goal))
 
     episode = EpisodeRun(Bouncer(seed=0), world, goal, start, max_steps=150)

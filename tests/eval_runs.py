@@ -12,7 +12,7 @@ from hypernav.evaluation.failures.classification import Failure
 from hypernav.evaluation.outcome import Outcome
 from hypernav.evaluation.record import EpisodeRecord
 
-SMALL = ("--set", "world.camera.width=160", "world.camera.height=120")
+SMALL = ("--set", "embodiment.camera.width=160", "embodiment.camera.height=120")
 
 _TO_GLTF = [[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]]
 

@@ -12,7 +12,7 @@ _CAMERA = {"width": 160, "height": 120}
 def small_config(name="default", **sections) -> HyPerNavConfig:
     """A preset with a small camera, so that an episode takes a second."""
     config = preset(name).model_dump()
-    config["world"]["camera"] |= _CAMERA
+    config["embodiment"]["camera"] |= _CAMERA
     for section, values in sections.items():
         config[section] |= values
     return HyPerNavConfig.model_validate(config)
@@ -31,4 +31,5 @@ def two_rooms() -> SimulatedWorld:
         ("sofa", (0.1, 1.2, 0.0), (0.9, 2.8, 0.7)),
         ("bed", (7.0, 0.1, 0.0), (8.9, 1.7, 0.5)),
     ]
-    return SimulatedWorld(scene_of(*boxes, name="two rooms"), small_config().world)
+    config = small_config()
+    return SimulatedWorld(scene_of(*boxes, name="two rooms"), config.world, config.embodiment)

@@ -46,7 +46,7 @@ def test_a_run_leaves_its_episodes_and_its_configuration(runs):
     } <= set(lines[0])  # fmt: skip
     configuration = json.loads((runs / "hypernav" / "run.json").read_text())["configuration"]
     assert configuration["who"]["detector"] == "ground truth"
-    assert configuration["config"]["world"]["camera"]["width"] == 160
+    assert configuration["config"]["embodiment"]["camera"]["width"] == 160
     session = json.loads((runs / "hypernav" / "sessions.jsonl").read_text())
     assert (session["ended"], session["episodes"]) == ("finished", 2)
     assert session["peak_memory_mb"]["0"] > 50

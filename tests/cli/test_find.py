@@ -7,7 +7,7 @@ import pytest
 from box_scenes import room_glb
 from hypernav.cli.main import main
 
-SMALL = ("--set", "world.camera.width=160", "world.camera.height=120")
+SMALL = ("--set", "embodiment.camera.width=160", "embodiment.camera.height=120")
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +33,7 @@ def test_found_is_exit_status_0_and_leaves_the_numbers(glb, tmp_path, capsys):
         "path_length_m", "shortest_path_m", "distance_to_goal_m", "model_calls", "seconds",
         "config",
     } <= set(result)  # fmt: skip
-    assert result["config"]["world"]["camera"]["width"] == 160
+    assert result["config"]["embodiment"]["camera"]["width"] == 160
     assert str(tmp_path / "index.html") in capsys.readouterr().err.replace("\n", "")
 
 

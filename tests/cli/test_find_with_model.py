@@ -12,7 +12,7 @@ from servers.scripted import ScriptedServer, closed_port
 from servers.truth import Truth, TruthfulBrain, watching
 
 QUICK = ("chat.first_wait_s=0.01", "chat.longest_wait_s=0.1", "chat.patience_s=5")
-SMALL = ("--set", "world.camera.width=160", "world.camera.height=120", *QUICK)
+SMALL = ("--set", "embodiment.camera.width=160", "embodiment.camera.height=120", *QUICK)
 START = ("--start", "1", "2", "180")
 
 

@@ -10,16 +10,15 @@ import hypernav
 from box_scenes import room_boxes, scene_of
 from hypernav.build.agents import build_search
 from hypernav.core.actions import Action
-from hypernav.core.embodiment import CameraConfig
+from hypernav.core.embodiment import CameraConfig, Embodiment
 from hypernav.core.errors import ContractError
 from hypernav.core.trace import ExchangeLog, Mode, StepTrace
 from hypernav.evaluation.checks.box_room import BoxRoom
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.worlds.env import ObjectNavConfig, ObjectNavEnv
-from hypernav.worlds.simulation import SimulationConfig
 from small_worlds import small_config
 
-CONFIG = ObjectNavConfig(simulation=SimulationConfig(camera=CameraConfig(width=32, height=24)))
+CONFIG = ObjectNavConfig(embodiment=Embodiment(camera=CameraConfig(width=32, height=24)))
 SCENE = scene_of(*room_boxes(), ("bed", (4.4, 1.0, 0.0), (6.0, 3.0, 0.5)))
 
 

@@ -62,7 +62,7 @@ class KillingPool(ProcessPool):
 
 def run(folder, room, pool_of, workers=2, starts=6):
     config = small_config()
-    episodes = load_episodes(f"scene:{room}#{starts}", config.world)
+    episodes = load_episodes(f"scene:{room}#{starts}", config.world, config.embodiment)
     job = Job(folder, config, max_steps=MAX_STEPS, make_agent=Slow)
     with RunStore(folder, {"test": "survival"}) as store:
         return run_episodes(episodes, store, pool_of(job), workers=workers)
@@ -159,7 +159,7 @@ def is_alive(process_id):
 
 def test_what_a_worker_sent_before_it_died_counts(tmp_path, room):
     config = small_config()
-    episode = load_episodes(f"scene:{room}#1", config.world)[0]
+    episode = load_episodes(f"scene:{room}#1", config.world, config.embodiment)[0]
     pool = ProcessPool(Job(tmp_path, config, max_steps=3))
     try:
         pool.start(0)

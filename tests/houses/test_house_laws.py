@@ -6,7 +6,7 @@ from collisions import collisions
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hypernav.core.embodiment import RobotConfig
+from hypernav.core.embodiment import BodyConfig
 from hypernav.core.goal import Goal
 from hypernav.houses.assembly import Placed
 from hypernav.houses.build import BUILTIN_HOUSE, build_house, pieces_of, plan_of
@@ -47,7 +47,7 @@ def check_walkable(number: int, scene: Scene) -> WalkableGrid:
 def check_wide_ways(number: int, scene: Scene) -> None:
     """Between all doors there is a way of 0.75 m (0.70 m after the raster's loss)."""
     plan = plan_of(number)
-    wide = WalkableGrid.from_scene(scene, RobotConfig(radius_m=0.35), cell_m=0.025)
+    wide = WalkableGrid.from_scene(scene, BodyConfig(radius_m=0.35), cell_m=0.025)
     for opening in plan.openings:
         if opening.is_way:
             assert wide.component_of(*opening.middle) == 0

@@ -14,7 +14,7 @@ STEPS = 5
 
 def find(glb: Path, out: Path, *arguments: str) -> dict:
     """Run a short search; its result.json."""
-    camera = ("world.camera.width=160", "world.camera.height=120")
+    camera = ("embodiment.camera.width=160", "embodiment.camera.height=120")
     few = ("grounding.max_tokens=16", "block_choice.max_tokens=16", "attention.seen_share=1")
     options = ("--scene", str(glb), "--out", str(out), "--start", "1", "2", "180")
     settings = ("--set", *camera, *few, "search.look_around_at_start=false", "chat.device=cpu")

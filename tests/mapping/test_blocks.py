@@ -12,12 +12,16 @@ from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.inflation import inflate
 
 CONFIG = MappingConfig()
+CLEARANCE_M = 0.22
+ORIGIN = Pose2(0.0, 0.0, 0.0)
 FLOOR = np.full((100, 140), Cell.FREE, np.uint8)  # 7 m wide, 5 m high
 CORNER = (-2.5, -1.0)
 
 
 def test_numbers_run_as_one_reads():
-    blocks = divide_into_blocks(OccupancyGrid(FLOOR, 0.05, CORNER), Pose2(0, 0, 0), CONFIG)
+    blocks = divide_into_blocks(
+        OccupancyGrid(FLOOR, 0.05, CORNER), Pose2(0, 0, 0), CONFIG, CLEARANCE_M
+    )
     assert [b.number for b in blocks] == list(range(1, len(blocks) + 1))
     places = [(-b.y_min, b.x_min) for b in blocks]
     assert places == sorted(places)
@@ -26,10 +30,14 @@ def test_numbers_run_as_one_reads():
 
 
 def test_squares_stay_where_they_are_when_the_map_grows():
-    small = divide_into_blocks(OccupancyGrid(FLOOR, 0.05, CORNER), Pose2(0, 0, 0), CONFIG)
+    small = divide_into_blocks(
+        OccupancyGrid(FLOOR, 0.05, CORNER), Pose2(0, 0, 0), CONFIG, CLEARANCE_M
+    )
     cells = np.pad(FLOOR, ((37, 20), (51, 10)), constant_values=Cell.FREE)
     corner = (CORNER[0] - 51 * 0.05, CORNER[1] - 37 * 0.05)
-    large = divide_into_blocks(OccupancyGrid(cells, 0.05, corner), Pose2(0, 0, 0), CONFIG)
+    large = divide_into_blocks(
+        OccupancyGrid(cells, 0.05, corner), Pose2(0, 0, 0), CONFIG, CLEARANCE_M
+    )
     assert {(b.x_min, b.y_min) for b in small} < {(b.x_min, b.y_min) for b in large}
 
 
@@ -37,7 +45,9 @@ def test_a_block_with_a_frontier_is_gone_to_there_and_another_in_its_middle():
     cells = FLOOR.copy()
     cells[60:, 120:] = Cell.UNKNOWN
     cells[:2], cells[-2:], cells[:, :2], cells[:, -2:] = (Cell.OCCUPIED,) * 4
-    blocks = divide_into_blocks(OccupancyGrid(cells, 0.05, (0, 0)), Pose2(1, 1, 0), CONFIG)
+    blocks = divide_into_blocks(
+        OccupancyGrid(cells, 0.05, (0, 0)), Pose2(1, 1, 0), CONFIG, CLEARANCE_M
+    )
     middle = next(b for b in blocks if (b.x_min, b.y_min) == (2.0, 2.0))
     assert middle.frontier_cells == 0
     assert middle.destination == pytest.approx((3.0, 3.0), abs=0.05)
@@ -57,14 +67,14 @@ def test_what_the_robot_cannot_enter_gets_no_number():
         """,
         scale=10,
     )
-    blocks = divide_into_blocks(grid, Pose2(1.0, 1.0, 0.0), CONFIG)
+    blocks = divide_into_blocks(grid, Pose2(1.0, 1.0, 0.0), CONFIG, CLEARANCE_M)
     assert max(b.x_min for b in blocks) < 5.0
     assert all(b.destination[0] < 5.0 for b in blocks)
 
 
 def test_a_robot_that_is_walled_in_has_none():
     grid = OccupancyGrid(np.full((60, 60), Cell.OCCUPIED, np.uint8), 0.05, (0.0, 0.0))
-    assert divide_into_blocks(grid, Pose2(1.5, 1.5, 0.0), CONFIG) == ()
+    assert divide_into_blocks(grid, Pose2(1.5, 1.5, 0.0), CONFIG, CLEARANCE_M) == ()
 
 
 @settings(deadline=None)
@@ -72,9 +82,9 @@ def test_a_robot_that_is_walled_in_has_none():
 def test_destinations_are_safe_and_blocks_cover_what_is_reached(coarse, data):
     grid = OccupancyGrid(np.kron(coarse, np.ones((6, 6), np.uint8)), 0.05, (-1.03, 0.37))
     robot = Pose2(data.draw(st.floats(-1.0, 3.1)), data.draw(st.floats(0.4, 3.9)), 0.0)
-    closed = inflate(grid.occupied, CONFIG.clearance_m, 0.05)
+    closed = inflate(grid.occupied, CLEARANCE_M, 0.05)
     config = MappingConfig(block_size_m=1.0, block_min_area_m2=0.0025)
-    blocks = divide_into_blocks(grid, robot, config)
+    blocks = divide_into_blocks(grid, robot, config, CLEARANCE_M)
     assert len({(b.x_min, b.y_min) for b in blocks}) == len(blocks)
     for block in blocks:
         row, column = grid.cell_of(*block.destination)
@@ -95,7 +105,9 @@ def test_specks_of_the_unknown_are_no_boundary_and_the_longest_stretch_is_gone_t
     config = MappingConfig(block_size_m=4.0, frontier_min_size_m=0.5)
 
     def block():
-        (only,) = divide_into_blocks(OccupancyGrid(cells, 0.05, (0, 0)), Pose2(1, 1, 0), config)
+        (only,) = divide_into_blocks(
+            OccupancyGrid(cells, 0.05, (0, 0)), Pose2(1, 1, 0), config, CLEARANCE_M
+        )
         return only
 
     clean = block()

@@ -13,6 +13,7 @@ from hypernav.mapping.inflation import inflate
 from hypernav.mapping.reachable_area import ReachableArea
 
 CONFIG = MappingConfig()
+CLEARANCE_M = 0.22
 OPEN_DOOR = """
     ##########
     #........#
@@ -27,11 +28,11 @@ ROBOT = Pose2(0.6, 0.7, 0.0)
 
 
 def test_a_closed_room_has_none():
-    assert find_frontiers(drawn(CLOSED, scale=4), ROBOT, CONFIG) == []
+    assert find_frontiers(drawn(CLOSED, scale=4), ROBOT, CONFIG, CLEARANCE_M) == []
 
 
 def test_an_open_door_is_one():
-    (frontier,) = find_frontiers(drawn(OPEN_DOOR, scale=4), ROBOT, CONFIG)
+    (frontier,) = find_frontiers(drawn(OPEN_DOOR, scale=4), ROBOT, CONFIG, CLEARANCE_M)
     assert frontier.size_m == pytest.approx(0.6, abs=0.05)
     assert frontier.centroid[0] == pytest.approx(1.975)
     assert frontier.destination == pytest.approx((1.975, 0.7), abs=0.06)
@@ -40,38 +41,41 @@ def test_an_open_door_is_one():
 
 def test_a_gap_shorter_than_the_least_size_is_none():
     wide = MappingConfig(frontier_min_size_m=0.7)
-    assert find_frontiers(drawn(OPEN_DOOR, scale=4), ROBOT, wide) == []
+    assert find_frontiers(drawn(OPEN_DOOR, scale=4), ROBOT, wide, CLEARANCE_M) == []
 
 
 def test_what_cannot_be_reached_is_none():
     grid = drawn(OPEN_DOOR, scale=4)
     grid.cells[:, 20:22] = Cell.OCCUPIED
-    assert find_frontiers(grid, ROBOT, CONFIG) == []
+    assert find_frontiers(grid, ROBOT, CONFIG, CLEARANCE_M) == []
 
 
 def test_a_gap_that_the_robot_does_not_fit_through_hides_what_lies_behind():
     grid = drawn(OPEN_DOOR, scale=4)
     grid.cells[:, 20:22] = Cell.OCCUPIED
     grid.cells[11:17, 20:22] = Cell.FREE  # 0.3 m
-    assert find_frontiers(grid, ROBOT, CONFIG) == []
+    assert find_frontiers(grid, ROBOT, CONFIG, CLEARANCE_M) == []
 
 
 def test_they_come_from_bottom_to_top():
     grid = drawn(OPEN_DOOR, scale=4)
     grid.cells[:, 8:20][:4] = Cell.FREE
     grid.cells[-4:, 8:20] = Cell.FREE
-    lowest = [f.points[:, 1].min() for f in find_frontiers(grid, ROBOT, CONFIG)]
+    lowest = [f.points[:, 1].min() for f in find_frontiers(grid, ROBOT, CONFIG, CLEARANCE_M)]
     assert len(lowest) == 3
     assert lowest == sorted(lowest)
 
 
 def test_a_robot_close_to_a_wall_still_finds_its_way():
-    assert len(find_frontiers(drawn(OPEN_DOOR, scale=4), Pose2(0.22, 0.7, 0.0), CONFIG)) == 1
+    assert (
+        len(find_frontiers(drawn(OPEN_DOOR, scale=4), Pose2(0.22, 0.7, 0.0), CONFIG, CLEARANCE_M))
+        == 1
+    )
 
 
 def test_an_empty_map_has_none():
     nothing = OccupancyGrid(np.zeros((20, 20), np.uint8), 0.05, (0.0, 0.0))
-    assert find_frontiers(nothing, Pose2(0.5, 0.5, 0.0), CONFIG) == []
+    assert find_frontiers(nothing, Pose2(0.5, 0.5, 0.0), CONFIG, CLEARANCE_M) == []
 
 
 @settings(deadline=None)
@@ -83,8 +87,8 @@ def test_they_border_on_the_unknown_and_can_be_gone_to(coarse, data):
     beside_unknown = inflate(
         np.pad(grid.cells == Cell.UNKNOWN, 1, constant_values=True), 0.05, 0.05
     )
-    closed = inflate(grid.occupied, CONFIG.clearance_m, 0.05)
-    for frontier in find_frontiers(grid, robot, CONFIG):
+    closed = inflate(grid.occupied, CLEARANCE_M, 0.05)
+    for frontier in find_frontiers(grid, robot, CONFIG, CLEARANCE_M):
         rows, columns = grid.cells_of(frontier.points).T
         assert (grid.cells[rows, columns] == Cell.FREE).all()
         assert beside_unknown[rows + 1, columns + 1].all()
@@ -112,7 +116,7 @@ def test_reach_measures_the_way_around_a_wall():
         """,
         scale=8,
     )
-    reach = ReachableArea.of(grid, Pose2(0.2, 0.2, 0.0), CONFIG)
+    reach = ReachableArea.of(grid, Pose2(0.2, 0.2, 0.0), CONFIG, CLEARANCE_M)
     offset = np.array(reach.grid.cell_of(0.2, 2.4))
     around = reach.travel_m[tuple(offset)]
     # The wall's end, a clearance away from it, then up and back.

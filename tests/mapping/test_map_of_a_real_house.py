@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
+from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.grid import Cell
 from hypernav.core.geometry.transforms import Pose2
@@ -15,6 +16,8 @@ from hypernav.mapping.top_down_map import TopDownMap
 from hypernav.worlds.scenes.loading import load_scene
 
 CONFIG = MappingConfig()
+BAND = (0.10, 0.95)
+CLEARANCE_M = 0.22
 SPACING_M = 0.02
 
 
@@ -35,7 +38,7 @@ def observations(test_data):
 
 @pytest.fixture(scope="module")
 def world_map(observations):
-    world_map = TopDownMap(CONFIG)
+    world_map = TopDownMap(CONFIG, Embodiment())
     for observation in observations:
         world_map.integrate(observation)
     return world_map
@@ -47,7 +50,7 @@ def surfaces(small_house):
     scene = load_scene(small_house)
     corners = scene.vertices[scene.faces].astype(np.float64)
     low, high = corners[..., 2].min(axis=1), corners[..., 2].max(axis=1)
-    band = (high > CONFIG.obstacle_min_height_m) & (low < CONFIG.obstacle_max_height_m)
+    band = (high > BAND[0]) & (low < BAND[1])
     a, b, c = np.moveaxis(corners[band], 1, 0)
     area = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
     triangle = np.repeat(np.arange(len(a)), np.ceil(area / SPACING_M**2).astype(int) + 2)
@@ -55,7 +58,7 @@ def surfaces(small_house):
     u, v = np.where(u + v > 1, 1 - u, u), np.where(u + v > 1, 1 - v, v)
     points = a[triangle] + u * (b - a)[triangle] + v * (c - a)[triangle]
     height = points[:, 2]
-    inside = (height >= CONFIG.obstacle_min_height_m) & (height < CONFIG.obstacle_max_height_m)
+    inside = (height >= BAND[0]) & (height < BAND[1])
     return points[inside, :2]
 
 
@@ -84,7 +87,7 @@ def test_the_robots_way_is_free(world_map, observations):
 
 
 def test_seeing_everything_again_changes_next_to_nothing(world_map, observations):
-    again = TopDownMap(CONFIG)
+    again = TopDownMap(CONFIG, Embodiment())
     for observation in [*observations, *observations]:
         again.integrate(observation)
     assert again.grid.origin == world_map.grid.origin
@@ -93,10 +96,10 @@ def test_seeing_everything_again_changes_next_to_nothing(world_map, observations
 
 def test_frontiers_and_blocks_of_the_house(world_map, observations):
     robot = observations[-1].robot
-    frontiers = find_frontiers(world_map.grid, robot, CONFIG)
-    blocks = divide_into_blocks(world_map.grid, robot, CONFIG)
+    frontiers = find_frontiers(world_map.grid, robot, CONFIG, CLEARANCE_M)
+    blocks = divide_into_blocks(world_map.grid, robot, CONFIG, CLEARANCE_M)
     assert 5 <= len(frontiers) <= 30
     assert 10 <= len(blocks) <= 40
-    again = find_frontiers(world_map.grid, robot, CONFIG)
+    again = find_frontiers(world_map.grid, robot, CONFIG, CLEARANCE_M)
     assert [f.destination for f in again] == [f.destination for f in frontiers]
-    assert divide_into_blocks(world_map.grid, robot, CONFIG) == blocks
+    assert divide_into_blocks(world_map.grid, robot, CONFIG, CLEARANCE_M) == blocks

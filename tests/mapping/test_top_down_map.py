@@ -10,7 +10,8 @@ from pydantic import ValidationError
 from scipy.spatial import cKDTree
 
 from box_views import CAMERA, FLOOR, distance_to_boxes, frame, room, turning, view_of
-from hypernav.core.errors import MapError
+from hypernav.core.embodiment import BodyConfig, Embodiment
+from hypernav.core.errors import ConfigError, MapError
 from hypernav.core.geometry.grid import Cell
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.observation import Observation
@@ -18,7 +19,8 @@ from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.top_down_map import TopDownMap
 
 CONFIG = MappingConfig()
-BAND = (CONFIG.obstacle_min_height_m, CONFIG.obstacle_max_height_m)
+EMBODIMENT = Embodiment()
+BAND = (0.10, 0.95)
 ROOM = [
     *room(6.0, 4.0),
     ((4.0, 2.5, 0.0), (4.6, 3.0, 0.4)),  # a low table
@@ -29,7 +31,7 @@ HERE = Pose2(0.0, 0.0, 0.0)
 
 
 def map_of(boxes, poses, **view):
-    world_map = TopDownMap(CONFIG)
+    world_map = TopDownMap(CONFIG, EMBODIMENT)
     for pose in poses:
         world_map.integrate(view_of(boxes, pose, **view))
     return world_map
@@ -142,7 +144,7 @@ def room_views():
 @given(st.integers(0, 2**32 - 1))
 def test_scattered_broken_pixels_leave_the_map_sound(seed):
     rng = np.random.default_rng(seed)
-    world_map = TopDownMap(CONFIG)
+    world_map = TopDownMap(CONFIG, EMBODIMENT)
     for view in room_views():
         depth = view.depth.copy()
         broken = rng.random(depth.shape) < 0.3
@@ -155,7 +157,7 @@ def test_scattered_broken_pixels_leave_the_map_sound(seed):
 
 def test_single_noisy_pixels_draw_nothing_that_lasts():
     rng = np.random.default_rng(1)
-    world_map = TopDownMap(CONFIG)
+    world_map = TopDownMap(CONFIG, EMBODIMENT)
     for _ in range(8):
         depth = view_of([FLOOR], HERE).depth.copy()
         noisy = rng.random(depth.shape) < 0.002
@@ -189,7 +191,7 @@ def test_what_is_too_near_to_be_measured_is_kept():
     before = known(world_map)
     near = Pose2(0.7, 0.0, 0.0)
     depth = view_of([FLOOR, wall], near).depth
-    for value in (0.0, CONFIG.min_depth_m):  # no return, or clamped as Habitat does
+    for value in (0.0, EMBODIMENT.camera.min_depth_m):  # no return, or clamped as Habitat does
         world_map.integrate(frame(np.where(depth < 0.5, np.float32(value), depth), near))
     lost = {c for c, s in before.items() if s == Cell.OCCUPIED and known(world_map)[c] != s}
     assert not lost
@@ -239,7 +241,7 @@ def test_a_forgotten_bump_leaves_what_the_camera_saw():
     st.lists(st.tuples(st.integers(-1500, 1500), st.integers(-1500, 1500)), min_size=1, max_size=4)
 )
 def test_growing_keeps_what_is_known(cells):
-    world_map = TopDownMap(CONFIG)
+    world_map = TopDownMap(CONFIG, EMBODIMENT)
     world_map.merge(the_table())
     before = known(world_map)
     for row, column in cells:
@@ -270,7 +272,7 @@ def test_the_grid_is_a_view_that_cannot_be_written():
 
 
 def test_a_new_map_knows_nothing_and_can_be_asked():
-    grid = TopDownMap(CONFIG).grid
+    grid = TopDownMap(CONFIG, EMBODIMENT).grid
     assert not grid.explored.any()
     assert grid.state_at(0.0, 0.0) == Cell.UNKNOWN
 
@@ -287,7 +289,7 @@ def parts():
 def test_merging_in_any_order_gives_the_same_map():
     outcomes = []
     for order in itertools.permutations(range(3)):
-        merged = TopDownMap(CONFIG)
+        merged = TopDownMap(CONFIG, EMBODIMENT)
         for part in (parts()[i] for i in order):
             merged.merge(part)
         outcomes.append((merged.grid.origin, merged.grid.cells.tobytes()))
@@ -308,7 +310,7 @@ def test_merging_keeps_obstacles_changes_nothing_twice_and_leaves_the_other_alon
 
 
 def test_a_merged_map_goes_on_clearing():
-    merged = TopDownMap(CONFIG)
+    merged = TopDownMap(CONFIG, EMBODIMENT)
     merged.merge(map_of([FLOOR, TABLE], [HERE]))
     for _ in range(CONFIG.max_evidence):
         merged.integrate(view_of([FLOOR], HERE))
@@ -317,7 +319,7 @@ def test_a_merged_map_goes_on_clearing():
 
 def test_maps_of_different_configurations_do_not_merge():
     with pytest.raises(MapError, match="same configuration"):
-        TopDownMap(CONFIG).merge(TopDownMap(MappingConfig(cell_size_m=0.1)))
+        TopDownMap(CONFIG, EMBODIMENT).merge(TopDownMap(MappingConfig(cell_size_m=0.1), EMBODIMENT))
 
 
 @pytest.mark.parametrize(
@@ -340,20 +342,39 @@ def test_an_impossible_pose_is_refused_and_changes_nothing(robot, camera_x, word
 
 def test_a_bump_nowhere_is_refused():
     with pytest.raises(MapError, match="finite"):
-        TopDownMap(CONFIG).mark_occupied(np.array([[math.nan, 0.0]]))
-    TopDownMap(CONFIG).mark_occupied(np.zeros((0, 2)))
+        TopDownMap(CONFIG, EMBODIMENT).mark_occupied(np.array([[math.nan, 0.0]]))
+    TopDownMap(CONFIG, EMBODIMENT).mark_occupied(np.zeros((0, 2)))
 
 
 @pytest.mark.parametrize(
     ("wrong", "words"),
     [
-        ({"obstacle_max_height_m": 0.05}, "obstacle_min_height_m must be less"),
-        ({"min_depth_m": 6.0}, "min_depth_m must be less"),
         ({"occupied_evidence": 7}, "must not exceed max_evidence"),
-        ({"voxel_height_m": 0.01}, "at most 32"),
         ({"cell_size": 0.1}, "cell_size"),
     ],
 )
 def test_a_wrong_configuration_says_why(wrong, words):
     with pytest.raises(ValidationError, match=words):
         MappingConfig(**wrong)
+
+
+def test_things_as_low_as_the_robot_drives_over_are_floor():
+    assert CONFIG.height_band(BodyConfig(max_step_m=0.2)).bottom_m == pytest.approx(0.2)
+    assert CONFIG.height_band(BodyConfig(max_step_m=0.0)).bottom_m == CONFIG.floor_noise_m
+
+
+def test_a_taller_robot_looks_higher_for_obstacles():
+    assert CONFIG.height_band(BodyConfig()).layers == 17
+    assert CONFIG.height_band(BodyConfig(height_m=1.5)).layers == 27
+
+
+@pytest.mark.parametrize(
+    ("config", "body", "words"),
+    [
+        (MappingConfig(voxel_height_m=0.01), BodyConfig(), "larger mapping.voxel_height_m"),
+        (MappingConfig(headroom_m=-0.9), BodyConfig(), "make the band higher"),
+    ],
+)
+def test_a_map_that_cannot_hold_the_robot_says_why(config, body, words):
+    with pytest.raises(ConfigError, match=words):
+        TopDownMap(config, Embodiment(body=body))

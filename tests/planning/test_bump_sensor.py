@@ -4,6 +4,7 @@ import numpy as np
 
 from drawn_grids import drawn
 from hypernav.core.actions import Action
+from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.planning.bump_sensor import BumpSensor
@@ -13,7 +14,7 @@ HALL = drawn("....................\n" * 20, scale=10, origin=(-5.0, -5.0))
 
 
 def test_a_step_cut_short_is_a_bump_and_a_full_one_is_not():
-    bumps, before = BumpSensor(PlanningConfig()), Pose2(0.0, 0.0, 0.0)
+    bumps, before = BumpSensor(PlanningConfig(), Embodiment()), Pose2(0.0, 0.0, 0.0)
     assert len(bumps.points(before, HALL)) == 0
     bumps.note_action(before, Action.MOVE_FORWARD)
     assert len(bumps.points(Pose2(0.5, 0.0, 0.0), HALL)) == 0
@@ -29,7 +30,7 @@ def test_a_step_cut_short_is_a_bump_and_a_full_one_is_not():
 def test_what_stands_beside_the_robot_is_what_it_touches():
     grid = OccupancyGrid(HALL.cells.copy(), 0.05, HALL.origin)
     grid.cells[105:110, 95:115] = Cell.OCCUPIED  # to the left, 0.25 m away
-    bumps, before = BumpSensor(PlanningConfig()), Pose2(-0.1, 0.0, 0.0)
+    bumps, before = BumpSensor(PlanningConfig(), Embodiment()), Pose2(-0.1, 0.0, 0.0)
     bumps.note_action(before, Action.MOVE_FORWARD)
     points = bumps.points(Pose2(0.0, 0.0, 0.0), grid)
     assert len(points) > 0

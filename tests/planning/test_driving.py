@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from drawn_grids import drawn
 from hypernav.core.actions import Action
+from hypernav.core.embodiment import Embodiment, MotionConfig
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.distance_kernels import travel_cells
@@ -21,6 +22,7 @@ from hypernav.planning.planner import PlannedPath, Planner
 from random_rooms import DrivenRobot, random_rooms
 
 CONFIG = PlanningConfig()
+ROBOT = Embodiment()
 WIDE = PlanningConfig(squeeze_m=0.0)
 PAPER = PlanningConfig(
     squeeze_m=0.0, comfort_cost=0.0, targets="nearest-straight", steering="waypoint"
@@ -30,7 +32,7 @@ WAY = PlannedPath(((0.0, 0.0), (2.0, 0.0), (2.0, 2.0)), 0.0)
 
 
 def follower(path, config=PAPER):
-    follower = PathFollower(config)
+    follower = PathFollower(config, MotionConfig())
     follower.follow(path)
     return follower
 
@@ -89,7 +91,7 @@ def test_without_a_path_there_is_nothing_to_do():
 )
 @example(x=-3.5, y=-3.5, yaw=1.0, config=PAPER)
 def test_over_open_floor_it_arrives_without_dithering(x, y, yaw, config):
-    robot, navigator = DrivenRobot(HALL, Pose2(0.0, 0.0, yaw)), Navigator(config)
+    robot, navigator = DrivenRobot(HALL, Pose2(0.0, 0.0, yaw)), Navigator(config, ROBOT)
     actions = []
     while len(actions) < 80:
         action = navigator.towards(HALL, robot.pose, np.array([[x, y]]))
@@ -122,12 +124,16 @@ def drive(seed, config, *, door_m, limit=300):
     """Drive from one random place to another in random rooms; None if there is no other."""
     rng = np.random.default_rng(seed)
     grid = random_rooms(rng, door_m=door_m)
-    costmap = Costmap.of(grid, CONFIG, (0.0, 0.0), CONFIG.inflation_m)
+    costmap = Costmap.of(grid, CONFIG, (0.0, 0.0), 0.22)
     start = open_cell(rng, costmap)
     end = open_cell(rng, costmap, start)
     goal = np.array([costmap.grid.centre_of(*end)])
     pose = Pose2(*costmap.grid.centre_of(*start), rng.uniform(-math.pi, math.pi))
-    robot, navigator, bumps = DrivenRobot(grid, pose), Navigator(config), BumpSensor(config)
+    robot, navigator, bumps = (
+        DrivenRobot(grid, pose),
+        Navigator(config, ROBOT),
+        BumpSensor(config, ROBOT),
+    )
     known = OccupancyGrid(grid.cells.copy(), grid.resolution_m, grid.origin)
     for _ in range(limit):
         for x, y in bumps.points(robot.pose, known):
@@ -139,7 +145,7 @@ def drive(seed, config, *, door_m, limit=300):
         robot.do(action)
     else:
         raise AssertionError(f"seed {seed}: still driving after {limit} actions")
-    planned = Planner(config).plan(grid, pose.xy, goal)
+    planned = Planner(config, ROBOT.body).plan(grid, pose.xy, goal)
     return robot, robot.pose.distance_to(*goal[0]), planned.length_m
 
 
@@ -165,7 +171,7 @@ def test_the_papers_follower_gets_through_doors_too():
 
 
 def test_a_path_that_becomes_blocked_is_planned_anew():
-    navigator, goal = Navigator(CONFIG), np.array([[4.0, 0.0]])
+    navigator, goal = Navigator(CONFIG, ROBOT), np.array([[4.0, 0.0]])
     grid = OccupancyGrid(HALL.cells.copy(), 0.05, HALL.origin)
     navigator.towards(grid, Pose2(-4.0, 0.0, 0.0), goal)
     before = navigator.path
@@ -178,7 +184,7 @@ def test_a_path_that_becomes_blocked_is_planned_anew():
 
 
 def test_a_path_is_planned_anew_after_so_many_steps():
-    navigator, goal = Navigator(CONFIG), np.array([[4.0, 0.0]])
+    navigator, goal = Navigator(CONFIG, ROBOT), np.array([[4.0, 0.0]])
     paths = []
     for _ in range(25):
         navigator.towards(HALL, Pose2(-4.0, 0.0, 0.0), goal)
@@ -189,7 +195,7 @@ def test_a_path_is_planned_anew_after_so_many_steps():
 def test_no_way_is_not_an_arrival():
     grid = OccupancyGrid(HALL.cells.copy(), 0.05, HALL.origin)
     grid.cells[:, 100:110] = Cell.OCCUPIED
-    navigator = Navigator(PlanningConfig(unknown_cost=0.0))
+    navigator = Navigator(PlanningConfig(unknown_cost=0.0), ROBOT)
     assert navigator.towards(grid, Pose2(-2.0, 0.0, 0.0), np.array([[3.0, 0.0]])) is None
     assert not navigator.arrived
     assert navigator.remaining(Pose2(-2.0, 0.0, 0.0)) == []
@@ -197,7 +203,7 @@ def test_no_way_is_not_an_arrival():
 
 def test_the_same_situation_gives_the_same_actions():
     def actions():
-        robot, navigator = DrivenRobot(HALL, Pose2(0.0, 0.0, 1.0)), Navigator(CONFIG)
+        robot, navigator = DrivenRobot(HALL, Pose2(0.0, 0.0, 1.0)), Navigator(CONFIG, ROBOT)
         for _ in range(12):
             action = navigator.towards(HALL, robot.pose, np.array([[3.0, -2.0]]))
             if action is None:

@@ -8,6 +8,7 @@ from hypothesis.extra.numpy import array_shapes, arrays
 
 from drawn_grids import drawn
 from grid_graphs import cost_to_go
+from hypernav.core.embodiment import BodyConfig
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.planning.astar import astar, costs_to_go
 from hypernav.planning.config import PlanningConfig
@@ -16,6 +17,8 @@ from hypernav.planning.motion_kernels import cost_of_line
 from hypernav.planning.planner import PlannedPath, Planner, is_blocked
 
 CONFIG = PlanningConfig()
+BODY = BodyConfig()
+CLEARANCE_M = 0.22
 WIDE = PlanningConfig(squeeze_m=0.0)
 PAPER = PlanningConfig(
     squeeze_m=0.0,
@@ -135,7 +138,7 @@ def test_a_line_that_leaves_the_grid_is_closed():
 
 
 def costmap_of(grid, start):
-    return Costmap.of(grid, CONFIG, start, CONFIG.inflation_m)
+    return Costmap.of(grid, CONFIG, start, CLEARANCE_M)
 
 
 @settings(deadline=None, max_examples=150)
@@ -143,7 +146,7 @@ def costmap_of(grid, start):
 def test_a_path_never_touches_an_inflated_obstacle(coarse, config, data):
     grid = grid_of(coarse)
     start, target = data.draw(middles(grid))
-    path = Planner(config).plan(grid, start, np.array([target]))
+    path = Planner(config, BODY).plan(grid, start, np.array([target]))
     assume(path is not None)
     assert path.waypoints[0] == start
     obstacles = grid.centres_of(np.argwhere(grid.occupied))
@@ -153,9 +156,9 @@ def test_a_path_never_touches_an_inflated_obstacle(coarse, config, data):
     for obstacle in obstacles:
         away = np.minimum(away, np.hypot(*(middle - obstacle).T))
     away = away.reshape(grid.cells.shape)
-    inflated = away <= config.inflations_m[-1] + 1e-9
+    inflated = away <= config.clearances_m(BODY)[-1] + 1e-9
     here = grid.cell_of(*start)
-    if not grid.inside(*here) or away[here] <= config.inflation_m + 1e-9:
+    if not grid.inside(*here) or away[here] <= CLEARANCE_M + 1e-9:
         # The way out is short.
         inflated &= (np.hypot(*(middle - np.array(start)).T) > 1.5).reshape(inflated.shape)
     for a, b in pairwise(path.waypoints):
@@ -174,7 +177,9 @@ def test_a_path_never_touches_an_inflated_obstacle(coarse, config, data):
 
 
 def test_a_path_across_open_floor_is_one_straight_line():
-    path = Planner(CONFIG).plan(drawn("....\n" * 4, scale=20), (0.3, 0.4), np.array([[3.0, 1.7]]))
+    path = Planner(CONFIG, BODY).plan(
+        drawn("....\n" * 4, scale=20), (0.3, 0.4), np.array([[3.0, 1.7]])
+    )
     assert len(path.waypoints) == 2
     assert path.length_m == pytest.approx(np.hypot(2.7, 1.3), abs=0.05)
 
@@ -182,8 +187,8 @@ def test_a_path_across_open_floor_is_one_straight_line():
 def test_a_way_through_a_door_keeps_to_its_middle_where_comfort_counts():
     grid = drawn(DOOR, scale=10)  # the door is y 1 to 2, and the way could stay at y 1.25
     start, target = (0.5, 1.25), np.array([[5.5, 1.25]])
-    direct = Planner(PAPER).plan(grid, start, target)
-    comfortable = Planner(CONFIG).plan(grid, start, target)
+    direct = Planner(PAPER, BODY).plan(grid, start, target)
+    comfortable = Planner(CONFIG, BODY).plan(grid, start, target)
     assert len(direct.waypoints) == 2
     middle = max(y for x, y in comfortable.waypoints if 2.0 < x < 4.0)
     assert middle == pytest.approx(1.45, abs=0.1)
@@ -197,7 +202,7 @@ def test_a_way_ends_in_the_unknown_only_at_a_destination_that_has_no_known_cell(
         (CONFIG, [unknown, known], known, 0.0),
         (PAPER, [unknown], [2.975, 1.5], 0.5),
     ):
-        path = Planner(config).plan(grid, start, np.array(targets))
+        path = Planner(config, BODY).plan(grid, start, np.array(targets))
         assert path.end == pytest.approx(end, abs=0.06)
         assert path.gap_m == pytest.approx(gap_m, abs=0.06)
 
@@ -213,13 +218,13 @@ def test_the_unknown_is_dearer_or_forbidden_as_configured():
         scale=10,
     )
     start, target = (0.25, 0.25), np.array([[2.25, 0.25]])
-    through = Planner(PlanningConfig(unknown_cost=1.0)).plan(grid, start, target)
+    through = Planner(PlanningConfig(unknown_cost=1.0), BODY).plan(grid, start, target)
     assert through.length_m == pytest.approx(2.0, abs=0.05)
-    around = Planner(PlanningConfig(unknown_cost=9.0)).plan(grid, start, target)
+    around = Planner(PlanningConfig(unknown_cost=9.0), BODY).plan(grid, start, target)
     assert around.length_m > 4.0
     grid.cells[20:] = Cell.UNKNOWN
-    assert Planner(PlanningConfig(unknown_cost=9.0)).plan(grid, start, target) is not None
-    assert Planner(PlanningConfig(unknown_cost=0.0)).plan(grid, start, target) is None
+    assert Planner(PlanningConfig(unknown_cost=9.0), BODY).plan(grid, start, target) is not None
+    assert Planner(PlanningConfig(unknown_cost=0.0), BODY).plan(grid, start, target) is None
 
 
 def test_of_several_targets_the_configured_one_is_gone_to():
@@ -235,13 +240,17 @@ def test_of_several_targets_the_configured_one_is_gone_to():
     )
     start = (0.5, 0.5)
     targets = np.array([[0.5, 2.0], [2.6, 0.5]])  # near behind the wall, or farther on this side
-    assert Planner(PAPER).plan(grid, start, targets).end == pytest.approx((0.5, 2.0), abs=0.03)
-    assert Planner(CONFIG).plan(grid, start, targets).end == pytest.approx((2.6, 0.5), abs=0.03)
+    assert Planner(PAPER, BODY).plan(grid, start, targets).end == pytest.approx(
+        (0.5, 2.0), abs=0.03
+    )
+    assert Planner(CONFIG, BODY).plan(grid, start, targets).end == pytest.approx(
+        (2.6, 0.5), abs=0.03
+    )
 
 
 def test_a_target_inside_an_obstacle_moves_to_the_nearest_open_cell():
     grid = drawn("..........\n" * 4 + "....##....\n" * 2 + "..........\n" * 4, scale=10)
-    path = Planner(PAPER).plan(grid, (0.5, 2.5), np.array([[2.05, 2.5]]))
+    path = Planner(PAPER, BODY).plan(grid, (0.5, 2.5), np.array([[2.05, 2.5]]))
     assert path.end == pytest.approx((1.75, 2.5), abs=0.06)
     assert path.gap_m == pytest.approx(0.3, abs=0.06)
 
@@ -249,21 +258,21 @@ def test_a_target_inside_an_obstacle_moves_to_the_nearest_open_cell():
 def test_a_target_too_deep_inside_is_no_destination():
     grid = drawn("....######\n" * 6, scale=10)
     target = np.array([[4.0, 1.5]])
-    assert Planner(CONFIG).plan(grid, (0.5, 1.5), target) is None
+    assert Planner(CONFIG, BODY).plan(grid, (0.5, 1.5), target) is None
     far = PlanningConfig(max_gap_m=3.0)
-    assert Planner(far).plan(grid, (0.5, 1.5), target).gap_m == pytest.approx(2.25, abs=0.1)
+    assert Planner(far, BODY).plan(grid, (0.5, 1.5), target).gap_m == pytest.approx(2.25, abs=0.1)
 
 
 def test_a_target_off_the_map_moves_to_the_nearest_known_cell():
     grid = drawn("....\n" * 4, scale=10)
-    path = Planner(CONFIG).plan(grid, (0.5, 1.0), np.array([[2.6, 1.0]]))
+    path = Planner(CONFIG, BODY).plan(grid, (0.5, 1.0), np.array([[2.6, 1.0]]))
     assert path.end == pytest.approx((1.975, 1.0), abs=0.06)
-    assert Planner(CONFIG).plan(grid, (0.5, 1.0), np.array([[40.0, 1.0]])) is None
+    assert Planner(CONFIG, BODY).plan(grid, (0.5, 1.0), np.array([[40.0, 1.0]])) is None
 
 
 def test_a_robot_inside_an_inflated_obstacle_gets_out_first():
     grid = drawn("#.........\n" * 4, scale=10)
-    path = Planner(CONFIG).plan(grid, (0.55, 1.0), np.array([[4.0, 1.0]]))
+    path = Planner(CONFIG, BODY).plan(grid, (0.55, 1.0), np.array([[4.0, 1.0]]))
     assert path.waypoints[0] == (0.55, 1.0)
     assert path.end == pytest.approx((4.0, 1.0), abs=0.05)
     assert path.length_m == pytest.approx(3.45, abs=0.05)
@@ -271,12 +280,12 @@ def test_a_robot_inside_an_inflated_obstacle_gets_out_first():
 
 def test_a_robot_that_is_walled_in_has_no_way():
     grid = drawn("##########\n" * 8, scale=10)
-    assert Planner(CONFIG).plan(grid, (2.0, 2.0), np.array([[4.0, 2.0]])) is None
+    assert Planner(CONFIG, BODY).plan(grid, (2.0, 2.0), np.array([[4.0, 2.0]])) is None
 
 
 def test_a_path_to_where_the_robot_is_has_no_length():
     grid = drawn("....\n" * 4, scale=10)
-    path = Planner(CONFIG).plan(grid, (1.0, 1.0), np.array([[1.0, 1.0]]))
+    path = Planner(CONFIG, BODY).plan(grid, (1.0, 1.0), np.array([[1.0, 1.0]]))
     assert path.length_m < 0.05
     assert len(path.waypoints) == 2
 
@@ -285,7 +294,7 @@ def test_the_grid_is_not_changed():
     grid = drawn(DOOR, scale=10)
     before = grid.cells.copy()
     grid.cells.flags.writeable = False
-    Planner(CONFIG).plan(grid, (0.5, 1.25), np.array([[5.5, 1.25]]))
+    Planner(CONFIG, BODY).plan(grid, (0.5, 1.25), np.array([[5.5, 1.25]]))
     np.testing.assert_array_equal(grid.cells, before)
 
 
@@ -311,7 +320,7 @@ def test_the_way_out_does_not_lead_through_a_thin_wall():
     assert costmap.is_tight
     leads_out = costmap.escape.cells
     assert not (leads_out & grid.cropped(1.0).occupied).any()
-    path = Planner(CONFIG).plan(grid, start, np.array([[0.5, 2.5]]))
+    path = Planner(CONFIG, BODY).plan(grid, start, np.array([[0.5, 2.5]]))
     corners = costmap.grid.cells_of(np.array(path.waypoints))
     assert not costmap.grid.occupied[corners[:, 0], corners[:, 1]].any()
 
@@ -322,12 +331,12 @@ def test_a_gap_that_only_just_fits_is_taken_where_no_other_way_leads():
     grid.cells[:, 40] = Cell.OCCUPIED
     grid.cells[16:24, 40] = Cell.FREE
     start, targets = (0.5, 1.0), np.array([[3.5, 1.0]])
-    assert Planner(PAPER).plan(grid, start, targets) is None
-    path = Planner(CONFIG).plan(grid, start, targets)
+    assert Planner(PAPER, BODY).plan(grid, start, targets) is None
+    path = Planner(CONFIG, BODY).plan(grid, start, targets)
     assert path is not None
     assert path.length_m < 3.3
     grid.cells[16:19, 40] = Cell.OCCUPIED
-    assert Planner(CONFIG).plan(grid, start, targets) is None
+    assert Planner(CONFIG, BODY).plan(grid, start, targets) is None
 
 
 def test_the_length_of_a_path_is_that_of_its_legs():

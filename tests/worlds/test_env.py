@@ -7,7 +7,7 @@ from gymnasium.utils.env_checker import check_env
 
 from box_scenes import room_boxes, scene_of
 from hypernav.core.actions import Action
-from hypernav.core.embodiment import CameraConfig
+from hypernav.core.embodiment import CameraConfig, Embodiment
 from hypernav.core.errors import GoalError, SceneError, StartError, WorldError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.worlds.env import ENV_ID, ObjectNavConfig, ObjectNavEnv
@@ -17,8 +17,8 @@ from hypernav.worlds.simulation import SimulatedWorld, SimulationConfig
 BED = ("bed", (4.4, 1.0, 0.0), (6.0, 3.0, 0.5))
 SOFA = ("sofa", (0.0, 3.2, 0.0), (1.6, 4.0, 0.8))
 SCENE = scene_of(*room_boxes(), BED, SOFA)
-SIMULATION = SimulationConfig(camera=CameraConfig(width=32, height=24))
-CONFIG = ObjectNavConfig(simulation=SIMULATION)
+EMBODIMENT = Embodiment(camera=CameraConfig(width=32, height=24))
+CONFIG = ObjectNavConfig(embodiment=EMBODIMENT)
 FACING_BED = (1.0, 2.0, 0.0)
 GO = int(Action.MOVE_FORWARD)
 STOP = int(Action.STOP)
@@ -33,15 +33,13 @@ def make(goal: str | None = "bed", **options) -> ObjectNavEnv:
     "noise", [NoiseConfig(), NoiseConfig(depth_sigma_m=0.01, turn_sigma_deg=1)]
 )
 def test_gymnasiums_own_checker_accepts_it(noise):
-    config = ObjectNavConfig(
-        simulation=SimulationConfig(camera=CameraConfig(width=32, height=24), noise=noise)
-    )
+    config = ObjectNavConfig(embodiment=EMBODIMENT, simulation=SimulationConfig(noise=noise))
     env = gymnasium.make(ENV_ID, scene=SCENE, config=config, render_mode="rgb_array")
     check_env(env.unwrapped)
 
 
 def test_gymnasium_finds_it_by_module_and_name():
-    config = ObjectNavConfig(simulation=SimulationConfig(camera=CameraConfig(width=32, height=24)))
+    config = ObjectNavConfig(embodiment=Embodiment(camera=CameraConfig(width=32, height=24)))
     env = gymnasium.make(f"hypernav.worlds.env:{ENV_ID}", scene=SCENE, config=config)
     assert isinstance(env.unwrapped, ObjectNavEnv)
 
@@ -72,7 +70,7 @@ def test_stop_elsewhere_terminates_without_success():
 
 
 def test_the_step_limit_truncates():
-    env = make(config=ObjectNavConfig(simulation=SIMULATION, max_steps=3))
+    env = make(config=ObjectNavConfig(embodiment=EMBODIMENT, max_steps=3))
     env.reset(options={"start": FACING_BED})
     turn = int(Action.TURN_LEFT)
     assert [env.step(turn)[2:4] for _ in range(3)] == [
@@ -85,7 +83,7 @@ def test_the_step_limit_truncates():
 
 
 def test_stop_in_the_last_step_is_a_termination():
-    env = make(config=ObjectNavConfig(simulation=SIMULATION, max_steps=1))
+    env = make(config=ObjectNavConfig(embodiment=EMBODIMENT, max_steps=1))
     env.reset(options={"start": FACING_BED})
     assert env.step(STOP)[2:4] == (True, False)
 
@@ -127,7 +125,7 @@ def test_the_typed_observation_is_at_hand():
 
 
 def test_a_ready_world_is_used_as_it_is():
-    world = SimulatedWorld(SCENE, SIMULATION)
+    world = SimulatedWorld(SCENE, embodiment=EMBODIMENT)
     env = ObjectNavEnv(world, "bed")
     assert env.world is world
     assert env.reset(seed=0)[0]["rgb"].shape == (24, 32, 3)

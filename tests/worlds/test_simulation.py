@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from box_scenes import room_boxes, scene_of
 from hypernav.core.actions import Action
-from hypernav.core.embodiment import ActionConfig, CameraConfig
+from hypernav.core.embodiment import CameraConfig, Embodiment
 from hypernav.core.errors import StartError, WorldError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
@@ -22,8 +22,8 @@ START = Pose2(1.0, 2.0, 0.0)
 
 
 def world_of(*boxes, **options) -> SimulatedWorld:
-    options.setdefault("camera", SMALL)
-    return SimulatedWorld(scene_of(*room_boxes(), *boxes), SimulationConfig(**options))
+    embodiment = Embodiment(camera=options.pop("camera", SMALL))
+    return SimulatedWorld(scene_of(*room_boxes(), *boxes), SimulationConfig(**options), embodiment)
 
 
 @pytest.fixture(scope="module")
@@ -115,7 +115,7 @@ def test_a_wall_stops_the_robot_at_the_contact():
 
 def test_sliding_is_an_option():
     start = Pose2(4.15, 2.0, math.radians(45.0))
-    stopping, sliding = world_of(BED), world_of(BED, actions=ActionConfig(sliding=True))
+    stopping, sliding = world_of(BED), world_of(BED, sliding=True)
     stopping.reset(start)
     sliding.reset(start)
     stopping.step(Action.MOVE_FORWARD)

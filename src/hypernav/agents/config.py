@@ -9,7 +9,6 @@ class SearchConfig(RoomConfig):
     """When to look, when to stop, when to think again.
 
     Attributes:
-        turn_angle_deg: Of one turn action.
         stop_distance_m: Of the robot to where it may enter the goal area, for the presence check
             and STOP.
         approach_gap_m: A way leads to the goal area if it ends so near to where that may be
@@ -36,7 +35,6 @@ class SearchConfig(RoomConfig):
         pursue_far_sightings: Go towards a goal that is seen beyond the range of depth.
     """
 
-    turn_angle_deg: float = 30.0
     stop_distance_m: float = 0.15
     approach_gap_m: float = 0.15
     patience_steps: int = 16

@@ -13,6 +13,7 @@ from hypernav.agents.phases.step import Decision, Phase, PhaseName, Step
 from hypernav.agents.phases.verify import Verify
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
+from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import WorldError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.goal import Goal
@@ -36,6 +37,7 @@ class SearchComponents:
         local: Sees the goal and says where it is.
         explorer: Says where to go while the goal is out of sight.
         planning: How the robot drives.
+        embodiment: What the robot is.
         presence: Looks once more before STOP; None trusts the goal area.
         log: What detectors and reasoners were asked, for the trace.
         config: Values of the method.
@@ -45,6 +47,7 @@ class SearchComponents:
     local: LocalPerception
     explorer: Explorer
     planning: PlanningConfig
+    embodiment: Embodiment
     presence: PresenceCheck | None
     log: ExchangeLog
     config: SearchConfig
@@ -91,23 +94,31 @@ class _Search:
 
     def __init__(self, goal: Goal, components: SearchComponents) -> None:
         local, config = components.local, components.config
+        planning, embodiment = components.planning, components.embodiment
         local.reset(goal)
         components.log.drain()
         self.world_map = components.new_map()
         self.trace: StepTrace | None = None
         self._local = local
         self._log = components.log
-        self._bumps = BumpSensor(components.planning)
+        self._bumps = BumpSensor(planning, embodiment)
         self._trajectory: list[tuple[float, float]] = []
         self._steps = 0
+        self._motion = embodiment.motion
         # Each keeps to a plan of its own: steps that lead to two places by turns lead to none.
-        navigator = Navigator(components.planning)
-        roaming = Navigator(components.planning)
-        self._look_around = LookAround(config.turn_angle_deg)
+        navigator = Navigator(planning, embodiment)
+        roaming = Navigator(planning, embodiment)
+        self._look_around = LookAround(embodiment.motion)
         self._explore = Explore(goal, local, components.explorer, roaming, config)
         self._approach = Approach(goal, local, navigator, self._explore, self._look_around, config)
         self._second_look = SecondLook(
-            goal, local, navigator, self._approach, self.world_map.config, config
+            goal,
+            local,
+            navigator,
+            self._approach,
+            self.world_map.config,
+            planning.clearances_m(embodiment.body)[0],
+            config,
         )
         self._phases: dict[PhaseName, Phase] = {
             PhaseName.LOOK_AROUND: self._look_around,
@@ -146,7 +157,7 @@ class _Search:
             self.world_map.mark_occupied(self._bumps.points(observation.robot, self.world_map.grid))
         with clock("local"):
             detections = self._local.look(observation)
-        step = Step(observation, self.world_map.grid, self._trajectory, clock, events)
+        step = Step(observation, self.world_map.grid, self._trajectory, self._motion, clock, events)
         decision = self._decide(step)
         if decision.action is not None:
             self._bumps.note_action(observation.robot, decision.action)

@@ -196,24 +196,28 @@ def build_search(
         attention: Says which images the detector is asked about; all unless given.
         map_log: A log of the reasoner's own: it is asked ahead, while the robot drives.
     """
+    embodiment = config.embodiment
+    clearances_m = config.planning.clearances_m(embodiment.body)
     if agent == "hypernav":
         reasoner = reasoner or GeometricReasoner(log, config.geometric)
-        explorer = BlockExplorer(reasoner, config.overview, config.mapping)
+        explorer = BlockExplorer(reasoner, config.overview, config.mapping, clearances_m)
         if map_log is not None:
             explorer = PrefetchingExplorer(explorer, map_log, log, config.prefetch)
     else:
-        explorer = NearestFrontierExplorer(log, config.mapping)
+        explorer = NearestFrontierExplorer(log, config.mapping, clearances_m)
     components = SearchComponents(
-        new_map=partial(TopDownMap, config.mapping),
+        new_map=partial(TopDownMap, config.mapping, embodiment),
         local=LocalPerception(
             detector,
             segmenter or DepthCutSegmenter(),
             config.local,
+            embodiment.camera,
             cell_size_m=config.mapping.cell_size_m,
             attention=attention,
         ),
         explorer=explorer,
         planning=config.planning,
+        embodiment=embodiment,
         presence=presence,
         log=log,
         config=config.search,

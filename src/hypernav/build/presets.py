@@ -1,10 +1,11 @@
 """All that can be configured, and the named configurations."""
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from hypernav.agents.config import SearchConfig
 from hypernav.build.component_specs import PresetName
 from hypernav.core.config import RoomConfig
+from hypernav.core.embodiment import Embodiment
 from hypernav.mapping.config import MappingConfig
 from hypernav.models.chat.config import ChatConfig
 from hypernav.models.vision.sam import SamConfig
@@ -40,7 +41,8 @@ class HyPerNavConfig(RoomConfig):
     """Everything that can be set, one section a room.
 
     Attributes:
-        world: The simulated robot, its camera and its actions.
+        embodiment: What the robot is: body, camera, step and turn.
+        world: How the robot is simulated.
         mapping: How the map is drawn.
         local: How a detection becomes a goal area.
         overview: How the map question is drawn and repeated.
@@ -61,6 +63,7 @@ class HyPerNavConfig(RoomConfig):
         onnx_sam: How an exported SAM is used.
     """
 
+    embodiment: Embodiment = Embodiment()
     world: SimulationConfig = SimulationConfig()
     mapping: MappingConfig = MappingConfig()
     local: LocalConfig = LocalConfig()
@@ -81,6 +84,11 @@ class HyPerNavConfig(RoomConfig):
     sam: SamConfig = SamConfig()
     onnx_sam: OnnxSamConfig = OnnxSamConfig()
 
+    @model_validator(mode="after")
+    def _map_holds_the_body(self) -> "HyPerNavConfig":
+        self.mapping.height_band(self.embodiment.body)
+        return self
+
     @property
     def stop_reach_m(self) -> float:
         """How far from the outline of a goal area the robot stops at most, metres."""
@@ -96,7 +104,7 @@ def preset(name: PresetName) -> HyPerNavConfig:
     if name == "default":
         return HyPerNavConfig()
     return HyPerNavConfig(
-        mapping=MappingConfig(frontier_min_size_m=0.3, squeeze_m=0.0),
+        mapping=MappingConfig(frontier_min_size_m=0.3),
         local=LocalConfig(
             entry_reach_m=0.0,
             target="latest",

@@ -46,6 +46,7 @@ def run(options: Options) -> int:
             load_episodes(
                 options.dataset,
                 config.world,
+                config.embodiment,
                 progress=lambda done, total: status.update(
                     f"loading the episodes, {done} of {total} …"
                 ),

@@ -51,7 +51,7 @@ def run(options: Options) -> int:
     parts.check_goal(goal)
     console = Console(stderr=True, quiet=options.quiet, highlight=False)
     with warnings_on(console), console.status("loading the building …") as status:
-        world = SimulatedWorld(build_scene(options.scene), config.world)
+        world = SimulatedWorld(build_scene(options.scene), config.world, config.embodiment)
         rng = np.random.default_rng(options.seed)
         start = _start(options, world, goal, rng)
         episode = EpisodeRun(parts.agent, world, goal, start, rng=rng, max_steps=options.max_steps)

@@ -15,9 +15,9 @@ ENVIRONMENT_PREFIX = "HYPERNAV_"
 
 
 class RoomConfig(BaseModel):
-    """Base of every room's configuration: frozen, and an unknown key is an error."""
+    """Base of every room's configuration: frozen; unknown keys, NaN and infinity are errors."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
 ConfigT = TypeVar("ConfigT", bound=BaseModel)

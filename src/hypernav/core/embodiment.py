@@ -1,4 +1,4 @@
-"""What a simulated robot is: its body, its camera, what its actions do."""
+"""What the robot is, said once: its body, its camera, what its actions do."""
 
 from pydantic import Field, model_validator
 
@@ -7,7 +7,7 @@ from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Transform
 
 
-class RobotConfig(RoomConfig):
+class BodyConfig(RoomConfig):
     """The robot's body: a cylinder.
 
     The defaults are those of Habitat's HM3D robot as its navigation mesh really treats it: Recast
@@ -16,16 +16,24 @@ class RobotConfig(RoomConfig):
     storey is all that a robot can reach.
 
     Attributes:
-        radius_m: Of the cylinder.
+        radius_m: Radius of the cylinder.
         height_m: Room that it needs above the floor.
         max_step_m: Highest edge that it drives over.
         max_slope_deg: Steepest surface that it stands on.
     """
 
-    radius_m: float = Field(default=0.18, ge=0.0)
-    height_m: float = Field(default=1.0, gt=0.0)
-    max_step_m: float = Field(default=0.1, ge=0.0)
+    radius_m: float = Field(default=0.18, ge=0.0, le=5.0)
+    height_m: float = Field(default=1.0, ge=0.1, le=10.0)
+    max_step_m: float = Field(default=0.1, ge=0.0, le=1.0)
     max_slope_deg: float = Field(default=45.0, ge=0.0, lt=90.0)
+
+    @model_validator(mode="after")
+    def _step_is_lower_than_the_body(self) -> "BodyConfig":
+        if self.max_step_m >= self.height_m:
+            raise ValueError(
+                f"max_step_m must be below height_m, got {self.max_step_m} and {self.height_m}"
+            )
+        return self
 
 
 class CameraConfig(RoomConfig):
@@ -36,22 +44,22 @@ class CameraConfig(RoomConfig):
     maximum; a mapper that trusts every positive depth would draw that wall.)
 
     Attributes:
-        width: Pixels.
-        height: Pixels.
+        width: Columns of the image, pixels.
+        height: Rows of the image, pixels.
         hfov_deg: Horizontal field of view.
-        height_m: Above the floor.
-        pitch_deg: Downward tilt.
+        height_m: Height of the lens above the floor.
+        pitch_deg: Downward tilt; negative looks up.
         min_depth_m: Nearest return.
         max_depth_m: Farthest return.
     """
 
-    width: int = Field(default=640, ge=1)
-    height: int = Field(default=480, ge=1)
-    hfov_deg: float = Field(default=79.0, gt=0.0, lt=180.0)
-    height_m: float = Field(default=0.88, gt=0.0)
+    width: int = Field(default=640, ge=8, le=8192)
+    height: int = Field(default=480, ge=8, le=8192)
+    hfov_deg: float = Field(default=79.0, ge=1.0, le=170.0)
+    height_m: float = Field(default=0.88, gt=0.0, le=10.0)
     pitch_deg: float = Field(default=0.0, gt=-90.0, lt=90.0)
-    min_depth_m: float = Field(default=0.5, ge=0.0)
-    max_depth_m: float = Field(default=5.0, gt=0.0)
+    min_depth_m: float = Field(default=0.5, ge=0.0, le=100.0)
+    max_depth_m: float = Field(default=5.0, gt=0.0, le=100.0)
 
     @model_validator(mode="after")
     def _range_is_not_empty(self) -> "CameraConfig":
@@ -73,15 +81,42 @@ class CameraConfig(RoomConfig):
         return optical_to_base(self.height_m, self.pitch_deg)
 
 
-class ActionConfig(RoomConfig):
+class MotionConfig(RoomConfig):
     """What the actions do, by default as in the paper.
 
     Attributes:
         forward_m: Length of a step forward.
-        turn_angle_deg: Angle of a turn.
-        sliding: Slide along obstacles instead of stopping at them; off, as in Habitat's challenges.
+        turn_angle_deg: Rotation of one turn action; a whole number of turns makes a circle.
     """
 
-    forward_m: float = Field(default=0.5, gt=0.0)
-    turn_angle_deg: float = Field(default=30.0, gt=0.0, le=180.0)
-    sliding: bool = False
+    forward_m: float = Field(default=0.5, ge=0.01, le=5.0)
+    turn_angle_deg: float = Field(default=30.0, ge=1.0, le=180.0)
+
+    @model_validator(mode="after")
+    def _turns_make_a_circle(self) -> "MotionConfig":
+        turns = 360.0 / self.turn_angle_deg
+        if abs(turns - round(turns)) > 1e-6:
+            raise ValueError(
+                "turn_angle_deg must divide a circle of 360 degrees, such as 30, 15 or 10, got "
+                f"{self.turn_angle_deg}"
+            )
+        return self
+
+    @property
+    def turns_of_a_circle(self) -> int:
+        """How many turns bring the robot around once."""
+        return round(360.0 / self.turn_angle_deg)
+
+
+class Embodiment(RoomConfig):
+    """What the robot is; everyone who needs to know reads it from here.
+
+    Attributes:
+        body: How large it is and what it drives over.
+        camera: What it sees with.
+        motion: What its actions do.
+    """
+
+    body: BodyConfig = BodyConfig()
+    camera: CameraConfig = CameraConfig()
+    motion: MotionConfig = MotionConfig()

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from hypernav.build.agents import build_scene
+from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import EpisodeError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
@@ -73,12 +74,13 @@ class Source:
     """
 
     form: str
-    load: Callable[[str, SimulationConfig, Progress | None], list[Episode]]
+    load: Callable[[str, SimulationConfig, Embodiment, Progress | None], list[Episode]]
 
 
 def load_episodes(
     dataset: str,
     simulation: SimulationConfig | None = None,
+    embodiment: Embodiment | None = None,
     *,
     progress: Progress | None = None,
 ) -> list[Episode]:
@@ -87,17 +89,18 @@ def load_episodes(
     Args:
         dataset: ``houses-val``, ``houses-ovon``, ``houses-train[#FIRST:END]`` or
             ``scene:SCENE[#STARTS]``, where SCENE is what ``hypernav find --scene`` understands.
-        simulation: The robot, for data sets that look for starts.
+        simulation: How the robot is simulated, for data sets that look for starts.
+        embodiment: What the robot is, likewise.
         progress: Is told how far it is.
 
     Raises:
         EpisodeError: There is no such data set, or its name is not understood.
         SceneError: A scene cannot be used.
     """
-    simulation = simulation or SimulationConfig()
+    simulation, embodiment = simulation or SimulationConfig(), embodiment or Embodiment()
     name, _, ids = dataset.partition("#")
     if name.startswith("scene:"):
-        return _scene_episodes(name.removeprefix("scene:"), ids, simulation, progress)
+        return _scene_episodes(name.removeprefix("scene:"), ids, simulation, embodiment, progress)
     if name not in SOURCES:
         close = difflib.get_close_matches(name, SOURCES, n=1)
         hint = f"did you mean '{close[0]}'? " if close else ""
@@ -106,7 +109,7 @@ def load_episodes(
             f"unknown data set '{name}'; {hint}there are {', '.join(forms)} and "
             "scene:SCENE[#STARTS], for example scene:house.glb#5"
         )
-    return SOURCES[name].load(ids, simulation, progress)
+    return SOURCES[name].load(ids, simulation, embodiment, progress)
 
 
 def select(
@@ -152,7 +155,11 @@ def fingerprint(episodes: Sequence[Episode]) -> str:
 
 
 def _house_episodes(
-    split: str, ids: str, simulation: SimulationConfig, progress: Progress | None
+    split: str,
+    ids: str,
+    simulation: SimulationConfig,
+    embodiment: Embodiment,
+    progress: Progress | None,
 ) -> list[Episode]:
     houses = None if not ids else _id_range(split, ids)
     dataset = load_split(split, houses=houses, progress=progress)
@@ -169,12 +176,16 @@ def _house_episodes(
 
 
 def _scene_episodes(
-    scene: str, starts: str, simulation: SimulationConfig, progress: Progress | None
+    scene: str,
+    starts: str,
+    simulation: SimulationConfig,
+    embodiment: Embodiment,
+    progress: Progress | None,
 ) -> list[Episode]:
     """All goals of one scene, each from several drawn starts."""
     if starts and not (starts.isdecimal() and int(starts) > 0):
         raise EpisodeError(f"scene:{scene}#{starts}: expected the number of starts per goal")
-    world = SimulatedWorld(build_scene(scene), simulation)
+    world = SimulatedWorld(build_scene(scene), simulation, embodiment)
     count = int(starts) if starts else STARTS_PER_GOAL
     goals = world.regions.categories()
     if not goals:

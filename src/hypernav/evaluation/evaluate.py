@@ -45,7 +45,7 @@ def evaluate(
     plan = replace(plan, who=own | plan.who)
     chosen = plan.selection
     episodes = select(
-        load_episodes(plan.dataset, plan.config.world),
+        load_episodes(plan.dataset, plan.config.world, plan.config.embodiment),
         part=chosen.episodes,
         scenes=chosen.scenes,
         goals=chosen.goals,

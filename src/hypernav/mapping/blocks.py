@@ -13,7 +13,7 @@ from hypernav.mapping.reachable_area import ReachableArea
 
 
 def divide_into_blocks(
-    grid: OccupancyGrid, robot: Pose2, config: MappingConfig
+    grid: OccupancyGrid, robot: Pose2, config: MappingConfig, clearance_m: float
 ) -> tuple[Block, ...]:
     """Divide the explored map into squares and number those that the robot can enter.
 
@@ -23,9 +23,10 @@ def divide_into_blocks(
     Args:
         grid: The map.
         robot: Where the robot is.
-        config: Size of the squares, least free floor, clearance.
+        config: Size of the squares, least free floor.
+        clearance_m: How far from obstacles the robot's middle keeps.
     """
-    reach = ReachableArea.of(grid, robot, config)
+    reach = ReachableArea.of(grid, robot, config, clearance_m)
     side = config.block_size_m
     row_square, column_square = _squares(reach.grid, side)
     blocks: list[Block] = []

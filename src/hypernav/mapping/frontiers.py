@@ -37,15 +37,18 @@ class Frontier:
         return (float(x), float(y))
 
 
-def find_frontiers(grid: OccupancyGrid, robot: Pose2, config: MappingConfig) -> list[Frontier]:
+def find_frontiers(
+    grid: OccupancyGrid, robot: Pose2, config: MappingConfig, clearance_m: float
+) -> list[Frontier]:
     """All frontiers that the robot can reach, in the order of their lowest, leftmost cells.
 
     Args:
         grid: The map.
         robot: Where the robot is.
-        config: Smallest size and clearance.
+        config: Smallest size.
+        clearance_m: How far from obstacles the robot's middle keeps.
     """
-    reach = ReachableArea.of(grid, robot, config)
+    reach = ReachableArea.of(grid, robot, config, clearance_m)
     _, parts = cv2.connectedComponents(reach.frontier.view(np.uint8), connectivity=8)
     flat = np.flatnonzero(reach.frontier)
     cells = np.stack(np.divmod(flat, reach.frontier.shape[1]), axis=1)

@@ -36,20 +36,23 @@ class ReachableArea:
     look_within: int
 
     @staticmethod
-    def of(grid: OccupancyGrid, robot: Pose2, config: MappingConfig) -> "ReachableArea":
+    def of(
+        grid: OccupancyGrid, robot: Pose2, config: MappingConfig, clearance_m: float
+    ) -> "ReachableArea":
         """Look at a map from the robot's place.
 
         Args:
             grid: The map.
             robot: Where the robot is. If that is no reachable place itself, the one nearest by way
                 counts.
-            config: Clearance, and least length of a frontier.
+            config: Least length of a frontier.
+            clearance_m: How far from obstacles the robot's middle keeps.
         """
         grid = grid.cropped()
         size = grid.resolution_m
         free = grid.cells == Cell.FREE
         occupied = grid.cells == Cell.OCCUPIED
-        closed = inflate(occupied, config.clearance_m, size)
+        closed = inflate(occupied, clearance_m, size)
         is_open = (free & (closed == 0)).view(np.uint8)
         escape = Escape.find(occupied, is_open, grid.cell_of(*robot.xy), size)
         if escape is None:
@@ -59,7 +62,7 @@ class ReachableArea:
             travel_m *= np.float32(size)
         reachable = np.isfinite(travel_m).view(np.uint8)
         # A frontier beside an obstacle is seen from a clearance away, and one cell for diagonals.
-        look_m = config.clearance_m + size
+        look_m = clearance_m + size
         in_view = inflate(reachable, look_m, size) > 0
         beside_unknown = inflate(grid.cells == Cell.UNKNOWN, size, size, outside=True) > 0
         return ReachableArea(

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float, Float32, Float64, UInt8, UInt32
 
+from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import MapError
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.grid import OccupancyGrid
@@ -46,18 +47,24 @@ class TopDownMap:
     ``map`` frame.
     """
 
-    def __init__(self, config: MappingConfig) -> None:
+    def __init__(self, config: MappingConfig, embodiment: Embodiment) -> None:
         """Begin with an empty map.
 
         Args:
             config: How the map is drawn.
+            embodiment: Size of the robot and range of its camera.
+
+        Raises:
+            ConfigError: The map can't keep as many voxels as the robot is high.
         """
         self.config = config
+        self.embodiment = embodiment
+        self._band = config.height_band(embodiment.body)
         self._first_row = 0
         self._first_column = 0
-        self._arrays = _empty_arrays(0, 0, config.layers)
+        self._arrays = _empty_arrays(0, 0, self._band.layers)
         self._allocate(0, 0, 1, 1)
-        self._sizes = (config.cell_size_m, config.voxel_height_m, config.obstacle_min_height_m)
+        self._sizes = (config.cell_size_m, config.voxel_height_m, self._band.bottom_m)
         self._weights = (
             config.min_points,
             config.hit_weight,
@@ -66,11 +73,11 @@ class TopDownMap:
             config.max_evidence,
         )
         self._margins = (config.pass_margin_m, config.pass_margin_ratio)
-        layers = np.arange(config.layers) + 0.5
+        layers = np.arange(self._band.layers) + 0.5
         self._heights = np.concatenate(
             [
-                [config.obstacle_min_height_m / 2.0],
-                config.obstacle_min_height_m + layers * config.voxel_height_m,
+                [self._band.bottom_m / 2.0],
+                self._band.bottom_m + layers * config.voxel_height_m,
             ]
         )
         self._counts = np.zeros(0, dtype=np.uint16)
@@ -108,12 +115,13 @@ class TopDownMap:
                 f"the poses of an observation must be finite, got robot {robot} "
                 f"and camera at {pose.translation}"
             )
-        config = self.config
-        low, high = _reach(observation.camera, pose, config.max_depth_m)
+        config, sensor = self.config, self.embodiment.camera
+        radius_m = self.embodiment.body.radius_m
+        low, high = _reach(observation.camera, pose, sensor.max_depth_m)
         here = np.array(robot.xy)
         self._grow(
-            np.minimum(low, here - config.robot_radius_m),
-            np.maximum(high, here + config.robot_radius_m),
+            np.minimum(low, here - radius_m),
+            np.maximum(high, here + radius_m),
         )
         window = self._window(low, high)
         self._reserve(window, observation.depth.size)
@@ -123,8 +131,8 @@ class TopDownMap:
             self._rays(observation, window),
             (
                 *(float(number) for number in (camera.fx, camera.fy, camera.cx, camera.cy)),
-                config.min_depth_m,
-                config.max_depth_m,
+                sensor.min_depth_m,
+                sensor.max_depth_m,
             ),
             tuple(pose.inverse().matrix[:3].ravel().tolist()),
             self._heights,
@@ -134,7 +142,7 @@ class TopDownMap:
                 robot.y / size - self._first_row,
                 robot.x / size - self._first_column,
                 # Half a cell less: a wall or bump right beside the robot is no part of its place.
-                max(config.robot_radius_m / size - 0.5, 0.5),
+                max(radius_m / size - 0.5, 0.5),
             ),
             self._sizes,
             self._weights,
@@ -185,7 +193,7 @@ class TopDownMap:
         Raises:
             MapError: The maps were drawn with different configurations.
         """
-        if other.config != self.config:
+        if (other.config, other.embodiment) != (self.config, self.embodiment):
             raise MapError("maps can be merged only if they were drawn with the same configuration")
         rows, columns = other._arrays.cells.shape
         if rows == 0 or columns == 0:
@@ -205,7 +213,7 @@ class TopDownMap:
         np.maximum(part.seen, other._arrays.seen, out=part.seen)
         np.maximum(part.bumps, other._arrays.bumps, out=part.bumps)
         occupied = (part.evidence >= self.config.occupied_evidence).any(axis=2) | (part.bumps > 0)
-        weight = np.uint32(1) << np.arange(self.config.layers, dtype=np.uint32)
+        weight = np.uint32(1) << np.arange(self._band.layers, dtype=np.uint32)
         part.raised[:] = ((part.evidence > 0) * weight).sum(axis=2, dtype=np.uint32)
         part.cells[:] = np.where(occupied, OCCUPIED, part.seen * np.uint8(FREE))
 
@@ -243,7 +251,7 @@ class TopDownMap:
         new_columns = -(-(column_end - column) // chunk) * chunk
         if (new_rows, new_columns) == (rows, columns):
             return
-        grown = _empty_arrays(new_rows, new_columns, self.config.layers)
+        grown = _empty_arrays(new_rows, new_columns, self._band.layers)
         i, j = self._first_row - row, self._first_column - column
         for new, old in zip(grown, self._arrays, strict=True):
             new[i : i + rows, j : j + columns] = old
@@ -271,7 +279,7 @@ class TopDownMap:
 
     def _reserve(self, window: _Window, pixels: int) -> None:
         """Have scratch memory for a frame."""
-        voxels = window.rows * window.columns * self.config.layers
+        voxels = window.rows * window.columns * self._band.layers
         if self._counts.size < voxels:
             self._counts = np.zeros(voxels, dtype=np.uint16)
         if self._touched.size < pixels:
@@ -286,7 +294,7 @@ class TopDownMap:
         config = self.config
         camera, pose = observation.camera, observation.camera_to_map
         per_voxel = 1.0 / np.array([config.cell_size_m, config.cell_size_m, config.voxel_height_m])
-        corner = np.array([*self._corner_of(window), config.obstacle_min_height_m])
+        corner = np.array([*self._corner_of(window), self._band.bottom_m])
         x, y = camera.ray_slopes()
         across = x[:, None] * (pose.rotation[:, 0] * per_voxel)
         down = y[:, None] * (pose.rotation[:, 1] * per_voxel) + pose.rotation[:, 2] * per_voxel

@@ -4,6 +4,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from hypernav.core.actions import Action
+from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.inflation import inflate
@@ -18,13 +19,15 @@ _TOUCHES_M = 0.1
 class BumpSensor:
     """Compares how far the robot came with what it was ordered to do."""
 
-    def __init__(self, config: PlanningConfig) -> None:
+    def __init__(self, config: PlanningConfig, embodiment: Embodiment) -> None:
         """Create it.
 
         Args:
-            config: Length of a step and size of the robot.
+            config: Room between the robot and obstacles.
+            embodiment: Length of a step and size of the robot.
         """
-        self._config = config
+        self._forward_m = embodiment.motion.forward_m
+        self._clearance_m = config.clearances_m(embodiment.body)[0]
         self.reset()
 
     def reset(self) -> None:
@@ -51,10 +54,10 @@ class BumpSensor:
         if self._last is None or self._last[1] is not Action.MOVE_FORWARD:
             return np.zeros((0, 2))
         moved = self._last[0].distance_to(*robot.xy)
-        if moved >= _MOVED_SHARE * self._config.forward_m:
+        if moved >= _MOVED_SHARE * self._forward_m:
             return np.zeros((0, 2))
         angles = robot.yaw + np.radians(np.arange(-60.0, 61.0, 10.0))
-        front = np.array(robot.xy) + self._config.inflation_m * np.stack(
+        front = np.array(robot.xy) + self._clearance_m * np.stack(
             [np.cos(angles), np.sin(angles)], axis=1
         )
         beside_known = inflate(grid.occupied, _TOUCHES_M, grid.resolution_m) > 0

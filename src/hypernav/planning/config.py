@@ -5,15 +5,16 @@ from typing import Literal
 from pydantic import Field
 
 from hypernav.core.config import RoomConfig
+from hypernav.core.embodiment import BodyConfig
 
 
 class PlanningConfig(RoomConfig):
     """How ways are planned and followed.
 
     Attributes:
-        inflation_m: Obstacles are dilated by this: the robot's radius and a margin.
-        squeeze_m: Where no way leads, one is searched with obstacles dilated by so much less; 0
-            (paper) does without.
+        margin_m: Room between the robot and obstacles: these are dilated by its radius and this.
+        squeeze_m: Where no way leads, or nothing is left to explore, obstacles are dilated by so
+            much less; 0 (paper) does without.
         comfort_m: Within this distance beyond the inflation a way costs more, so that it keeps to
             the middle of doors where there is room.
         comfort_cost: By how much; 0 switches it off (paper).
@@ -30,11 +31,9 @@ class PlanningConfig(RoomConfig):
             an inflated obstacle, and do its first.
         heading_tolerance_deg: For "waypoint" (paper: 15).
         waypoint_tolerance_m: A waypoint counts as passed within this distance.
-        forward_m: Length of a step.
-        turn_angle_deg: Of a turn.
     """
 
-    inflation_m: float = Field(default=0.22, ge=0.0)
+    margin_m: float = Field(default=0.04, ge=0.0)
     squeeze_m: float = Field(default=0.04, ge=0.0)
     comfort_m: float = Field(default=0.20, ge=0.0)
     comfort_cost: float = Field(default=1.0, ge=0.0)
@@ -46,12 +45,10 @@ class PlanningConfig(RoomConfig):
     steering: Literal["waypoint", "lattice"] = "lattice"
     heading_tolerance_deg: float = Field(default=15.0, gt=0.0)
     waypoint_tolerance_m: float = Field(default=0.25, gt=0.0)
-    forward_m: float = Field(default=0.5, gt=0.0)
-    turn_angle_deg: float = Field(default=30.0, gt=0.0, le=180.0)
 
-    @property
-    def inflations_m(self) -> tuple[float, ...]:
-        """By how much obstacles are dilated, in the order to try."""
+    def clearances_m(self, body: BodyConfig) -> tuple[float, ...]:
+        """How far from obstacles the robot's middle keeps, in the order to try, metres."""
+        clearance_m = body.radius_m + self.margin_m
         if self.squeeze_m <= 0.0:
-            return (self.inflation_m,)
-        return (self.inflation_m, max(self.inflation_m - self.squeeze_m, 0.0))
+            return (clearance_m,)
+        return (clearance_m, max(clearance_m - self.squeeze_m, 0.0))

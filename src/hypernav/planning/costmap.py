@@ -36,7 +36,12 @@ class Costmap:
 
     @staticmethod
     def of(
-        grid: OccupancyGrid, config: PlanningConfig, robot: tuple[float, float], inflation_m: float
+        grid: OccupancyGrid,
+        config: PlanningConfig,
+        robot: tuple[float, float],
+        clearance_m: float,
+        *,
+        is_squeezed: bool = False,
     ) -> "Costmap":
         """Inflate the obstacles of a map and price the rest.
 
@@ -44,12 +49,13 @@ class Costmap:
             grid: The map.
             config: Prices.
             robot: ``(x, y)``, metres. If that is inside an inflated obstacle, a way out is priced.
-            inflation_m: How far from obstacles the robot keeps.
+            clearance_m: How far from obstacles the robot's middle keeps.
+            is_squeezed: Whether that is less than it should be.
         """
         grid = grid.cropped(_MARGIN_M)
         size = grid.resolution_m
         occupied = grid.cells == Cell.OCCUPIED
-        closed = inflate(occupied, inflation_m, size)
+        closed = inflate(occupied, clearance_m, size)
         # One price for every state of a cell, away from obstacles and near them.
         prices = np.array([config.unknown_cost, 1.0, 1.0], dtype=np.float32)
         prices = np.concatenate([prices, prices * np.float32(1.0 + config.comfort_cost)])
@@ -62,7 +68,7 @@ class Costmap:
         escape = Escape.find(occupied, is_open, grid.cell_of(*robot), size)
         if escape is not None:
             costs[escape.cells & (is_open == 0)] = _WAY_OUT_COST
-        return Costmap(grid, costs, is_open, escape, inflation_m < config.inflation_m)
+        return Costmap(grid, costs, is_open, escape, is_squeezed)
 
     @property
     def is_tight(self) -> bool:

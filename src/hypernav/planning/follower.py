@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float32
 
 from hypernav.core.actions import Action
+from hypernav.core.embodiment import MotionConfig
 from hypernav.core.geometry.bounds import has_cell
 from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.planning.astar import costs_to_go
@@ -37,13 +38,15 @@ _ACTIONS = (Action.MOVE_FORWARD, Action.TURN_LEFT, Action.TURN_RIGHT)
 class PathFollower:
     """Follows one path at a time; knows how far along it the robot is."""
 
-    def __init__(self, config: PlanningConfig) -> None:
+    def __init__(self, config: PlanningConfig, motion: MotionConfig) -> None:
         """Begin without a path.
 
         Args:
-            config: Steering, tolerances, step and turn.
+            config: Steering and tolerances.
+            motion: Step and turn.
         """
         self._config = config
+        self._motion = motion
         self._path: PlannedPath | None = None
         self.follow(None)
 
@@ -100,7 +103,7 @@ class PathFollower:
 
     def _is_at_end(self, path: PlannedPath, robot: Pose2) -> bool:
         # A step may end up to half its length away from where it should.
-        return robot.distance_to(*path.end) <= max(self._tolerance, self._config.forward_m)
+        return robot.distance_to(*path.end) <= max(self._tolerance, self._motion.forward_m)
 
     @property
     def _tolerance(self) -> float:
@@ -125,7 +128,7 @@ class PathFollower:
         if self._next >= len(path.waypoints) - 1:
             off = robot.distance_to(*path.end)
             before = path.waypoints[-2] if len(path.waypoints) > 1 else robot.xy
-            overshot = off <= self._config.forward_m and _along(before, path.end, robot)[0] > (
+            overshot = off <= self._motion.forward_m and _along(before, path.end, robot)[0] > (
                 math.dist(before, path.end)
             )
             if off <= self._tolerance or overshot:
@@ -173,13 +176,13 @@ class PathFollower:
     def _after(self, robot: Pose2, action: Action) -> Pose2:
         """Where an action leads, if nothing is in the way."""
         if action is Action.MOVE_FORWARD:
-            step = self._config.forward_m
+            step = self._motion.forward_m
             return Pose2(
                 robot.x + step * math.cos(robot.yaw),
                 robot.y + step * math.sin(robot.yaw),
                 robot.yaw,
             )
-        turn = math.radians(self._config.turn_angle_deg)
+        turn = math.radians(self._motion.turn_angle_deg)
         return Pose2(robot.x, robot.y, robot.yaw + (turn if action is Action.TURN_LEFT else -turn))
 
     def _search_actions(
@@ -197,8 +200,8 @@ class PathFollower:
         to_go = costs_to_go(costs, aim, here, _SIDEWAYS_M / size)
         if np.isinf(to_go[here]):
             return None
-        turns = round(360.0 / self._config.turn_angle_deg)
-        headings = robot.yaw + np.arange(turns) * math.radians(self._config.turn_angle_deg)
+        turns = self._motion.turns_of_a_circle
+        headings = robot.yaw + np.arange(turns) * math.radians(self._motion.turn_angle_deg)
         actions, rest = plan_actions(
             costs,
             to_go,
@@ -206,7 +209,7 @@ class PathFollower:
             column - left,
             np.sin(headings),
             np.cos(headings),
-            self._config.forward_m / size,
+            self._motion.forward_m / size,
             _TURN_COST_M / size,
             self._tolerance / size,
             _HORIZON_M / size,

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from hypernav.core.actions import Action
+from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.planning.config import PlanningConfig
@@ -18,17 +19,23 @@ from hypernav.planning.planner import PlannedPath, Planner, is_blocked
 class Navigator:
     """Plans, keeps the plan while it holds, and follows it."""
 
-    def __init__(self, config: PlanningConfig) -> None:
-        """Create it."""
+    def __init__(self, config: PlanningConfig, embodiment: Embodiment) -> None:
+        """Create it.
+
+        Args:
+            config: How it drives.
+            embodiment: Size of the robot, step and turn.
+        """
         self._config = config
-        self._planner = Planner(config)
-        self._follower = PathFollower(config)
+        self._clearances_m = config.clearances_m(embodiment.body)
+        self._planner = Planner(config, embodiment.body)
+        self._follower = PathFollower(config, embodiment.motion)
         self.reset()
 
     def reset(self) -> None:
         """Forget the path."""
         self._follower.follow(None)
-        self._age, self._inflation_m = 0, self._config.inflation_m
+        self._age, self._clearance_m = 0, self._clearances_m[0]
         self._targets: Float64[np.ndarray, "n 2"] = np.zeros((0, 2))
 
     @property
@@ -57,7 +64,7 @@ class Navigator:
         """
         self._age += 1
         if self._path_is_fresh(targets):
-            costmap = Costmap.of(grid, self._config, robot.xy, self._inflation_m)
+            costmap = self._costmap(grid, robot)
             if not is_blocked(self._follower.remaining(robot), costmap):
                 action = self._follower.next_action(robot, costmap)
                 if action is not None or self.arrived:
@@ -85,11 +92,15 @@ class Navigator:
     ) -> Action | None:
         """Plan anew, closer to obstacles where there is no way otherwise, and begin."""
         self._targets, self._age = targets, 0
-        for inflation_m in self._config.inflations_m:
-            self._inflation_m = inflation_m
-            costmap = Costmap.of(grid, self._config, robot.xy, inflation_m)
+        for clearance_m in self._clearances_m:
+            self._clearance_m = clearance_m
+            costmap = self._costmap(grid, robot)
             self._follower.follow(self._planner.plan_on(costmap, robot.xy, targets))
             action = self._follower.next_action(robot, costmap)
             if action is not None or self.arrived:
                 return action
         return None
+
+    def _costmap(self, grid: OccupancyGrid, robot: Pose2) -> Costmap:
+        is_squeezed = self._clearance_m < self._clearances_m[0]
+        return Costmap.of(grid, self._config, robot.xy, self._clearance_m, is_squeezed=is_squeezed)

@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 from jaxtyping import Float64, UInt8
 
+from hypernav.core.embodiment import BodyConfig
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.planning.astar import astar
 from hypernav.planning.config import PlanningConfig
@@ -42,9 +43,15 @@ class PlannedPath:
 class Planner:
     """A* on inflated obstacles."""
 
-    def __init__(self, config: PlanningConfig) -> None:
-        """Create the planner."""
+    def __init__(self, config: PlanningConfig, body: BodyConfig) -> None:
+        """Create the planner.
+
+        Args:
+            config: Prices and margins.
+            body: Size of the robot.
+        """
         self._config = config
+        self._clearances_m = config.clearances_m(body)
 
     def plan(
         self,
@@ -66,8 +73,8 @@ class Planner:
         Returns:
             The way; None if there is none.
         """
-        for inflation_m in self._config.inflations_m:
-            costmap = Costmap.of(grid, self._config, start, inflation_m)
+        for clearance_m in self._clearances_m:
+            costmap = Costmap.of(grid, self._config, start, clearance_m)
             path = self.plan_on(costmap, start, targets)
             if path is not None:
                 return path

@@ -17,6 +17,7 @@ from pydantic import Field
 
 from hypernav.core.actions import Action
 from hypernav.core.config import RoomConfig
+from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import GoalError, WorldError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
@@ -40,13 +41,15 @@ class ObjectNavConfig(RoomConfig):
     """The task.
 
     Attributes:
-        simulation: Robot, camera, actions and noise.
+        embodiment: What the robot is.
+        simulation: How it is simulated.
         max_steps: Actions until an episode is cut short.
         success_distance_m: How near to a view point (geodesic) a STOP counts.
         nearest_start_m: Least geodesic distance of a random start to the goal.
         farthest_start_m: Greatest geodesic distance of a random start to the goal.
     """
 
+    embodiment: Embodiment = Embodiment()
     simulation: SimulationConfig = SimulationConfig()
     max_steps: int = Field(default=500, ge=1)
     success_distance_m: float = Field(default=SUCCESS_DISTANCE_M, gt=0.0)
@@ -101,10 +104,10 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
             self.world = scene
         else:
             scene = scene if isinstance(scene, Scene) else load_scene(Path(scene))
-            self.world = SimulatedWorld(scene, self.config.simulation)
+            self.world = SimulatedWorld(scene, self.config.simulation, self.config.embodiment)
         self.render_mode = render_mode
         self._fixed_goal = None if goal is None else _checked_goal(goal)
-        camera = self.world.config.camera
+        camera = self.world.embodiment.camera
         size = (camera.height, camera.width)
         turn = np.array([_FARTHEST_M, _FARTHEST_M, math.pi])
         self.observation_space = spaces.Dict(

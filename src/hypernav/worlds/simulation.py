@@ -8,7 +8,7 @@ from pydantic import Field
 
 from hypernav.core.actions import Action
 from hypernav.core.config import RoomConfig
-from hypernav.core.embodiment import ActionConfig, CameraConfig, RobotConfig
+from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import StartError, WorldError
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.transforms import Pose2, Transform, wrap_angle
@@ -30,21 +30,17 @@ from hypernav.worlds.surface.walkable import WalkableGrid
 
 
 class SimulationConfig(RoomConfig):
-    """The robot, its senses and its surroundings.
+    """How a robot is simulated.
 
     Attributes:
-        robot: Its body.
-        camera: What it sees with.
-        actions: What its actions do.
+        sliding: Slide along obstacles instead of stopping at them; off, as in Habitat's challenges.
         noise: What is imperfect; nothing by default.
         labels: Whether observations carry ground-truth labels.
         cell_m: Side of the walkable surface's cells.
         floor_z: Height of the storey's floor; None takes the largest storey.
     """
 
-    robot: RobotConfig = RobotConfig()
-    camera: CameraConfig = CameraConfig()
-    actions: ActionConfig = ActionConfig()
+    sliding: bool = False
     noise: NoiseConfig = NoiseConfig()
     labels: bool = True
     cell_m: float = Field(default=CELL_M, gt=0.0)
@@ -60,7 +56,8 @@ class SimulatedWorld:
 
     Attributes:
         scene: Where the robot is.
-        config: What the robot is.
+        config: How the robot is simulated.
+        embodiment: What the robot is.
         walkable: Where it can stand.
         regions: Where goals count as reached.
     """
@@ -69,6 +66,7 @@ class SimulatedWorld:
         self,
         scene: Scene,
         config: SimulationConfig | None = None,
+        embodiment: Embodiment | None = None,
         *,
         renderer: Renderer | None = None,
         walkable: WalkableGrid | None = None,
@@ -77,7 +75,8 @@ class SimulatedWorld:
 
         Args:
             scene: Where the robot is.
-            config: What the robot is.
+            config: How the robot is simulated.
+            embodiment: What the robot is; by default Habitat's HM3D robot.
             renderer: Draws the scene; by default `CpuRenderer` does.
             walkable: Where the robot can stand; by default computed from the scene.
 
@@ -87,15 +86,16 @@ class SimulatedWorld:
         """
         self.scene = scene
         self.config = config or SimulationConfig()
+        self.embodiment = embodiment or Embodiment()
         self.walkable = walkable or WalkableGrid.from_scene(
-            scene, self.config.robot, cell_m=self.config.cell_m, floor_z=self.config.floor_z
+            scene, self.embodiment.body, cell_m=self.config.cell_m, floor_z=self.config.floor_z
         )
         self._renderer = renderer or CpuRenderer(scene)
         rays = self._renderer.rays if isinstance(self._renderer, CpuRenderer) else RayCaster(scene)
         self.regions = GoalRegions(
-            scene, self.walkable, rays, eye_height_m=self.config.camera.height_m
+            scene, self.walkable, rays, eye_height_m=self.embodiment.camera.height_m
         )
-        self._camera = self.config.camera.intrinsics
+        self._camera = self.embodiment.camera.intrinsics
         self._labels = {i.id: i.label for i in scene.instances if i.label is not None}
         self._rng: np.random.Generator | None = None
         self._start: Pose2 | None = None
@@ -212,16 +212,14 @@ class SimulatedWorld:
         noise, rng = self.config.noise, self._generator()
         before, place = self._pose, self.position
         if action == Action.MOVE_FORWARD:
-            length = noisy_forward(self.config.actions.forward_m, noise, rng)
+            length = noisy_forward(self.embodiment.motion.forward_m, noise, rng)
             dx, dy = length * math.cos(before.yaw), length * math.sin(before.yaw)
-            x, y = self.walkable.step(
-                before.x, before.y, dx, dy, sliding=self.config.actions.sliding
-            )
+            x, y = self.walkable.step(before.x, before.y, dx, dy, sliding=self.config.sliding)
             self._collided = math.hypot(x - before.x - dx, y - before.y - dy) > 1e-6
             self._pose = Pose2(x, y, before.yaw)
             self._path_length_m += math.dist(place, self.position)
         else:
-            angle = math.radians(self.config.actions.turn_angle_deg)
+            angle = math.radians(self.embodiment.motion.turn_angle_deg)
             turn = noisy_turn(angle if action == Action.TURN_LEFT else -angle, noise, rng)
             self._pose = Pose2(before.x, before.y, wrap_angle(before.yaw + turn))
         self._reported = _moved(
@@ -229,7 +227,7 @@ class SimulatedWorld:
         )
 
     def _look(self) -> Observation:
-        camera_to_base = self.config.camera.camera_to_base
+        camera_to_base = self.embodiment.camera.camera_to_base
         view = self._renderer.render(
             self._camera, self._pose.to_transform(self._height) @ camera_to_base
         )
@@ -246,7 +244,7 @@ class SimulatedWorld:
 
     def _sensed(self, view: RenderedView) -> Float32[np.ndarray, "height width"]:
         """Depth as the sensor gives it: noisy, and 0 outside its range."""
-        camera, noise = self.config.camera, self.config.noise
+        camera, noise = self.embodiment.camera, self.config.noise
         depth = view.depth
         if noise.depth_sigma_m > 0.0 or noise.depth_edge_px > 0:
             depth = noisy_depth(depth, noise, self._generator())

@@ -11,6 +11,7 @@ from hypernav.agents.phases.explore import Explore, unexplored_boundary
 from hypernav.agents.phases.step import Decision, PhaseName, Step, turn_towards
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
+from hypernav.core.embodiment import Embodiment, MotionConfig
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
@@ -75,12 +76,18 @@ def explore(explorer, robot, steps, **options):
         GroundTruthDetector(), DepthCutSegmenter(), LocalConfig(), cell_size_m=0.05
     )
     phase = Explore(
-        Goal("bed"), local, explorer, Navigator(PlanningConfig()), SearchConfig(**options)
+        Goal("bed"),
+        local,
+        explorer,
+        Navigator(PlanningConfig(), Embodiment()),
+        SearchConfig(**options),
     )
     phase.destination = explorer.next_destination(None, None, [])
     done = []
     for _ in range(steps):
-        outcome = phase.act(Step(frame_of(robot), corridor(), [], ModuleClock(), []))
+        outcome = phase.act(
+            Step(frame_of(robot), corridor(), [], MotionConfig(), ModuleClock(), [])
+        )
         if outcome is PhaseName.END:
             break
         assert isinstance(outcome, Decision)
@@ -119,6 +126,6 @@ def test_the_boundary_is_free_floor_beside_the_unknown():
 
 def test_a_turn_towards_what_is_ahead_is_none():
     robot = Pose2(0.0, 0.0, 0.0)
-    assert turn_towards(robot, (1.0, 0.1), 30.0) is None
-    assert turn_towards(robot, (0.0, 1.0), 30.0) is Action.TURN_LEFT
-    assert turn_towards(robot, (0.0, -1.0), 30.0) is Action.TURN_RIGHT
+    assert turn_towards(robot, (1.0, 0.1), MotionConfig()) is None
+    assert turn_towards(robot, (0.0, 1.0), MotionConfig()) is Action.TURN_LEFT
+    assert turn_towards(robot, (0.0, -1.0), MotionConfig()) is Action.TURN_RIGHT

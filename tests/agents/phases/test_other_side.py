@@ -32,7 +32,7 @@ def area_of_the_thing():
 
 def test_it_lies_on_another_side_near_enough_and_in_sight():
     position = position_on_other_side(
-        hall_with_a_thing(), ROBOT, area_of_the_thing(), FROM_THE_LEFT, CONFIG
+        hall_with_a_thing(), ROBOT, area_of_the_thing(), FROM_THE_LEFT, CONFIG, 0.22
     )
     away = np.array(position) - THING
     assert 1.5 <= np.hypot(*away) <= 3.0
@@ -43,18 +43,18 @@ def test_it_lies_on_another_side_near_enough_and_in_sight():
 
 def test_a_side_that_a_wall_hides_does_not_count():
     grid = hall_with_a_thing()
-    free = position_on_other_side(grid, ROBOT, area_of_the_thing(), FROM_THE_LEFT, CONFIG)
+    free = position_on_other_side(grid, ROBOT, area_of_the_thing(), FROM_THE_LEFT, CONFIG, 0.22)
     below = free[1] < THING[1]
     rows = slice(46, 48) if below else slice(72, 74)
     grid.cells[rows, 30:130] = Cell.OCCUPIED
-    other = position_on_other_side(grid, ROBOT, area_of_the_thing(), FROM_THE_LEFT, CONFIG)
+    other = position_on_other_side(grid, ROBOT, area_of_the_thing(), FROM_THE_LEFT, CONFIG, 0.22)
     assert (other[1] < THING[1]) != below or abs(other[1] - THING[1]) < 0.8
 
 
 def test_in_a_niche_there_is_no_other_side():
     grid = hall_with_a_thing()
     grid.cells[:50], grid.cells[70:], grid.cells[:, 86:] = (Cell.OCCUPIED,) * 3
-    position = position_on_other_side(grid, ROBOT, area_of_the_thing(), FROM_THE_LEFT, CONFIG)
+    position = position_on_other_side(grid, ROBOT, area_of_the_thing(), FROM_THE_LEFT, CONFIG, 0.22)
     assert position is None
 
 
@@ -74,6 +74,6 @@ def test_the_origin_of_the_map_does_not_matter(shift):
     )
     robot = Pose2(ROBOT.x + shift, ROBOT.y, 0.0)
     seen_from = (FROM_THE_LEFT[0] + shift, FROM_THE_LEFT[1])
-    x, y = position_on_other_side(moved, robot, area, seen_from, CONFIG)
-    expected = position_on_other_side(grid, ROBOT, area_of_the_thing(), FROM_THE_LEFT, CONFIG)
+    x, y = position_on_other_side(moved, robot, area, seen_from, CONFIG, 0.22)
+    expected = position_on_other_side(grid, ROBOT, area_of_the_thing(), FROM_THE_LEFT, CONFIG, 0.22)
     assert (x - shift, y) == pytest.approx(expected, abs=0.25)

@@ -63,7 +63,7 @@ def run(folder, episodes, pool):
 def test_two_nodes_with_a_killed_worker_equal_the_local_run(tmp_path, cluster):
     config = small_config()
     room = write_room(tmp_path / "room.glb")
-    episodes = load_episodes(f"scene:{room}#4", config.world)
+    episodes = load_episodes(f"scene:{room}#4", config.world, config.embodiment)
 
     def job(name):
         return Job(tmp_path / name, config, max_steps=25)

@@ -14,6 +14,7 @@ from hypernav.perception.explorers.explorer import last_free_towards
 from hypernav.perception.explorers.nearest_frontier import NearestFrontierExplorer
 
 HERE = Pose2(0.0, 0.0, 0.0)
+CLEARANCES_M = (0.22, 0.18)
 
 
 def hall(length_m=8.0, width_m=2.0):
@@ -38,7 +39,7 @@ class Insists:
 
 
 def blocks_explorer(reasoner):
-    return BlockExplorer(reasoner, OverviewConfig(), MappingConfig())
+    return BlockExplorer(reasoner, OverviewConfig(), MappingConfig(), CLEARANCES_M)
 
 
 def test_the_last_free_place_lies_before_the_unknown():
@@ -90,7 +91,7 @@ def test_a_new_search_forgets_visits():
 
 def test_the_nearest_frontier_is_chosen_and_written_down():
     log = ExchangeLog()
-    explorer = NearestFrontierExplorer(log, MappingConfig())
+    explorer = NearestFrontierExplorer(log, MappingConfig(), CLEARANCES_M)
     near_left = Pose2(-2.5, 0.0, 0.0)
     destination = explorer.next_destination(hall(), near_left, [near_left.xy])
     assert destination.x < -3.5
@@ -106,5 +107,5 @@ def test_an_explored_map_leaves_nothing_to_choose():
     closed[19:-19, 19] = closed[19:-19, -20] = Cell.OCCUPIED
     closed[19:-19, 20:-20][closed[19:-19, 20:-20] == Cell.UNKNOWN] = Cell.OCCUPIED
     grid = OccupancyGrid(closed, grid.resolution_m, grid.origin)
-    explorer = NearestFrontierExplorer(ExchangeLog(), MappingConfig())
+    explorer = NearestFrontierExplorer(ExchangeLog(), MappingConfig(), CLEARANCES_M)
     assert explorer.next_destination(grid, HERE, [HERE.xy]) is None

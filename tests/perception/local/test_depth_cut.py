@@ -2,13 +2,14 @@ import numpy as np
 import pytest
 
 from box_scenes import room_boxes, scene_of
+from hypernav.core.embodiment import CameraConfig, Embodiment
 from hypernav.core.geometry.boxes import Box
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.perception.local.depth_cut import DepthCutSegmenter
 from hypernav.perception.local.goal_area import points_under_mask
 from hypernav.perception.local.ground_truth import GroundTruthDetector
-from hypernav.worlds.simulation import SimulatedWorld, SimulationConfig
+from hypernav.worlds.simulation import SimulatedWorld
 from images import THING, thing_before_wall
 
 
@@ -64,8 +65,8 @@ def test_extreme_boxes_do_not_break_it(box):
 
 def seen_in_a_room(name, low, high):
     """What a robot sees that stands in a room, 2 m before a thing."""
-    config = SimulationConfig.model_validate({"camera": {"width": 160, "height": 120}})
-    world = SimulatedWorld(scene_of(*room_boxes(6.0, 4.0), (name, low, high)), config)
+    config = Embodiment(camera=CameraConfig(width=160, height=120))
+    world = SimulatedWorld(scene_of(*room_boxes(6.0, 4.0), (name, low, high)), embodiment=config)
     observation = world.reset(Pose2(1.5, 1.2, 0.0))
     (detection,) = GroundTruthDetector().detect(observation, Goal(name))
     return observation, detection

@@ -3,6 +3,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 
+from hypernav.core.embodiment import CameraConfig
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
@@ -36,7 +37,11 @@ class WholeBox:
 
 def perception(detector=None, **config):
     local = LocalPerception(
-        detector or GroundTruthDetector(), WholeBox(), LocalConfig(**config), cell_size_m=0.05
+        detector or GroundTruthDetector(),
+        WholeBox(),
+        LocalConfig(**config),
+        CameraConfig(),
+        cell_size_m=0.05,
     )
     local.reset(BED)
     return local

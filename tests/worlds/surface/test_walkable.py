@@ -7,12 +7,12 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from box_scenes import room_boxes, scene_of
-from hypernav.core.embodiment import RobotConfig
+from hypernav.core.embodiment import BodyConfig
 from hypernav.core.errors import SceneError, StartError
 from hypernav.core.protocols import Walkable
 from hypernav.worlds.surface.walkable import WalkableGrid
 
-RADIUS = RobotConfig().radius_m
+RADIUS = BodyConfig().radius_m
 CELL = 0.05
 
 
@@ -73,7 +73,7 @@ def test_what_hangs_high_enough_does_not_block_and_what_hangs_lower_does():
     walkable = WalkableGrid.from_scene(scene_of(*room_boxes(), lamp, shelf))
     assert walkable.is_standable(1.25, 1.25)
     assert not walkable.is_standable(4.25, 1.25)
-    low = WalkableGrid.from_scene(scene_of(*room_boxes(), lamp), RobotConfig(height_m=1.2))
+    low = WalkableGrid.from_scene(scene_of(*room_boxes(), lamp), BodyConfig(height_m=1.2))
     assert not low.is_standable(1.25, 1.25)
 
 
@@ -88,7 +88,7 @@ def test_a_rug_is_walked_on_and_a_high_step_is_not():
     assert walkable.distance((0.5, 1.5), (1.5, 1.5)) == pytest.approx(1.0, abs=1e-3)
     assert not walkable.is_standable(4.5, 1.5)
     assert math.isnan(walkable.height_at(4.5, 1.5))
-    climber = WalkableGrid.from_scene(scene, RobotConfig(max_step_m=0.2))
+    climber = WalkableGrid.from_scene(scene, BodyConfig(max_step_m=0.2))
     assert climber.height_at(4.5, 1.5) == pytest.approx(0.15, abs=1e-5)
     assert climber.distance((3.5, 1.5), (4.5, 1.5)) == pytest.approx(1.0, abs=1e-3)
 
@@ -133,7 +133,7 @@ def test_a_roof_is_not_taken_for_the_floor():
 def test_a_scene_without_room_for_the_robot_says_so():
     crawl = scene_of(*room_boxes(), ("slab", (-0.1, -0.1, 0.5), (6.1, 4.1, 2.5)))
     with pytest.raises(SceneError, match="fits nowhere"):
-        WalkableGrid.from_scene(crawl, RobotConfig(radius_m=3.5))
+        WalkableGrid.from_scene(crawl, BodyConfig(radius_m=3.5))
     with pytest.raises(SceneError, match="are its units metres"):
         WalkableGrid.from_scene(scene_of(("floor", (0, 0, 0), (9000, 9000, 1))))
 

@@ -68,7 +68,7 @@ class Explore:
     def act(self, step: Step) -> Decision | PhaseName:
         """The next action towards a destination, or the end where nothing is left to explore."""
         config, grid, robot = self._config, step.grid, step.robot
-        turn = self._look_across(grid, robot)
+        turn = self._look_across(step)
         if turn is not None:
             self._age += 1
             return self._decision(turn, "looking at what is unexplored here", robot)
@@ -140,12 +140,12 @@ class Explore:
         reason = f"the {self._goal.thing} is in sight, too far away to be measured"
         self.destination = Destination(*point, reason=reason, is_sighting=True)
 
-    def _look_across(self, grid: OccupancyGrid, robot: Pose2) -> Action | None:
+    def _look_across(self, step: Step) -> Action | None:
         """At the destination, the turn towards what is still unexplored around it.
 
         Who comes to a door sideways has not yet looked through it.
         """
-        destination, config = self.destination, self._config
+        destination, config, grid, robot = self.destination, self._config, step.grid, step.robot
         if (
             not config.look_across_boundary
             or destination is None
@@ -159,7 +159,7 @@ class Explore:
             return None
         away = points - np.array(robot.xy)
         ahead = np.array(robot.xy) + (away / np.linalg.norm(away, axis=1, keepdims=True)).mean(0)
-        return turn_towards(robot, (float(ahead[0]), float(ahead[1])), config.turn_angle_deg)
+        return turn_towards(robot, (float(ahead[0]), float(ahead[1])), step.motion)
 
     def _drop_finished(self, step: Step) -> None:
         """The conditions for a new destination: reached, endurance exceeded, nothing left there."""

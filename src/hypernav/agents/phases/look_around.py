@@ -2,19 +2,20 @@
 
 from hypernav.agents.phases.step import Decision, PhaseName, Step
 from hypernav.core.actions import Action
+from hypernav.core.embodiment import MotionConfig
 from hypernav.core.trace import Mode
 
 
 class LookAround:
     """Turns until a full circle is done, then hands over to exploration."""
 
-    def __init__(self, turn_angle_deg: float) -> None:
+    def __init__(self, motion: MotionConfig) -> None:
         """Begin with nothing to turn.
 
         Args:
-            turn_angle_deg: Rotation of one turn action, degrees.
+            motion: Rotation of a turn.
         """
-        self._turns_of_a_circle = round(360.0 / turn_angle_deg)
+        self._turns_of_a_circle = motion.turns_of_a_circle
         self._turns_left = 0
 
     def begin(self) -> None:

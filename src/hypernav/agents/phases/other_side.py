@@ -25,6 +25,7 @@ def position_on_other_side(
     area: GoalArea,
     seen_from: tuple[float, float],
     mapping: MappingConfig,
+    clearance_m: float,
 ) -> tuple[float, float] | None:
     """The nearest position that shows a goal area from another side.
 
@@ -33,12 +34,13 @@ def position_on_other_side(
         robot: Where the robot is.
         area: Where the goal seems to be.
         seen_from: ``(x, y)``, metres: the position of the first look.
-        mapping: Clearance.
+        mapping: How the map is drawn.
+        clearance_m: How far from obstacles the robot's middle keeps, metres.
 
     Returns:
         ``(x, y)``, metres; None if no such position can be reached.
     """
-    reach = ReachableArea.of(grid, robot, mapping)
+    reach = ReachableArea.of(grid, robot, mapping, clearance_m)
     cells = np.argwhere(reach.reachable)
     cells = cells[(cells % _APART_CELLS == 0).all(axis=1)]
     positions = reach.grid.centres_of(cells)

@@ -24,6 +24,7 @@ class SecondLook:
         navigator: Navigator,
         approach: Approach,
         mapping: MappingConfig,
+        clearance_m: float,
         config: SearchConfig,
     ) -> None:
         """Begin with no second look under way.
@@ -33,7 +34,8 @@ class SecondLook:
             local: Knows the target, and what the latest image says of it.
             navigator: Drives to the other side.
             approach: Begun anew when the look is done.
-            mapping: Clearance from obstacles.
+            mapping: How the map is drawn.
+            clearance_m: How far from obstacles the robot's middle keeps, metres.
             config: How long it may take.
         """
         self._goal = goal
@@ -41,6 +43,7 @@ class SecondLook:
         self._navigator = navigator
         self._approach = approach
         self._mapping = mapping
+        self._clearance_m = clearance_m
         self._config = config
         self._position: tuple[float, float] | None = None
         self._steps = 0
@@ -59,7 +62,7 @@ class SecondLook:
         with step.clock("verify"):
             seen_from = target.best_view.robot.xy
             self._position = position_on_other_side(
-                step.grid, step.robot, target.area, seen_from, self._mapping
+                step.grid, step.robot, target.area, seen_from, self._mapping, self._clearance_m
             )
         self._steps = 0
         if self._position is not None:
@@ -87,7 +90,7 @@ class SecondLook:
             if action is not None:
                 reason = f"is it really the {thing}? going to look from another side"
                 return Decision(action, Mode.VERIFY, reason, self._navigator.remaining(robot))
-        turn = turn_towards(robot, target.area.centre, self._config.turn_angle_deg)
+        turn = turn_towards(robot, target.area.centre, step.motion)
         if turn is not None:
             reason = f"turning to face the {thing} from another side"
             return Decision(turn, Mode.VERIFY, reason, self._navigator.remaining(robot))

@@ -8,6 +8,7 @@ from typing import Protocol
 
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
+from hypernav.core.embodiment import MotionConfig
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.observation import Observation
@@ -22,6 +23,7 @@ class Step:
         observation: The frame of this step.
         grid: The map, with this frame in it.
         trajectory: Positions of the robot so far, this one included; ``map`` frame, metres.
+        motion: What the actions do.
         clock: Time per module.
         events: Things worth finding again, for the trace.
     """
@@ -29,6 +31,7 @@ class Step:
     observation: Observation
     grid: OccupancyGrid
     trajectory: Sequence[tuple[float, float]]
+    motion: MotionConfig
     clock: ModuleClock
     events: list[str]
 
@@ -76,9 +79,9 @@ class Phase(Protocol):
         ...
 
 
-def turn_towards(robot: Pose2, point: tuple[float, float], turn_angle_deg: float) -> Action | None:
+def turn_towards(robot: Pose2, point: tuple[float, float], motion: MotionConfig) -> Action | None:
     """The turn that brings a point ``(x, y)``, metres, ahead; None if it is as good as ahead."""
     bearing = robot.bearing_to(*point)
-    if abs(bearing) <= math.radians(turn_angle_deg) / 2 + 1e-6:
+    if abs(bearing) <= math.radians(motion.turn_angle_deg) / 2 + 1e-6:
         return None
     return Action.TURN_LEFT if bearing > 0 else Action.TURN_RIGHT

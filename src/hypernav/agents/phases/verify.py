@@ -50,7 +50,7 @@ class Verify:
         target = self._local.target
         if target is None:
             return PhaseName.LOOK_AROUND
-        turn = turn_towards(step.robot, target.area.centre, self._config.turn_angle_deg)
+        turn = turn_towards(step.robot, target.area.centre, step.motion)
         if self._config.face_target and turn is not None:
             reason = f"turning to face the {self._goal.thing}"
             return Decision(turn, Mode.VERIFY, reason, self._navigator.remaining(step.robot))

@@ -168,7 +168,9 @@ class FailureEvidence:
         if grid is None:
             return None
         area = _outline_points(last.trace.goal_area)
-        path = Planner(self._config.planning).plan(grid, last.observation.robot.xy, area)
+        path = Planner(self._config.planning, self._config.embodiment.body).plan(
+            grid, last.observation.robot.xy, area
+        )
         return path is not None and path.gap_m <= self._config.stop_reach_m
 
 

@@ -113,8 +113,9 @@ def verdict(pair: Pair) -> str:
 
 def protocol_lines(run: RunData) -> list[tuple[str, str]]:
     """The protocol in full, as name and value."""
-    told, world = run.configuration["protocol"], run.configuration["config"]["world"]
-    camera, robot, actions = world["camera"], world["robot"], world["actions"]
+    told, config = run.configuration["protocol"], run.configuration["config"]
+    world, embodiment = config["world"], config["embodiment"]
+    camera, body, motion = embodiment["camera"], embodiment["body"], embodiment["motion"]
     episodes, who = run.configuration["episodes"], run.who
     chosen = {k: v for k, v in run.configuration["selection"].items() if v is not None}
     part = ", ".join(f"{name} {value}" for name, value in chosen.items())
@@ -137,8 +138,8 @@ def protocol_lines(run: RunData) -> list[tuple[str, str]]:
         ("SoftSPL", "the same with 1 - distance at the end / distance at the start for success"),
         (
             "Actions",
-            f"forward {actions['forward_m']:g} m, turn {actions['turn_angle_deg']:g}°, sliding "
-            f"{'on' if actions['sliding'] else 'off'}",
+            f"forward {motion['forward_m']:g} m, turn {motion['turn_angle_deg']:g}°, sliding "
+            f"{'on' if world['sliding'] else 'off'}",
         ),
         (
             "Camera",
@@ -148,8 +149,8 @@ def protocol_lines(run: RunData) -> list[tuple[str, str]]:
         ),
         (
             "Robot",
-            f"radius {robot['radius_m']:g} m, height {robot['height_m']:g} m, steps over "
-            f"{robot['max_step_m']:g} m",
+            f"radius {body['radius_m']:g} m, height {body['height_m']:g} m, steps over "
+            f"{body['max_step_m']:g} m",
         ),
         ("Noise", ", ".join(f"{name} {value}" for name, value in noise.items() if value) or "none"),
         ("Agent", f"{who['agent']}, preset {who['preset']}"),
@@ -173,12 +174,13 @@ def other_protocol_lines(run: RunData, first: RunData) -> list[tuple[str, str]]:
 
 def setting(run: RunData) -> str:
     """The protocol in a line, to stand beside published ones."""
-    told, actions = run.configuration["protocol"], run.configuration["config"]["world"]["actions"]
+    told, config = run.configuration["protocol"], run.configuration["config"]
+    motion = config["embodiment"]["motion"]
     scenes = "generated houses" if run.dataset.startswith("houses-") else "one scene"
     sees = "ground-truth detection" if run.is_told_truth else f"sees with {run.who['detector']}"
     return (
         f"{scenes}; {sees}; STOP within {told['success_distance_m']:g} m of a view point, at most "
-        f"{told['max_steps']} steps, forward {actions['forward_m']:g} m"
+        f"{told['max_steps']} steps, forward {motion['forward_m']:g} m"
     )
 
 

@@ -107,7 +107,8 @@ class EpisodeWorker:
             self._world, self._scene_id = None, ""  # the old one's memory, before the new one's
             scene = self._job.open_scene(scene_id)
             renderer = CpuRenderer(scene, self._render)
-            self._world = SimulatedWorld(scene, self._job.config.world, renderer=renderer)
+            config = self._job.config
+            self._world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
             self._scene_id = scene_id
         return self._world
 

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 from jaxtyping import Float64
 
-from hypernav.core.embodiment import CameraConfig, RobotConfig
+from hypernav.core.embodiment import BodyConfig, CameraConfig
 from hypernav.core.goal import Goal
 from hypernav.worlds.drawing.rays import RayCaster
 from hypernav.worlds.scenes.scene import Instance, Scene
@@ -46,7 +46,7 @@ class Site:
         Raises:
             SceneError: The robot fits nowhere.
         """
-        walkable = WalkableGrid.from_scene(scene, RobotConfig())
+        walkable = WalkableGrid.from_scene(scene, BodyConfig())
         eye_height_m = CameraConfig().height_m
         regions = GoalRegions(scene, walkable, RayCaster(scene), eye_height_m=eye_height_m)
         return Site(scene, walkable, regions)

@@ -37,18 +37,24 @@ class BlockExplorer:
     """
 
     def __init__(
-        self, reasoner: BlockReasoner, config: OverviewConfig, mapping: MappingConfig
+        self,
+        reasoner: BlockReasoner,
+        config: OverviewConfig,
+        mapping: MappingConfig,
+        clearances_m: tuple[float, ...],
     ) -> None:
         """Create it.
 
         Args:
             reasoner: Chooses a block.
             config: How it is asked.
-            mapping: Size of the blocks and clearance of their destinations.
+            mapping: Size of the blocks.
+            clearances_m: How far from obstacles their destinations lie, in the order to try.
         """
         self._reasoner = reasoner
         self._config = config
         self._mapping = mapping
+        self._clearances_m = clearances_m
         self.reset(Goal("nothing yet"))
 
     def reset(self, goal: Goal) -> None:
@@ -65,8 +71,8 @@ class BlockExplorer:
     ) -> Destination | None:
         """Ask until a block is named that was not visited; None if there is none."""
         offered: tuple[Block, ...] = ()
-        for mapping in self._mapping.clearances:
-            blocks = divide_into_blocks(grid, robot, mapping)
+        for clearance_m in self._clearances_m:
+            blocks = divide_into_blocks(grid, robot, self._mapping, clearance_m)
             if _squares(blocks) == _squares(offered):
                 break
             offered = blocks

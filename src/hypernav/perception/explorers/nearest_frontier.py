@@ -16,17 +16,24 @@ class NearestFrontierExplorer:
     """Drives to the nearest frontier (Yamauchi, 1997), the paper's real-world baseline."""
 
     def __init__(
-        self, log: ExchangeLog, mapping: MappingConfig, *, visited_radius_m: float = 0.5
+        self,
+        log: ExchangeLog,
+        mapping: MappingConfig,
+        clearances_m: tuple[float, ...],
+        *,
+        visited_radius_m: float = 0.5,
     ) -> None:
         """Create it.
 
         Args:
             log: Where every choice is written for the trace.
-            mapping: Smallest frontier and clearance.
+            mapping: Smallest frontier.
+            clearances_m: How far from obstacles destinations lie, in the order to try.
             visited_radius_m: A frontier this near to a place already visited is passed over.
         """
         self._log = log
         self._mapping = mapping
+        self._clearances_m = clearances_m
         self._visited_radius_m = visited_radius_m
         self.reset(Goal("nothing yet"))
 
@@ -43,8 +50,8 @@ class NearestFrontierExplorer:
     ) -> Destination | None:
         """The nearest frontier by travel distance; None if all is explored."""
         nearest = None
-        for mapping in self._mapping.clearances:
-            frontiers = find_frontiers(grid, robot, mapping)
+        for clearance_m in self._clearances_m:
+            frontiers = find_frontiers(grid, robot, self._mapping, clearance_m)
             fresh = [frontier for frontier in frontiers if not self._was_visited(frontier)]
             nearest = min(fresh, key=lambda frontier: frontier.travel_m, default=None)
             if nearest is not None:

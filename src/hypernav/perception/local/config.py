@@ -9,8 +9,6 @@ class LocalConfig(RoomConfig):
     """How a detection becomes a goal area.
 
     Attributes:
-        min_depth_m: Nearest usable depth.
-        max_depth_m: Farthest usable depth.
         erosion_px: Side of the kernel that erodes the mask, so that its edge does not spill onto
             the background (paper: "the mask is eroded").
         min_points: Fewer points of the target with depth are not trusted.
@@ -36,8 +34,6 @@ class LocalConfig(RoomConfig):
         min_verdicts: Images needed before that share is believed.
     """
 
-    min_depth_m: float = 0.5
-    max_depth_m: float = 5.0
     erosion_px: int = 5
     min_points: int = 12
     dilation_kernel: int = 5

@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 from jaxtyping import Bool
 
+from hypernav.core.embodiment import CameraConfig
 from hypernav.core.geometry.boxes import Detection
 from hypernav.core.geometry.transforms import wrap_angle
 from hypernav.core.goal import Goal
@@ -37,6 +38,7 @@ class LocalPerception:
         detector: Detector,
         segmenter: Segmenter,
         config: LocalConfig,
+        camera: CameraConfig,
         *,
         cell_size_m: float,
         attention: Attention | None = None,
@@ -47,6 +49,7 @@ class LocalPerception:
             detector: Finds boxes of the goal.
             segmenter: Finds the pixels in a box; not asked where a detection has its own mask.
             config: Values of the method.
+            camera: Range of its depth.
             cell_size_m: Of the map.
             attention: Says which images the detector is asked about; None asks about all.
         """
@@ -54,6 +57,7 @@ class LocalPerception:
         self._attention = attention
         self._segmenter = segmenter
         self._config = config
+        self._camera = camera
         self._cell_size_m = cell_size_m
         self.reset(Goal("nothing yet"))
 
@@ -190,8 +194,8 @@ class LocalPerception:
         points = points_under_mask(
             mask,
             observation,
-            min_depth_m=config.min_depth_m,
-            max_depth_m=config.max_depth_m,
+            min_depth_m=self._camera.min_depth_m,
+            max_depth_m=self._camera.max_depth_m,
             stride=2 if int(mask.sum()) > 4000 else 1,
         )
         if len(points) < config.min_points:

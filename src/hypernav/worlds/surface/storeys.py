@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float32, Int32
 from scipy.ndimage import distance_transform_edt
 
-from hypernav.core.embodiment import RobotConfig
+from hypernav.core.embodiment import BodyConfig
 from hypernav.core.errors import SceneError
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.columns_kernels import floors_of_columns, rasterise
@@ -48,7 +48,7 @@ class _Floors:
 
 
 def find_storey(
-    scene: Scene, robot: RobotConfig, *, cell_m: float = CELL_M, floor_z: float | None = None
+    scene: Scene, robot: BodyConfig, *, cell_m: float = CELL_M, floor_z: float | None = None
 ) -> Storey:
     """The storey at a height, or the one with the largest connected floor.
 
@@ -85,7 +85,7 @@ def find_storey(
     return best
 
 
-def _floors(scene: Scene, robot: RobotConfig, cell_m: float) -> _Floors:
+def _floors(scene: Scene, robot: BodyConfig, cell_m: float) -> _Floors:
     vertices = scene.vertices.astype(np.float64)
     low, high = vertices[:, :2].min(axis=0), vertices[:, :2].max(axis=0)
     # Cell borders at multiples of the cell's side, and a free margin all around.
@@ -135,7 +135,7 @@ def _candidate_heights(floors: _Floors, window: float) -> list[float]:
     return heights
 
 
-def _storey(floors: _Floors, robot: RobotConfig, floor_z: float, window: float) -> Storey:
+def _storey(floors: _Floors, robot: BodyConfig, floor_z: float, window: float) -> Storey:
     """The height map around a height, without cells too close to an obstacle, drop or edge."""
     heights = np.full(floors.rows * floors.columns, np.nan, dtype=np.float32)
     near = np.abs(floors.z - floor_z) < window

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Bool, Float32, Float64, Int32
 
-from hypernav.core.embodiment import RobotConfig
+from hypernav.core.embodiment import BodyConfig
 from hypernav.core.errors import SceneError, StartError
 from hypernav.core.geometry.bounds import has_cell
 from hypernav.worlds.scenes.scene import Scene
@@ -47,7 +47,7 @@ class WalkableGrid:
     @staticmethod
     def from_scene(
         scene: Scene,
-        robot: RobotConfig | None = None,
+        robot: BodyConfig | None = None,
         *,
         cell_m: float = CELL_M,
         floor_z: float | None = None,
@@ -63,7 +63,7 @@ class WalkableGrid:
         Raises:
             SceneError: Nowhere in the scene (or on that storey) can the robot stand.
         """
-        robot = robot or RobotConfig()
+        robot = robot or BodyConfig()
         return _grid_of(find_storey(scene, robot, cell_m=cell_m, floor_z=floor_z), robot)
 
     @staticmethod
@@ -187,7 +187,7 @@ def _by_size(
     return rank[labels]
 
 
-def _grid_of(storey: Storey, robot: RobotConfig) -> WalkableGrid:
+def _grid_of(storey: Storey, robot: BodyConfig) -> WalkableGrid:
     """Number the parts of a storey and drop what is no floor: tabletops, insides of furniture."""
     components = _by_size(*label_components(storey.heights, robot.max_step_m))
     floor_z = float(np.median(storey.heights[components == 0]))
