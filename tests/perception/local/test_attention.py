@@ -1,4 +1,7 @@
 import math
+import weakref
+
+import pytest
 
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.observation import Observation
@@ -97,3 +100,14 @@ def test_a_new_search_begins_with_open_eyes():
     assert mind.is_worth_a_question(view(), None)
     mind.reset()
     assert mind.is_worth_a_question(view(), None)
+
+
+@pytest.mark.parametrize("compared", [True, False])
+def test_images_are_kept_only_where_they_are_compared(compared):
+    mind, _ = attention(skip_seen_views=compared)
+    image = view()
+    rgb, depth = weakref.ref(image.rgb), weakref.ref(image.depth)
+    assert mind.is_worth_a_question(image, None)
+    del image
+    assert rgb() is None
+    assert (depth() is not None) == compared

@@ -8,7 +8,9 @@ from jaxtyping import Bool, Float32, Float64
 from pydantic import Field
 
 from hypernav.core.config import RoomConfig
+from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.depth import is_measured
+from hypernav.core.geometry.transforms import Transform
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Exchange, ExchangeLog
 from hypernav.perception.local.goal_area import GoalArea
@@ -45,9 +47,15 @@ class AttentionConfig(RoomConfig):
 
 @dataclass(frozen=True, eq=False)
 class _View:
-    """An image that was asked about."""
+    """What is kept of an image that was asked about."""
 
-    observation: Observation
+    depth: Float32[np.ndarray, "height width"]
+    camera: PinholeCamera
+    map_to_camera: Transform
+
+    @staticmethod
+    def of(observation: Observation) -> "_View":
+        return _View(observation.depth, observation.camera, observation.camera_to_map.inverse())
 
     def shows(
         self,
@@ -62,8 +70,8 @@ class _View:
             distance: From which each is seen now, along the optical axis.
             config: What is large enough, and what the edge.
         """
-        camera, depth = self.observation.camera, self.observation.depth
-        ahead = self.observation.camera_to_map.inverse().apply(points)
+        camera, depth = self.camera, self.depth
+        ahead = self.map_to_camera.apply(points)
         pixels, z = camera.project(ahead), ahead[:, 2]
         size = np.array([camera.width, camera.height])
         margin = config.edge_share * size
@@ -98,6 +106,8 @@ class Attention:
     def is_worth_a_question(self, observation: Observation, target: GoalArea | None) -> bool:
         """Whether to ask the detector; if so, the image counts as seen from now on.
 
+        Images are kept only if ``skip_seen_views`` is on.
+
         Args:
             observation: What the camera sees.
             target: The goal area that is held; None while the goal is searched for.
@@ -115,7 +125,8 @@ class Attention:
                 if share >= self._config.seen_share:
                     self._skip(f"nothing new, {share:.0%} of it was seen before")
                     return False
-        self._views.append(_View(observation))
+        if self._config.skip_seen_views:
+            self._views.append(_View.of(observation))
         return True
 
     def _seen_share(self, observation: Observation) -> float:
