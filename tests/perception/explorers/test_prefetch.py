@@ -132,3 +132,13 @@ def test_a_new_search_forgets_what_was_asked():
     assert slow.visited == []
     assert explorer.next_destination(GRID, NEAR, [(0.0, 0.0)]) is new
     assert [one.remarks for one in log.drain()] == [[]]
+
+
+@pytest.mark.parametrize("said", [Destination(2.0, 1.0, "late"), ModelUnavailableError("gone")])
+def test_closing_leaves_no_thread_behind(said):
+    before = set(threading.enumerate())
+    explorer, *_ = ahead(said)
+    explorer.prefetch(GRID, NEAR, [(0.0, 0.0)], GOING)
+    (thread,) = set(threading.enumerate()) - before
+    explorer.close()
+    assert not thread.is_alive()

@@ -45,7 +45,7 @@ class PrefetchingExplorer:
     """Lets an explorer choose the next destination in a thread of its own.
 
     When an answer is used depends on the steps of the robot only, never on how fast the model is,
-    so that a replayed search takes the same way.
+    so that a replayed search takes the same way. `close` it to end the thread.
     """
 
     def __init__(
@@ -74,6 +74,10 @@ class PrefetchingExplorer:
             self._pending = None
         self._own_log.drain()
         self._explorer.reset(goal)
+
+    def close(self) -> None:
+        """Wait for what is under way, and end the thread."""
+        self._pool.shutdown()
 
     def remember_visit(self, x: float, y: float) -> None:
         """Note a destination that was reached or given up."""
