@@ -34,7 +34,7 @@ def test_a_closed_room_has_none():
 def test_an_open_door_is_one():
     (frontier,) = find_frontiers(drawn(OPEN_DOOR, scale=4), ROBOT, CONFIG, CLEARANCE_M)
     assert frontier.size_m == pytest.approx(0.6, abs=0.05)
-    assert frontier.centroid[0] == pytest.approx(1.975)
+    assert frontier.points[:, 0] == pytest.approx(1.975)
     assert frontier.destination == pytest.approx((1.975, 0.7), abs=0.06)
     assert frontier.travel_m == pytest.approx(1.375, abs=0.06)
 

@@ -1,4 +1,3 @@
-import itertools
 import math
 from functools import cache
 
@@ -35,11 +34,6 @@ def map_of(boxes, poses, **view):
     for pose in poses:
         world_map.integrate(view_of(boxes, pose, **view))
     return world_map
-
-
-@cache
-def the_table():
-    return map_of([FLOOR, TABLE], [HERE])
 
 
 def points(world_map, state):
@@ -241,8 +235,7 @@ def test_a_forgotten_bump_leaves_what_the_camera_saw():
     st.lists(st.tuples(st.integers(-1500, 1500), st.integers(-1500, 1500)), min_size=1, max_size=4)
 )
 def test_growing_keeps_what_is_known(cells):
-    world_map = TopDownMap(CONFIG, EMBODIMENT)
-    world_map.merge(the_table())
+    world_map = map_of([FLOOR, TABLE], [HERE])
     before = known(world_map)
     for row, column in cells:
         world_map.mark_occupied(np.array([[0.05 * (column + 0.5), 0.05 * (row + 0.5)]]))
@@ -275,51 +268,6 @@ def test_a_new_map_knows_nothing_and_can_be_asked():
     grid = TopDownMap(CONFIG, EMBODIMENT).grid
     assert not grid.explored.any()
     assert grid.state_at(0.0, 0.0) == Cell.UNKNOWN
-
-
-def parts():
-    """Three maps that overlap and disagree: the table was carried away before the second."""
-    table = map_of([FLOOR, TABLE], [HERE])
-    empty = map_of([FLOOR], [Pose2(-3.0, 1.0, 0.2)] * 3)
-    bumped = map_of([FLOOR], [Pose2(20.0, -9.0, 2.0)])
-    bumped.mark_occupied(np.array([[2.4, 0.0], [1.0, 1.0]]))
-    return [table, empty, bumped]
-
-
-def test_merging_in_any_order_gives_the_same_map():
-    outcomes = []
-    for order in itertools.permutations(range(3)):
-        merged = TopDownMap(CONFIG, EMBODIMENT)
-        for part in (parts()[i] for i in order):
-            merged.merge(part)
-        outcomes.append((merged.grid.origin, merged.grid.cells.tobytes()))
-    assert len(set(outcomes)) == 1
-
-
-def test_merging_keeps_obstacles_changes_nothing_twice_and_leaves_the_other_alone():
-    first, second, _ = parts()
-    before = known(second)
-    first.merge(second)
-    once = known(first)
-    first.merge(second)
-    assert known(first) == once
-    assert known(second) == before
-    table = {c for c, s in known(parts()[0]).items() if s == Cell.OCCUPIED}
-    assert all(once[cell] == Cell.OCCUPIED for cell in table)
-    assert before.keys() <= once.keys()
-
-
-def test_a_merged_map_goes_on_clearing():
-    merged = TopDownMap(CONFIG, EMBODIMENT)
-    merged.merge(map_of([FLOOR, TABLE], [HERE]))
-    for _ in range(CONFIG.max_evidence):
-        merged.integrate(view_of([FLOOR], HERE))
-    assert merged.grid.state_at(2.02, 0.0) == Cell.FREE
-
-
-def test_maps_of_different_configurations_do_not_merge():
-    with pytest.raises(MapError, match="same configuration"):
-        TopDownMap(CONFIG, EMBODIMENT).merge(TopDownMap(MappingConfig(cell_size_m=0.1), EMBODIMENT))
 
 
 @pytest.mark.parametrize(

@@ -109,19 +109,6 @@ class ChatModel(Protocol):
 
 
 @runtime_checkable
-class AsyncChatModel(Protocol):
-    """The same for programs that wait for many answers at once."""
-
-    async def identify(self) -> str:
-        """The model's name, as `ChatModel.identify` gives it."""
-        ...
-
-    async def ask(self, question: Question) -> Answer:
-        """The answer, as `ChatModel.ask` gives it."""
-        ...
-
-
-@runtime_checkable
 class Similarity(Protocol):
     """Tells how well a text fits an image."""
 

@@ -30,12 +30,6 @@ class Frontier:
     destination: tuple[float, float]
     travel_m: float
 
-    @property
-    def centroid(self) -> tuple[float, float]:
-        """Mean of its points, metres; need not lie on it."""
-        x, y = self.points.mean(axis=0)
-        return (float(x), float(y))
-
 
 def find_frontiers(
     grid: OccupancyGrid, robot: Pose2, config: MappingConfig, clearance_m: float

@@ -184,39 +184,6 @@ class TopDownMap:
         arrays.cells[bumped] = np.where(occupied, OCCUPIED, free)
         arrays.bumps[bumped] = 0
 
-    def merge(self, other: "TopDownMap") -> None:
-        """Add what another map of the same frame knows; `other` is left as it is.
-
-        Evidence is joined by its maximum, so the order of merges does not matter, and merging a map
-        twice changes nothing. What either map holds for occupied stays occupied.
-
-        Raises:
-            MapError: The maps were drawn with different configurations.
-        """
-        if (other.config, other.embodiment) != (self.config, self.embodiment):
-            raise MapError("maps can be merged only if they were drawn with the same configuration")
-        rows, columns = other._arrays.cells.shape
-        if rows == 0 or columns == 0:
-            return
-        self._allocate(
-            other._first_row,
-            other._first_column,
-            other._first_row + rows,
-            other._first_column + columns,
-        )
-        row = other._first_row - self._first_row
-        column = other._first_column - self._first_column
-        part = _Arrays(
-            *(array[row : row + rows, column : column + columns] for array in self._arrays)
-        )
-        np.maximum(part.evidence, other._arrays.evidence, out=part.evidence)
-        np.maximum(part.seen, other._arrays.seen, out=part.seen)
-        np.maximum(part.bumps, other._arrays.bumps, out=part.bumps)
-        occupied = (part.evidence >= self.config.occupied_evidence).any(axis=2) | (part.bumps > 0)
-        weight = np.uint32(1) << np.arange(self._band.layers, dtype=np.uint32)
-        part.raised[:] = ((part.evidence > 0) * weight).sum(axis=2, dtype=np.uint32)
-        part.cells[:] = np.where(occupied, OCCUPIED, part.seen * np.uint8(FREE))
-
     def _grow(self, low: Float64[np.ndarray, "2"], high: Float64[np.ndarray, "2"]) -> None:
         """Make the map hold all points between two corners."""
         size = self.config.cell_size_m

@@ -4,7 +4,7 @@ import numpy as np
 
 from hypernav.houses.kit.mesh import Finish, Mesh, Vector, join
 from hypernav.houses.kit.model import Bench
-from hypernav.houses.kit.solids import box, prism
+from hypernav.houses.kit.solids import box
 from hypernav.houses.kit.surfaces import cylinder
 from hypernav.houses.kit.tubes import rod
 
@@ -172,9 +172,3 @@ def case(
         back or finish.tinted(0.85),
         box(x - 2 * board, 0.006, z - 2 * board, at=(at[0], at[1] - y / 2 + 0.006, at[2] + board)),
     )
-
-
-def plinth_outline(x: float, y: float, height: float) -> Mesh:
-    """A plain foot under a case, set back at the front."""
-    hx, hy = x / 2 - 0.01, y / 2
-    return prism([(-hx, -hy), (hx, -hy), (hx, hy - 0.04), (-hx, hy - 0.04)], height)

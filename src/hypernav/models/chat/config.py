@@ -37,7 +37,6 @@ class ChatConfig(RoomConfig):
         decisions: Ask a decision endpoint, which answers closed questions with a probability for
             every allowed answer, where the server has one.
         jpeg_quality: Of the images that are sent (colour is not subsampled).
-        concurrency: Questions that one process has under way at the same time.
         device: For a model in this process: "auto", "cpu", "cuda", "cuda:1", "mps".
         dtype: For a model in this process: "auto" is bfloat16 where the device has it.
     """
@@ -53,6 +52,5 @@ class ChatConfig(RoomConfig):
     logprobs: bool = True
     decisions: bool = True
     jpeg_quality: int = Field(default=95, ge=1, le=100)
-    concurrency: int = Field(default=8, ge=1)
     device: str = "auto"
     dtype: Literal["auto", "bfloat16", "float16", "float32"] = "auto"
