@@ -36,7 +36,7 @@ from hypernav.perception.local.depth_cut import DepthCutSegmenter
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.perception.local.local_perception import LocalPerception
 from hypernav.planning.planner import Planner
-from hypernav.show.drawing.maps import draw_overview
+from hypernav.show.drawing.map_images import draw_overview
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.worlds.scenes.loading import load_scene
 from hypernav.worlds.simulation import SimulatedWorld

@@ -14,7 +14,7 @@ from hypernav.core.actions import Action
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.evaluation.evaluate import evaluate
-from hypernav.evaluation.report.page import write_report
+from hypernav.evaluation.report.report_page import write_report
 from hypernav.evaluation.report.run_data import load_runs
 from hypernav.evaluation.run_plan import RunPlan, Selection
 from hypernav.perception.local.ground_truth import GroundTruthDetector

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from hypernav.core.chat import Answer, Question, Usage
-from hypernav.models.chat.answer_reading import read_answer
+from hypernav.models.chat.answer_parsing import parse_answer
 
 
 def image(seed: int = 0, height: int = 48, width: int = 64) -> np.ndarray:
@@ -28,6 +28,6 @@ class Parrot:
         if isinstance(text, Exception):
             raise text
         text = text(question) if callable(text) else text
-        return read_answer(
+        return parse_answer(
             question, text, model=self.identify(), usage=Usage(100, len(text)), seconds=0.25
         )

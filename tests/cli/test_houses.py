@@ -6,7 +6,7 @@ from box_houses import box_house
 from hypernav.build.agents import build_scene
 from hypernav.cli.main import main
 from hypernav.core.goal import Goal
-from hypernav.datasets.files import read_episodes
+from hypernav.datasets.habitat_files import read_episodes
 from hypernav.houses.build import build_house
 from hypernav.houses.episodes import cache as episode_cache
 from hypernav.houses.export import page

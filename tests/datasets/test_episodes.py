@@ -10,14 +10,14 @@ from hypothesis import strategies as st
 
 from hypernav.core.errors import EpisodeError
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.datasets.files import episode_files, read_episodes, write_episodes
-from hypernav.datasets.frames import (
+from hypernav.datasets.habitat_files import episode_files, read_episodes, write_episodes
+from hypernav.datasets.habitat_format import EpisodeDataset
+from hypernav.datasets.habitat_frames import (
     pose_from_habitat,
     pose_to_habitat,
     positions_from_habitat,
     positions_to_habitat,
 )
-from hypernav.datasets.habitat_format import EpisodeDataset
 
 HERE = [1.0, 0.1, -2.0]
 AHEAD = [0.0, 0.0, 0.0, 1.0]

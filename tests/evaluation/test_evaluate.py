@@ -1,7 +1,7 @@
 from eval_runs import timeless_lines, write_room
 from hypernav.core.actions import Action
 from hypernav.evaluation.evaluate import evaluate
-from hypernav.evaluation.report.page import write_report
+from hypernav.evaluation.report.report_page import write_report
 from hypernav.evaluation.report.run_data import load_runs
 from hypernav.evaluation.run_plan import RunPlan, Selection
 from small_worlds import small_config

@@ -7,11 +7,11 @@ from hypernav.core.errors import RunFolderError
 from hypernav.evaluation.failures.classification import RULES, Failure
 from hypernav.evaluation.outcome import Outcome
 from hypernav.evaluation.protocol import StopRule
-from hypernav.evaluation.report import tables, wording
-from hypernav.evaluation.report.files import tex
-from hypernav.evaluation.report.page import write_report
-from hypernav.evaluation.report.published import PUBLISHED
+from hypernav.evaluation.report import report_text, tables
+from hypernav.evaluation.report.published_results import PUBLISHED
+from hypernav.evaluation.report.report_page import write_report
 from hypernav.evaluation.report.run_data import load_runs
+from hypernav.evaluation.report.table_files import tex
 from hypernav.evaluation.run_plan import RunPlan
 from hypernav.evaluation.store.run_store import RunStore
 
@@ -107,7 +107,7 @@ def test_time_is_told_by_module_and_the_rest_is_named(good):
 
 
 def test_a_reader_is_warned_of_all_that_limits_the_numbers(good, bad):
-    said = " ".join(wording.warnings(load_runs([good, bad])))
+    said = " ".join(report_text.warnings(load_runs([good, bad])))
     assert "ground-truth detection" in said
     assert "frontier is not finished: 4 of 9" in said
     assert "frontier: 1 episodes ended by a model or simulator outage" in said
@@ -154,7 +154,7 @@ def test_a_run_of_outages_alone_says_so(tmp_path):
 
 
 def test_every_class_has_a_rule_and_words_for_people():
-    assert {failure for failure, _ in RULES} == set(Failure) == set(wording.RULES_IN_WORDS)
+    assert {failure for failure, _ in RULES} == set(Failure) == set(report_text.RULES_IN_WORDS)
 
 
 def test_published_numbers_name_their_source_and_what_differs():

@@ -9,8 +9,8 @@ from box_houses import box_house
 from box_scenes import room_boxes, scene_of
 from hypernav.core.errors import EpisodeError
 from hypernav.core.goal import Goal
-from hypernav.datasets.files import read_episodes, write_episodes
-from hypernav.datasets.frames import pose_from_habitat
+from hypernav.datasets.habitat_files import read_episodes, write_episodes
+from hypernav.datasets.habitat_frames import pose_from_habitat
 from hypernav.houses.build import BUILTIN_HOUSE, build_house
 from hypernav.houses.episodes import cache as episode_cache
 from hypernav.houses.episodes.difficulty import difficulty

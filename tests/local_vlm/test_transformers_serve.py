@@ -77,7 +77,7 @@ def test_the_server_and_this_process_say_the_same(
     """The image travels as a JPEG, so it is made one here as well."""
     import cv2
 
-    from hypernav.models.chat.images import jpeg_bytes
+    from hypernav.models.chat.image_encoding import jpeg_bytes
 
     sent = VlmDetector(chat, ExchangeLog(), QWEN).question(observation, Goal("bed"))
     data = np.frombuffer(jpeg_bytes(sent.images[0]), np.uint8)

@@ -9,7 +9,7 @@ from rich.table import Table
 from hypernav.build.agents import house_number
 from hypernav.cli.houses_options import Episodes, Export, Show, Splits
 from hypernav.core.errors import ConfigError, EpisodeError
-from hypernav.datasets.files import write_episodes
+from hypernav.datasets.habitat_files import write_episodes
 from hypernav.houses.episodes.difficulty import Difficulty, difficulty
 from hypernav.houses.episodes.splits import SPLITS, load_split, split_named
 from hypernav.houses.export.files import export_house

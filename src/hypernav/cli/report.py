@@ -4,7 +4,7 @@ from rich.console import Console
 
 from hypernav.cli.report_options import Options
 from hypernav.core.errors import ConfigError
-from hypernav.evaluation.report.page import write_report
+from hypernav.evaluation.report.report_page import write_report
 from hypernav.evaluation.report.run_data import load_runs
 
 

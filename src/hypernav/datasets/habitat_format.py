@@ -6,7 +6,7 @@ same JSON values. OVON's files are the same format with ``children_object_catego
 object ids and no ``iou``.
 
 Positions and rotations are Habitat's (y up, quaternions ``[x, y, z, w]``); see
-`hypernav.datasets.frames` for ours.
+`hypernav.datasets.habitat_frames` for ours.
 """
 
 from pathlib import PurePosixPath
@@ -18,7 +18,7 @@ from pydantic import AllowInfNan, BaseModel, ConfigDict, Field, StrictFloat, Str
 
 from hypernav.core.errors import EpisodeError
 from hypernav.core.goal import Goal
-from hypernav.datasets.frames import positions_from_habitat
+from hypernav.datasets.habitat_frames import positions_from_habitat
 
 Number = StrictInt | Annotated[StrictFloat, AllowInfNan(False)]
 """A finite JSON number; 0 and 0.0 are told apart."""

@@ -19,7 +19,7 @@ from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import EpisodeError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.datasets.frames import pose_from_habitat
+from hypernav.datasets.habitat_frames import pose_from_habitat
 from hypernav.houses.episodes.splits import SPLITS, load_split
 from hypernav.worlds.simulation import SimulatedWorld, SimulationConfig
 from hypernav.worlds.surface.starts import random_start

@@ -10,9 +10,9 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.trace import StepTrace
 from hypernav.evaluation.episode_run import EpisodeStep
 from hypernav.mapping.ros_map import save_ros_map
-from hypernav.show.drawing.maps import write_map_png
-from hypernav.show.pages.page import write_page
-from hypernav.show.video.video import EpisodeVideo
+from hypernav.show.drawing.map_images import write_map_png
+from hypernav.show.pages.episode_page import write_page
+from hypernav.show.video.episode_video import EpisodeVideo
 
 
 class EpisodeRecorder:

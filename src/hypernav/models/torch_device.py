@@ -71,7 +71,7 @@ def load_pretrained(auto_class: str, path: str, **options: Any) -> Any:
         raise ModelError(f"'{path}' is not a model for {auto_class}: {error}") from error
 
 
-def placed(inputs: Any, device: Any, dtype: Any) -> dict[str, Any]:
+def moved_to_device(inputs: Any, device: Any, dtype: Any) -> dict[str, Any]:
     """A processor's tensors on the device; those with fractions also in the model's dtype."""
     return {
         key: value.to(device, dtype if value.is_floating_point() else value.dtype)

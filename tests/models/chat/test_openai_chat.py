@@ -8,8 +8,8 @@ from chat_models import image
 from hypernav.core.chat import Fault, Question, Usage
 from hypernav.core.errors import ConfigError, ModelRejectedError, ModelUnavailableError
 from hypernav.models.chat.config import ChatConfig
-from hypernav.models.chat.dialects import DIALECTS
 from hypernav.models.chat.openai_chat import OpenAiChat
+from hypernav.models.chat.server_dialects import DIALECTS
 from servers.scripted import (
     TRANSPORT_FAILURES,
     Failure,
@@ -263,8 +263,8 @@ def test_an_openai_key_is_not_sent_in_the_clear_to_strangers():
         ("https://lab/v1", "secret-3"),
         ("http://localhost:1/v1", "secret-3"),
     ]:
-        door = OpenAiChat(url, "m", environment=environment)._client
-        assert door._client.api_key == sent
+        client = OpenAiChat(url, "m", environment=environment)._client
+        assert client._client.api_key == sent
 
 
 @pytest.mark.parametrize(

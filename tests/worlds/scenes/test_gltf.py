@@ -266,7 +266,7 @@ def test_gltf_with_files_beside_it_and_embedded_data(tmp_path: Path) -> None:
         load_scene(tmp_path / "a.gltf")
 
 
-def broken(path: list[Any], value: Any) -> GltfWriter:
+def invalid(path: list[Any], value: Any) -> GltfWriter:
     """A small textured scene with one value of its document replaced."""
     writer = GltfWriter()
     uv = writer.array(SQUARE_UV)
@@ -308,7 +308,7 @@ def broken(path: list[Any], value: Any) -> GltfWriter:
     ],
 )
 def test_broken_documents(tmp_path: Path, path: list[Any], value: Any, words: str) -> None:
-    file = broken(path, value).write(tmp_path / "a.glb")
+    file = invalid(path, value).write(tmp_path / "a.glb")
     with pytest.raises(SceneError) as caught:
         load_scene(file)
     message = str(caught.value)

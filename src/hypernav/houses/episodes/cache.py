@@ -7,7 +7,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from hypernav.core.errors import EpisodeError
-from hypernav.datasets.files import read_episodes, write_episodes
+from hypernav.datasets.habitat_files import read_episodes, write_episodes
 from hypernav.datasets.habitat_format import EpisodeDataset
 from hypernav.houses.cache import cache_folder, cached_house, generator_version
 from hypernav.houses.episodes.generate import EPISODES_VERSION, GoalStyle, house_episodes

@@ -16,7 +16,6 @@ from jaxtyping import Float64
 from hypernav.core.errors import EpisodeError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.datasets.frames import pose_to_habitat, positions_to_habitat
 from hypernav.datasets.habitat_format import (
     AgentState,
     EpisodeDataset,
@@ -24,6 +23,7 @@ from hypernav.datasets.habitat_format import (
     ObjectNavEpisode,
     ViewPoint,
 )
+from hypernav.datasets.habitat_frames import pose_to_habitat, positions_to_habitat
 from hypernav.houses.dice import Dice
 from hypernav.houses.episodes.queries import Ask, category_asks, phrase_asks
 from hypernav.houses.episodes.site import Site

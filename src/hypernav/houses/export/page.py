@@ -19,7 +19,7 @@ from hypernav.houses.build import build_compact, plan_of
 from hypernav.houses.dice import Dice
 from hypernav.houses.export.drawing import draw_plan
 from hypernav.houses.plan.shapes import FloorPlan, Rect
-from hypernav.show.pages.site import image_uri, page_environment
+from hypernav.show.pages.templating import image_uri, page_environment
 from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.walkable import WalkableGrid

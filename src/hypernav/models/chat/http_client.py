@@ -15,13 +15,15 @@ from hypernav.core.errors import (
     ConfigError,
     ModelRejectedError,
 )
-from hypernav.models.chat.answer_reading import shortened
+from hypernav.models.chat.answer_parsing import shortened
 from hypernav.models.chat.config import ChatConfig
 from hypernav.models.chat.retry import RetryLaterError
 
-_BUSY = {408, 409, 425, 429}
-_BLIND = re.compile(r"image input is not supported|mmproj|does not support (?:image|vision)", re.I)
-_HERE = {"localhost", "127.0.0.1", "::1"}
+_RETRYABLE_STATUSES = {408, 409, 425, 429}
+_NO_VISION = re.compile(
+    r"image input is not supported|mmproj|does not support (?:image|vision)", re.I
+)
+_LOCAL_HOSTS = {"localhost", "127.0.0.1", "::1"}
 
 
 class BadRequestError(ModelRejectedError):
@@ -78,7 +80,7 @@ class HttpClient:
         except openai.APIStatusError as error:
             raise self._status_error(error, path) from error
         except openai.APIConnectionError as error:
-            cause = self._secretless(str(error.__cause__ or error))
+            cause = self._without_key(str(error.__cause__ or error))
             raise ChatTransportError(
                 f"{self.url}: {cause}; is the server running? try: hypernav doctor --vlm "
                 f"openai:{self.url}"
@@ -86,16 +88,16 @@ class HttpClient:
         except (openai.APIResponseValidationError, ValueError) as error:
             raise ChatTransportError(f"{self.url}: the answer is not JSON: {error}") from error
         if not isinstance(reply, dict):
-            found = self._secretless(str(reply))
+            found = self._without_key(str(reply))
             raise ChatTransportError(f"{self.url}{path}: expected JSON, found '{found}'")
         return reply
 
     def _status_error(self, error: openai.APIStatusError, path: str) -> Exception:
-        said = self._secretless(_message(error))
+        said = self._without_key(_message(error))
         where = f"{self.url}{path} answered {error.status_code}"
-        if _BLIND.search(said):  # llama.cpp answers 500
+        if _NO_VISION.search(said):  # llama.cpp answers 500
             return ModelRejectedError(f"{where}: {said}; this model cannot see, choose another")
-        if error.status_code in _BUSY or error.status_code >= 500:
+        if error.status_code in _RETRYABLE_STATUSES or error.status_code >= 500:
             return RetryLaterError(
                 f"{where}: {said}", _retry_after(error), status=error.status_code
             )
@@ -106,7 +108,7 @@ class HttpClient:
             return BadRequestError(f"{where}: {said}")
         return ModelRejectedError(f"{where}: {said}")
 
-    def _secretless(self, text: str) -> str:
+    def _without_key(self, text: str) -> str:
         return shortened(text.replace(self._key, "***") if self._key else text, 240)
 
 
@@ -131,7 +133,7 @@ def _checked(url: str) -> str:
 def _key_for(url: str, environment: Mapping[str, str]) -> str:
     own = environment.get("HYPERNAV_API_KEY", "")
     parts = urlsplit(url)
-    if own or not (parts.scheme == "https" or parts.hostname in _HERE):
+    if own or not (parts.scheme == "https" or parts.hostname in _LOCAL_HOSTS):
         return own
     return environment.get("OPENAI_API_KEY", "")
 

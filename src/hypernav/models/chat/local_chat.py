@@ -12,7 +12,7 @@ from typing import Any
 from hypernav.core.chat import Answer, Question, Usage
 from hypernav.core.errors import ModelError, ModelUnavailableError
 from hypernav.core.extras import require
-from hypernav.models.chat.answer_reading import read_answer
+from hypernav.models.chat.answer_parsing import parse_answer
 from hypernav.models.chat.config import ChatConfig
 from hypernav.models.torch_device import EXTRA, choose_device, choose_dtype, load_pretrained
 
@@ -55,26 +55,29 @@ class LocalChat:
             ModelUnavailableError: The device ran out of memory.
         """
         begin = time.monotonic()
-        chances: dict[str, float] = {}
+        probabilities: dict[str, float] = {}
         try:
             with self._lock, self._torch.inference_mode():
                 inputs = self._inputs(question)
                 if question.allowed:
-                    chances = self._decide(inputs, question.allowed)
-                    text, tokens_out = max(chances, key=lambda answer: chances[answer]), 1
+                    probabilities = self._decide(inputs, question.allowed)
+                    text, tokens_out = (
+                        max(probabilities, key=lambda answer: probabilities[answer]),
+                        1,
+                    )
                 else:
                     text, tokens_out = self._generate(inputs, question.max_tokens)
         except self._torch.OutOfMemoryError as error:
             raise ModelUnavailableError(
                 f"{self._path}: {self.device} ran out of memory; use a smaller model or a server"
             ) from error
-        return read_answer(
+        return parse_answer(
             question,
             text,
             model=self._path,
             usage=Usage(int(inputs["input_ids"].shape[1]), tokens_out),
             seconds=time.monotonic() - begin,
-            probabilities=chances,
+            probabilities=probabilities,
         )
 
     def _inputs(self, question: Question) -> dict[str, Any]:
@@ -131,8 +134,10 @@ class LocalChat:
             by_token = dict(zip(options, scores, strict=True))
             for answer, token in following.items():
                 logs[answer] += by_token[token]
-        chances = self._torch.tensor(list(logs.values()), dtype=self._torch.float64).softmax(0)
-        return dict(zip(allowed, chances.tolist(), strict=True))
+        probabilities = self._torch.tensor(list(logs.values()), dtype=self._torch.float64).softmax(
+            0
+        )
+        return dict(zip(allowed, probabilities.tolist(), strict=True))
 
     def _next_scores(self, inputs: dict[str, Any], prefix: tuple[int, ...]) -> Any:
         """The scores of all tokens after the prompt and the beginning of an answer."""

@@ -10,18 +10,18 @@ from typing import Any
 
 from hypernav.core.chat import Answer, Question, Usage
 from hypernav.core.errors import ChatTransportError, ModelRejectedError
-from hypernav.models.chat.answer_reading import read_answer
+from hypernav.models.chat.answer_parsing import parse_answer
+from hypernav.models.chat.answer_probabilities import answer_probabilities, parse_logprobs
 from hypernav.models.chat.config import ChatConfig
-from hypernav.models.chat.decision_endpoints import can_decide, decision_body, read_decision
-from hypernav.models.chat.dialects import Constraint, constraint_for
+from hypernav.models.chat.decision_api import accepts_question, decision_request, parse_decision
 from hypernav.models.chat.http_client import BadRequestError, HttpClient
-from hypernav.models.chat.images import jpeg_data_url
-from hypernav.models.chat.label_probabilities import label_probabilities, read_logprobs
+from hypernav.models.chat.image_encoding import jpeg_data_url
 from hypernav.models.chat.retry import Retry
-from hypernav.models.chat.server_probe import Server, probe, with_suggestion
+from hypernav.models.chat.server_detection import ServerInfo, detect_server, with_known_models
+from hypernav.models.chat.server_dialects import Constraint, constraint_for
 
 _log = logging.getLogger(__name__)
-_PROBE_LIMIT_S = 10.0
+_DETECTION_LIMIT_S = 10.0
 
 
 @dataclass(frozen=True)
@@ -68,9 +68,9 @@ class OpenAiChat:
         self.config = config or ChatConfig()
         self._client = HttpClient(url, self.config, environment)
         self._wanted = model
-        self._patience = Retry(self.config, sleep=sleep, clock=clock)
+        self._retry = Retry(self.config, sleep=sleep, clock=clock)
         self._clock = clock
-        self._server: Server | None = None
+        self._server: ServerInfo | None = None
         self._lock = threading.Lock()
         self._dropped: tuple[str, ...] = ()
 
@@ -92,7 +92,7 @@ class OpenAiChat:
         """Kinds of optional fields that the server has rejected so far."""
         return self._dropped
 
-    def server(self) -> Server:
+    def server(self) -> ServerInfo:
         """What the server is; asked once.
 
         Raises:
@@ -100,7 +100,7 @@ class OpenAiChat:
         """
         with self._lock:
             if self._server is None:
-                self._server, _ = self._patience.call(self._probe, who=self._who())
+                self._server, _ = self._retry.call(self._detect_server, who=self._who())
             return self._server
 
     def ask(self, question: Question) -> Answer:
@@ -113,12 +113,12 @@ class OpenAiChat:
         begin = self._clock()
         server = self.server()
         try:
-            reply, lost = self._patience.call(
+            reply, lost = self._retry.call(
                 lambda limit_s: self._attempt(server, question, limit_s), who=self._who()
             )
         except ModelRejectedError as error:
-            raise with_suggestion(error, server, self.url) from error
-        return read_answer(
+            raise with_known_models(error, server, self.url) from error
+        return parse_answer(
             question,
             reply.text,
             model=server.model,
@@ -132,10 +132,12 @@ class OpenAiChat:
     def _who(self) -> str:
         return f"openai:{self.url}" + (f"#{self._wanted}" if self._wanted else "")
 
-    def _probe(self, limit_s: float) -> Server:
-        return probe(self._client, self._wanted, self.config, limit_s=min(limit_s, _PROBE_LIMIT_S))
+    def _detect_server(self, limit_s: float) -> ServerInfo:
+        return detect_server(
+            self._client, self._wanted, self.config, limit_s=min(limit_s, _DETECTION_LIMIT_S)
+        )
 
-    def _attempt(self, server: Server, question: Question, limit_s: float) -> _Reply:
+    def _attempt(self, server: ServerInfo, question: Question, limit_s: float) -> _Reply:
         """One attempt; a rejected request is repeated at once with fewer optional fields."""
         end = self._clock() + limit_s
         dropped = self._dropped
@@ -158,12 +160,12 @@ class OpenAiChat:
                 return reply
 
     def _optional(
-        self, server: Server, question: Question, dropped: tuple[str, ...]
+        self, server: ServerInfo, question: Question, dropped: tuple[str, ...]
     ) -> tuple[str, ...]:
         """The kinds of optional fields that this question would carry, first to go first."""
         dialect = server.dialect
         kinds = []
-        if self.config.decisions and can_decide(dialect.decision, question):
+        if self.config.decisions and accepts_question(dialect.decision, question):
             kinds.append("decision")
         if self.config.logprobs and dialect.logprobs and question.allowed:
             kinds.append("logprobs")
@@ -173,15 +175,15 @@ class OpenAiChat:
             kinds.append("sampling")
         return tuple(kind for kind in kinds if kind not in dropped)
 
-    def _decide(self, server: Server, question: Question, limit_s: float) -> _Reply:
+    def _decide(self, server: ServerInfo, question: Question, limit_s: float) -> _Reply:
         endpoint = server.dialect.decision
-        body = decision_body(endpoint, server.model, question, quality=self.config.jpeg_quality)
+        body = decision_request(endpoint, server.model, question, quality=self.config.jpeg_quality)
         reply = self._client.post(f"/{endpoint}", body, limit_s=limit_s)
-        text, chances, usage, refused = read_decision(endpoint, reply, question)
-        return _Reply(text, usage, chances, refused)
+        text, probabilities, usage, refused = parse_decision(endpoint, reply, question)
+        return _Reply(text, usage, probabilities, refused)
 
     def _complete(
-        self, server: Server, question: Question, optional: tuple[str, ...], limit_s: float
+        self, server: ServerInfo, question: Question, optional: tuple[str, ...], limit_s: float
     ) -> _Reply:
         constraint = Constraint({})
         if "constraint" in optional:
@@ -198,7 +200,7 @@ class OpenAiChat:
             sampling = {"temperature": self.config.temperature, "seed": self.config.seed}
             body |= {key: value for key, value in sampling.items() if value is not None}
         reply = self._client.post("/chat/completions", body, limit_s=limit_s)
-        return _read_completion(reply, question, wrapped=constraint.wrapped)
+        return _parse_completion(reply, question, wrapped=constraint.wrapped)
 
     def _content(self, question: Question, note: str) -> str | list[dict[str, Any]]:
         text = f"{question.text}\n\n{note}" if note else question.text
@@ -212,7 +214,7 @@ class OpenAiChat:
         return [*images, {"type": "text", "text": text}]
 
 
-def _read_completion(reply: Any, question: Question, *, wrapped: bool) -> _Reply:
+def _parse_completion(reply: Any, question: Question, *, wrapped: bool) -> _Reply:
     """Take a chat completion apart; half a one counts as lost on the way."""
     choices = reply.get("choices")
     choice = choices[0] if isinstance(choices, list) and choices else None
@@ -222,14 +224,14 @@ def _read_completion(reply: Any, question: Question, *, wrapped: bool) -> _Reply
     content, refusal = message.get("content"), message.get("refusal")
     refused = bool(refusal) or choice.get("finish_reason") == "content_filter"
     text = content if isinstance(content, str) else ""
-    chances: dict[str, float] = {}
+    probabilities: dict[str, float] = {}
     logprobs = choice.get("logprobs")
     if question.allowed and isinstance(logprobs, dict):
-        tokens = read_logprobs(logprobs.get("content"))
-        chances = label_probabilities(tokens, question.allowed, wrapped=wrapped)
+        tokens = parse_logprobs(logprobs.get("content"))
+        probabilities = answer_probabilities(tokens, question.allowed, wrapped=wrapped)
     if refused and not text and isinstance(refusal, str):
         text = refusal
-    return _Reply(text, _usage(reply.get("usage")), chances, refused)
+    return _Reply(text, _usage(reply.get("usage")), probabilities, refused)
 
 
 def _usage(value: object) -> Usage:

@@ -18,8 +18,8 @@ from pydantic import AliasChoices, BaseModel, ConfigDict, Field, ValidationError
 from hypernav.core.chat import Answer, Fault, Question, Usage
 from hypernav.core.errors import ModelUnavailableError, RecordingError
 from hypernav.core.protocols import ChatModel
-from hypernav.models.chat.answer_reading import read_answer, shortened
-from hypernav.models.chat.images import content_hash
+from hypernav.models.chat.answer_parsing import parse_answer, shortened
+from hypernav.models.chat.image_encoding import content_hash
 
 
 class _Line(BaseModel):
@@ -172,7 +172,7 @@ class ReplayChat:
             answer = answers.popleft()
         if answer.unavailable:
             raise ModelUnavailableError(answer.unavailable)
-        return read_answer(
+        return parse_answer(
             question,
             answer.text,
             model=answer.model,
@@ -190,7 +190,7 @@ class ReplayChat:
             return f"{begin} any more: it was asked {times} times in the recording"
         if not self._questions:
             return f"{begin}: the recording is empty"
-        nearest = max(self._questions, key=lambda question: _likeness(asked, question))
+        nearest = max(self._questions, key=lambda question: _similarity(asked, question))
         differences = [
             name
             for name in ("kind", "text", "images", "allowed", "form", "max_tokens")
@@ -226,7 +226,7 @@ def _read(path: Path) -> tuple[_Header, list[_Exchange]]:
     return header, exchanges
 
 
-def _likeness(a: _RecordedQuestion, b: _RecordedQuestion) -> float:
+def _similarity(a: _RecordedQuestion, b: _RecordedQuestion) -> float:
     text = SequenceMatcher(None, a.text, b.text, autojunk=False).quick_ratio()
     return text + 0.5 * (a.kind == b.kind) + 0.5 * (a.images == b.images)
 

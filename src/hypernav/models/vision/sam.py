@@ -17,7 +17,13 @@ from hypernav.core.errors import ModelError
 from hypernav.core.extras import require
 from hypernav.core.geometry.boxes import Box
 from hypernav.core.observation import Observation
-from hypernav.models.torch_device import EXTRA, choose_device, choose_dtype, load_pretrained, placed
+from hypernav.models.torch_device import (
+    EXTRA,
+    choose_device,
+    choose_dtype,
+    load_pretrained,
+    moved_to_device,
+)
 
 
 class SamConfig(RoomConfig):
@@ -71,7 +77,7 @@ class SamSegmenter:
             sizes.append(inputs.pop("reshaped_input_sizes"))
         with self._torch.inference_mode():
             outputs = self._model(
-                **placed(inputs, self._device, self._dtype), multimask_output=False
+                **moved_to_device(inputs, self._device, self._dtype), multimask_output=False
             )
         masks = self._processor.post_process_masks(outputs.pred_masks.float().cpu(), *sizes)
         mask = masks[0].reshape(-1, height, width)[0].numpy().astype(bool)

@@ -11,7 +11,13 @@ from hypernav.core.chat import Image
 from hypernav.core.config import RoomConfig
 from hypernav.core.errors import ModelError
 from hypernav.core.extras import require
-from hypernav.models.torch_device import EXTRA, choose_device, choose_dtype, load_pretrained, placed
+from hypernav.models.torch_device import (
+    EXTRA,
+    choose_device,
+    choose_dtype,
+    load_pretrained,
+    moved_to_device,
+)
 
 _SIGLIP_TOKENS = 64
 
@@ -65,7 +71,7 @@ class ImageTextSimilarity:
             images=image, text=[text], return_tensors="pt", truncation=True, **padding
         )
         with self._torch.inference_mode():
-            outputs = self._run(placed(inputs, self._device, self._dtype))
+            outputs = self._run(moved_to_device(inputs, self._device, self._dtype))
         return min(max(outputs, 0.0), 1.0)
 
     def _run(self, inputs: dict[str, Any]) -> float:

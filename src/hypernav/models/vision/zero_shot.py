@@ -14,7 +14,13 @@ from hypernav.core.extras import require
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.models.torch_device import EXTRA, choose_device, choose_dtype, load_pretrained, placed
+from hypernav.models.torch_device import (
+    EXTRA,
+    choose_device,
+    choose_dtype,
+    load_pretrained,
+    moved_to_device,
+)
 
 
 class ZeroShotConfig(RoomConfig):
@@ -70,7 +76,7 @@ class ZeroShotDetector:
             images=observation.rgb, text=[[self._text(goal)]], return_tensors="pt"
         )
         with self._torch.inference_mode():
-            outputs = self._model(**placed(inputs, self._device, self._dtype))
+            outputs = self._model(**moved_to_device(inputs, self._device, self._dtype))
         (found,) = self._processor.post_process_grounded_object_detection(
             outputs,
             threshold=self.config.score_threshold,

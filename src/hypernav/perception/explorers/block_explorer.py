@@ -12,7 +12,7 @@ from hypernav.core.protocols import BlockReasoner
 from hypernav.mapping.blocks import divide_into_blocks
 from hypernav.mapping.config import MappingConfig
 from hypernav.perception.explorers.explorer import Destination
-from hypernav.show.drawing.maps import draw_overview
+from hypernav.show.drawing.map_images import draw_overview
 
 
 class OverviewConfig(RoomConfig):

@@ -12,7 +12,7 @@ from hypernav.core.goal import Goal
 from hypernav.core.overview import BlockChoice, Overview
 from hypernav.core.protocols import BlockReasoner, ChatModel
 from hypernav.core.trace import ExchangeLog
-from hypernav.models.chat.answer_reading import shortened, without_thinking
+from hypernav.models.chat.answer_parsing import shortened, without_thinking
 from hypernav.perception.exchanges import exchange_of
 
 _CONTEXT = (

@@ -14,7 +14,7 @@ from enum import StrEnum
 from typing import Any
 
 from hypernav.core.geometry.boxes import Box
-from hypernav.models.chat.answer_reading import without_thinking
+from hypernav.models.chat.answer_parsing import without_thinking
 from hypernav.models.chat.vlm_families import VlmFamily
 
 _MOST_CHARACTERS = 20_000

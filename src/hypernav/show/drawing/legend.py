@@ -7,9 +7,9 @@ from enum import StrEnum
 import numpy as np
 from jaxtyping import UInt8
 
-from hypernav.show.drawing import palette, strokes
-from hypernav.show.drawing.lettering import draw_text, text_width
-from hypernav.show.drawing.painter import draw_arrow
+from hypernav.show.drawing import palette, shapes
+from hypernav.show.drawing.map_painter import draw_arrow
+from hypernav.show.drawing.text import draw_text, text_width
 
 _Drawing = Callable[[UInt8[np.ndarray, "_ _ 3"], float, float, float], None]
 """Draws a sample into a box: image, left, middle, side, all in pixels."""
@@ -64,8 +64,8 @@ def _cell(color: palette.Rgb) -> _Drawing:
     def draw(image: UInt8[np.ndarray, "_ _ 3"], left: float, middle: float, side: float) -> None:
         half = side / 2.0
         edge = palette.BLOCK if color != palette.OCCUPIED else color
-        strokes.rectangle(image, (left, middle - half), (left + side, middle + half), edge)
-        strokes.rectangle(
+        shapes.rectangle(image, (left, middle - half), (left + side, middle + half), edge)
+        shapes.rectangle(
             image,
             (round(left) + 1, round(middle - half) + 1),
             (round(left + side) - 1, round(middle + half) - 1),
@@ -77,15 +77,15 @@ def _cell(color: palette.Rgb) -> _Drawing:
 
 def _start(image: UInt8[np.ndarray, "_ _ 3"], left: float, middle: float, side: float) -> None:
     at = (left + side / 2.0, middle)
-    strokes.disc(image, at, 0.45 * side, palette.TRAJECTORY_NEW)
-    strokes.disc(image, at, 0.2 * side, palette.PAPER)
+    shapes.disc(image, at, 0.45 * side, palette.TRAJECTORY_NEW)
+    shapes.disc(image, at, 0.2 * side, palette.PAPER)
 
 
 def _trajectory(image: UInt8[np.ndarray, "_ _ 3"], left: float, middle: float, side: float) -> None:
     for k in range(6):
         color = palette.blend(palette.TRAJECTORY_OLD, palette.TRAJECTORY_NEW, (k + 1) / 6)
         ends = np.array([[left + side * k / 6, middle], [left + side * (k + 1) / 6, middle]])
-        strokes.line(image, ends, color, 0.2 * side)
+        shapes.line(image, ends, color, 0.2 * side)
 
 
 def _robot(image: UInt8[np.ndarray, "_ _ 3"], left: float, middle: float, side: float) -> None:
@@ -95,17 +95,17 @@ def _robot(image: UInt8[np.ndarray, "_ _ 3"], left: float, middle: float, side: 
 def _path(image: UInt8[np.ndarray, "_ _ 3"], left: float, middle: float, side: float) -> None:
     ends = np.array([[left - 0.1 * side, middle], [left + 1.1 * side, middle]])
     dash = 0.32 * side
-    strokes.dashed_line(image, ends, palette.PATH, 0.18 * side, dash=dash, gap=0.5 * dash)
+    shapes.dashed_line(image, ends, palette.PATH, 0.18 * side, dash=dash, gap=0.5 * dash)
 
 
 def _destination(
     image: UInt8[np.ndarray, "_ _ 3"], left: float, middle: float, side: float
 ) -> None:
     u, arm = left + side / 2.0, 0.22 * side
-    strokes.ring(image, (u, middle), 0.45 * side, palette.PATH, 0.14 * side)
+    shapes.ring(image, (u, middle), 0.45 * side, palette.PATH, 0.14 * side)
     for slope in (1.0, -1.0):
         ends = np.array([[u - arm, middle - slope * arm], [u + arm, middle + slope * arm]])
-        strokes.line(image, ends, palette.PATH, 0.14 * side)
+        shapes.line(image, ends, palette.PATH, 0.14 * side)
 
 
 def _tinted(color: palette.Rgb, opacity: float) -> _Drawing:
@@ -119,8 +119,8 @@ def _tinted(color: palette.Rgb, opacity: float) -> _Drawing:
                 [left, middle + half],
             ]
         )
-        strokes.polygon(image, [box], color, opacity=opacity)
-        strokes.line(image, np.rint(box) + 0.5, color, 2.0, closed=True)
+        shapes.polygon(image, [box], color, opacity=opacity)
+        shapes.line(image, np.rint(box) + 0.5, color, 2.0, closed=True)
 
     return draw
 

@@ -5,8 +5,8 @@ import numpy as np
 from jaxtyping import UInt8
 
 from hypernav.core.trace import DetectionRecord
-from hypernav.show.drawing import palette, strokes
-from hypernav.show.drawing.lettering import draw_text, shortened, text_width
+from hypernav.show.drawing import palette, shapes
+from hypernav.show.drawing.text import draw_text, shortened, text_width
 
 _TEXT = 14
 _CHIP_HEIGHT = 22
@@ -53,17 +53,17 @@ def _draw_detection(
 ) -> None:
     color = palette.GOAL if detection.accepted else palette.BLOCK
     outlines = [np.array(outline, dtype=np.float64) * scale for outline in detection.outlines]
-    strokes.polygon(image, outlines, color, opacity=0.35)
+    shapes.polygon(image, outlines, color, opacity=0.35)
     for outline in outlines:
-        strokes.line(image, outline, palette.PAPER, 1.0, closed=True)
+        shapes.line(image, outline, palette.PAPER, 1.0, closed=True)
     left, top, right, bottom = (value * scale for value in detection.box)
     corners = np.array([[left, top], [right, top], [right, bottom], [left, bottom], [left, top]])
     if detection.accepted:
-        strokes.line(image, corners, palette.PAPER, 5.0)
-        strokes.line(image, corners, color, 3.0)
+        shapes.line(image, corners, palette.PAPER, 5.0)
+        shapes.line(image, corners, color, 3.0)
     else:
-        strokes.line(image, corners, color, 2.0)
-        strokes.dashed_line(image, corners, palette.PAPER, 2.0, dash=8.0, gap=8.0)
+        shapes.line(image, corners, color, 2.0)
+        shapes.dashed_line(image, corners, palette.PAPER, 2.0, dash=8.0, gap=8.0)
     _draw_label(image, _label(detection), left, top, color)
 
 
@@ -83,6 +83,6 @@ def _draw_label(
     u = min(max(left - 1.5, 0.0), max(width - chip, 0.0))
     above = top - _CHIP_HEIGHT
     v = above if above >= 0.0 else min(max(top, 0.0), height - float(_CHIP_HEIGHT))
-    strokes.rectangle(image, (u, v), (u + chip, v + _CHIP_HEIGHT), color)
+    shapes.rectangle(image, (u, v), (u + chip, v + _CHIP_HEIGHT), color)
     at = (u + 7.0, v + _CHIP_HEIGHT / 2.0)
     draw_text(image, text, at, _TEXT, bold=True, color=palette.ink_on(color))

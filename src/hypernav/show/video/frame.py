@@ -7,10 +7,10 @@ import numpy as np
 from jaxtyping import UInt8
 
 from hypernav.core.trace import BlockRecord, Exchange, StepTrace
-from hypernav.show.drawing import palette, strokes
+from hypernav.show import captions
+from hypernav.show.drawing import palette, shapes
 from hypernav.show.drawing.legend import Layer, draw_legend
-from hypernav.show.drawing.lettering import draw_text, shortened, text_width, wrapped
-from hypernav.show.pages import words
+from hypernav.show.drawing.text import draw_text, shortened, text_width, wrapped
 from hypernav.show.video.camera_panel import draw_camera
 
 WIDTH, HEIGHT = 1280, 720
@@ -37,7 +37,7 @@ Image = UInt8[np.ndarray, "_ _ 3"]
 
 
 @dataclass(frozen=True)
-class Title:
+class EpisodeInfo:
     """What stays the same on all frames.
 
     Attributes:
@@ -59,9 +59,9 @@ class Title:
         """Who is at work, on one line."""
         parts = [self.agent]
         if self.detector:
-            parts.append(f"sees with {words.part_in_use(self.detector)}")
+            parts.append(f"sees with {captions.component_caption(self.detector)}")
         if self.reasoner:
-            parts.append(f"decides with {words.part_in_use(self.reasoner)}")
+            parts.append(f"decides with {captions.component_caption(self.reasoner)}")
         return "   ·   ".join(parts)
 
 
@@ -81,7 +81,7 @@ class Decision:
 
 
 def draw_frame(
-    title: Title,
+    title: EpisodeInfo,
     step: StepTrace,
     rgb: Image,
     map_image: Image,
@@ -121,37 +121,39 @@ def paste(frame: Image, image: Image, left: int, top: int) -> None:
     cv2.rectangle(frame, (left - 1, top - 1), (left + width, top + height), palette.FAINT, 1)
 
 
-def _draw_header(frame: Image, title: Title, step: StepTrace) -> None:
-    strokes.rectangle(frame, (0, 0), (WIDTH, 64), palette.PAPER)
-    strokes.rectangle(frame, (0, 64), (WIDTH, 65), palette.FAINT)
-    goal = shortened(f"Find {words.quoted(title.goal)}", 22, 600.0, bold=True)
+def _draw_header(frame: Image, title: EpisodeInfo, step: StepTrace) -> None:
+    shapes.rectangle(frame, (0, 0), (WIDTH, 64), palette.PAPER)
+    shapes.rectangle(frame, (0, 64), (WIDTH, 65), palette.FAINT)
+    goal = shortened(f"Find {captions.quoted(title.goal)}", 22, 600.0, bold=True)
     draw_text(frame, goal, (_MARGIN, 23), 22, bold=True)
     line = shortened(title.credits, 13, WIDTH - 2.0 * _MARGIN)
     draw_text(frame, line, (_MARGIN, 49), 13, color=palette.MUTED)
-    draw_chip(frame, words.MODES[step.mode], palette.MODES[step.mode], _MAP_LEFT, 23)
+    draw_badge(frame, captions.MODES[step.mode], palette.MODES[step.mode], _MAP_LEFT, 23)
     limit = f" of {title.step_limit}" if title.step_limit is not None else ""
     count = f"step {step.step + 1}{limit}"
     draw_text(frame, count, (WIDTH - _MARGIN, 23), 16, align=1.0)
 
 
-def draw_chip(frame: Image, text: str, color: palette.Rgb, left: float, middle: float) -> None:
+def draw_badge(frame: Image, text: str, color: palette.Rgb, left: float, middle: float) -> None:
     """Draw a word on a coloured ground with round ends, in place."""
     width = text_width(text, 15, bold=True) + 28.0
-    strokes.rounded_box(frame, left, middle - 14.0, width, 28.0, color, radius=14.0)
+    shapes.rounded_box(frame, left, middle - 14.0, width, 28.0, color, radius=14.0)
     ink = palette.ink_on(color)
     draw_text(frame, text, (left + 14.0, middle), 15, bold=True, color=ink)
 
 
-def _draw_notes(frame: Image, title: Title, step: StepTrace, decision: Decision | None) -> None:
+def _draw_notes(
+    frame: Image, title: EpisodeInfo, step: StepTrace, decision: Decision | None
+) -> None:
     """What the robot does, sees and was told, below the camera image."""
     width = float(_CAMERA[0])
-    reason = words.sentence(step.reason or words.MODES_EXPLAINED[step.mode])
+    reason = captions.sentence(step.reason or captions.MODES_EXPLAINED[step.mode])
     line = shortened(reason, 17, width, bold=True)
     draw_text(frame, line, (_MARGIN, _NOTES_TOP + 9), 17, bold=True)
-    sees = shortened(f"Camera: {words.camera_words(step)}", 14, width)
+    sees = shortened(f"Camera: {captions.camera_caption(step)}", 14, width)
     draw_text(frame, sees, (_MARGIN, _NOTES_TOP + 33), 14, color=palette.MUTED)
     if decision is not None:
-        strokes.rectangle(
+        shapes.rectangle(
             frame, (_MARGIN, _NOTES_TOP + 47), (_MARGIN + width, _NOTES_TOP + 48), palette.FAINT
         )
         _draw_decision(frame, decision, _NOTES_TOP + 60)
@@ -163,13 +165,13 @@ def _draw_decision(frame: Image, decision: Decision, top: int) -> None:
     if exchange.probabilities:
         width -= _BARS_WIDTH + 24.0
         draw_bars(frame, exchange.probabilities, round(_MARGIN + width + 24.0), top)
-    who = words.part_in_use(exchange.asked)
-    asked = f"Step {decision.step + 1}, asked {who}: {words.gist(exchange.question)}"
+    who = captions.component_caption(exchange.asked)
+    asked = f"Step {decision.step + 1}, asked {who}: {captions.final_question(exchange.question)}"
     for line in wrapped(asked, 13, width, lines=2):
         draw_text(frame, line, (_MARGIN, top), 13, color=palette.MUTED)
         top += 18
     top += 3
-    for line in wrapped(words.quoted(exchange.answer), 14, width, lines=2):
+    for line in wrapped(captions.quoted(exchange.answer), 14, width, lines=2):
         draw_text(frame, line, (_MARGIN, top), 14)
         top += 19
 
@@ -186,6 +188,6 @@ def draw_bars(frame: Image, probabilities: dict[str, float], left: int, top: int
         draw_text(frame, name, (low - 8, middle), 13, bold=bold, align=1.0)
         length = max(full * min(max(share, 0.0) / longest, 1.0), 1.0)
         color = palette.CHOSEN if bold else palette.EXCLUDED
-        strokes.rectangle(frame, (low, middle - 6), (low + length, middle + 6), color)
+        shapes.rectangle(frame, (low, middle - 6), (low + length, middle + 6), color)
         at = (low + length + 6, middle)
         draw_text(frame, f"{share:.0%}", at, 12, color=palette.MUTED)

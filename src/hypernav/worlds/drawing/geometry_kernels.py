@@ -1,10 +1,10 @@
-"""Where rays end on triangles, and how the surface lies there. Compiled.
+"""Intersections of rays with triangles, and the surface at each (numba kernels).
 
-First of three passes from rays to colours (then `paint_kernels`, `light_kernels`). Each goes over a
-flat list of rays and takes plain arrays: a tuple of arrays would be copied for every call of an
-inner function. The passes talk through `surface`, one row of float32 per ray, whose columns are
-named here. Neighbouring rays mostly hit the same triangle, so what holds for the whole triangle is
-computed when the triangle changes.
+First of three passes from rays to colours (then `base_color_kernels`, `light_kernels`). Each pass
+loops over a flat list of rays and takes plain arrays: a tuple of arrays would be copied for every
+call of an inner function. The passes communicate through `surface`, one row of float32 per ray,
+whose columns are named here. Neighbouring rays mostly hit the same triangle, so what holds for the
+whole triangle is computed when the triangle changes.
 """
 
 # The values of a triangle are set when it changes, which is the case at the first one.

@@ -9,8 +9,8 @@
 import numpy as np
 from numba import njit
 
+from hypernav.worlds.drawing.base_color_kernels import FLAG_UNLIT
 from hypernav.worlds.drawing.geometry_kernels import FACING, NORMAL, POINT
-from hypernav.worlds.drawing.paint_kernels import FLAG_UNLIT
 
 TONE_STEPS = 8192
 
@@ -46,7 +46,7 @@ def light(
     Args:
         hits: Triangle of every ray, -1 for none, int32 [rays].
         surface: As filled by `locate`.
-        colors: As filled by `paint`.
+        colors: As filled by `fill_base_colors`.
         face_material: See `Scene`.
         material_flags: ``FLAG_…`` of every material, uint8 [materials].
         nodes: Light around the surfaces, see `LightGrid`, as a flat list.

@@ -25,7 +25,7 @@ from hypernav.worlds.drawing.edge_kernels import find_edges, mix_samples
 from hypernav.worlds.drawing.geometry_kernels import fill_rays, fill_rays_around
 from hypernav.worlds.drawing.rasterizer import Rasterizer
 from hypernav.worlds.drawing.rays import RayCaster
-from hypernav.worlds.drawing.shading import Rays, Shader, Unlit
+from hypernav.worlds.drawing.shading import PendingRays, Rays, Shader
 from hypernav.worlds.scenes.scene import Scene
 
 _BAND_ROWS = 24
@@ -126,18 +126,18 @@ class CpuRenderer:
                 mix_samples(edge.pixels, edge.samples, rgb.reshape(-1, 3))
         return RenderedView(rgb, frame.depth, frame.ids)
 
-    def _light_up(self, waiting: Iterable[Unlit | None]) -> None:
-        self._shader.light_up([unlit for unlit in waiting if unlit is not None], self._pool)
+    def _light_up(self, waiting: Iterable[PendingRays | None]) -> None:
+        self._shader.shade_pending([unlit for unlit in waiting if unlit is not None], self._pool)
 
     def _find_hits(self, frame: "_Frame", rows: slice) -> None:
         """Find the triangles behind the pixels of some rows of a frame."""
         frame.hits[rows] = self._rasterizer.faces(frame.camera, frame.camera_rows, rows)
 
-    def _draw(self, frame: "_Frame", rows: slice) -> Unlit | None:
+    def _draw(self, frame: "_Frame", rows: slice) -> PendingRays | None:
         """Fill some rows of a frame; returns what waits for light."""
         shape = (*frame.depth[rows].shape, 3)
         rays = replace(
-            self._room_for(shape[0] * shape[1]),
+            self._buffers(shape[0] * shape[1]),
             depth=frame.depth[rows].reshape(-1),
             ids=frame.ids[rows].reshape(-1),
             rgb=frame.rgb[rows].reshape(-1, 3),
@@ -150,7 +150,7 @@ class CpuRenderer:
             rays.directions.reshape(shape),
         )
         hits = frame.hits[rows].reshape(-1)
-        return self._shader.see(frame.camera_rows, hits, rays, colours=self._colours)
+        return self._shader.shade(frame.camera_rows, hits, rays, colours=self._colours)
 
     def _resample(self, frame: "_Frame", rows: slice) -> "_Edges":
         """Further colours for the pixels of some rows that lie at edges."""
@@ -161,7 +161,7 @@ class CpuRenderer:
         samples = np.empty((count, len(_OFFSETS), 3), dtype=np.uint8)
         if count == 0:
             return _Edges(pixels, samples, None)
-        rays = replace(self._room_for(count * len(_OFFSETS)), rgb=samples.reshape(-1, 3))
+        rays = replace(self._buffers(count * len(_OFFSETS)), rgb=samples.reshape(-1, 3))
         fill_rays_around(
             frame.camera_rows,
             camera.cx,
@@ -173,13 +173,13 @@ class CpuRenderer:
             rays.directions,
         )
         hits = self.rays.faces(rays.origins, rays.directions)
-        return _Edges(pixels, samples, self._shader.see(frame.camera_rows, hits, rays))
+        return _Edges(pixels, samples, self._shader.shade(frame.camera_rows, hits, rays))
 
-    def _room_for(self, count: int) -> Rays:
+    def _buffers(self, count: int) -> Rays:
         """Scratch memory of this thread: fresh memory for every band would cost a tenth more."""
         room: Rays | None = getattr(self._scratch, "room", None)
         if room is None or len(room.depth) < count:
-            room = self._scratch.room = Rays.room_for(count)
+            room = self._scratch.room = Rays.allocate(count)
         return room.first(count)
 
 
@@ -189,7 +189,7 @@ class _Edges:
 
     pixels: Int64[np.ndarray, "pixels"]
     samples: UInt8[np.ndarray, "pixels samples 3"]
-    unlit: Unlit | None
+    unlit: PendingRays | None
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,16 +8,16 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float32, Float64, Int32, Int64, UInt8
 
-from hypernav.worlds.drawing.geometry_kernels import POINT, SURFACE_COLUMNS, locate, measure
-from hypernav.worlds.drawing.light import LightGrid
-from hypernav.worlds.drawing.light_kernels import TONE_STEPS, light
-from hypernav.worlds.drawing.paint_kernels import (
+from hypernav.worlds.drawing.base_color_kernels import (
     FLAG_COLORED,
     FLAG_CUTOUT,
     FLAG_UNLIT,
+    fill_base_colors,
     find_holes,
-    paint,
 )
+from hypernav.worlds.drawing.geometry_kernels import POINT, SURFACE_COLUMNS, locate, measure
+from hypernav.worlds.drawing.light_grid import LightGrid
+from hypernav.worlds.drawing.light_kernels import TONE_STEPS, light
 from hypernav.worlds.drawing.rays import RayCaster
 from hypernav.worlds.drawing.textures import collect_textures, linear_to_srgb
 from hypernav.worlds.scenes.scene import Scene
@@ -38,7 +38,7 @@ class Rays:
         ids: Instances, -1 where nothing is hit.
         rgb: Colour.
         surface: How the surface lies, see `geometry_kernels`.
-        paint: Colour without light.
+        base_color: Colour without light.
         wanted: Cells of the light grid that are not known yet.
     """
 
@@ -48,11 +48,11 @@ class Rays:
     ids: Int32[np.ndarray, "rays"]
     rgb: UInt8[np.ndarray, "rays 3"]
     surface: Float32[np.ndarray, "rays columns"]
-    paint: Float32[np.ndarray, "rays 3"]
+    base_color: Float32[np.ndarray, "rays 3"]
     wanted: Int64[np.ndarray, "rays"]
 
     @staticmethod
-    def room_for(count: int) -> "Rays":
+    def allocate(count: int) -> "Rays":
         """Memory for so many rays."""
         return Rays(
             np.empty((count, 3), np.float32),
@@ -74,18 +74,18 @@ class Rays:
             self.ids[:count],
             self.rgb[:count],
             self.surface[:count],
-            self.paint[:count],
+            self.base_color[:count],
             self.wanted[:count],
         )
 
 
 @dataclass(frozen=True, eq=False)
-class Unlit:
+class PendingRays:
     """Rays whose colours wait until more of the light grid is known."""
 
     hits: Int32[np.ndarray, "rays"]
     surface: Float32[np.ndarray, "rays columns"]
-    paint: Float32[np.ndarray, "rays 3"]
+    base_color: Float32[np.ndarray, "rays 3"]
     wanted: Int64[np.ndarray, "cells"]
     rgb: UInt8[np.ndarray, "rays 3"]
 
@@ -128,14 +128,14 @@ class Shader:
         self._tone = _tone_curve(exposure)
         self._background = np.array(background, dtype=np.uint8)
 
-    def see(
+    def shade(
         self,
         camera: Float64[np.ndarray, "4 3"],
         hits: Int32[np.ndarray, " rays"],
         rays: Rays,
         *,
         colours: bool = True,
-    ) -> Unlit | None:
+    ) -> PendingRays | None:
         """Fill depth, instance and colour of rays.
 
         Args:
@@ -153,21 +153,26 @@ class Shader:
         if not colours:
             return None
         self._locate(camera, hits, rays)
-        paint(
-            hits, rays.surface, self._geometry.colors, *self._materials, *self._textures, rays.paint
+        fill_base_colors(
+            hits,
+            rays.surface,
+            self._geometry.colors,
+            *self._materials,
+            *self._textures,
+            rays.base_color,
         )
-        unlit = Unlit(hits, rays.surface, rays.paint, rays.wanted, rays.rgb)
+        unlit = PendingRays(hits, rays.surface, rays.base_color, rays.wanted, rays.rgb)
         missing = self._light(unlit)
         if not missing:
             return None
         return replace(
             unlit,
             surface=unlit.surface.copy(),
-            paint=unlit.paint.copy(),
+            base_color=unlit.base_color.copy(),
             wanted=unlit.wanted[:missing].copy(),
         )
 
-    def light_up(self, waiting: Sequence[Unlit], pool: ThreadPoolExecutor) -> None:
+    def shade_pending(self, waiting: Sequence[PendingRays], pool: ThreadPoolExecutor) -> None:
         """Compute the light that rays wait for, and fill their colours."""
         if waiting:
             self._grid.bake(np.concatenate([unlit.wanted for unlit in waiting]), pool)
@@ -215,7 +220,7 @@ class Shader:
         is_cutout = materials.flags & FLAG_CUTOUT > 0
         through = np.flatnonzero((hits >= 0) & is_cutout[materials.face[hits]])
         for _ in range(_MAX_LAYERS):
-            part = Rays.room_for(len(through))
+            part = Rays.allocate(len(through))
             part.directions[:] = directions[through]
             self._measure(camera, hits[through], part)
             self._locate(camera, hits[through], part)
@@ -239,13 +244,13 @@ class Shader:
             through = through[holes]
             hits[through] = self._caster.faces(origins, part.directions[holes])
 
-    def _light(self, unlit: Unlit) -> int:
+    def _light(self, unlit: PendingRays) -> int:
         """Fill colours; returns how many cells of the light grid are missing."""
         grid = self._grid
         return light(
             unlit.hits,
             unlit.surface,
-            unlit.paint,
+            unlit.base_color,
             self._materials.face,
             self._materials.flags,
             grid.nodes.reshape(-1),

@@ -13,13 +13,13 @@ from hypernav.worlds.scenes.gltf_file import GltfFile
 from hypernav.worlds.scenes.gltf_format import Node, Primitive, TextureTransform
 from hypernav.worlds.scenes.gltf_materials import read_materials
 from hypernav.worlds.scenes.node_names import is_meaningful
-from hypernav.worlds.scenes.pieces import Piece
 from hypernav.worlds.scenes.scene import Material
+from hypernav.worlds.scenes.scene_assembly import MeshPart
 
 _Y_UP_TO_Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 
 
-def read_gltf(path: Path) -> tuple[list[Piece], list[Material]]:
+def read_gltf(path: Path) -> tuple[list[MeshPart], list[Material]]:
     """All triangles that a file's default scene shows, in the scene frame, and its materials.
 
     Args:
@@ -31,45 +31,45 @@ def read_gltf(path: Path) -> tuple[list[Piece], list[Material]]:
     file = GltfFile(path)
     materials, transforms = read_materials(file)
     return [
-        piece
+        part
         for placed in _placed_nodes(file)
-        for piece in _pieces_of(file, placed, materials, transforms)
+        for part in _parts_of(file, placed, materials, transforms)
     ], materials
 
 
 @dataclass(frozen=True, eq=False)
-class _Placed:
+class _PlacedMesh:
     """A node that shows a mesh, with the way from it to the scene."""
 
     name: str
-    title: str
+    descriptive_name: str
     mesh: int
     to_scene: Float64[np.ndarray, "4 4"]
 
 
-def _placed_nodes(file: GltfFile) -> list[_Placed]:
+def _placed_nodes(file: GltfFile) -> list[_PlacedMesh]:
     nodes = file.document.nodes
     turned = np.eye(4)
     turned[:3, :3] = _Y_UP_TO_Z_UP
     stack = [(index, turned, "") for index in reversed(_roots(file))]
     names: set[str] = set()
     visited: set[int] = set()
-    placed: list[_Placed] = []
+    placed: list[_PlacedMesh] = []
     while stack:
-        index, parent, title = stack.pop()
+        index, parent, descriptive_name = stack.pop()
         node = file.item(nodes, index, "node")
         if index in visited:
-            raise file.broken(f"node {index} hangs below two parents or below itself")
+            raise file.invalid(f"node {index} hangs below two parents or below itself")
         visited.add(index)
         to_scene = parent @ _local_matrix(node)
         own = node.name
         if node.mesh is not None:
             own = own or file.item(file.document.meshes, node.mesh, "mesh").name
-        title = own if is_meaningful(own) or not title else title
+        descriptive_name = own if is_meaningful(own) or not descriptive_name else descriptive_name
         if node.mesh is not None:
             name = _unique(own or f"node {index}", names)
-            placed.append(_Placed(name, title, node.mesh, to_scene))
-        stack += [(child, to_scene, title) for child in reversed(node.children)]
+            placed.append(_PlacedMesh(name, descriptive_name, node.mesh, to_scene))
+        stack += [(child, to_scene, descriptive_name) for child in reversed(node.children)]
     return placed
 
 
@@ -105,12 +105,12 @@ def _local_matrix(node: Node) -> Float64[np.ndarray, "4 4"]:
     return matrix
 
 
-def _pieces_of(
+def _parts_of(
     file: GltfFile,
-    placed: _Placed,
+    placed: _PlacedMesh,
     materials: list[Material],
     transforms: list[TextureTransform],
-) -> Iterator[Piece]:
+) -> Iterator[MeshPart]:
     linear, shift = placed.to_scene[:3, :3], placed.to_scene[:3, 3]
     mirrored = np.linalg.det(linear) < 0.0
     for primitive in file.item(file.document.meshes, placed.mesh, "mesh").primitives:
@@ -122,9 +122,9 @@ def _pieces_of(
             faces = np.ascontiguousarray(faces[:, ::-1])
         material = primitive.material if primitive.material is not None else len(materials) - 1
         file.item(materials, material, "material")
-        yield Piece(
+        yield MeshPart(
             node=placed.name,
-            title=placed.title,
+            descriptive_name=placed.descriptive_name,
             vertices=(positions @ linear.T + shift).astype(np.float32),
             faces=faces,
             material=material,
@@ -139,7 +139,7 @@ def _vectors(
 ) -> Float64[np.ndarray, "vertices width"]:
     values = file.array(primitive.attributes[attribute]).astype(np.float64)
     if values.shape[1] < width:
-        raise file.broken(f"{attribute} has {values.shape[1]} numbers, expected {width}")
+        raise file.invalid(f"{attribute} has {values.shape[1]} numbers, expected {width}")
     return values[:, :width]
 
 
@@ -147,7 +147,7 @@ def _corners(
     file: GltfFile, attribute: str, values: Float[np.ndarray, "v k"], faces: np.ndarray
 ) -> Float[np.ndarray, "faces 3 k"]:
     if faces.size and int(faces.max()) >= len(values):
-        raise file.broken(f"{attribute} has {len(values)} entries, fewer than POSITION")
+        raise file.invalid(f"{attribute} has {len(values)} entries, fewer than POSITION")
     return values[faces]
 
 
@@ -157,7 +157,7 @@ def _triangles(file: GltfFile, primitive: Primitive, count: int) -> Int32[np.nda
     else:
         raw = file.array(primitive.indices)[:, 0]
         if raw.size and int(raw.max()) >= count:
-            raise file.broken(f"a triangle uses vertex {int(raw.max())}, but there are {count}")
+            raise file.invalid(f"a triangle uses vertex {int(raw.max())}, but there are {count}")
         corners = raw.astype(np.int32)
     if primitive.mode == 4:
         return np.ascontiguousarray(corners[: len(corners) // 3 * 3].reshape(-1, 3))

@@ -70,7 +70,7 @@ class GltfFile:
         self._binary = binary
         self._buffers: dict[int, bytes] = {}
 
-    def broken(self, what: str) -> SceneError:
+    def invalid(self, what: str) -> SceneError:
         """The error for a file that breaks a promise of the format."""
         return SceneError(f"{self.path}: is not valid glTF: {what}; export the file again")
 
@@ -81,7 +81,7 @@ class GltfFile:
             SceneError: The list is not that long.
         """
         if not 0 <= index < len(items):
-            raise self.broken(f"refers to {what} {index}, but there are {len(items)}")
+            raise self.invalid(f"refers to {what} {index}, but there are {len(items)}")
         return items[index]
 
     def array(self, index: int) -> np.ndarray:
@@ -110,7 +110,7 @@ class GltfFile:
         if image.buffer_view is not None:
             return self._view(image.buffer_view)[0]
         if image.uri is None:
-            raise self.broken("an image has neither bytes nor a file")
+            raise self.invalid("an image has neither bytes nor a file")
         return self._fetch(image.uri)
 
     def _with_sparse(self, accessor: Accessor, data: np.ndarray) -> np.ndarray:
@@ -124,7 +124,7 @@ class GltfFile:
             1,
         )[:, 0]
         if rows.size and int(rows.max()) >= accessor.count:
-            raise self.broken("a sparse accessor replaces elements that it doesn't have")
+            raise self.invalid("a sparse accessor replaces elements that it doesn't have")
         data = data.copy()
         data[rows] = self._elements(
             part.values.buffer_view,
@@ -143,7 +143,9 @@ class GltfFile:
         packed = dtype.itemsize * width
         stride = stride or packed
         if count and offset + stride * (count - 1) + packed > len(data):
-            raise self.broken(f"an array of {count} elements reaches beyond its buffer view {view}")
+            raise self.invalid(
+                f"an array of {count} elements reaches beyond its buffer view {view}"
+            )
         if count == 0:
             return np.zeros((0, width), dtype=dtype)
         return np.ndarray((count, width), dtype, data, offset, (stride, dtype.itemsize))
@@ -163,7 +165,7 @@ class GltfFile:
         if index not in self._buffers:
             uri = self.item(self.document.buffers, index, "buffer").uri
             if uri is None and (index != 0 or self._binary is None):
-                raise self.broken(f"buffer {index} has no data")
+                raise self.invalid(f"buffer {index} has no data")
             self._buffers[index] = self._fetch(uri) if uri is not None else self._binary or b""
         return self._buffers[index]
 
@@ -173,7 +175,7 @@ class GltfFile:
             try:
                 return base64.b64decode(uri.partition(",")[2], validate=True)
             except binascii.Error as error:
-                raise self.broken(f"embedded data cannot be decoded ({error})") from error
+                raise self.invalid(f"embedded data cannot be decoded ({error})") from error
         file = self.path.parent / unquote(uri)
         try:
             return file.read_bytes()

@@ -114,7 +114,7 @@ def _extension(file: GltfFile, kind: type[_Part], raw: Any) -> _Part:
         return kind.model_validate(raw)
     except ValidationError as error:
         first = error.errors()[0]
-        raise file.broken(f"an extension holds a wrong value: {first['msg']}") from error
+        raise file.invalid(f"an extension holds a wrong value: {first['msg']}") from error
 
 
 def _source(file: GltfFile, info: TextureInfo) -> int:

@@ -8,8 +8,8 @@ from hypernav.core.labels import ObjectLabel
 from hypernav.worlds.scenes.gltf import read_gltf
 from hypernav.worlds.scenes.node_names import category_of
 from hypernav.worlds.scenes.objects_file import read_objects
-from hypernav.worlds.scenes.pieces import Piece, Thing, assemble
 from hypernav.worlds.scenes.scene import Scene
+from hypernav.worlds.scenes.scene_assembly import MeshPart, SceneObject, assemble
 
 OBJECTS_FILE = "objects.json"
 _GLTF_SUFFIXES = (".glb", ".gltf")
@@ -34,17 +34,17 @@ def load_scene(path: Path) -> Scene:
     _check_readable(path)
     suffix = path.suffix.lower()
     if suffix in _GLTF_SUFFIXES:
-        pieces, materials = read_gltf(path)
+        parts, materials = read_gltf(path)
     elif suffix in _MESH_SUFFIXES:
         from hypernav.worlds.scenes.mesh_files import read_mesh
 
-        pieces, materials = read_mesh(path)
+        parts, materials = read_mesh(path)
     else:
         known = ", ".join((*_GLTF_SUFFIXES, *_MESH_SUFFIXES))
         raise SceneError(f"{path}: unknown kind of file {suffix!r}; give one of {known}")
-    if not pieces:
+    if not parts:
         raise SceneError(f"{path}: holds no triangles; export a mesh with faces")
-    return assemble(_name(path), pieces, _things(path, pieces), materials)
+    return assemble(_name(path), parts, _scene_objects(path, parts), materials)
 
 
 def _check_readable(path: Path) -> None:
@@ -71,21 +71,21 @@ def _name(path: Path) -> str:
     return generic or path.stem
 
 
-def _things(path: Path, pieces: Sequence[Piece]) -> list[Thing]:
-    titles = {piece.node: piece.title for piece in pieces}
-    objects = path.parent / OBJECTS_FILE
-    things: list[Thing] = []
-    if objects.is_file():
-        things = read_objects(objects, set(titles))
-    described = {node for thing in things for node in thing.nodes}
-    taken = {thing.name for thing in things}
-    for node, title in titles.items():
+def _scene_objects(path: Path, parts: Sequence[MeshPart]) -> list[SceneObject]:
+    descriptive_names = {part.node: part.descriptive_name for part in parts}
+    objects_file = path.parent / OBJECTS_FILE
+    objects: list[SceneObject] = []
+    if objects_file.is_file():
+        objects = read_objects(objects_file, set(descriptive_names))
+    described = {node for item in objects for node in item.nodes}
+    taken = {item.name for item in objects}
+    for node, descriptive_name in descriptive_names.items():
         if node not in described:
             name = node if node not in taken else f"{node} (node)"
-            things.append(Thing(name, frozenset({node}), _label(title)))
-    return things
+            objects.append(SceneObject(name, frozenset({node}), _label(descriptive_name)))
+    return objects
 
 
-def _label(title: str) -> ObjectLabel | None:
-    category = category_of(title)
+def _label(descriptive_name: str) -> ObjectLabel | None:
+    category = category_of(descriptive_name)
     return ObjectLabel(category) if category is not None else None

@@ -10,15 +10,15 @@ from trimesh.visual import ColorVisuals, TextureVisuals
 from trimesh.visual.material import PBRMaterial
 
 from hypernav.core.errors import SceneError
-from hypernav.worlds.scenes.pieces import Piece
 from hypernav.worlds.scenes.scene import Material
+from hypernav.worlds.scenes.scene_assembly import MeshPart
 
 _Y_UP_TO_Z_UP = np.array(
     [[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
 )
 
 
-def read_mesh(path: Path) -> tuple[list[Piece], list[Material]]:
+def read_mesh(path: Path) -> tuple[list[MeshPart], list[Material]]:
     """All triangles of a file, in the scene frame, and its materials.
 
     None of these formats says which way is up: OBJ is read as y up, as modelling tools write it,
@@ -39,7 +39,7 @@ def read_mesh(path: Path) -> tuple[list[Piece], list[Material]]:
         ) from error
     up = _Y_UP_TO_Z_UP if path.suffix.lower() == ".obj" else np.eye(4)
     scanned = path.suffix.lower() == ".ply"
-    pieces: list[Piece] = []
+    parts: list[MeshPart] = []
     materials: list[Material] = []
     for name in loaded.graph.nodes_geometry:
         to_scene, geometry = loaded.graph[name]
@@ -47,12 +47,12 @@ def read_mesh(path: Path) -> tuple[list[Piece], list[Material]]:
         if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces):
             placed = mesh.copy()
             placed.apply_transform(up @ to_scene)
-            pieces.append(_piece(str(name), placed, len(materials)))
+            parts.append(_part(str(name), placed, len(materials)))
             materials.append(_material(str(name), placed, scanned=scanned))
-    return pieces, materials
+    return parts, materials
 
 
-def _piece(name: str, mesh: trimesh.Trimesh, material: int) -> Piece:
+def _part(name: str, mesh: trimesh.Trimesh, material: int) -> MeshPart:
     faces: Int32[np.ndarray, "faces 3"] = np.ascontiguousarray(mesh.faces, dtype=np.int32)
     uv: Float32[np.ndarray, "faces 3 2"] | None = None
     colors: UInt8[np.ndarray, "faces 3 3"] | None = None
@@ -66,7 +66,7 @@ def _piece(name: str, mesh: trimesh.Trimesh, material: int) -> Piece:
         each = np.asarray(visual.face_colors, dtype=np.uint8)[:, None, :3]
         colors = np.repeat(each, 3, axis=1)
     vertices = np.ascontiguousarray(mesh.vertices, dtype=np.float32)
-    return Piece(name, name, vertices, faces, material, uv, colors)
+    return MeshPart(name, name, vertices, faces, material, uv, colors)
 
 
 def _material(name: str, mesh: trimesh.Trimesh, *, scanned: bool) -> Material:

@@ -7,7 +7,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from hypernav.core.errors import SceneError
 from hypernav.core.labels import ObjectLabel
-from hypernav.worlds.scenes.pieces import Thing
+from hypernav.worlds.scenes.scene_assembly import SceneObject
 
 
 class _Object(BaseModel):
@@ -27,7 +27,7 @@ class _Objects(BaseModel):
     objects: list[_Object]
 
 
-def read_objects(path: Path, node_names: set[str]) -> list[Thing]:
+def read_objects(path: Path, node_names: set[str]) -> list[SceneObject]:
     """The things that a file describes; the building's own parts have no label.
 
     Every object has ``name``, ``category`` and ``nodes``, and may have ``structural``,
@@ -56,7 +56,7 @@ def read_objects(path: Path, node_names: set[str]) -> list[Thing]:
             "by the names of their nodes"
         ) from error
     _check_nodes(path, parsed.objects, node_names)
-    return [Thing(item.name, frozenset(item.nodes), _label(item)) for item in parsed.objects]
+    return [SceneObject(item.name, frozenset(item.nodes), _label(item)) for item in parsed.objects]
 
 
 def _label(item: _Object) -> ObjectLabel | None:

@@ -12,18 +12,19 @@ import yaml
 
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.trace import StepTrace
+from hypernav.show import captions
 from hypernav.show.drawing import palette
-from hypernav.show.drawing.maps import draw_result, final_view
-from hypernav.show.pages import story, words
-from hypernav.show.pages.site import data_uri, image_uri, mode_name, page_environment, plain
-from hypernav.show.video import pacing
+from hypernav.show.drawing.map_images import draw_result, final_view
+from hypernav.show.pages import episode_summary
+from hypernav.show.pages.templating import data_uri, image_uri, mode_name, page_environment, plain
+from hypernav.show.video import frame_timing
 
 EMBED_LIMIT_BYTES = 20_000_000
 _MAP_SIZE = 960
 
 
 @dataclass(frozen=True)
-class _Figure:
+class _Metric:
     """One number of the result with its meaning."""
 
     label: str
@@ -58,25 +59,25 @@ def write_page(
         video = folder / "episode.mp4"
     template = page_environment().get_template("episode.html.j2")
     page = template.render(
-        headline=words.headline(result),
+        headline=captions.headline(result),
         summary=_summary(result),
         facts=_facts(result),
-        told_truth=words.is_ground_truth(str(result.get("detector"))),
+        told_truth=captions.is_ground_truth(str(result.get("detector"))),
         video=_video_source(folder, video, embed_limit_bytes) if video is not None else "",
         map=_map(grid, steps) if grid is not None else None,
-        figures=_figures(result, steps),
-        phases=[_band(phase, len(steps)) for phase in story.phases(steps)],
-        shares=story.mode_shares(steps),
-        moments=story.moments(steps),
-        accounts=story.accounts(result),
+        figures=_metrics(result, steps),
+        phases=[_band(phase, len(steps)) for phase in episode_summary.phases(steps)],
+        shares=episode_summary.mode_shares(steps),
+        key_steps=episode_summary.key_steps(steps),
+        question_costs=episode_summary.question_costs(result),
         cost=_cost(result),
         fallbacks=_fallbacks(result),
-        modules=story.module_times(result, steps),
-        total_seconds=story.total_seconds(result),
+        modules=episode_summary.module_times(result, steps),
+        total_seconds=episode_summary.total_seconds(result),
         steps=steps,
         player=_player_data(steps, grid),
         configuration=_yaml(result.get("config")),
-        words=words,
+        captions=captions,
         mode_name=mode_name,
         ink_on=palette.ink_on,
         modes=palette.MODES,
@@ -98,7 +99,7 @@ def _map(grid: OccupancyGrid, steps: Sequence[StepTrace]) -> dict[str, Any]:
     return {"uri": image_uri(image), "size": _MAP_SIZE}
 
 
-def _band(phase: story.Phase, total: int) -> dict[str, Any]:
+def _band(phase: episode_summary.Phase, total: int) -> dict[str, Any]:
     return {
         "mode": phase.mode,
         "first": phase.first,
@@ -119,10 +120,10 @@ def _player_data(steps: Sequence[StepTrace], grid: OccupancyGrid | None) -> dict
             at = view.pixel_of(*step.destination) if step.destination is not None else None
             destinations.append([round(at[0], 1), round(at[1], 1)] if at is not None else None)
     return {
-        "times": [round(time, 3) for time in pacing.start_times(steps)],
+        "times": [round(time, 3) for time in frame_timing.start_times(steps)],
         "steps": [step.step + 1 for step in steps],
-        "modes": [words.MODES[step.mode] for step in steps],
-        "reasons": [words.sentence(step.reason) for step in steps],
+        "modes": [captions.MODES[step.mode] for step in steps],
+        "reasons": [captions.sentence(step.reason) for step in steps],
         "robots": robots,
         "destinations": destinations,
     }
@@ -135,11 +136,11 @@ def _summary(result: Mapping[str, Any]) -> str:
     if isinstance(steps, int):
         text += f", for {steps} step{'' if steps == 1 else 's'}"
     if isinstance(walked, int | float):
-        text += f", and walked {words.number(walked, 1, 'm')}"
+        text += f", and walked {captions.number(walked, 1, 'm')}"
     shortest = result.get("shortest_path_m")
     text += "."
     if isinstance(shortest, int | float) and math.isfinite(shortest):
-        text += f" Someone who knew the way would have walked {words.number(shortest, 1, 'm')}."
+        text += f" Someone who knew the way would have walked {captions.number(shortest, 1, 'm')}."
     return text
 
 
@@ -152,30 +153,30 @@ def _facts(result: Mapping[str, Any]) -> list[tuple[str, str]]:
     preset = f", {told('preset')} settings" if result.get("preset") else ""
     return [
         ("Agent", told("agent") + preset),
-        ("Sees with", words.part_in_use(told("detector"))),
-        ("Decides with", words.part_in_use(told("reasoner"))),
+        ("Sees with", captions.component_caption(told("detector"))),
+        ("Decides with", captions.component_caption(told("reasoner"))),
         ("Scene", told("scene")),
     ]
 
 
-def _figures(result: Mapping[str, Any], steps: Sequence[StepTrace]) -> list[_Figure]:
-    read, written = story.tokens(steps)
-    seconds = story.total_seconds(result)
-    number, value = words.number, result.get
+def _metrics(result: Mapping[str, Any], steps: Sequence[StepTrace]) -> list[_Metric]:
+    read, written = episode_summary.tokens(steps)
+    seconds = episode_summary.total_seconds(result)
+    number, value = captions.number, result.get
     figures = [
-        _Figure("Success", number(value("success")), "stopped where the goal is within reach"),
-        _Figure("SPL", number(value("spl")), "success × shortest way ÷ way walked; 1 is perfect"),
-        _Figure("SoftSPL", number(value("soft_spl")), "the same, with progress for success"),
-        _Figure("Steps", number(value("steps")), "actions: forward, turn left, turn right, stop"),
-        _Figure("Way walked", number(value("path_length_m"), 2, "m"), "length of its path"),
-        _Figure("Shortest way", number(value("shortest_path_m"), 2, "m"), "start to goal"),
-        _Figure("Distance to goal", number(value("distance_to_goal_m"), 2, "m"), "at the end"),
-        _Figure("Model calls", number(value("model_calls")), "questions put to neural networks"),
+        _Metric("Success", number(value("success")), "stopped where the goal is within reach"),
+        _Metric("SPL", number(value("spl")), "success × shortest way ÷ way walked; 1 is perfect"),
+        _Metric("SoftSPL", number(value("soft_spl")), "the same, with progress for success"),
+        _Metric("Steps", number(value("steps")), "actions: forward, turn left, turn right, stop"),
+        _Metric("Way walked", number(value("path_length_m"), 2, "m"), "length of its path"),
+        _Metric("Shortest way", number(value("shortest_path_m"), 2, "m"), "start to goal"),
+        _Metric("Distance to goal", number(value("distance_to_goal_m"), 2, "m"), "at the end"),
+        _Metric("Model calls", number(value("model_calls")), "questions put to neural networks"),
     ]
     if seconds is not None:
-        figures.append(_Figure("Time", words.duration(seconds), "that the run took in all"))
+        figures.append(_Metric("Time", captions.duration(seconds), "that the run took in all"))
     if read or written:
-        figures.append(_Figure("Tokens", f"{read:,} + {written:,}", "read + written by models"))
+        figures.append(_Metric("Tokens", f"{read:,} + {written:,}", "read + written by models"))
     return figures
 
 

@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hypernav.show.drawing import palette
-from hypernav.show.drawing.lettering import draw_text, shortened, text_width, wrapped
+from hypernav.show.drawing.text import draw_text, shortened, text_width, wrapped
 
 texts = st.text(st.characters(codec="utf-8"), max_size=200)
 

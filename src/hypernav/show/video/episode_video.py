@@ -13,11 +13,16 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.observation import Observation
 from hypernav.core.trace import StepTrace
-from hypernav.show.drawing.maps import draw_map, draw_result
-from hypernav.show.drawing.view import SteadyView
-from hypernav.show.video.card import draw_card
-from hypernav.show.video.frame import HEIGHT, MAP_SIZE, WIDTH, Decision, Title, draw_frame
-from hypernav.show.video.pacing import ENDING_FRAMES, FRAMES_PER_SECOND, decisions, frames_of
+from hypernav.show.drawing.map_images import draw_map, draw_result
+from hypernav.show.drawing.map_view import SteadyView
+from hypernav.show.video.end_card import draw_end_card
+from hypernav.show.video.frame import HEIGHT, MAP_SIZE, WIDTH, Decision, EpisodeInfo, draw_frame
+from hypernav.show.video.frame_timing import (
+    ENDING_FRAMES,
+    FRAMES_PER_SECOND,
+    decisions,
+    frame_count,
+)
 
 _BLOCKS_STAY_STEPS = 5
 # Numbers of the video standard: BT.709 colours in the narrow range, what players expect of HD.
@@ -128,7 +133,7 @@ class EpisodeVideo:
             reasoner: Who chooses where to look; empty if unknown.
             step_limit: How many steps there are at most; None if there is no limit.
         """
-        self._title = Title(goal, agent, detector, reasoner, step_limit)
+        self._title = EpisodeInfo(goal, agent, detector, reasoner, step_limit)
         self._file = VideoFile(path, WIDTH, HEIGHT, FRAMES_PER_SECOND)
         self._view = SteadyView(MAP_SIZE)
         self._steps: list[StepTrace] = []
@@ -164,7 +169,7 @@ class EpisodeVideo:
         image = draw_frame(
             self._title, step, observation.rgb, self._map_image(step, grid), self._decision
         )
-        self._file.write(image, frames_of(step))
+        self._file.write(image, frame_count(step))
 
     def finish(self, result: Mapping[str, Any]) -> None:
         """Film how it ended.
@@ -175,7 +180,7 @@ class EpisodeVideo:
         map_image = None
         if self._grid is not None:
             map_image = draw_result(self._grid, self._steps, size=MAP_SIZE)
-        self._file.write(draw_card(self._title, result, map_image), ENDING_FRAMES)
+        self._file.write(draw_end_card(self._title, result, map_image), ENDING_FRAMES)
 
     def close(self) -> None:
         """Finish the file; does nothing the second time."""
@@ -185,7 +190,7 @@ class EpisodeVideo:
         try:
             if self._file.frames == 0:
                 # A file without any frame would not open.
-                self._file.write(draw_card(self._title, {"outcome": "interrupted"}, None))
+                self._file.write(draw_end_card(self._title, {"outcome": "interrupted"}, None))
         finally:
             self._file.close()
 

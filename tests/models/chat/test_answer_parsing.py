@@ -10,7 +10,7 @@ from hypernav.core.errors import (
     RefusalError,
     UnparsableAnswerError,
 )
-from hypernav.models.chat.answer_reading import read_answer
+from hypernav.models.chat.answer_parsing import parse_answer
 
 
 class Point(BaseModel):
@@ -27,7 +27,7 @@ OPEN = Question("other", "What?")
 
 
 def read(question: Question, text: str):
-    return read_answer(question, text, model="m")
+    return parse_answer(question, text, model="m")
 
 
 @pytest.mark.parametrize(
@@ -87,7 +87,7 @@ def test_reads_a_form_amid_prose():
 
 
 def test_a_refusal_by_the_server_is_one_whatever_the_text():
-    assert read_answer(YES_NO, "yes", model="m", refused=True).fault is Fault.REFUSED
+    assert parse_answer(YES_NO, "yes", model="m", refused=True).fault is Fault.REFUSED
 
 
 @pytest.mark.parametrize(

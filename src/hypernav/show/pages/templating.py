@@ -12,8 +12,8 @@ from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 from PIL import Image
 
 from hypernav.core.trace import Mode
+from hypernav.show import captions
 from hypernav.show.drawing import palette
-from hypernav.show.pages import words
 
 
 def page_environment(*packages: str) -> Environment:
@@ -32,9 +32,9 @@ def page_environment(*packages: str) -> Environment:
         lstrip_blocks=True,
     )
     environment.filters["css"] = palette.css
-    environment.filters["sentence"] = words.sentence
-    environment.filters["duration"] = words.duration
-    environment.globals["number"] = words.number
+    environment.filters["sentence"] = captions.sentence
+    environment.filters["duration"] = captions.duration
+    environment.globals["number"] = captions.number
     environment.globals["colors"] = page_colors()
     environment.globals["version"] = version("hypernav")
     return environment

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-_PLACES = tuple(
+_OFFSETS = tuple(
     sorted(
         ((u / 4.0, v / 4.0) for u in range(-4, 5) for v in range(-4, 5)),
         key=lambda place: (math.hypot(*place), place),
@@ -34,7 +34,7 @@ class Disc(NamedTuple):
     radius: float
 
 
-def place_number(
+def number_position(
     square: Square, width: float, height: float, robot: Disc | None, mark: Disc | None = None
 ) -> tuple[float, float]:
     """The middle of a number: as near to the middle of its square as robot and mark let it.
@@ -57,7 +57,7 @@ def place_number(
     reach_v = max(square.side - height, 0.0) / 2.0
     for obstacles in ((robot, mark), (robot,)):
         discs = [disc for disc in obstacles if disc is not None]
-        for place_u, place_v in _PLACES:
+        for place_u, place_v in _OFFSETS:
             at = (middle[0] + place_u * reach_u, middle[1] + place_v * reach_v)
             if all(_apart(at, width, height, disc) for disc in discs):
                 return at

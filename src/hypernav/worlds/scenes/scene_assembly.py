@@ -15,7 +15,7 @@ _CREASE_DEG = 40.0
 
 
 @dataclass(frozen=True, eq=False)
-class Piece:
+class MeshPart:
     """Triangles of one material that belong to one node of a file; scene frame, metres.
 
     Attributes:
@@ -30,7 +30,7 @@ class Piece:
     """
 
     node: str
-    title: str
+    descriptive_name: str
     vertices: Float32[np.ndarray, "vertices 3"]
     faces: Int32[np.ndarray, "faces 3"]
     material: int
@@ -40,7 +40,7 @@ class Piece:
 
 
 @dataclass(frozen=True)
-class Thing:
+class SceneObject:
     """An instance to be: which nodes it consists of and what it is."""
 
     name: str
@@ -50,8 +50,8 @@ class Thing:
 
 def assemble(
     name: str,
-    pieces: Sequence[Piece],
-    things: Sequence[Thing],
+    parts: Sequence[MeshPart],
+    objects: Sequence[SceneObject],
     materials: Sequence[Material],
     *,
     smooth: bool = True,
@@ -63,71 +63,71 @@ def assemble(
 
     Args:
         name: Of the scene.
-        pieces: Its triangles.
-        things: Its instances; every piece's node belongs to exactly one.
+        parts: Triangles of the scene.
+        objects: Instances of the scene; the node of every part belongs to exactly one of them.
         materials: What `Piece.material` counts.
         smooth: Whether normals are wanted at all; False shades every face flat.
 
     Raises:
         SceneError: Not one triangle is left.
     """
-    owner = {node: number for number, thing in enumerate(things) for node in thing.nodes}
-    kept = [clean for piece in pieces if len((clean := _without_bad_faces(piece)).faces)]
+    owner = {node: number for number, item in enumerate(objects) for node in item.nodes}
+    kept = [clean for part in parts if len((clean := _without_bad_faces(part)).faces)]
     if not kept:
         raise SceneError(f"{name}: holds no triangles; export a mesh with faces")
-    counts = [len(piece.faces) for piece in kept]
-    starts = np.concatenate([[0], np.cumsum([len(piece.vertices) for piece in kept])[:-1]])
-    order = sorted({owner[piece.node] for piece in kept})
-    number = {thing: place for place, thing in enumerate(order)}
-    of_piece = [number[owner[piece.node]] for piece in kept]
-    used = {piece.material for piece in kept}
+    counts = [len(part.faces) for part in kept]
+    starts = np.concatenate([[0], np.cumsum([len(part.vertices) for part in kept])[:-1]])
+    order = sorted({owner[part.node] for part in kept})
+    number = {item: place for place, item in enumerate(order)}
+    instance_of_part = [number[owner[part.node]] for part in kept]
+    used = {part.material for part in kept}
     return Scene(
         name=name,
-        vertices=np.concatenate([piece.vertices for piece in kept]),
+        vertices=np.concatenate([part.vertices for part in kept]),
         faces=np.concatenate(
-            [piece.faces + np.int32(start) for piece, start in zip(kept, starts, strict=True)]
+            [part.faces + np.int32(start) for part, start in zip(kept, starts, strict=True)]
         ),
-        uv=np.concatenate([_or_zeros(piece.uv, len(piece.faces)) for piece in kept]),
-        colors=np.concatenate([_or_white(piece.colors, len(piece.faces)) for piece in kept]),
-        normals=np.concatenate([_normals(piece) for piece in kept]) if smooth else None,
+        uv=np.concatenate([_or_zeros(part.uv, len(part.faces)) for part in kept]),
+        colors=np.concatenate([_or_white(part.colors, len(part.faces)) for part in kept]),
+        normals=np.concatenate([_normals(part) for part in kept]) if smooth else None,
         face_material=np.repeat(np.array([p.material for p in kept], np.int32), counts),
-        face_instance=np.repeat(np.array(of_piece, np.int32), counts),
+        face_instance=np.repeat(np.array(instance_of_part, np.int32), counts),
         materials=tuple(materials),
-        instances=_instances([things[index] for index in order], kept, of_piece),
+        instances=_instances([objects[index] for index in order], kept, instance_of_part),
         unlit=all(materials[index].unlit for index in used),
     )
 
 
-def _without_bad_faces(piece: Piece) -> Piece:
+def _without_bad_faces(part: MeshPart) -> MeshPart:
     """The piece without triangles that have a corner at infinity or nowhere."""
-    good = np.all(np.isfinite(piece.vertices), axis=1)
+    good = np.all(np.isfinite(part.vertices), axis=1)
     if good.all():
-        return piece
-    keep = np.all(good[piece.faces], axis=1)
-    return Piece(
-        node=piece.node,
-        title=piece.title,
-        vertices=np.where(good[:, None], piece.vertices, np.float32(0.0)),
-        faces=piece.faces[keep],
-        material=piece.material,
-        uv=None if piece.uv is None else piece.uv[keep],
-        colors=None if piece.colors is None else piece.colors[keep],
-        normals=None if piece.normals is None else piece.normals[keep],
+        return part
+    keep = np.all(good[part.faces], axis=1)
+    return MeshPart(
+        node=part.node,
+        descriptive_name=part.descriptive_name,
+        vertices=np.where(good[:, None], part.vertices, np.float32(0.0)),
+        faces=part.faces[keep],
+        material=part.material,
+        uv=None if part.uv is None else part.uv[keep],
+        colors=None if part.colors is None else part.colors[keep],
+        normals=None if part.normals is None else part.normals[keep],
     )
 
 
 def _instances(
-    things: Sequence[Thing], pieces: Sequence[Piece], of_piece: Sequence[int]
+    objects: Sequence[SceneObject], parts: Sequence[MeshPart], instance_of_part: Sequence[int]
 ) -> tuple[Instance, ...]:
-    low = np.full((len(things), 3), np.inf)
-    high = np.full((len(things), 3), -np.inf)
-    for piece, number in zip(pieces, of_piece, strict=True):
-        corners = piece.vertices[piece.faces.ravel()]
+    low = np.full((len(objects), 3), np.inf)
+    high = np.full((len(objects), 3), -np.inf)
+    for part, number in zip(parts, instance_of_part, strict=True):
+        corners = part.vertices[part.faces.ravel()]
         low[number] = np.minimum(low[number], corners.min(axis=0))
         high[number] = np.maximum(high[number], corners.max(axis=0))
     return tuple(
-        Instance(number, thing.name, thing.label, _point(low[number]), _point(high[number]))
-        for number, thing in enumerate(things)
+        Instance(number, item.name, item.label, _point(low[number]), _point(high[number]))
+        for number, item in enumerate(objects)
     )
 
 
@@ -143,10 +143,10 @@ def _or_white(colors: np.ndarray | None, faces: int) -> np.ndarray:
     return colors if colors is not None else np.full((faces, 3, 3), 255, dtype=np.uint8)
 
 
-def _normals(piece: Piece) -> Float32[np.ndarray, "faces 3 3"]:
-    if piece.normals is not None:
-        return piece.normals
-    return creased_normals(piece.vertices, piece.faces)
+def _normals(part: MeshPart) -> Float32[np.ndarray, "faces 3 3"]:
+    if part.normals is not None:
+        return part.normals
+    return creased_normals(part.vertices, part.faces)
 
 
 def creased_normals(

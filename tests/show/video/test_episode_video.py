@@ -14,8 +14,13 @@ from hypernav.core.observation import Observation
 from hypernav.core.trace import DetectionRecord, Mode, StepTrace
 from hypernav.show.drawing import palette
 from hypernav.show.video.camera_panel import draw_camera
-from hypernav.show.video.pacing import ENDING_FRAMES, FRAMES_PER_SECOND, frames_of, start_times
-from hypernav.show.video.video import EpisodeVideo
+from hypernav.show.video.episode_video import EpisodeVideo
+from hypernav.show.video.frame_timing import (
+    ENDING_FRAMES,
+    FRAMES_PER_SECOND,
+    frame_count,
+    start_times,
+)
 
 MakeStep = Callable[..., StepTrace]
 
@@ -74,7 +79,7 @@ def test_the_video_is_what_browsers_play(
     path = film(tmp_path / "new" / "episode.mp4", steps, observation, room, result)
     video = read(path)
     assert (video.codec.name, video.codec.pix_fmt) == ("h264", "yuv420p")
-    assert video.frames == sum(frames_of(step) for step in steps) + ENDING_FRAMES
+    assert video.frames == sum(frame_count(step) for step in steps) + ENDING_FRAMES
     assert video.times[: len(steps)] == pytest.approx(start_times(steps), abs=1e-3)
     assert all(image.shape == (720, 1280, 3) for image in video.images)
     content = path.read_bytes()
@@ -89,7 +94,7 @@ def test_times_in_the_video_are_those_that_the_page_seeks_to(
     video = read(film(tmp_path / "episode.mp4", steps, observation, room, None))
     times = start_times(steps)
     assert times == sorted(times)
-    assert video.frames == sum(frames_of(step) for step in steps)
+    assert video.frames == sum(frame_count(step) for step in steps)
     for mode, time in zip(modes, times, strict=True):
         chip = video.at(time)[16:30, 690:698].reshape(-1, 3)
         assert np.median(chip, axis=0) == pytest.approx(np.array(palette.MODES[mode]), abs=14)
@@ -97,10 +102,10 @@ def test_times_in_the_video_are_those_that_the_page_seeks_to(
 
 def test_decisions_and_events_stay_longer(make_step: MakeStep) -> None:
     plain, asked, event = make_step(0), make_step(2), make_step(0, events=["goal seen"])
-    assert frames_of(asked) > frames_of(plain)
-    assert frames_of(event) > frames_of(plain)
+    assert frame_count(asked) > frame_count(plain)
+    assert frame_count(event) > frame_count(plain)
     only_looked = make_step(0, exchanges=[make_step(2).exchanges[0]])
-    assert frames_of(only_looked) == frames_of(plain), "asked at every step, so nothing special"
+    assert frame_count(only_looked) == frame_count(plain), "asked at every step, so nothing special"
     assert start_times([]) == []
 
 
@@ -153,7 +158,7 @@ def test_any_text_fits_into_the_frame(
     detections = [sighting.model_copy(update={"label": text, "accepted": False, "reason": text})]
     step = make_step(2, reason=text, exchanges=exchanges, detections=detections)
     path = film(tmp_path / "a.mp4", [step], observation, room, {"outcome": "not_found"}, goal=text)
-    assert read(path).frames == frames_of(step) + ENDING_FRAMES
+    assert read(path).frames == frame_count(step) + ENDING_FRAMES
 
 
 def test_an_accepted_detection_is_outlined_where_it_is(sighting: DetectionRecord) -> None:

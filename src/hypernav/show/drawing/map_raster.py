@@ -9,8 +9,8 @@ from jaxtyping import Int64, UInt8
 
 from hypernav.core.geometry.bounds import is_within
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
+from hypernav.show.drawing.map_view import MapView
 from hypernav.show.drawing.palette import FREE, OCCUPIED, UNKNOWN, Rgb, blend
-from hypernav.show.drawing.view import MapView
 
 # Cells are drawn in one grey channel and coloured at the end. An edge between free and occupied
 # then passes through the grey of unknown for a fraction of a pixel, which nobody sees.
@@ -38,7 +38,7 @@ _COLORS = _color_table()
 _SHADES = _shade_table()
 
 
-def rasterise(grid: OccupancyGrid, view: MapView) -> UInt8[np.ndarray, "_ _ 3"]:
+def rasterize_map(grid: OccupancyGrid, view: MapView) -> UInt8[np.ndarray, "_ _ 3"]:
     """Draw the cells that a window shows, edges anti-aliased.
 
     Where a pixel covers many cells, an obstacle among them wins: thin walls stay visible on the
@@ -51,17 +51,17 @@ def rasterise(grid: OccupancyGrid, view: MapView) -> UInt8[np.ndarray, "_ _ 3"]:
     factor = max(math.ceil(pixel_m / grid.resolution_m), 1)
     # Averaging would bleach a wall that is thinner than a pixel.
     samples = view.size * (_SUPERSAMPLING if factor == 1 else 1)
-    cells, side_m = _thinned(grid, factor)
+    cells, side_m = _downsampled(grid, factor)
     middles = (np.arange(samples) + 0.5) / samples * view.side_m
     columns = np.floor((view.left_m + middles - grid.origin[0]) / side_m).astype(np.int64)
     rows = np.floor((view.top_m - middles - grid.origin[1]) / side_m).astype(np.int64)
-    shade = cv2.LUT(_looked_up(cells, rows, columns), _SHADES)
+    shade = cv2.LUT(_cells_at(cells, rows, columns), _SHADES)
     if samples != view.size:
         shade = cv2.resize(shade, (view.size, view.size), interpolation=cv2.INTER_AREA)
     return cv2.LUT(cv2.cvtColor(shade, cv2.COLOR_GRAY2RGB), _COLORS)
 
 
-def _thinned(grid: OccupancyGrid, factor: int) -> tuple[UInt8[np.ndarray, "_ _"], float]:
+def _downsampled(grid: OccupancyGrid, factor: int) -> tuple[UInt8[np.ndarray, "_ _"], float]:
     """The cells, with each square of ``factor`` a side brought down to one, and their side."""
     if factor == 1:
         return grid.cells, grid.resolution_m
@@ -76,7 +76,7 @@ def _thinned(grid: OccupancyGrid, factor: int) -> tuple[UInt8[np.ndarray, "_ _"]
     return padded, grid.resolution_m * factor
 
 
-def _looked_up(
+def _cells_at(
     cells: UInt8[np.ndarray, "_ _"], rows: Int64[np.ndarray, "_"], columns: Int64[np.ndarray, "_"]
 ) -> UInt8[np.ndarray, "_ _"]:
     """The cell at every pair of row and column, unknown outside."""

@@ -12,12 +12,12 @@ from hypernav.core.errors import RunFolderError
 from hypernav.evaluation.failures.classification import RULES, Failure
 from hypernav.evaluation.protocol import SUCCESS_DISTANCES_M, StopRule
 from hypernav.evaluation.record import EpisodeRecord
-from hypernav.evaluation.report import tables, wording
-from hypernav.evaluation.report.files import write_csv, write_tex
-from hypernav.evaluation.report.published import PUBLISHED
+from hypernav.evaluation.report import report_text, tables
+from hypernav.evaluation.report.published_results import PUBLISHED
 from hypernav.evaluation.report.run_data import RunData
-from hypernav.show.pages import words
-from hypernav.show.pages.site import page_environment, plain
+from hypernav.evaluation.report.table_files import write_csv, write_tex
+from hypernav.show import captions
+from hypernav.show.pages.templating import page_environment, plain
 
 _SHOWN_FAILURES = 200
 
@@ -58,12 +58,12 @@ def _content(folder: Path, runs: Sequence[RunData], pairs: Sequence[tables.Pair]
     summaries = tables.overall(runs)
     return {
         "runs": runs,
-        "title": wording.title(runs),
-        "lead": wording.lead(runs, summaries),
-        "warnings": wording.warnings(runs),
+        "title": report_text.title(runs),
+        "lead": report_text.lead(runs, summaries),
+        "warnings": report_text.warnings(runs),
         "summaries": list(zip(runs, summaries, strict=True)),
         "pairs": pairs,
-        "verdicts": [wording.verdict(pair) for pair in pairs],
+        "verdicts": [report_text.verdict(pair) for pair in pairs],
         "distances": SUCCESS_DISTANCES_M,
         "stop_rules": list(StopRule),
         "matrices": [(run, tables.protocol_matrix(run)) for run in runs],
@@ -79,14 +79,14 @@ def _content(folder: Path, runs: Sequence[RunData], pairs: Sequence[tables.Pair]
         "modules": tables.module_times(runs),
         "questions": tables.questions_a_step(runs),
         "calls": [_calls(run) for run in runs],
-        "protocol": wording.protocol_lines(runs[0]),
-        "other_protocols": [(r, wording.other_protocol_lines(r, runs[0])) for r in runs[1:]],
+        "protocol": report_text.protocol_lines(runs[0]),
+        "other_protocols": [(r, report_text.other_protocol_lines(r, runs[0])) for r in runs[1:]],
         "configurations": [(run, _yaml(run.configuration)) for run in runs],
         "published": PUBLISHED,
         "saved": _saved(folder, runs),
-        "sessions": [(run, wording.session_lines(run)) for run in runs],
-        "words": words,
-        "wording": wording,
+        "sessions": [(run, report_text.session_lines(run)) for run in runs],
+        "captions": captions,
+        "report_text": report_text,
     }
 
 
@@ -131,7 +131,7 @@ def _calls(run: RunData) -> dict[str, float]:
 
 
 def _rule_words(failure: Failure) -> str:
-    return wording.RULES_IN_WORDS[failure]
+    return report_text.RULES_IN_WORDS[failure]
 
 
 def _yaml(configuration: object) -> str:

@@ -10,11 +10,11 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.overview import Block
 from hypernav.core.trace import BlockRecord
-from hypernav.show.drawing import palette, strokes
-from hypernav.show.drawing.lettering import draw_text, text_width
-from hypernav.show.drawing.numbering import Disc, Square, number_size, place_number
-from hypernav.show.drawing.raster import rasterise
-from hypernav.show.drawing.view import MapView
+from hypernav.show.drawing import palette, shapes
+from hypernav.show.drawing.map_raster import rasterize_map
+from hypernav.show.drawing.map_view import MapView
+from hypernav.show.drawing.number_placement import Disc, Square, number_position, number_size
+from hypernav.show.drawing.text import draw_text, text_width
 
 _SHADES_OF_TIME = 24
 _SCALE_BARS_M = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0)
@@ -48,15 +48,15 @@ class MapPainter:
             view: What the image shows; by default the explored area, fitted and centred.
         """
         self.view = view if view is not None else MapView.fit(grid, size)
-        self.image: UInt8[np.ndarray, "_ _ 3"] = rasterise(grid, self.view)
+        self.image: UInt8[np.ndarray, "_ _ 3"] = rasterize_map(grid, self.view)
         self._unit = self.view.size / 768.0
 
     def goal_area(self, polygons: Iterable[Sequence[XY]]) -> None:
         """Fill the cells that the goal was seen on."""
         outlines = [self._pixels(polygon) for polygon in polygons if len(polygon) >= 3]
-        strokes.polygon(self.image, outlines, palette.GOAL, opacity=0.45)
+        shapes.polygon(self.image, outlines, palette.GOAL, opacity=0.45)
         for outline in outlines:
-            strokes.line(self.image, outline, palette.GOAL, 2 * self._unit, closed=True)
+            shapes.line(self.image, outline, palette.GOAL, 2 * self._unit, closed=True)
 
     def blocks(
         self,
@@ -72,11 +72,11 @@ class MapPainter:
             low, high = self._corners(block)
             if block.number in excluded:
                 spacing = max(round(9 * self._unit), 5)
-                strokes.hatch(
+                shapes.hatch(
                     self.image, low, high, palette.EXCLUDED, spacing=spacing, opacity=opacity
                 )
             if block.number == chosen:
-                strokes.rectangle(self.image, low, high, palette.CHOSEN, opacity=0.35 * opacity)
+                shapes.rectangle(self.image, low, high, palette.CHOSEN, opacity=0.35 * opacity)
             self._frame(low, high, outline, 1.0)
         for block in blocks:
             if block.number == chosen:
@@ -100,7 +100,7 @@ class MapPainter:
         for block, square in zip(blocks, squares, strict=True):
             text, bold = str(block.number), block.number not in excluded
             width = text_width(text, size, bold=bold) + 4.0
-            at = place_number(square, width, size, arrow, mark)
+            at = number_position(square, width, size, arrow, mark)
             color = palette.INK if bold else palette.BLOCK
             draw_text(
                 self.image,
@@ -123,20 +123,20 @@ class MapPainter:
             start, end = ((len(line) - 1) * k // pieces for k in (piece, piece + 1))
             share = (piece + 1) / pieces
             color = palette.blend(palette.TRAJECTORY_OLD, palette.TRAJECTORY_NEW, share)
-            strokes.line(self.image, line[start : end + 1], color, 3.4 * self._unit)
+            shapes.line(self.image, line[start : end + 1], color, 3.4 * self._unit)
 
     def start(self, x: float, y: float) -> None:
         """Mark where the robot began."""
         at, radius = self.view.pixel_of(x, y), max(6.0 * self._unit, 4.0)
-        strokes.disc(self.image, at, radius + 1.5, palette.FREE)
-        strokes.disc(self.image, at, radius, palette.TRAJECTORY_NEW)
-        strokes.disc(self.image, at, 0.45 * radius, palette.FREE)
+        shapes.disc(self.image, at, radius + 1.5, palette.FREE)
+        shapes.disc(self.image, at, radius, palette.TRAJECTORY_NEW)
+        shapes.disc(self.image, at, 0.45 * radius, palette.FREE)
 
     def path(self, points: Sequence[XY]) -> None:
         """Draw the way that the robot means to go, dashed."""
         line = self._pixels(points)
         dash = max(10.0 * self._unit, 6.0)
-        strokes.dashed_line(
+        shapes.dashed_line(
             self.image, line, palette.PATH, 3 * self._unit, dash=dash, gap=0.6 * dash
         )
 
@@ -146,7 +146,7 @@ class MapPainter:
         at, radius = (mark.u, mark.v), mark.radius - 3.0 * self._unit
         arm = 0.62 * radius
         for color, width in ((palette.FREE, 6.0), (palette.PATH, 3.0)):
-            strokes.ring(self.image, at, radius, color, width * self._unit)
+            shapes.ring(self.image, at, radius, color, width * self._unit)
             for slope in (1.0, -1.0):
                 cross = np.array(
                     [
@@ -154,7 +154,7 @@ class MapPainter:
                         [at[0] + arm * 0.7, at[1] + slope * arm * 0.7],
                     ]
                 )
-                strokes.line(self.image, cross, color, width * self._unit)
+                shapes.line(self.image, cross, color, width * self._unit)
 
     def robot(self, pose: Pose2) -> None:
         """Draw the robot as an arrow that points where it looks."""
@@ -174,7 +174,7 @@ class MapPainter:
                 ((left, bottom - 8 * unit), (left + 2, bottom)),
                 ((left + length - 2, bottom - 8 * unit), (left + length, bottom)),
             ):
-                strokes.rectangle(
+                shapes.rectangle(
                     self.image,
                     (low[0] - rim, low[1] - rim),
                     (high[0] + rim, high[1] + rim),
@@ -203,7 +203,7 @@ class MapPainter:
     def _frame(self, low: XY, high: XY, color: palette.Rgb, width: float) -> None:
         corners = np.array([low, (high[0], low[1]), high, (low[0], high[1])])
         # Whole pixels keep a thin upright line crisp.
-        strokes.line(self.image, np.rint(corners) + 0.5, color, width, closed=True)
+        shapes.line(self.image, np.rint(corners) + 0.5, color, width, closed=True)
 
     def _arrow_disc(self, pose: Pose2) -> Disc:
         return Disc(*self.view.pixel_of(pose.x, pose.y), max(17.0 * self._unit, 10.0))
@@ -226,6 +226,6 @@ def draw_arrow(
     c, s = math.cos(yaw), math.sin(yaw)
     turned = np.stack([_ARROW @ (c, -s), -(_ARROW @ (s, c))], axis=1)
     rim = np.array(at) + turned * (radius - 1.0)
-    strokes.polygon(image, [rim], palette.FREE)
-    strokes.line(image, rim, palette.FREE, 3.0, closed=True)
-    strokes.polygon(image, [np.array(at) + turned * (radius - 3.0)], palette.ROBOT)
+    shapes.polygon(image, [rim], palette.FREE)
+    shapes.line(image, rim, palette.FREE, 3.0, closed=True)
+    shapes.polygon(image, [np.array(at) + turned * (radius - 3.0)], palette.ROBOT)

@@ -13,8 +13,8 @@ from hypernav.core.overview import Block
 from hypernav.core.trace import StepTrace
 from hypernav.show.drawing import palette
 from hypernav.show.drawing.legend import Layer, draw_legend
-from hypernav.show.drawing.painter import XY, MapPainter, NumberedSquare
-from hypernav.show.drawing.view import MapView
+from hypernav.show.drawing.map_painter import XY, MapPainter, NumberedSquare
+from hypernav.show.drawing.map_view import MapView
 
 _MAP_SIZE = 1200
 _LEGEND_HEIGHT = 56

@@ -3,16 +3,22 @@ import math
 import pytest
 
 from hypernav.core.trace import DetectionRecord, Exchange, Mode
+from hypernav.show import captions
 from hypernav.show.drawing import palette
-from hypernav.show.pages import words
 
 
 def test_the_gist_of_a_long_prompt_is_its_question() -> None:
     prompt = "You help a robot. Is this clear? White is free floor. " * 8
-    assert words.gist(prompt + "Which block is next? Answer a number.") == "Which block is next?"
-    assert words.gist("Which block?\n  Answer a number.") == "Which block? Answer a number."
+    assert (
+        captions.final_question(prompt + "Which block is next? Answer a number.")
+        == "Which block is next?"
+    )
+    assert (
+        captions.final_question("Which block?\n  Answer a number.")
+        == "Which block? Answer a number."
+    )
     unasked = "Say where to go. " * 30
-    assert words.gist(unasked) == unasked.strip()
+    assert captions.final_question(unasked) == unasked.strip()
 
 
 @pytest.mark.parametrize(
@@ -31,30 +37,30 @@ def test_the_gist_of_a_long_prompt_is_its_question() -> None:
     ],
 )
 def test_every_ending_has_a_headline(result: dict[str, object], text: str, tone: str) -> None:
-    headline = words.headline(result)
+    headline = captions.headline(result)
     assert text in headline.text
     assert headline.tone == tone
 
 
 def test_ground_truth_is_called_by_its_name_however_it_is_spelt() -> None:
     for name in ("ground truth", "ground-truth", "Ground_Truth"):
-        assert words.is_ground_truth(name)
-        assert "ground truth labels" in words.part_in_use(name)
-        assert "no model" in words.part_in_use(name)
-    assert words.is_ground_truth("ground-truth labels of the simulator")
-    assert "no model" in words.part_in_use("geometric")
-    assert not words.is_ground_truth("yolox:ground.onnx")
-    assert words.part_in_use("yolox:nano.onnx") == "yolox:nano.onnx"
+        assert captions.is_ground_truth(name)
+        assert "ground truth labels" in captions.component_caption(name)
+        assert "no model" in captions.component_caption(name)
+    assert captions.is_ground_truth("ground-truth labels of the simulator")
+    assert "no model" in captions.component_caption("geometric")
+    assert not captions.is_ground_truth("yolox:ground.onnx")
+    assert captions.component_caption("yolox:nano.onnx") == "yolox:nano.onnx"
 
 
 def test_numbers_that_are_missing_or_endless_can_be_read() -> None:
-    assert words.number(None) == "–"
-    assert words.number("7") == "–"
-    assert words.number(math.nan) == "–"
-    assert words.number(math.inf, unit="m") == "∞"
-    assert words.number(True) == "yes"
-    assert words.number(7) == "7"
-    assert words.number(1.236, 2, "m") == "1.24\u00a0m"
+    assert captions.number(None) == "–"
+    assert captions.number("7") == "–"
+    assert captions.number(math.nan) == "–"
+    assert captions.number(math.inf, unit="m") == "∞"
+    assert captions.number(True) == "yes"
+    assert captions.number(7) == "7"
+    assert captions.number(1.236, 2, "m") == "1.24\u00a0m"
 
 
 @pytest.mark.parametrize(
@@ -69,25 +75,25 @@ def test_numbers_that_are_missing_or_endless_can_be_read() -> None:
     ],
 )
 def test_durations_have_the_unit_that_fits(seconds: float, text: str) -> None:
-    assert words.duration(seconds) == text
+    assert captions.duration(seconds) == text
 
 
 def test_what_is_seen_is_said_of_the_best_detection(sighting: DetectionRecord) -> None:
     far = sighting.model_copy(update={"accepted": False, "reason": "too far", "score": 0.99})
-    assert words.seen_words([]) == "goal not in view"
-    assert words.seen_words([far]) == "“bed” not accepted: too far"
-    assert words.seen_words([far, sighting]) == "sees “bed”, 83% sure"
+    assert captions.detections_caption([]) == "goal not in view"
+    assert captions.detections_caption([far]) == "“bed” not accepted: too far"
+    assert captions.detections_caption([far, sighting]) == "sees “bed”, 83% sure"
 
 
 def test_an_unknown_kind_of_question_keeps_its_name() -> None:
     exchange = Exchange(kind="ask a person", asked="", question="", answer="")
-    assert words.question_words(exchange) == "Ask a person"
+    assert captions.question_caption(exchange) == "Ask a person"
 
 
 def test_every_mode_has_words_and_a_colour_that_its_ink_can_be_read_on() -> None:
     for mode in Mode:
-        assert words.MODES[mode]
-        assert words.MODES_EXPLAINED[mode]
+        assert captions.MODES[mode]
+        assert captions.MODES_EXPLAINED[mode]
         color = palette.MODES[mode]
         assert palette.contrast(palette.ink_on(color), color) >= 4.5
 

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
-from hypernav.show.drawing.view import MapView, SteadyView, explored_bounds
+from hypernav.show.drawing.map_view import MapView, SteadyView, explored_bounds
 
 metres = st.floats(-500.0, 500.0)
 views = st.builds(

@@ -52,14 +52,14 @@ _PARTS_WITHOUT_MODEL: dict[str, str] = {
 }
 
 
-def part_in_use(name: str) -> str:
+def component_caption(name: str) -> str:
     """Who looks or decides, said so that nobody takes ground truth for a model."""
     return _PARTS_WITHOUT_MODEL.get(_spaced(name), name)
 
 
-def who_answered(exchange: Exchange) -> str:
+def answerer_caption(exchange: Exchange) -> str:
     """Who was asked, as a sentence begins; a model's own name is left as it is."""
-    return exchange.asked if exchange.by_model else sentence(part_in_use(exchange.asked))
+    return exchange.asked if exchange.by_model else sentence(component_caption(exchange.asked))
 
 
 def is_ground_truth(detector: str) -> bool:
@@ -76,12 +76,12 @@ def quoted(goal: str) -> str:
     return f"“{goal.strip()}”"
 
 
-def question_words(exchange: Exchange) -> str:
+def question_caption(exchange: Exchange) -> str:
     """What was asked, in a few words."""
     return QUESTIONS.get(exchange.kind, exchange.kind.capitalize())
 
 
-def gist(question: str) -> str:
+def final_question(question: str) -> str:
     """The question itself, out of a long prompt: its last sentence that ends in a question mark.
 
     A short question, and one without a question mark, stays as it is.
@@ -96,7 +96,7 @@ def gist(question: str) -> str:
     return text[start + 1 : end + 1].strip()
 
 
-def seen_words(detections: list[DetectionRecord]) -> str:
+def detections_caption(detections: list[DetectionRecord]) -> str:
     """What the camera shows of the goal, in one short line."""
     if not detections:
         return "goal not in view"
@@ -111,15 +111,15 @@ def seen_words(detections: list[DetectionRecord]) -> str:
     return f"{quoted(best.label)} not accepted{why}"
 
 
-def camera_words(step: StepTrace) -> str:
+def camera_caption(step: StepTrace) -> str:
     """What was asked about the camera image of a step and what came of it, in one line."""
     asked = [exchange for exchange in step.exchanges if exchange.kind in {"ground", "attention"}]
     if not asked:
-        return seen_words(step.detections)
+        return detections_caption(step.detections)
     answer = " ".join(asked[-1].answer.replace("```json", "").replace("```", "").split())
     if asked[-1].kind == "attention":
         return f"not looked at, {answer}"
-    return f"{seen_words(step.detections)}  ·  {asked[-1].asked}: {quoted(answer)}"
+    return f"{detections_caption(step.detections)}  ·  {asked[-1].asked}: {quoted(answer)}"
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ def decisions(step: StepTrace) -> list[Exchange]:
     return [one for one in step.exchanges if one.kind not in {"ground", "attention"}]
 
 
-def frames_of(step: StepTrace) -> int:
+def frame_count(step: StepTrace) -> int:
     """How many frames a step stays: a second for a decision or an event, else a sixth of one."""
     return _AT_A_DECISION if decisions(step) or step.events else _AT_A_STEP
 
@@ -25,5 +25,5 @@ def start_times(steps: Sequence[StepTrace]) -> list[float]:
     times, frame = [], 0
     for step in steps:
         times.append(frame / FRAMES_PER_SECOND)
-        frame += frames_of(step)
+        frame += frame_count(step)
     return times

@@ -13,11 +13,11 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.overview import Block
 from hypernav.core.trace import BlockRecord, StepTrace
 from hypernav.show.drawing import palette
-from hypernav.show.drawing.maps import draw_map, draw_overview, draw_result, write_map_png
-from hypernav.show.drawing.numbering import Disc, Square, place_number
-from hypernav.show.drawing.painter import MapPainter
-from hypernav.show.drawing.raster import rasterise
-from hypernav.show.drawing.view import MapView
+from hypernav.show.drawing.map_images import draw_map, draw_overview, draw_result, write_map_png
+from hypernav.show.drawing.map_painter import MapPainter
+from hypernav.show.drawing.map_raster import rasterize_map
+from hypernav.show.drawing.map_view import MapView
+from hypernav.show.drawing.number_placement import Disc, Square, number_position
 
 
 def pixels_near(image: np.ndarray, color: palette.Rgb, tolerance: int = 40) -> np.ndarray:
@@ -40,7 +40,7 @@ def grid_of_blocks(size: float, columns: int, rows: int) -> list[Block]:
 
 def test_every_cell_has_its_colour_where_the_view_says(room: OccupancyGrid) -> None:
     view = MapView.fit(room, 500)
-    image = rasterise(room, view)
+    image = rasterize_map(room, view)
     colors = {Cell.UNKNOWN: palette.UNKNOWN, Cell.FREE: palette.FREE}
     colors[Cell.OCCUPIED] = palette.OCCUPIED
     checked = 0
@@ -70,7 +70,7 @@ def test_an_unexplored_map_is_grey() -> None:
 def test_a_thin_wall_stays_visible_on_the_map_of_a_huge_building() -> None:
     cells = np.full((3000, 3000), Cell.FREE, dtype=np.uint8)
     cells[1500, :] = Cell.OCCUPIED
-    image = rasterise(
+    image = rasterize_map(
         OccupancyGrid(cells, 0.05, (-75.0, -75.0)), MapView(-80.0, 80.0, 300 / 160.0, 300)
     )
     column = image[:, 150, :].astype(int).sum(axis=1)
@@ -115,7 +115,7 @@ def test_a_number_never_touches_the_robot(
     u: float, v: float, radius: float,
 ) -> None:  # fmt: skip
     square, robot = Square(left, top, side), Disc(u, v, radius)
-    at = place_number(square, width, height, robot)
+    at = number_position(square, width, height, robot)
     nearest = np.clip(
         [u, v],
         [at[0] - width / 2, at[1] - height / 2],
@@ -130,16 +130,16 @@ def test_a_number_never_touches_the_robot(
 
 
 def test_a_number_stands_in_the_middle_when_no_robot_is_near() -> None:
-    assert place_number(Square(10, 20, 40), 15, 10, None) == (30, 40)
-    assert place_number(Square(10, 20, 40), 15, 10, Disc(300, 300, 20)) == (30, 40)
+    assert number_position(Square(10, 20, 40), 15, 10, None) == (30, 40)
+    assert number_position(Square(10, 20, 40), 15, 10, Disc(300, 300, 20)) == (30, 40)
 
 
 def test_a_number_avoids_the_destination_where_it_can_and_the_robot_always() -> None:
     square, robot = Square(0, 0, 100), Disc(80, 50, 15)
-    u, v = place_number(square, 20, 12, robot, Disc(50, 50, 13))
+    u, v = number_position(square, 20, 12, robot, Disc(50, 50, 13))
     assert max(abs(u - 50) - 10, 0) + max(abs(v - 50) - 6, 0) >= 13
-    crowded = place_number(square, 20, 12, robot, Disc(50, 50, 200))
-    assert crowded == place_number(square, 20, 12, robot)
+    crowded = number_position(square, 20, 12, robot, Disc(50, 50, 200))
+    assert crowded == number_position(square, 20, 12, robot)
 
 
 def test_the_overview_shows_the_whole_arrow_among_sixty_numbers(room: OccupancyGrid) -> None:

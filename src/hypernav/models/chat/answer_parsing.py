@@ -28,7 +28,7 @@ _LEAD = re.compile(
 _SHORT = 80
 
 
-def read_answer(
+def parse_answer(
     question: Question,
     text: str,
     *,
@@ -67,9 +67,9 @@ def read_answer(
     if not said:
         return _faulty(answer, Fault.UNPARSABLE, "the answer is empty")
     if question.allowed:
-        return _read_allowed(answer, said, question.allowed)
+        return _parse_allowed(answer, said, question.allowed)
     if question.form is not None:
-        return _read_form(answer, said, question.form)
+        return _parse_form(answer, said, question.form)
     return replace(answer, value=said)
 
 
@@ -88,7 +88,7 @@ def _faulty(answer: Answer, fault: Fault, detail: str) -> Answer:
     return replace(answer, fault=fault, detail=detail)
 
 
-def _read_allowed(answer: Answer, said: str, allowed: tuple[str, ...]) -> Answer:
+def _parse_allowed(answer: Answer, said: str, allowed: tuple[str, ...]) -> Answer:
     by_key = {_key(label): label for label in allowed}
     bare = _unwrapped(said)
     if _key(bare) in by_key:
@@ -130,7 +130,7 @@ def _json_in(text: str) -> Any:
         return None
 
 
-def _read_form(answer: Answer, said: str, form: type[BaseModel]) -> Answer:
+def _parse_form(answer: Answer, said: str, form: type[BaseModel]) -> Answer:
     fenced = _FENCE.search(said)
     body = fenced[1] if fenced else said
     begin, end = body.find("{"), body.rfind("}")

@@ -14,9 +14,9 @@ from urllib.parse import urlsplit, urlunsplit
 
 from hypernav.core.errors import ModelRejectedError
 from hypernav.models.chat.config import ChatConfig
-from hypernav.models.chat.dialects import Dialect, dialect_named
 from hypernav.models.chat.http_client import BadRequestError, HttpClient
 from hypernav.models.chat.retry import RetryLaterError
+from hypernav.models.chat.server_dialects import ServerDialect, dialect_named
 
 _OWNERS = {"vllm": "vllm", "sglang": "sglang", "llamacpp": "llamacpp", "library": "ollama"}
 _STRUCTURED_SINCE = (0, 11)
@@ -24,7 +24,7 @@ _log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
-class Server:
+class ServerInfo:
     """What is known of a server.
 
     Attributes:
@@ -35,14 +35,16 @@ class Server:
 
     model: str
     models: tuple[str, ...]
-    dialect: Dialect
+    dialect: ServerDialect
 
 
-def probe(door: HttpClient, model: str | None, config: ChatConfig, *, limit_s: float) -> Server:
+def detect_server(
+    client: HttpClient, model: str | None, config: ChatConfig, *, limit_s: float
+) -> ServerInfo:
     """Ask a server what it is.
 
     Args:
-        door: To the server.
+        client: HTTP client of the server.
         model: The wanted model's name; None takes the only one.
         config: May name the dialect, which saves finding out.
         limit_s: For each of up to three requests.
@@ -52,16 +54,18 @@ def probe(door: HttpClient, model: str | None, config: ChatConfig, *, limit_s: f
         ChatTransportError: It cannot be reached.
         ChatTimeoutError: It does not answer.
     """
-    entries = _models(door, model, limit_s)
+    entries = _models(client, model, limit_s)
     names = tuple(entry["id"] for entry in entries)
-    chosen = model or _only(names, door)
+    chosen = model or _only(names, client)
     if config.dialect != "auto":
-        return Server(chosen, names, dialect_named(config.dialect))
+        return ServerInfo(chosen, names, dialect_named(config.dialect))
     owners = {str(entry.get("owned_by", "")).lower() for entry in entries}
-    return Server(chosen, names, _dialect(door, chosen, owners, limit_s))
+    return ServerInfo(chosen, names, _dialect(client, chosen, owners, limit_s))
 
 
-def with_suggestion(error: ModelRejectedError, server: Server, url: str) -> ModelRejectedError:
+def with_known_models(
+    error: ModelRejectedError, server: ServerInfo, url: str
+) -> ModelRejectedError:
     """The same error, with the models that the server does have."""
     if len(server.models) == 0 or server.model in server.models:
         return error
@@ -72,14 +76,14 @@ def with_suggestion(error: ModelRejectedError, server: Server, url: str) -> Mode
     )
 
 
-def _models(door: HttpClient, model: str | None, limit_s: float) -> list[dict[str, Any]]:
+def _models(client: HttpClient, model: str | None, limit_s: float) -> list[dict[str, Any]]:
     try:
-        reply = door.get("/models", limit_s=limit_s)
+        reply = client.get("/models", limit_s=limit_s)
     except ModelRejectedError as error:
         if model is not None and "answered 404" in str(error):
             return []
-        if "answered 404" in str(error) and not urlsplit(door.url).path.rstrip("/"):
-            raise ModelRejectedError(f"{error}; try openai:{door.url}/v1") from error
+        if "answered 404" in str(error) and not urlsplit(client.url).path.rstrip("/"):
+            raise ModelRejectedError(f"{error}; try openai:{client.url}/v1") from error
         raise
     except RetryLaterError as error:
         # A broken list, as `transformers serve` has without a cache folder, is no reason to stop.
@@ -91,48 +95,48 @@ def _models(door: HttpClient, model: str | None, limit_s: float) -> list[dict[st
     return [one for one in entries if isinstance(one, dict) and isinstance(one.get("id"), str)]
 
 
-def _only(names: tuple[str, ...], door: HttpClient) -> str:
+def _only(names: tuple[str, ...], client: HttpClient) -> str:
     if len(names) == 0:
-        raise ModelRejectedError(f"{door.url} lists no model; name it: openai:{door.url}#MODEL")
+        raise ModelRejectedError(f"{client.url} lists no model; name it: openai:{client.url}#MODEL")
     if len(names) == 1:
         return names[0]
     some = ", ".join(names[:5]) + (", …" if len(names) > 5 else "")
     raise ModelRejectedError(
-        f"{door.url} has several models ({some}); name one: openai:{door.url}#{names[0]}"
+        f"{client.url} has several models ({some}); name one: openai:{client.url}#{names[0]}"
     )
 
 
-def _dialect(door: HttpClient, model: str, owners: set[str], limit_s: float) -> Dialect:
+def _dialect(client: HttpClient, model: str, owners: set[str], limit_s: float) -> ServerDialect:
     name = next((_OWNERS[owner] for owner in sorted(owners) if owner in _OWNERS), "openai")
-    if name == "vllm" and _vllm_version(door, limit_s) < _STRUCTURED_SINCE:
+    if name == "vllm" and _vllm_version(client, limit_s) < _STRUCTURED_SINCE:
         name = "vllm-guided"
-    if name == "openai" and urlsplit(door.url).hostname == "api.openai.com":
+    if name == "openai" and urlsplit(client.url).hostname == "api.openai.com":
         known = dialect_named("openai")
-        return Dialect(
+        return ServerDialect(
             "openai", known.choice, known.form, known.logprobs, token_limit="max_completion_tokens"
         )
-    if name == "openai" and _has_systemone(door, limit_s):
+    if name == "openai" and _has_systemone(client, limit_s):
         name = "transformers"
-    _log.info("%s: model %s, dialect %s", door.url, model, name)
+    _log.info("%s: model %s, dialect %s", client.url, model, name)
     return dialect_named(name)
 
 
-def _vllm_version(door: HttpClient, limit_s: float) -> tuple[int, ...]:
+def _vllm_version(client: HttpClient, limit_s: float) -> tuple[int, ...]:
     """From ``GET /version``, which lies beside the API; new if it does not say."""
-    parts = urlsplit(door.url)
+    parts = urlsplit(client.url)
     try:
         root = urlunsplit((parts.scheme, parts.netloc, "/version", "", ""))
-        version = str(door.get(root, limit_s=limit_s).get("version", ""))
+        version = str(client.get(root, limit_s=limit_s).get("version", ""))
     except ModelRejectedError:
         version = ""
     numbers = re.match(r"(\d+)\.(\d+)", version)
     return (int(numbers[1]), int(numbers[2])) if numbers else _STRUCTURED_SINCE
 
 
-def _has_systemone(door: HttpClient, limit_s: float) -> bool:
+def _has_systemone(client: HttpClient, limit_s: float) -> bool:
     """An empty request is refused for its content where the endpoint exists, else not found."""
     try:
-        door.post("/systemone", {}, limit_s=limit_s)
+        client.post("/systemone", {}, limit_s=limit_s)
     except ModelRejectedError as error:
         return isinstance(error, BadRequestError)
     except RetryLaterError as error:

@@ -11,8 +11,8 @@ import pytest
 
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.trace import DetectionRecord, StepTrace
-from hypernav.show.pages.page import write_page
-from hypernav.show.pages.site import page_environment
+from hypernav.show.pages.episode_page import write_page
+from hypernav.show.pages.templating import page_environment
 
 MakeStep = Callable[..., StepTrace]
 VOID = frozenset({"meta", "img", "input", "br", "link", "hr", "source"})

@@ -11,7 +11,7 @@ from typing import Any
 
 from hypernav.core.chat import Question, Usage
 from hypernav.core.errors import ChatTransportError
-from hypernav.models.chat.images import jpeg_base64, jpeg_data_url
+from hypernav.models.chat.image_encoding import jpeg_base64, jpeg_data_url
 
 _QUESTION = "question"
 _SYSTEMONE_LIMIT = 26
@@ -19,16 +19,25 @@ _SYSTEMONE_IMAGES = 4
 _DECISIONS_LIMIT = 255
 
 
-def can_decide(endpoint: str, question: Question) -> bool:
-    """Whether the endpoint takes this question: closed, and not too many answers or images."""
+def accepts_question(endpoint: str, question: Question) -> bool:
+    """Whether the question is closed and within the endpoint's limits of answers and images."""
     answers = len(question.allowed)
     if endpoint == "systemone":
         return 2 <= answers <= _SYSTEMONE_LIMIT and len(question.images) <= _SYSTEMONE_IMAGES
     return endpoint == "decisions" and 2 <= answers <= _DECISIONS_LIMIT
 
 
-def decision_body(endpoint: str, model: str, question: Question, *, quality: int) -> dict[str, Any]:
-    """The request."""
+def decision_request(
+    endpoint: str, model: str, question: Question, *, quality: int
+) -> dict[str, Any]:
+    """Request body for a closed question.
+
+    Args:
+        endpoint: "systemone" or "decisions".
+        model: Name of the model on the server.
+        question: Closed question, accepted by `accepts_question`.
+        quality: JPEG quality of the images, 1 to 100.
+    """
     if endpoint == "systemone":
         assets = {
             f"<picture-{number}>": {
@@ -64,13 +73,13 @@ def decision_body(endpoint: str, model: str, question: Question, *, quality: int
     }
 
 
-def read_decision(
+def parse_decision(
     endpoint: str, reply: dict[str, Any], question: Question
 ) -> tuple[str, dict[str, float], Usage, bool]:
-    """The chosen answer, the probabilities, the usage, and whether the model refused.
+    """Chosen answer, probabilities of the allowed answers, token usage, and whether it refused.
 
     Raises:
-        ChatTransportError: The reply is not of the endpoint's form.
+        ChatTransportError: The reply does not have the endpoint's form.
     """
     answers = reply.get("answers")
     answer = answers.get(_QUESTION) if isinstance(answers, dict) else None
@@ -81,14 +90,14 @@ def read_decision(
     usage = _usage(reply.get("usage"))
     if answer.get("type") == "refusal":
         return "", {}, usage, True
-    chances = _chances(answer.get("probabilities"), question.allowed)
+    probabilities = _probabilities(answer.get("probabilities"), question.allowed)
     chosen = answer.get("choice")
-    if not isinstance(chosen, str) or not chances:
+    if not isinstance(chosen, str) or not probabilities:
         raise ChatTransportError(f"the {endpoint} endpoint sent no choice: {str(answer)[:200]}")
-    return chosen, chances, usage, False
+    return chosen, probabilities, usage, False
 
 
-def _chances(value: object, allowed: tuple[str, ...]) -> dict[str, float]:
+def _probabilities(value: object, allowed: tuple[str, ...]) -> dict[str, float]:
     if isinstance(value, list):
         value = {
             entry.get("value"): entry.get("probability")
@@ -97,14 +106,22 @@ def _chances(value: object, allowed: tuple[str, ...]) -> dict[str, float]:
         }
     if not isinstance(value, dict):
         return {}
-    chances = {}
+    probabilities = {}
     for answer in allowed:
-        chance = value.get(answer)
-        if not isinstance(chance, int | float) or not math.isfinite(chance) or chance < 0.0:
+        probability = value.get(answer)
+        if (
+            not isinstance(probability, int | float)
+            or not math.isfinite(probability)
+            or probability < 0.0
+        ):
             return {}
-        chances[answer] = float(chance)
-    total = sum(chances.values())
-    return {answer: chance / total for answer, chance in chances.items()} if total > 0.0 else {}
+        probabilities[answer] = float(probability)
+    total = sum(probabilities.values())
+    return (
+        {answer: probability / total for answer, probability in probabilities.items()}
+        if total > 0.0
+        else {}
+    )
 
 
 def _usage(value: object) -> Usage:

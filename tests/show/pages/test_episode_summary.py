@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from hypernav.core.actions import Action
 from hypernav.core.trace import DetectionRecord, Mode, StepTrace
-from hypernav.show.pages import story
+from hypernav.show.pages import episode_summary
 
 MakeStep = Callable[..., StepTrace]
 
@@ -17,12 +17,12 @@ def test_phases_and_shares_account_for_every_step(modes: list[Mode]) -> None:
         StepTrace(step=n, pose=(0.0, 0.0, 0.0), action=Action.TURN_LEFT, mode=mode)
         for n, mode in enumerate(modes)
     ]
-    phases = story.phases(steps)
+    phases = episode_summary.phases(steps)
     assert [phase.mode for phase in phases for _ in range(phase.count)] == modes
     assert [phase.first for phase in phases] == [
         n for n in range(len(modes)) if n == 0 or modes[n] != modes[n - 1]
     ]
-    shares = story.mode_shares(steps)
+    shares = episode_summary.mode_shares(steps)
     assert sum(share.count for share in shares) == len(modes)
     assert sum(share.share for share in shares) == pytest.approx(1.0 if modes else 0.0)
 
@@ -35,16 +35,16 @@ def test_moments_are_decisions_and_events(make_step: MakeStep, sighting: Detecti
         make_step(2),
         make_step(4, exchanges=ground, detections=[sighting]),
     ]
-    moments = story.moments(steps)
-    assert [moment.place for moment in moments] == [1, 2]
-    seen, decided = moments
+    key_steps = episode_summary.key_steps(steps)
+    assert [moment.place for moment in key_steps] == [1, 2]
+    seen, decided = key_steps
     assert seen.asked[0].answer == "sees “bed”, 83% sure"
     assert [asked.title for asked in decided.asked] == ["Where to look next?"]
     assert decided.asked[0].likeliest == (("2", 0.8), ("1", 0.2))
 
 
 def test_tokens_are_added_up(make_step: MakeStep) -> None:
-    assert story.tokens([make_step(n) for n in range(6)]) == (200, 10)
+    assert episode_summary.tokens([make_step(n) for n in range(6)]) == (200, 10)
 
 
 @pytest.mark.parametrize(
@@ -56,7 +56,7 @@ def test_tokens_are_added_up(make_step: MakeStep) -> None:
     ],
 )
 def test_times_are_read_in_every_form_and_add_up_to_the_total(seconds: dict[str, object]) -> None:
-    times = story.module_times({"seconds": seconds}, [])
+    times = episode_summary.module_times({"seconds": seconds}, [])
     assert [time.name for time in times] == [
         "looking for the goal",
         "everything else",
@@ -68,7 +68,7 @@ def test_times_are_read_in_every_form_and_add_up_to_the_total(seconds: dict[str,
 
 
 def test_times_come_from_the_trace_where_the_result_has_none(make_step: MakeStep) -> None:
-    times = story.module_times({}, [make_step(n) for n in range(6)])
+    times = episode_summary.module_times({}, [make_step(n) for n in range(6)])
     by_name = {time.name: time for time in times}
     assert by_name["choosing where to look"].seconds == pytest.approx(1.0)
     assert by_name["choosing where to look"].typical_s == pytest.approx(0.5)
@@ -77,4 +77,4 @@ def test_times_come_from_the_trace_where_the_result_has_none(make_step: MakeStep
 
 @pytest.mark.parametrize("seconds", [None, 12.5, {}, {"total": None}, {"total": "?", "map": None}])
 def test_missing_times_are_no_problem(seconds: object) -> None:
-    assert story.module_times({"seconds": seconds}, []) == []
+    assert episode_summary.module_times({"seconds": seconds}, []) == []

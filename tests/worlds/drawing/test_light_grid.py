@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from box_scenes import room_boxes, scene_of
-from hypernav.worlds.drawing.light import LightGrid
+from hypernav.worlds.drawing.light_grid import LightGrid
 from hypernav.worlds.drawing.rays import RayCaster
 
 UP, DOWN = 4, 5

@@ -73,7 +73,7 @@ def _bilinear(texels, first, width, height, u, v, wrap_u, wrap_v):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def paint(
+def fill_base_colors(
     hits,
     surface,
     colors,

@@ -8,7 +8,7 @@ from hypernav.evaluation.report.run_data import RunData
 from hypernav.evaluation.report.tables import Pair
 from hypernav.evaluation.statistics import Estimate
 from hypernav.evaluation.summary import Summary
-from hypernav.show.pages import words
+from hypernav.show import captions
 from hypernav.worlds.noise import NoiseConfig
 
 SIGNIFICANT = 0.05
@@ -154,8 +154,8 @@ def protocol_lines(run: RunData) -> list[tuple[str, str]]:
         ),
         ("Noise", ", ".join(f"{name} {value}" for name, value in noise.items() if value) or "none"),
         ("Agent", f"{who['agent']}, preset {who['preset']}"),
-        ("Sees with", words.part_in_use(str(who["detector"]))),
-        ("Decides with", words.part_in_use(str(who["reasoner"]))),
+        ("Sees with", captions.component_caption(str(who["detector"]))),
+        ("Decides with", captions.component_caption(str(who["reasoner"]))),
         ("Seed", str(told["seed"])),
         ("Software", f"hypernav {run.configuration['hypernav']}"),
         (
@@ -193,7 +193,7 @@ def session_lines(run: RunData) -> list[str]:
         peaks = [float(value) for value in session["peak_memory_mb"].values()]
         text = (
             f"{session['began']}: {session['episodes']:,} episodes in "
-            f"{words.duration(session['seconds'])} with {session['workers']} "
+            f"{captions.duration(session['seconds'])} with {session['workers']} "
             f"worker{'' if session['workers'] == 1 else 's'} on {session['cores']} cores "
             f"({rate:,.0f} an hour), {session['ended']}"
         )

@@ -8,7 +8,7 @@ from itertools import groupby
 from typing import Any
 
 from hypernav.core.trace import Exchange, Mode, StepTrace
-from hypernav.show.pages import words
+from hypernav.show import captions
 
 _NESTED_NAMES = ("modules", "per_module")
 _SMALLEST_REMAINDER = 0.01
@@ -63,7 +63,7 @@ def mode_shares(steps: Sequence[StepTrace]) -> list[ModeShare]:
 
 
 @dataclass(frozen=True)
-class Asked:
+class AskedQuestion:
     """One question, ready to be shown.
 
     Attributes:
@@ -82,7 +82,7 @@ class Asked:
 
 
 @dataclass(frozen=True)
-class Moment:
+class KeyStep:
     """A step at which something was decided or happened.
 
     Attributes:
@@ -93,10 +93,10 @@ class Moment:
 
     place: int
     step: StepTrace
-    asked: tuple[Asked, ...]
+    asked: tuple[AskedQuestion, ...]
 
 
-def moments(steps: Sequence[StepTrace]) -> list[Moment]:
+def key_steps(steps: Sequence[StepTrace]) -> list[KeyStep]:
     """The steps worth telling: those with a decision or an event.
 
     "Is it in the image?" is asked at every step, so it is told only where its answer changed
@@ -105,14 +105,16 @@ def moments(steps: Sequence[StepTrace]) -> list[Moment]:
     told = []
     for place, step in enumerate(steps):
         seen = bool(step.events and step.detections)
-        asked = tuple(_asked(e, step) for e in step.exchanges if seen or e.kind not in _EVERY_STEP)
+        asked = tuple(
+            _asked_question(e, step) for e in step.exchanges if seen or e.kind not in _EVERY_STEP
+        )
         if asked or step.events:
-            told.append(Moment(place, step, asked))
+            told.append(KeyStep(place, step, asked))
     return told
 
 
 @dataclass(frozen=True)
-class Account:
+class QuestionCosts:
     """What the questions of one kind took.
 
     Attributes:
@@ -134,18 +136,18 @@ class Account:
     unusable: str
 
 
-def accounts(result: Mapping[str, Any]) -> list[Account]:
+def question_costs(result: Mapping[str, Any]) -> list[QuestionCosts]:
     """The ledger of a result, a row per kind of question and the total last; empty without one."""
     ledger = result.get("ledger")
     if not isinstance(ledger, Mapping) or not ledger.get("kinds"):
         return []
-    rows = [(words.QUESTIONS.get(kind, kind), row) for kind, row in ledger["kinds"].items()]
-    return [_account(name, row) for name, row in [*rows, ("All together", ledger["total"])]]
+    rows = [(captions.QUESTIONS.get(kind, kind), row) for kind, row in ledger["kinds"].items()]
+    return [_question_costs(name, row) for name, row in [*rows, ("All together", ledger["total"])]]
 
 
-def _account(name: str, row: Mapping[str, Any]) -> Account:
+def _question_costs(name: str, row: Mapping[str, Any]) -> QuestionCosts:
     faults = ", ".join(f"{count} {reason}" for reason, count in row.get("faults", {}).items())
-    return Account(
+    return QuestionCosts(
         name=name,
         calls=row["calls"],
         tokens_in=row["tokens_in"],
@@ -156,13 +158,15 @@ def _account(name: str, row: Mapping[str, Any]) -> Account:
     )
 
 
-def _asked(exchange: Exchange, step: StepTrace) -> Asked:
+def _asked_question(exchange: Exchange, step: StepTrace) -> AskedQuestion:
     ranked = sorted(exchange.probabilities.items(), key=lambda item: -item[1])
-    return Asked(
+    return AskedQuestion(
         exchange=exchange,
-        title=words.question_words(exchange),
-        who=words.who_answered(exchange),
-        answer=words.seen_words(step.detections) if exchange.kind == "ground" else exchange.answer,
+        title=captions.question_caption(exchange),
+        who=captions.answerer_caption(exchange),
+        answer=captions.detections_caption(step.detections)
+        if exchange.kind == "ground"
+        else exchange.answer,
         likeliest=tuple(ranked[:_MOST_BARS]),
     )
 
@@ -202,7 +206,7 @@ def module_times(result: Mapping[str, Any], steps: Sequence[StepTrace]) -> list[
     longest = max(seconds.values(), default=0.0)
     return [
         ModuleTime(
-            name=words.MODULES.get(name, name),
+            name=captions.MODULES.get(name, name),
             seconds=spent,
             share=spent / longest if longest > 0.0 else 0.0,
             of_total=spent / total if total > 0.0 else 0.0,

@@ -29,7 +29,7 @@ _WRAPPING_TOKENS = 24
 
 
 @dataclass(frozen=True)
-class Dialect:
+class ServerDialect:
     """What a kind of server understands.
 
     Attributes:
@@ -49,18 +49,18 @@ class Dialect:
     token_limit: str = "max_tokens"
 
 
-DIALECTS: dict[str, Dialect] = {
+DIALECTS: dict[str, ServerDialect] = {
     dialect.name: dialect
     for dialect in (
-        Dialect("vllm", choice="structured_outputs", form="json"),
-        Dialect("vllm-guided", choice="guided_choice", form="json"),
-        Dialect("sglang", choice="regex", form="json"),
-        Dialect("ollama", choice="json", form="json"),
-        Dialect("llamacpp", choice="json", form="json"),
-        Dialect("openai", choice="json", form="json"),
-        Dialect("transformers", choice="none", form="none", logprobs=0, decision="systemone"),
-        Dialect("decisions", choice="json", form="json", decision="decisions"),
-        Dialect("plain", choice="none", form="none", logprobs=0),
+        ServerDialect("vllm", choice="structured_outputs", form="json"),
+        ServerDialect("vllm-guided", choice="guided_choice", form="json"),
+        ServerDialect("sglang", choice="regex", form="json"),
+        ServerDialect("ollama", choice="json", form="json"),
+        ServerDialect("llamacpp", choice="json", form="json"),
+        ServerDialect("openai", choice="json", form="json"),
+        ServerDialect("transformers", choice="none", form="none", logprobs=0, decision="systemone"),
+        ServerDialect("decisions", choice="json", form="json", decision="decisions"),
+        ServerDialect("plain", choice="none", form="none", logprobs=0),
     )
 }
 
@@ -82,7 +82,7 @@ class Constraint:
     wrapped: bool = False
 
 
-def constraint_for(dialect: Dialect, question: Question) -> Constraint:
+def constraint_for(dialect: ServerDialect, question: Question) -> Constraint:
     """The fields that make a server of this dialect answer nothing else."""
     if question.allowed:
         return _choice(dialect, question.allowed)
@@ -93,7 +93,7 @@ def constraint_for(dialect: Dialect, question: Question) -> Constraint:
     return Constraint({})
 
 
-def _choice(dialect: Dialect, allowed: tuple[str, ...]) -> Constraint:
+def _choice(dialect: ServerDialect, allowed: tuple[str, ...]) -> Constraint:
     match dialect.choice:
         case "none":
             return Constraint({})
@@ -124,7 +124,7 @@ def _response_format(name: str, schema: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def dialect_named(name: str) -> Dialect:
+def dialect_named(name: str) -> ServerDialect:
     """A dialect by its name.
 
     Raises:

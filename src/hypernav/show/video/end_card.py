@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 from jaxtyping import UInt8
 
-from hypernav.show.drawing import palette, strokes
-from hypernav.show.drawing.lettering import draw_text, wrapped
-from hypernav.show.pages import words
-from hypernav.show.video.frame import HEIGHT, MAP_SIZE, WIDTH, Title, blank_frame, paste
+from hypernav.show import captions
+from hypernav.show.drawing import palette, shapes
+from hypernav.show.drawing.text import draw_text, wrapped
+from hypernav.show.video.frame import HEIGHT, MAP_SIZE, WIDTH, EpisodeInfo, blank_frame, paste
 
-TONES: dict[words.Tone, palette.Rgb] = {
+TONES: dict[captions.Tone, palette.Rgb] = {
     "good": palette.SUCCESS,
     "bad": palette.FAILURE,
     "neutral": palette.MUTED,
@@ -22,8 +22,8 @@ _TEXT_WIDTH = 540.0
 _NUMBERS_HEIGHT = 180
 
 
-def draw_card(
-    title: Title, result: Mapping[str, Any], map_image: UInt8[np.ndarray, "_ _ 3"] | None
+def draw_end_card(
+    title: EpisodeInfo, result: Mapping[str, Any], map_image: UInt8[np.ndarray, "_ _ 3"] | None
 ) -> UInt8[np.ndarray, "_ _ 3"]:
     """Draw the card that ends a video.
 
@@ -35,9 +35,9 @@ def draw_card(
     Returns:
         RGB, `HEIGHT` by `WIDTH`.
     """
-    ending = words.headline({"goal": title.goal, **result})
+    ending = captions.headline({"goal": title.goal, **result})
     frame = blank_frame()
-    strokes.rectangle(frame, (0, 0), (12, HEIGHT), TONES[ending.tone])
+    shapes.rectangle(frame, (0, 0), (12, HEIGHT), TONES[ending.tone])
     lines = wrapped(ending.text, 38, _TEXT_WIDTH, lines=3, bold=True)
     details = wrapped(ending.detail, 17, _TEXT_WIDTH, lines=2)
     y = HEIGHT / 2.0 - (50 * len(lines) + 26 * len(details) + _NUMBERS_HEIGHT) / 2.0
@@ -57,12 +57,12 @@ def draw_card(
 
 def _draw_numbers(frame: UInt8[np.ndarray, "_ _ 3"], result: Mapping[str, Any], top: float) -> None:
     shown = (
-        ("success", words.number(result.get("success"))),
-        ("SPL", words.number(result.get("spl"))),
-        ("steps", words.number(result.get("steps"))),
-        ("way walked", words.number(result.get("path_length_m"), 1, "m")),
-        ("shortest way", words.number(result.get("shortest_path_m"), 1, "m")),
-        ("distance to goal", words.number(result.get("distance_to_goal_m"), 2, "m")),
+        ("success", captions.number(result.get("success"))),
+        ("SPL", captions.number(result.get("spl"))),
+        ("steps", captions.number(result.get("steps"))),
+        ("way walked", captions.number(result.get("path_length_m"), 1, "m")),
+        ("shortest way", captions.number(result.get("shortest_path_m"), 1, "m")),
+        ("distance to goal", captions.number(result.get("distance_to_goal_m"), 2, "m")),
     )
     for place, (name, value) in enumerate(shown):
         at = (_LEFT + 180.0 * (place % 3), top + 104.0 * (place // 3))
