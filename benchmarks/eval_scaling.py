@@ -12,7 +12,7 @@ import json
 import tempfile
 import threading
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
@@ -128,14 +128,15 @@ def run(
     max_steps: int = 500,
 ) -> tuple[RunNews, list[float]]:
     """Run episodes; returns the news and the moment at which each was done."""
-    episodes = select(load_episodes(dataset, config.world, config.embodiment), part=f"0:{count}")
+    chosen = select(load_episodes(dataset, config.world, config.embodiment), part=f"0:{count}")
+    episodes = [replace(episode, max_steps=max_steps) for episode in chosen]
     moments: list[float] = []
 
     def watch(news: RunNews) -> None:
         moments.extend([time.monotonic()] * (news.done_now - len(moments)))
 
     with tempfile.TemporaryDirectory() as folder:
-        job = Job(Path(folder), config, specs or ComponentSpecs(), max_steps=max_steps)
+        job = Job(Path(folder), config, specs or ComponentSpecs())
         with RunStore(Path(folder), {"benchmark": "scaling"}) as store:
             news = run_episodes(episodes, store, ProcessPool(job), workers=workers, watch=watch)
     return news, moments

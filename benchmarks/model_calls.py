@@ -31,8 +31,9 @@ from hypernav.build.component_specs import (  # noqa: E402
 )
 from hypernav.build.presets import preset  # noqa: E402
 from hypernav.core.config import layered  # noqa: E402
+from hypernav.core.episode import Episode  # noqa: E402
 from hypernav.core.goal import Goal  # noqa: E402
-from hypernav.evaluation.episode_run import EpisodeRun  # noqa: E402
+from hypernav.worlds.episode_run import EpisodeRun  # noqa: E402
 from hypernav.worlds.simulation import SimulatedWorld  # noqa: E402
 from hypernav.worlds.surface.starts import random_start  # noqa: E402
 from servers.scripted import ScriptedServer  # noqa: E402
@@ -77,10 +78,11 @@ def search(
     with ScriptedServer() as server, watching(Truth()) as truth:
         server.brain = TruthfulBrain(truth)
         parts = build_agent(config, ComponentSpecs(vlm=server.spec))
-        episode = EpisodeRun(parts.agent, world, goal, start, rng=rng)
-        remarks = [mark for step in episode for one in step.trace.exchanges for mark in one.remarks]
+        episode = Episode(world.scene.name, "", goal, start)
+        run = EpisodeRun(parts.agent, world, episode, rng=rng)
+        remarks = [mark for step in run for one in step.trace.exchanges for mark in one.remarks]
         report = parts.take_report()
-    result = episode.result()
+    result = run.result()
     tally.found += result.metrics.success
     tally.spl.append(result.metrics.spl)
     tally.steps.append(result.steps)

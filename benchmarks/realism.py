@@ -24,12 +24,13 @@ from hypernav.core.embodiment import CameraConfig
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.labels import canonical
+from hypernav.core.world import Instance
 from hypernav.houses.build import build_house
 from hypernav.models.vision.yolox import YoloxConfig, YoloxDetector
 from hypernav.worlds.drawing.rays import RayCaster
 from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.scenes.loading import load_scene
-from hypernav.worlds.scenes.scene import Instance, Scene
+from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.walkable import WalkableGrid
 
 KINDS = (

@@ -23,8 +23,9 @@ from hypernav.build.agents import build_agent, build_scene
 from hypernav.build.component_specs import AgentName, ComponentSpecs, PresetName
 from hypernav.build.presets import preset
 from hypernav.core.config import layered
+from hypernav.core.episode import Episode
 from hypernav.core.goal import Goal
-from hypernav.evaluation.episode_run import EpisodeResult, EpisodeRun
+from hypernav.worlds.episode_run import EpisodeResult, EpisodeRun
 from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
 
@@ -70,9 +71,9 @@ def run(search: Search) -> tuple[Search, EpisodeResult, list[str]]:
     goal, rng = Goal(search.goal), np.random.default_rng(search.seed)
     start = random_start(world.walkable, rng, world.regions.of(goal))
     parts = build_agent(config, ComponentSpecs(agent=search.agent, detector=search.detector))
-    episode = EpisodeRun(parts.agent, world, goal, start, rng=rng)
-    events = [event for step in episode for event in step.trace.events]
-    return search, episode.result(), events
+    run = EpisodeRun(parts.agent, world, Episode(search.scene, "", goal, start), rng=rng)
+    events = [event for step in run for event in step.trace.events]
+    return search, run.result(), events
 
 
 def main(

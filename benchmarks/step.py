@@ -23,6 +23,7 @@ from rich.table import Table
 from hypernav.build.agents import build_scene, build_search
 from hypernav.build.presets import preset
 from hypernav.core.actions import Action
+from hypernav.core.episode import Episode
 from hypernav.core.geometry.camera import optical_to_base
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.transforms import Pose2
@@ -110,7 +111,7 @@ def search_in_vain(watch: Stopwatch, house: str) -> None:
     agent = build_search(config, GroundTruthDetector(), ExchangeLog())
     agent.reset(goal)
     start = random_start(world.walkable, np.random.default_rng(0), None)
-    observation = world.reset(start, np.random.default_rng(0))
+    observation = world.reset(Episode(house, "", goal, start), np.random.default_rng(0))
     for _ in range(STEPS):
         action = watch("agent step", agent.act, observation)
         if action is Action.STOP:

@@ -9,8 +9,9 @@ import numpy as np
 
 from hypernav.build.agents import build_agent, build_scene
 from hypernav.build.presets import preset
+from hypernav.core.episode import Episode
 from hypernav.core.goal import Goal
-from hypernav.evaluation.episode_run import EpisodeRun
+from hypernav.worlds.episode_run import EpisodeRun
 from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
 
@@ -21,11 +22,12 @@ def main() -> None:
     world = SimulatedWorld(build_scene("builtin"), config.world, config.embodiment)
     start = random_start(world.walkable, np.random.default_rng(0), world.regions.of(goal))
 
-    episode = EpisodeRun(build_agent(config).agent, world, goal, start)
-    for step in episode:
+    episode = Episode("builtin", "0", goal, start)
+    search = EpisodeRun(build_agent(config).agent, world, episode)
+    for step in search:
         print(f"{step.trace.step:3d}  {step.trace.mode:12s} {step.trace.reason}")
 
-    result = episode.result()
+    result = search.result()
     print(f"{result.outcome}: SPL {result.metrics.spl:.2f} in {result.steps} steps")
 
 

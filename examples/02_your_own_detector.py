@@ -11,11 +11,12 @@ import numpy as np
 
 from hypernav.build.agents import build_scene, build_search
 from hypernav.build.presets import preset
+from hypernav.core.episode import Episode
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
-from hypernav.evaluation.episode_run import EpisodeRun
+from hypernav.worlds.episode_run import EpisodeRun
 from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
 
@@ -42,13 +43,14 @@ def main() -> None:
     start = random_start(world.walkable, np.random.default_rng(3))
 
     agent = build_search(config, RedThings(), ExchangeLog())
-    episode = EpisodeRun(agent, world, goal, start, max_steps=120)
-    for step in episode:
+    episode = Episode("builtin", "0", goal, start, max_steps=120)
+    search = EpisodeRun(agent, world, episode)
+    for step in search:
         for detection in step.trace.detections:
             print(f"{step.trace.step:3d}  {detection.label} at {detection.box}")
     # No object of the house is called "something red", so the referee can't call this a success;
     # the outcome says where the agent stopped.
-    print(episode.result().outcome)
+    print(search.result().outcome)
 
 
 if __name__ == "__main__":

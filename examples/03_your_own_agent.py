@@ -12,10 +12,11 @@ import numpy as np
 import hypernav
 from hypernav.build.agents import build_scene
 from hypernav.core.actions import Action
+from hypernav.core.episode import Episode
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.evaluation.episode_run import EpisodeRun
 from hypernav.perception.local.ground_truth import GroundTruthDetector
+from hypernav.worlds.episode_run import EpisodeRun
 from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
 
@@ -55,9 +56,10 @@ def main() -> None:
     world = SimulatedWorld(build_scene("builtin"))
     start = random_start(world.walkable, rng, world.regions.of(goal))
 
-    episode = EpisodeRun(Bouncer(seed=0), world, goal, start, max_steps=150)
-    steps = sum(1 for _ in episode)
-    result = episode.result()
+    episode = Episode("builtin", "0", goal, start, max_steps=150)
+    search = EpisodeRun(Bouncer(seed=0), world, episode)
+    steps = sum(1 for _ in search)
+    result = search.result()
     print(f"{result.outcome} after {steps} steps, {result.metrics.distance_to_goal_m:.1f} m away")
 
 

@@ -7,7 +7,8 @@ import numpy as np
 import trimesh
 
 from hypernav.core.labels import ObjectLabel
-from hypernav.worlds.scenes.scene import Instance, Material, Scene
+from hypernav.core.world import Instance
+from hypernav.worlds.scenes.scene import Material, Scene
 
 _FACES = np.array(
     [

@@ -6,10 +6,10 @@ from pathlib import Path
 import trimesh
 
 from box_scenes import Box, room_boxes
+from hypernav.core.episode import Episode, Outcome
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.evaluation.datasets import Episode
+from hypernav.core.goal import Goal
 from hypernav.evaluation.failures.classification import Failure
-from hypernav.evaluation.outcome import Outcome
 from hypernav.evaluation.record import EpisodeRecord
 
 SMALL = ("--set", "embodiment.camera.width=160", "embodiment.camera.height=120")
@@ -43,7 +43,7 @@ def write_room(path: Path) -> Path:
 
 def spec(episode_id: str = "0", scene_id: str = "house") -> Episode:
     """An episode that nobody will really run."""
-    return Episode(scene_id, episode_id, "bed", Pose2(0.0, 0.0, 0.0))
+    return Episode(scene_id, episode_id, Goal("bed"), Pose2(0.0, 0.0, 0.0))
 
 
 def record(episode_id: str = "0", scene_id: str = "house", **values) -> EpisodeRecord:

@@ -5,14 +5,15 @@ import pytest
 
 from hypernav.build.agents import build_search
 from hypernav.core.actions import Action
+from hypernav.core.episode import Outcome
 from hypernav.core.errors import WorldError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.protocols import Agent, ExplainsItself
 from hypernav.core.trace import Ending, ExchangeLog, Mode, without_timings
-from hypernav.evaluation.episode_run import EpisodeRun
-from hypernav.evaluation.outcome import Outcome
 from hypernav.perception.local.ground_truth import GroundTruthDetector
+from hypernav.worlds.episode_run import EpisodeRun
+from small_episodes import episode_from
 from small_worlds import small_config, two_rooms
 
 START = Pose2(2.5, 1.0, math.pi / 2)
@@ -24,7 +25,7 @@ def search(agent="hypernav", name="default", detector=None, **sections):
 
 
 def run(agent, goal, start=START, **options):
-    episode = EpisodeRun(agent, two_rooms(), Goal(goal), start, **options)
+    episode = EpisodeRun(agent, two_rooms(), episode_from(start, goal, **options))
     return [step.trace for step in episode], episode.result()
 
 
@@ -179,7 +180,7 @@ def test_an_agent_without_a_goal_says_what_to_do():
     with pytest.raises(WorldError, match=r"call reset\(goal\) first"):
         search().grid  # noqa: B018
     with pytest.raises(WorldError, match=r"call reset\(goal\) first"):
-        search().act(two_rooms().reset(START))
+        search().act(two_rooms().reset(episode_from(START)))
 
 
 def test_stop_says_that_the_goal_is_here_and_giving_up_does_not():

@@ -8,13 +8,14 @@ import pytest
 
 from hypernav.build.agents import BuiltAgent, build_agent
 from hypernav.build.component_specs import ComponentSpecs
+from hypernav.core.episode import Outcome
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import StepTrace, without_timings
-from hypernav.evaluation.episode_run import EpisodeResult, EpisodeRun
-from hypernav.evaluation.outcome import Outcome
+from hypernav.worlds.episode_run import EpisodeResult, EpisodeRun
 from servers.scripted import ScriptedServer
 from servers.truth import Errors, Truth, TruthfulBrain, watching
+from small_episodes import episode_from
 from small_worlds import small_config, two_rooms
 
 START = Pose2(2.5, 1.0, math.pi / 2)
@@ -45,7 +46,7 @@ def agent_on(vlm: str, preset: str = "default", record: Path | None = None, **mo
 def search(
     parts: BuiltAgent, max_steps: int = 150, start: Pose2 = START
 ) -> tuple[list[StepTrace], EpisodeResult]:
-    episode = EpisodeRun(parts.agent, two_rooms(), BED, start, max_steps=max_steps)
+    episode = EpisodeRun(parts.agent, two_rooms(), episode_from(start, BED, max_steps=max_steps))
     return [step.trace for step in episode], episode.result()
 
 
@@ -112,7 +113,7 @@ def test_over_many_starts_faults_lose_no_episode(server: ScriptedServer):
         for name in outcomes:
             server.rates = FAULTS if name == "faulty model" else {}
             parts = build_agent(small_config()) if name == "truth" else agent_on(server.spec)
-            episode = EpisodeRun(parts.agent, two_rooms(), BED, start, max_steps=150)
+            episode = EpisodeRun(parts.agent, two_rooms(), episode_from(start, BED, max_steps=150))
             list(episode)
             outcomes[name].append(episode.result().outcome)
     assert outcomes["model"] == outcomes["faulty model"]
@@ -220,7 +221,7 @@ def test_a_server_that_dies_ends_the_search_within_the_patience():
     with ScriptedServer() as server, watching(Truth()) as truth:
         server.brain = TruthfulBrain(truth)
         parts = agent_on(server.spec, "paper", patience_s=0.5)
-        episode = EpisodeRun(parts.agent, two_rooms(), BED, START, max_steps=150)
+        episode = EpisodeRun(parts.agent, two_rooms(), episode_from(START, BED, max_steps=150))
         seen = []
         for step in episode:
             seen.append(step.trace)
@@ -241,7 +242,9 @@ def test_a_server_that_is_restarted_in_time_loses_nothing():
         for restarts in (0, 1):
             parts = agent_on(server.spec)
             steps = []
-            for step in EpisodeRun(parts.agent, two_rooms(), BED, START, max_steps=150):
+            for step in EpisodeRun(
+                parts.agent, two_rooms(), episode_from(START, BED, max_steps=150)
+            ):
                 steps.append(without_timings(step.trace.model_dump(mode="json")))
                 if restarts and len(steps) == 5:
                     server.stop()

@@ -6,17 +6,17 @@ import yaml
 
 from hypernav.build.agents import build_search
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog, StepTrace
-from hypernav.evaluation.episode_run import EpisodeRun
 from hypernav.evaluation.recorder import EpisodeRecorder
 from hypernav.perception.local.ground_truth import GroundTruthDetector
+from hypernav.worlds.episode_run import EpisodeRun
+from small_episodes import episode_from
 from small_worlds import small_config, two_rooms
 
 
 def episode():
     agent = build_search(small_config(), GroundTruthDetector(), ExchangeLog())
-    return EpisodeRun(agent, two_rooms(), Goal("bed"), Pose2(2.5, 1.0, 0.0), max_steps=16)
+    return EpisodeRun(agent, two_rooms(), episode_from(Pose2(2.5, 1.0, 0.0), max_steps=16))
 
 
 def recorder(folder):

@@ -3,9 +3,9 @@ import json
 import pytest
 
 from eval_runs import apart, record
+from hypernav.core.episode import Outcome
 from hypernav.core.errors import RunFolderError
 from hypernav.evaluation.failures.classification import RULES, Failure
-from hypernav.evaluation.outcome import Outcome
 from hypernav.evaluation.protocol import StopRule
 from hypernav.evaluation.report import report_text, tables
 from hypernav.evaluation.report.published_results import PUBLISHED

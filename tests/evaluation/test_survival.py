@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 
 import pytest
 
@@ -62,8 +63,9 @@ class KillingPool(ProcessPool):
 
 def run(folder, room, pool_of, workers=2, starts=6):
     config = small_config()
-    episodes = load_episodes(f"scene:{room}#{starts}", config.world, config.embodiment)
-    job = Job(folder, config, max_steps=MAX_STEPS, make_agent=Slow)
+    found = load_episodes(f"scene:{room}#{starts}", config.world, config.embodiment)
+    episodes = [replace(episode, max_steps=MAX_STEPS) for episode in found]
+    job = Job(folder, config, make_agent=Slow)
     with RunStore(folder, {"test": "survival"}) as store:
         return run_episodes(episodes, store, pool_of(job), workers=workers)
 
@@ -159,8 +161,9 @@ def is_alive(process_id):
 
 def test_what_a_worker_sent_before_it_died_counts(tmp_path, room):
     config = small_config()
-    episode = load_episodes(f"scene:{room}#1", config.world, config.embodiment)[0]
-    pool = ProcessPool(Job(tmp_path, config, max_steps=3))
+    episodes = load_episodes(f"scene:{room}#1", config.world, config.embodiment)
+    episode = replace(episodes[0], max_steps=3)
+    pool = ProcessPool(Job(tmp_path, config))
     try:
         pool.start(0)
         hired = pool._hired[0]

@@ -2,8 +2,9 @@ import numpy as np
 
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel
+from hypernav.core.world import Instance
 from hypernav.houses.near_misses import near_misses
-from hypernav.worlds.scenes.scene import Instance, Scene
+from hypernav.worlds.scenes.scene import Scene
 
 LABELS = (
     ObjectLabel("armchair", ("arm chair",), ("red",), "office"),
@@ -38,7 +39,7 @@ def scene() -> Scene:
 
 
 def missed(text: str) -> set[int]:
-    return {i.id for i in near_misses(scene(), Goal(text))}
+    return {i.id for i in near_misses(scene().instances, Goal(text))}
 
 
 def test_the_wrong_colour_and_the_wrong_room_are_near():

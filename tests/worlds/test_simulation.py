@@ -14,6 +14,7 @@ from hypernav.core.goal import Goal
 from hypernav.worlds.noise import NoiseConfig
 from hypernav.worlds.simulation import SimulatedWorld, SimulationConfig
 from hypernav.worlds.surface.starts import random_start
+from small_episodes import episode_from
 
 SMALL = CameraConfig(width=64, height=48)
 BED = ("bed", (4.4, 1.0, 0.0), (6.0, 3.0, 0.5))
@@ -37,7 +38,7 @@ actions = st.lists(
 
 
 def test_the_map_frame_starts_at_the_start_pose(world):
-    observation = world.reset(Pose2(1.5, 2.0, 0.7))
+    observation = world.reset(episode_from(Pose2(1.5, 2.0, 0.7)))
     assert observation.robot == Pose2(0.0, 0.0, 0.0)
     assert observation.camera_to_map.translation == pytest.approx([0.0, 0.0, 0.88])
     optical_axis = observation.camera_to_map.rotation @ [0.0, 0.0, 1.0]
@@ -53,7 +54,7 @@ def test_habitats_camera_is_the_default():
 @settings(max_examples=25, deadline=None)
 @given(actions, st.floats(-math.pi, math.pi))
 def test_map_to_scene_takes_the_reported_pose_to_the_true_one(world, sequence, yaw):
-    observation = world.reset(Pose2(1.2, 1.5, yaw))
+    observation = world.reset(episode_from(Pose2(1.2, 1.5, yaw)))
     for action in sequence:
         observation = world.step(action)
     reported = np.array([observation.robot.x, observation.robot.y, 0.0])
@@ -66,7 +67,7 @@ def test_map_to_scene_takes_the_reported_pose_to_the_true_one(world, sequence, y
 @settings(max_examples=10, deadline=None)
 @given(actions, st.floats(-math.pi, math.pi))
 def test_depth_pixels_land_on_the_scene(world, sequence, yaw):
-    observation = world.reset(Pose2(1.2, 1.5, yaw))
+    observation = world.reset(episode_from(Pose2(1.2, 1.5, yaw)))
     for action in sequence:
         observation = world.step(action)
     points = observation.camera.rays() * observation.depth[..., None]
@@ -80,7 +81,7 @@ def test_depth_pixels_land_on_the_scene(world, sequence, yaw):
 
 
 def test_actions_move_as_configured(world):
-    world.reset(START)
+    world.reset(episode_from(START))
     observation = world.step(Action.MOVE_FORWARD)
     assert (observation.robot.x, observation.robot.y) == pytest.approx((0.5, 0.0))
     observation = world.step(Action.TURN_LEFT)
@@ -92,7 +93,7 @@ def test_actions_move_as_configured(world):
 
 
 def test_twelve_turns_come_round(world):
-    first = world.reset(START)
+    first = world.reset(episode_from(START))
     for _ in range(12):
         last = world.step(Action.TURN_LEFT)
     assert last.robot.yaw == pytest.approx(0.0, abs=1e-9)
@@ -101,7 +102,7 @@ def test_twelve_turns_come_round(world):
 
 def test_a_wall_stops_the_robot_at_the_contact():
     world = world_of(BED)
-    world.reset(Pose2(3.6, 2.0, 0.0))
+    world.reset(episode_from(Pose2(3.6, 2.0, 0.0)))
     world.step(Action.MOVE_FORWARD)
     assert not world.collided
     before = world.path_length_m
@@ -116,8 +117,8 @@ def test_a_wall_stops_the_robot_at_the_contact():
 def test_sliding_is_an_option():
     start = Pose2(4.15, 2.0, math.radians(45.0))
     stopping, sliding = world_of(BED), world_of(BED, sliding=True)
-    stopping.reset(start)
-    sliding.reset(start)
+    stopping.reset(episode_from(start))
+    sliding.reset(episode_from(start))
     stopping.step(Action.MOVE_FORWARD)
     sliding.step(Action.MOVE_FORWARD)
     assert stopping.pose.y < 2.1
@@ -125,7 +126,7 @@ def test_sliding_is_an_option():
 
 
 def test_path_and_camera_follow_the_floor(world):
-    world.reset(Pose2(1.6, 2.0, 0.0))
+    world.reset(episode_from(Pose2(1.6, 2.0, 0.0)))
     observation = world.step(Action.MOVE_FORWARD)
     assert world.position[2] == pytest.approx(0.04, abs=1e-5)
     assert observation.camera_to_map.translation[2] == pytest.approx(0.88 + 0.04, abs=1e-5)
@@ -134,21 +135,21 @@ def test_path_and_camera_follow_the_floor(world):
 
 def test_depth_outside_the_sensors_range_is_no_return():
     world = world_of(camera=CameraConfig(width=64, height=48, min_depth_m=1.0, max_depth_m=3.0))
-    depth = world.reset(Pose2(1.0, 2.0, 0.0)).depth
+    depth = world.reset(episode_from(Pose2(1.0, 2.0, 0.0))).depth
     assert depth[24, 32] == 0.0
     returns = depth[depth > 0.0]
     assert returns.min() >= 1.0
     assert returns.max() <= 3.0
-    depth = world.reset(Pose2(5.5, 2.0, 0.0)).depth
+    depth = world.reset(episode_from(Pose2(5.5, 2.0, 0.0))).depth
     assert depth[24, 32] == 0.0
 
 
 def test_labels_name_what_is_seen_and_can_be_switched_off(world):
-    truth = world.reset(START).truth
+    truth = world.reset(episode_from(START)).truth
     assert truth is not None
     labels = {truth.labels[i].category for i in np.unique(truth.ids).tolist() if i in truth.labels}
     assert labels == {"bed", "rug"}
-    assert world_of(BED, labels=False).reset(START).truth is None
+    assert world_of(BED, labels=False).reset(episode_from(START)).truth is None
 
 
 @pytest.mark.parametrize(
@@ -156,7 +157,7 @@ def test_labels_name_what_is_seen_and_can_be_switched_off(world):
 )
 def test_a_start_in_an_obstacle_or_outside_names_the_nearest_place(world, start):
     with pytest.raises(StartError, match=r"the nearest place is \(") as caught:
-        world.reset(start)
+        world.reset(episode_from(start))
     x, y = str(caught.value).rsplit("(", 1)[1].strip(")").split(",")
     assert world.walkable.is_standable(float(x), float(y))
 
@@ -170,18 +171,18 @@ def test_a_world_used_out_of_order_says_so():
     ):
         with pytest.raises(WorldError, match="place the robot first"):
             use()
-    first = world.reset(START)
+    first = world.reset(episode_from(START))
     assert world.step(Action.STOP) is first
-    assert world.stopped
+    assert world.is_over
     with pytest.raises(WorldError, match="after STOP"):
         world.step(Action.TURN_LEFT)
-    world.reset(START)
-    assert not world.stopped
+    world.reset(episode_from(START))
+    assert not world.is_over
 
 
 def drive(world: SimulatedWorld, seed: int) -> list[bytes]:
     rng = np.random.default_rng(seed)
-    observation = world.reset(START, rng)
+    observation = world.reset(episode_from(START), rng)
     seen = [observation.rgb.tobytes() + observation.depth.tobytes()]
     for action in [Action.MOVE_FORWARD, Action.TURN_LEFT, Action.MOVE_FORWARD] * 3:
         observation = world.step(action)
@@ -207,12 +208,12 @@ def test_the_same_seed_gives_the_same_bytes():
 
 def test_noise_needs_a_generator():
     with pytest.raises(WorldError, match="pass reset a numpy"):
-        world_of(noise=NOISE).reset(START)
+        world_of(noise=NOISE).reset(episode_from(START))
 
 
 def test_odometry_drifts_and_the_camera_pose_with_it():
     world = world_of(noise=NoiseConfig(odometry_sigma=0.1))
-    world.reset(START, np.random.default_rng(0))
+    world.reset(episode_from(START), np.random.default_rng(0))
     for _ in range(4):
         observation = world.step(Action.MOVE_FORWARD)
     assert world.pose.x == pytest.approx(3.0)
@@ -240,7 +241,7 @@ def test_a_robot_in_a_real_house_sees_it(small_house):
     world = SimulatedWorld(load_scene(small_house))
     region = world.regions.of(Goal("sofa"))
     start = random_start(world.walkable, np.random.default_rng(2), region)
-    observation = world.reset(start)
+    observation = world.reset(episode_from(start))
     assert observation.rgb.shape == (480, 640, 3)
     assert observation.depth[observation.depth > 0].min() >= 0.5
     assert observation.depth.max() <= 5.0

@@ -6,10 +6,11 @@ import signal
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from types import FrameType
+from typing import Any
 
 from rich.console import Console
 from rich.live import Live
@@ -17,9 +18,8 @@ from rich.live import Live
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.cli.eval_options import Options
 from hypernav.cli.eval_table import outcome_lines, progress_line, progress_table
+from hypernav.core.episode import Episode
 from hypernav.core.errors import ConfigError, GoalError
-from hypernav.core.goal import Goal
-from hypernav.evaluation.datasets import Episode, load_episodes, select
 from hypernav.evaluation.run_plan import RunPlan, Selection
 from hypernav.evaluation.runner import RunNews, run_episodes
 from hypernav.evaluation.store.run_store import RunStore
@@ -42,20 +42,11 @@ def run(options: Options) -> int:
     console = Console(stderr=True, quiet=options.quiet, highlight=False)
     config = options.who.resolve()
     with console.status("loading the episodes …") as status:
-        episodes = select(
-            load_episodes(
-                options.dataset,
-                config.world,
-                config.embodiment,
-                progress=lambda done, total: status.update(
-                    f"loading the episodes, {done} of {total} …"
-                ),
-            ),
-            part=options.episodes,
-            scenes=options.scenes,
-            goals=options.goals,
+        plan = _plan(options, config)
+        episodes = plan.episodes(
+            lambda done, total: status.update(f"loading the episodes, {done} of {total} …")
         )
-        plan = _plan(options, config, episodes)
+        plan = replace(plan, who=_who(options, config, episodes))
     folder = options.out or Path("runs") / _name(f"{options.dataset}-{options.who.agent}")
     with RunStore(folder, plan.configuration(episodes)) as store, _terminate_gently():
         if again := store.take_out(lambda record: not record.counts):
@@ -96,26 +87,12 @@ def _check(options: Options) -> None:
         )
 
 
-def _plan(options: Options, config: HyPerNavConfig, episodes: Sequence[Episode]) -> RunPlan:
-    """The run, after making sure that its agent can be built and can see the goals."""
-    parts = options.who.build(config)
-    goals = dict.fromkeys(episode.goal for episode in episodes)
-    visible, first_error = [], None
-    for goal in goals:
-        try:
-            parts.check_goal(Goal(goal))
-            visible.append(goal)
-        except GoalError as error:
-            first_error = first_error or error
-    parts.close()
-    if first_error is not None:
-        raise GoalError(f"{first_error}; choose others: --goals '{','.join(visible)}'")
+def _plan(options: Options, config: HyPerNavConfig) -> RunPlan:
     return RunPlan(
         dataset=options.dataset,
         selection=Selection(options.episodes, options.scenes, options.goals),
         preset=options.who.preset,
         specs=options.who.specs,
-        who=options.who.describe(parts),
         config=config,
         max_steps=options.max_steps,
         success_distance_m=options.success_distance,
@@ -123,13 +100,28 @@ def _plan(options: Options, config: HyPerNavConfig, episodes: Sequence[Episode])
     )
 
 
+def _who(options: Options, config: HyPerNavConfig, episodes: Sequence[Episode]) -> dict[str, Any]:
+    """Who searches, after making sure that it can be built and can see the goals."""
+    parts = options.who.build(config)
+    goals = dict.fromkeys(episode.goal for episode in episodes)
+    visible, first_error = [], None
+    for goal in goals:
+        try:
+            parts.check_goal(goal)
+            visible.append(goal.text)
+        except GoalError as error:
+            first_error = first_error or error
+    parts.close()
+    if first_error is not None:
+        raise GoalError(f"{first_error}; choose others: --goals '{','.join(visible)}'")
+    return options.who.describe(parts)
+
+
 def _pool(options: Options, folder: Path, config: HyPerNavConfig) -> WorkerPool:
     job = Job(
         folder=folder,
         config=config,
         specs=options.who.specs,
-        max_steps=options.max_steps,
-        success_distance_m=options.success_distance,
         seed=options.seed,
         save=options.save,
     )

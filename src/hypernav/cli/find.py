@@ -13,12 +13,12 @@ from rich.status import Status
 from hypernav.build.agents import build_scene
 from hypernav.cli.find_options import Options
 from hypernav.cli.warnings_shown import warnings_on
+from hypernav.core.episode import Episode, Outcome
 from hypernav.core.errors import ConfigError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.evaluation.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
-from hypernav.evaluation.outcome import Outcome
 from hypernav.evaluation.recorder import EpisodeRecorder
+from hypernav.worlds.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
 from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
 
@@ -54,7 +54,8 @@ def run(options: Options) -> int:
         world = SimulatedWorld(build_scene(options.scene), config.world, config.embodiment)
         rng = np.random.default_rng(options.seed)
         start = _start(options, world, goal, rng)
-        episode = EpisodeRun(parts.agent, world, goal, start, rng=rng, max_steps=options.max_steps)
+        episode = Episode(options.scene, "", goal, start, max_steps=options.max_steps)
+        search = EpisodeRun(parts.agent, world, episode, rng=rng)
         folder = options.out or _new_folder(goal)
         with EpisodeRecorder(
             folder,
@@ -65,9 +66,9 @@ def run(options: Options) -> int:
             step_limit=options.max_steps,
         ) as recorder:
             status.update("the first steps compile and take a few seconds …")
-            interrupted = _search(episode, recorder, status, goal.text)
+            interrupted = _search(search, recorder, status, goal.text)
             status.update("writing the page …")
-            outcome = episode.result(interrupted=interrupted)
+            outcome = search.result(interrupted=interrupted)
             recorder.finish(
                 {
                     "goal": goal.text,
@@ -96,10 +97,10 @@ def _start(options: Options, world: SimulatedWorld, goal: Goal, rng: np.random.G
     return Pose2(x, y, float(np.radians(yaw_deg)))
 
 
-def _search(episode: EpisodeRun, recorder: EpisodeRecorder, status: Status, goal: str) -> bool:
+def _search(search: EpisodeRun, recorder: EpisodeRecorder, status: Status, goal: str) -> bool:
     """Run to the end; True if somebody pressed Ctrl-C."""
     try:
-        for step in episode:
+        for step in search:
             recorder.add(step)
             status.update(_live_line(step, goal))
     except KeyboardInterrupt:

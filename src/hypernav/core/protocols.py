@@ -1,17 +1,14 @@
 """The seams: small contracts between the rooms of this package and with code of your own."""
 
-from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 import numpy as np
-from jaxtyping import Bool, Float32, Int32, UInt8
+from jaxtyping import Bool
 
 from hypernav.core.actions import Action
 from hypernav.core.chat import Answer, Image, Question
 from hypernav.core.geometry.boxes import Box, Detection
-from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.grid import OccupancyGrid
-from hypernav.core.geometry.transforms import Transform
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.overview import BlockChoice, Overview
@@ -114,49 +111,4 @@ class Similarity(Protocol):
 
     def similarity(self, image: Image, text: str) -> float:
         """From 0 (not at all) to 1; comparable only between answers of the same model."""
-        ...
-
-
-@dataclass(frozen=True, eq=False)
-class RenderedView:
-    """What a simulated camera sees.
-
-    Attributes:
-        rgb: Colour.
-        depth: Metres along the optical axis, 0 where nothing was hit. Not cut to a sensor's range.
-        instance_ids: Instance of every pixel, -1 where nothing was hit.
-    """
-
-    rgb: UInt8[np.ndarray, "height width 3"]
-    depth: Float32[np.ndarray, "height width"]
-    instance_ids: Int32[np.ndarray, "height width"]
-
-
-@runtime_checkable
-class Renderer(Protocol):
-    """Draws a scene."""
-
-    def render(self, camera: PinholeCamera, camera_to_scene: Transform) -> RenderedView:
-        """Colour, depth and instances as seen from a pose in the scene's frame."""
-        ...
-
-
-@runtime_checkable
-class Walkable(Protocol):
-    """The simulator's truth about the floor, in the scene's frame."""
-
-    def is_standable(self, x: float, y: float) -> bool:
-        """Whether the robot fits here."""
-        ...
-
-    def step(self, x: float, y: float, dx: float, dy: float) -> tuple[float, float]:
-        """Where a straight move ends: at its target, or at the last standable point before it."""
-        ...
-
-    def distance(self, start: tuple[float, float], end: tuple[float, float]) -> float:
-        """Geodesic distance, metres; infinite if no path exists."""
-        ...
-
-    def random_point(self, rng: np.random.Generator) -> tuple[float, float]:
-        """A standable point, uniform over the area."""
         ...

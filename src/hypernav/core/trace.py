@@ -29,6 +29,11 @@ class Ending(StrEnum):
     GAVE_UP = "gave up"
     """It knows of nothing left to try."""
 
+    @staticmethod
+    def of(action: Action | None) -> "Ending | None":
+        """What an agent says by its answer; None if its search goes on."""
+        return {Action.STOP: Ending.FOUND, None: Ending.GAVE_UP}.get(action)
+
 
 class _Record(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")

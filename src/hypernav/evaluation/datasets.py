@@ -11,11 +11,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from hypernav.build.agents import build_scene
 from hypernav.core.embodiment import Embodiment
+from hypernav.core.episode import Episode
 from hypernav.core.errors import EpisodeError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
@@ -29,38 +31,6 @@ STARTS_PER_GOAL = 5
 
 Progress = Callable[[int, int], None]
 """Is told how much of how much is done."""
-
-
-@dataclass(frozen=True)
-class Episode:
-    """One episode to run.
-
-    Attributes:
-        scene_id: Scene, as ``hypernav find --scene`` understands it.
-        episode_id: Unique within the scene.
-        goal: What to find.
-        start: From where, scene frame.
-        group: Part of the data set ("unseen"); empty if there is none.
-    """
-
-    scene_id: str
-    episode_id: str
-    goal: str
-    start: Pose2
-    group: str = ""
-
-    @property
-    def key(self) -> tuple[str, str]:
-        """What no two episodes of a data set share."""
-        return (self.scene_id, self.episode_id)
-
-    def seed(self, run_seed: int) -> int:
-        """Of all noise in this episode: its own, whoever runs it and whatever ran before.
-
-        The folder of a scene's file does not matter.
-        """
-        text = json.dumps([run_seed, Path(self.scene_id).name, self.episode_id]).encode()
-        return int.from_bytes(hashlib.sha256(text).digest()[:8], "big")
 
 
 @dataclass(frozen=True)
@@ -140,9 +110,9 @@ def select(
         chosen = [episode for episode in chosen if episode.scene_id in wanted]
     if goals is not None:
         names = {text.strip() for text in goals.split(",")}
-        if unknown := sorted(names - {episode.goal for episode in episodes}):
+        if unknown := sorted(names - {episode.goal.text for episode in episodes}):
             raise EpisodeError(f"--goals: no episode asks for '{unknown[0]}'")
-        chosen = [episode for episode in chosen if episode.goal in names]
+        chosen = [episode for episode in chosen if episode.goal.text in names]
     if not chosen:
         raise EpisodeError(f"none of the {len(episodes)} episodes is left by what was chosen")
     return chosen
@@ -150,8 +120,22 @@ def select(
 
 def fingerprint(episodes: Sequence[Episode]) -> str:
     """Tells two sets of episodes apart, their order included."""
-    text = json.dumps([asdict(episode) for episode in episodes], sort_keys=True)
+    text = json.dumps([_identity(episode) for episode in episodes], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def _identity(episode: Episode) -> dict[str, Any]:
+    """All that a data set says about an episode."""
+    identity = {
+        "scene_id": episode.scene_id,
+        "episode_id": episode.episode_id,
+        "goal": episode.goal.text,
+        "start": asdict(episode.start),
+        "group": episode.group,
+    }
+    if episode.view_points is not None:
+        identity["view_points"] = hashlib.sha256(episode.view_points.tobytes()).hexdigest()
+    return identity
 
 
 def _house_episodes(
@@ -167,7 +151,7 @@ def _house_episodes(
         Episode(
             scene_id=episode.scene_id,
             episode_id=str(episode.episode_id),
-            goal=episode.goal.text,
+            goal=episode.goal,
             start=pose_from_habitat(episode.start_position, episode.start_rotation)[0],
             group=str((episode.info or {}).get("vocabulary", "")),
         )
@@ -196,7 +180,7 @@ def _scene_episodes(
             progress(done, len(goals))
         region = world.regions.of(Goal(goal))
         for number in range(count):
-            spec = Episode(scene, f"{goal}-{number}", goal, Pose2(0.0, 0.0, 0.0))
+            spec = Episode(scene, f"{goal}-{number}", Goal(goal), Pose2(0.0, 0.0, 0.0))
             rng = np.random.default_rng(spec.seed(0))
             start = random_start(world.walkable, rng, region)
             episodes.append(replace(spec, start=start))

@@ -5,7 +5,6 @@ from dataclasses import replace
 from pathlib import Path
 
 from hypernav.core.protocols import Agent
-from hypernav.evaluation.datasets import load_episodes, select
 from hypernav.evaluation.run_plan import RunPlan
 from hypernav.evaluation.runner import RunNews, run_episodes
 from hypernav.evaluation.save_choice import SaveChoice
@@ -43,18 +42,10 @@ def evaluate(
     name = getattr(make_agent, "__name__", type(make_agent).__name__)
     own = {"agent": name, "preset": "its own", "detector": "its own", "reasoner": "its own"}
     plan = replace(plan, who=own | plan.who)
-    chosen = plan.selection
-    episodes = select(
-        load_episodes(plan.dataset, plan.config.world, plan.config.embodiment),
-        part=chosen.episodes,
-        scenes=chosen.scenes,
-        goals=chosen.goals,
-    )
+    episodes = plan.episodes()
     job = Job(
         folder=folder,
         config=plan.config,
-        max_steps=plan.max_steps,
-        success_distance_m=plan.success_distance_m,
         seed=plan.seed,
         save=save,
         make_agent=make_agent,

@@ -5,8 +5,8 @@ from typing import Annotated
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer
 
+from hypernav.core.episode import Outcome
 from hypernav.evaluation.failures.classification import Failure
-from hypernav.evaluation.outcome import Outcome
 
 Length = Annotated[
     float,

@@ -8,11 +8,11 @@ from typing import Any
 
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.trace import StepTrace
-from hypernav.evaluation.episode_run import EpisodeStep
 from hypernav.mapping.ros_map import save_ros_map
 from hypernav.show.drawing.map_images import write_map_png
 from hypernav.show.pages.episode_page import write_page
 from hypernav.show.video.episode_video import EpisodeVideo
+from hypernav.worlds.episode_run import EpisodeStep
 
 
 class EpisodeRecorder:

@@ -1,14 +1,15 @@
 """What a run is made of: its configuration, as it is kept beside the results."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from importlib.metadata import version
 from typing import Any
 
 from hypernav.build.component_specs import ComponentSpecs, PresetName
 from hypernav.build.presets import HyPerNavConfig
+from hypernav.core.episode import MAX_STEPS, Episode
 from hypernav.core.metrics import SUCCESS_DISTANCE_M
-from hypernav.evaluation.datasets import Episode, fingerprint
+from hypernav.evaluation.datasets import Progress, fingerprint, load_episodes, select
 from hypernav.evaluation.protocol import StopRule
 
 
@@ -49,9 +50,30 @@ class RunPlan:
     specs: ComponentSpecs = field(default_factory=ComponentSpecs)
     who: dict[str, Any] = field(default_factory=dict)
     config: HyPerNavConfig = field(default_factory=HyPerNavConfig)
-    max_steps: int = 500
+    max_steps: int = MAX_STEPS
     success_distance_m: float = SUCCESS_DISTANCE_M
     seed: int = 0
+
+    def episodes(self, progress: Progress | None = None) -> list[Episode]:
+        """The chosen episodes of the data set, with the limits of this run.
+
+        Args:
+            progress: Is told how far it is.
+
+        Raises:
+            EpisodeError: There is no such data set, or nothing in it is chosen.
+            SceneError: A scene cannot be used.
+        """
+        chosen = select(
+            load_episodes(
+                self.dataset, self.config.world, self.config.embodiment, progress=progress
+            ),
+            part=self.selection.episodes,
+            scenes=self.selection.scenes,
+            goals=self.selection.goals,
+        )
+        limits = {"max_steps": self.max_steps, "success_distance_m": self.success_distance_m}
+        return [replace(episode, **limits) for episode in chosen]
 
     def configuration(self, episodes: Sequence[Episode]) -> dict[str, Any]:
         """For ``run.json``.

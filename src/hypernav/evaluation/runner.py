@@ -4,8 +4,8 @@ import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
+from hypernav.core.episode import Episode
 from hypernav.core.errors import HyPerNavError
-from hypernav.evaluation.datasets import Episode
 from hypernav.evaluation.failures.classification import Failure
 from hypernav.evaluation.record import EpisodeRecord
 from hypernav.evaluation.store.run_store import RunStore

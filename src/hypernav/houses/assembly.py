@@ -11,10 +11,11 @@ import numpy as np
 from jaxtyping import Float32, Int16, Int32, UInt16
 
 from hypernav.core.labels import ObjectLabel
+from hypernav.core.world import Instance
 from hypernav.houses.kit.mesh import Finish, rotation_matrix
 from hypernav.houses.kit.model import Model
 from hypernav.houses.textures.library import texture
-from hypernav.worlds.scenes.scene import Instance, Material, Scene, Wrap
+from hypernav.worlds.scenes.scene import Material, Scene, Wrap
 
 _STEPS_PER_M = 10_000
 _NORMAL_STEPS = 32_000

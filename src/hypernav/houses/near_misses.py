@@ -1,11 +1,11 @@
 """What a careless reader would take for the goal: things that nearly satisfy it."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel, canonical, normalise
-from hypernav.worlds.scenes.scene import Instance, Scene
+from hypernav.core.world import Instance
 
 _PLACE = re.compile(r" (?:in|inside|of|beside|next to|near|by|close to|on|under|at) ")
 
@@ -33,7 +33,7 @@ _ALIKE: tuple[frozenset[str], ...] = tuple(
 """Kinds that look or serve alike."""
 
 
-def near_misses(scene: Scene, goal: Goal) -> tuple[Instance, ...]:
+def near_misses(instances: Sequence[Instance], goal: Goal) -> tuple[Instance, ...]:
     """The instances that do not satisfy a goal but come close.
 
     Near is what has the goal's name but not its looks or place ("the red armchair" and a blue
@@ -41,10 +41,10 @@ def near_misses(scene: Scene, goal: Goal) -> tuple[Instance, ...]:
     a kind that looks or serves alike (washing machine and clothes dryer).
 
     Args:
-        scene: With labels.
+        instances: Everything in the scene, with labels.
         goal: What is looked for.
     """
-    labelled = [(i, i.label) for i in scene.instances if i.label is not None]
+    labelled = [(i, i.label) for i in instances if i.label is not None]
     wanted = [label for _, label in labelled if label.satisfies(goal)]
     names = list(_names_in(goal)) + [label.category for label in wanted]
     return tuple(

@@ -18,16 +18,17 @@ from pydantic import Field
 from hypernav.core.actions import Action
 from hypernav.core.config import RoomConfig
 from hypernav.core.embodiment import Embodiment
+from hypernav.core.episode import Episode
 from hypernav.core.errors import GoalError, WorldError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.metrics import SUCCESS_DISTANCE_M
 from hypernav.core.observation import Observation
-from hypernav.worlds.referee import Referee
 from hypernav.worlds.scenes.loading import load_scene
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.simulation import SimulatedWorld, SimulationConfig
 from hypernav.worlds.surface.starts import random_start
+from hypernav.worlds.trial import Trial
 
 ENV_ID = "hypernav/ObjectNav-v0"
 
@@ -119,9 +120,7 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
             }
         )
         self.action_space = spaces.Discrete(len(Action))
-        self._referee: Referee | None = None
-        self._steps = 0
-        self._over = True
+        self._trial: Trial | None = None
 
     @property
     def observation(self) -> Observation:
@@ -133,15 +132,15 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
         return self.world.observation
 
     @property
-    def referee(self) -> Referee:
-        """Who measures the present episode.
+    def trial(self) -> Trial:
+        """The present episode: how far it is, how it ended, and who measures it.
 
         Raises:
             WorldError: Before the first `reset`.
         """
-        if self._referee is None:
+        if self._trial is None:
             raise WorldError("no episode before reset: call reset first")
-        return self._referee
+        return self._trial
 
     @property
     def goal(self) -> Goal:
@@ -150,7 +149,7 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
         Raises:
             WorldError: Before the first `reset`.
         """
-        return self.referee.region.goal
+        return self.trial.episode.goal
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -179,10 +178,15 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
             nearest_m=self.config.nearest_start_m,
             farthest_m=self.config.farthest_start_m,
         )
-        self.world.reset(start, self.np_random)
-        self._referee = Referee(region, self.world.position)
-        self._steps = 0
-        self._over = False
+        episode = Episode(
+            scene_id=self.world.scene.name,
+            episode_id="",
+            goal=goal,
+            start=start,
+            max_steps=self.config.max_steps,
+            success_distance_m=self.config.success_distance_m,
+        )
+        self._trial = Trial(self.world, episode, self.np_random)
         return self._observed(), self._info()
 
     def step(self, action: Any) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:
@@ -191,16 +195,13 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
         Raises:
             WorldError: The action doesn't exist, or the episode is over or has not begun.
         """
-        if self._over:
+        if self._trial is None or self._trial.is_over:
             raise WorldError("step without a running episode: call reset first")
         if not self.action_space.contains(action):
             raise WorldError(f"an action is one of 0, 1, 2, 3, got {action!r}")
-        self.world.step(Action(int(action)))
-        self._steps += 1
-        self.referee.watch(self.world.position)
-        terminated = self.world.stopped
-        truncated = not terminated and self._steps >= self.config.max_steps
-        self._over = terminated or truncated
+        self._trial.take(Action(int(action)))
+        terminated = self._trial.ending is not None
+        truncated = self._trial.is_over and not terminated
         info = self._info()
         return self._observed(), float(info["success"]), terminated, truncated, info
 
@@ -241,10 +242,8 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
         }
 
     def _info(self) -> dict[str, Any]:
-        metrics = self.referee.measure(
-            stopped=self.world.stopped, success_distance_m=self.config.success_distance_m
-        )
-        return {**asdict(metrics), "steps": self._steps, "collided": self.world.collided}
+        metrics = asdict(self.trial.measure())
+        return {**metrics, "steps": self.trial.steps, "collided": self.world.collided}
 
 
 def _checked_goal(text: str) -> Goal:

@@ -3,28 +3,28 @@
 import math
 
 from hypernav.core.metrics import SUCCESS_DISTANCE_M, EpisodeMetrics, measure
-from hypernav.worlds.surface.goal_regions import GoalRegion
+from hypernav.core.world import GoalTruth
 
 
 class Referee:
     """Measures one episode as habitat-lab does.
 
     Attributes:
-        region: Where the goal counts as reached.
+        goal: Where the goal counts as reached.
         shortest_path_m: Geodesic distance from the start to the nearest view point.
         path_length_m: Sum of the displacements in space so far.
         distance_to_goal_m: Geodesic distance from here to the nearest view point.
     """
 
-    def __init__(self, region: GoalRegion, start: tuple[float, float, float]) -> None:
+    def __init__(self, goal: GoalTruth, start: tuple[float, float, float]) -> None:
         """Begin an episode.
 
         Args:
-            region: Of the goal.
+            goal: Where the goal counts as reached.
             start: Where the robot stands, scene frame, metres.
         """
-        self.region = region
-        self.shortest_path_m = region.distance(start[0], start[1])
+        self.goal = goal
+        self.shortest_path_m = goal.distance(start[0], start[1])
         self.distance_to_goal_m = self.shortest_path_m
         self.path_length_m = 0.0
         self._position = start
@@ -34,7 +34,7 @@ class Referee:
         if position == self._position:
             return
         self.path_length_m += math.dist(self._position, position)
-        self.distance_to_goal_m = self.region.distance(position[0], position[1])
+        self.distance_to_goal_m = self.goal.distance(position[0], position[1])
         self._position = position
 
     def measure(

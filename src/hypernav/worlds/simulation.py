@@ -3,17 +3,19 @@
 import math
 
 import numpy as np
-from jaxtyping import Float32
+from jaxtyping import Float32, Float64
 from pydantic import Field
 
 from hypernav.core.actions import Action
 from hypernav.core.config import RoomConfig
 from hypernav.core.embodiment import Embodiment
+from hypernav.core.episode import Episode
 from hypernav.core.errors import StartError, WorldError
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.transforms import Pose2, Transform, wrap_angle
+from hypernav.core.goal import Goal
 from hypernav.core.observation import LabelledPixels, Observation
-from hypernav.core.protocols import RenderedView, Renderer
+from hypernav.core.world import Instance, RenderedView, Renderer
 from hypernav.worlds.drawing.rays import RayCaster
 from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.noise import (
@@ -24,7 +26,7 @@ from hypernav.worlds.noise import (
     reported_motion,
 )
 from hypernav.worlds.scenes.scene import Scene
-from hypernav.worlds.surface.goal_regions import GoalRegions
+from hypernav.worlds.surface.goal_regions import GoalRegion, GoalRegions
 from hypernav.worlds.surface.storeys import CELL_M
 from hypernav.worlds.surface.walkable import WalkableGrid
 
@@ -48,7 +50,7 @@ class SimulationConfig(RoomConfig):
 
 
 class SimulatedWorld:
-    """A robot in a scene.
+    """A robot in a scene: a `World`, and the `SceneTruth` about it.
 
     Poses and positions of this class are true ones in the scene's frame. What an agent gets is in
     the ``map`` frame, which starts at the start pose (x forward, y left, z up from the floor), with
@@ -106,11 +108,11 @@ class SimulatedWorld:
         self._path_length_m = 0.0
         self._collided = False
 
-    def reset(self, start: Pose2, rng: np.random.Generator | None = None) -> Observation:
-        """Place the robot.
+    def reset(self, episode: Episode, rng: np.random.Generator | None = None) -> Observation:
+        """Place the robot at the start of an episode.
 
         Args:
-            start: In the scene's frame.
+            episode: In this scene.
             rng: Source of all noise; needed only if noise is switched on.
 
         Returns:
@@ -122,6 +124,7 @@ class SimulatedWorld:
         """
         if not self.config.noise.is_off and rng is None:
             raise WorldError("noise is switched on; pass reset a numpy.random.Generator for it")
+        start = episode.start
         check_start(self.walkable, start)
         self._rng = rng
         self._start = start
@@ -175,7 +178,7 @@ class SimulatedWorld:
         return (self._pose.x, self._pose.y, self._height)
 
     @property
-    def stopped(self) -> bool:
+    def is_over(self) -> bool:
         """Whether the robot has said that it is there."""
         return self._stopped
 
@@ -199,6 +202,22 @@ class SimulatedWorld:
         if self._start is None:
             raise WorldError("the map frame starts at the start pose; place the robot first")
         return self._start.to_transform(self.walkable.height_at(*self._start.xy))
+
+    @property
+    def instances(self) -> tuple[Instance, ...]:
+        """Everything that the scene consists of."""
+        return self.scene.instances
+
+    @property
+    def truth(self) -> "SimulatedWorld":
+        """The truth about the scene: a simulated world knows it all."""
+        return self
+
+    def goal_truth(
+        self, goal: Goal, view_points: Float64[np.ndarray, "n 3"] | None = None
+    ) -> GoalRegion:
+        """Where a goal counts as reached: at the view points of a data set, else the scene's."""
+        return self.regions.of(goal, view_points)
 
     @property
     def _height(self) -> float:

@@ -15,10 +15,10 @@ from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import DetectionRecord, ExchangeLog, Mode, StepTrace
-from hypernav.evaluation.datasets import Episode
 from hypernav.evaluation.failures.classification import Failure
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
 from hypernav.perception.local.ground_truth import GroundTruthDetector
+from small_episodes import episode_from
 from small_worlds import small_config
 
 LIVING_ROOM = Pose2(3.0, 2.0, 0.0)
@@ -127,11 +127,10 @@ def run(agent, *, scene=flat, goal="bed", start=LIVING_ROOM, config=None, max_st
     job = Job(
         Path("unused"),
         config or small_config(),
-        max_steps=max_steps,
         make_agent=lambda: agent,
         open_scene=lambda name: scene(),
     )
-    return EpisodeWorker(job).run(Episode("flat", "0", goal, start))
+    return EpisodeWorker(job).run(episode_from(start, goal, max_steps=max_steps))
 
 
 def search(detector=None, config=None):

@@ -11,6 +11,7 @@ from hypernav.perception.local.goal_area import points_under_mask
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.worlds.simulation import SimulatedWorld
 from images import THING, thing_before_wall
+from small_episodes import episode_from
 
 
 def overlap(a, b):
@@ -67,7 +68,7 @@ def seen_in_a_room(name, low, high):
     """What a robot sees that stands in a room, 2 m before a thing."""
     config = Embodiment(camera=CameraConfig(width=160, height=120))
     world = SimulatedWorld(scene_of(*room_boxes(6.0, 4.0), (name, low, high)), embodiment=config)
-    observation = world.reset(Pose2(1.5, 1.2, 0.0))
+    observation = world.reset(episode_from(Pose2(1.5, 1.2, 0.0)))
     (detection,) = GroundTruthDetector().detect(observation, Goal(name))
     return observation, detection
 

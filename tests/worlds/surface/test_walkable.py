@@ -9,7 +9,7 @@ from hypothesis.extra import numpy as hnp
 from box_scenes import room_boxes, scene_of
 from hypernav.core.embodiment import BodyConfig
 from hypernav.core.errors import SceneError, StartError
-from hypernav.core.protocols import Walkable
+from hypernav.core.world import Walkable
 from hypernav.worlds.surface.walkable import WalkableGrid
 
 RADIUS = BodyConfig().radius_m

@@ -29,7 +29,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
 
-from hypernav.evaluation.outcome import Outcome
+from hypernav.core.episode import Outcome
 
 MISPLACED_M = 1.0
 """A goal area this far beside the object that gave it is the map's fault."""

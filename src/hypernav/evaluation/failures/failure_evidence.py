@@ -11,13 +11,11 @@ from hypernav.build.presets import HyPerNavConfig
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.observation import LabelledPixels
 from hypernav.core.trace import DetectionRecord, Ending
-from hypernav.evaluation.episode_run import EpisodeResult, EpisodeStep
+from hypernav.core.world import GoalTruth, Instance, SceneTruth
 from hypernav.evaluation.failures.classification import MISPLACED_M, Belief, Facts, Held
 from hypernav.houses.near_misses import near_misses
 from hypernav.planning.planner import Planner
-from hypernav.worlds.scenes.scene import Instance
-from hypernav.worlds.simulation import SimulatedWorld
-from hypernav.worlds.surface.goal_regions import GoalRegion
+from hypernav.worlds.episode_run import EpisodeResult, EpisodeStep
 
 SIGHT_SHARE = 0.0005
 """Things that fill less of the image don't count as seen: 12×12 pixels of 640×480."""
@@ -31,17 +29,17 @@ _BESIDE_M = 1.5
 class FailureEvidence:
     """Gathers what the rules of failure classification look at, step by step."""
 
-    def __init__(self, world: SimulatedWorld, region: GoalRegion, config: HyPerNavConfig) -> None:
+    def __init__(self, truth: SceneTruth, goal: GoalTruth, config: HyPerNavConfig) -> None:
         """Begin an episode.
 
         Args:
-            world: Where it takes place.
-            region: Of its goal.
+            truth: About the scene that it takes place in.
+            goal: Where its goal counts as reached.
             config: Of the agent: how near it goes, and how it plans.
         """
-        self._world = world
-        self._goal = region.goal
-        self._goal_ids = np.array([i.id for i in region.instances], dtype=np.int64)
+        self._truth = truth
+        self._goal = goal.goal
+        self._goal_ids = np.array([i.id for i in goal.instances], dtype=np.int64)
         self._config = config
         self._last: EpisodeStep | None = None
         self._votes: Counter[int] = Counter()
@@ -109,7 +107,7 @@ class FailureEvidence:
     def _in_scene(self, points: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "n 2"]:
         """Points of the robot's map where it believes them to be in the scene."""
         lifted = np.concatenate([points, np.zeros((len(points), 1))], axis=1)
-        return self._world.map_to_scene.apply(lifted)[:, :2]
+        return self._truth.map_to_scene.apply(lifted)[:, :2]
 
     def _object_of(self, area: Float64[np.ndarray, "n 2"]) -> Instance | None:
         """The object that the goal area stands for; None if that is part of the building.
@@ -120,8 +118,8 @@ class FailureEvidence:
         """
         middle = (area.min(axis=0) + area.max(axis=0)) / 2.0
         if not self._votes:
-            return _nearest(self._world, middle, _BESIDE_M)
-        seen = [self._world.scene.instances[number] for number in self._votes]
+            return _nearest(self._truth, middle, _BESIDE_M)
+        seen = [self._truth.instances[number] for number in self._votes]
         there = [i for i in seen if _gap(i, middle) <= MISPLACED_M]
         if there:
             # Of equally many sightings the nearer object wins, so that chance plays no part.
@@ -135,10 +133,10 @@ class FailureEvidence:
 
         A goal that is near is what a stop there most likely means; so this errs to the mild side.
         """
-        here = np.array(self._world.position[:2])
-        goals = [self._world.scene.instances[int(n)] for n in self._goal_ids]
+        here = np.array(self._truth.position[:2])
+        goals = [self._truth.instances[int(n)] for n in self._goal_ids]
         close = [i for i in goals if _gap(i, here) <= _BESIDE_M]
-        instance = close[0] if close else _nearest(self._world, here, math.inf)
+        instance = close[0] if close else _nearest(self._truth, here, math.inf)
         if instance is None:
             return Held(Belief.OTHER, "building")
         return Held(self._belief(instance), _name(instance))
@@ -146,13 +144,13 @@ class FailureEvidence:
     def _belief(self, instance: Instance) -> Belief:
         if instance.id in self._goal_ids:
             return Belief.GOAL
-        misses = near_misses(self._world.scene, self._goal)
+        misses = near_misses(self._truth.instances, self._goal)
         return Belief.NEAR_MISS if instance.id in {i.id for i in misses} else Belief.OTHER
 
     def _is_surrounded(self, area: Float64[np.ndarray, "n 2"]) -> bool:
         """Whether in truth no place near the area can be stood on and gone to."""
-        walkable = self._world.walkable
-        here = walkable.component_of(*self._world.position[:2])
+        walkable = self._truth.walkable
+        here = walkable.component_of(*self._truth.position[:2])
         places = walkable.centres(max(here, 0))
         low, high = area.min(axis=0), area.max(axis=0)
         stop_m = self._config.stop_reach_m
@@ -202,14 +200,14 @@ def _instance_under(detection: DetectionRecord, truth: LabelledPixels) -> int:
 
 
 def _nearest(
-    world: SimulatedWorld, point: Float64[np.ndarray, "2"], within_m: float
+    truth: SceneTruth, point: Float64[np.ndarray, "2"], within_m: float
 ) -> Instance | None:
     """The labelled object nearest to a point of the floor plan."""
-    labelled = [i for i in world.scene.instances if i.label is not None]
+    labelled = [i for i in truth.instances if i.label is not None]
     gaps = [(_gap(i, point), i.id) for i in labelled]
     if not gaps or min(gaps)[0] > within_m:
         return None
-    return world.scene.instances[min(gaps)[1]]
+    return truth.instances[min(gaps)[1]]
 
 
 def _gap(instance: Instance, point: Float64[np.ndarray, "2"]) -> float:

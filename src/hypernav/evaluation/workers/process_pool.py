@@ -13,8 +13,8 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 
+from hypernav.core.episode import Episode
 from hypernav.core.errors import HyPerNavError
-from hypernav.evaluation.datasets import Episode
 from hypernav.evaluation.record import EpisodeRecord
 from hypernav.evaluation.workers.resource_usage import peak_memory_mb
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job

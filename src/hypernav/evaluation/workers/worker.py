@@ -14,19 +14,18 @@ import numpy as np
 from hypernav.build.agents import build_agent, build_scene
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.presets import HyPerNavConfig
+from hypernav.core.episode import Episode, Outcome
 from hypernav.core.errors import CameraError, SceneError, StartError, WorldError
-from hypernav.core.goal import Goal
-from hypernav.core.metrics import SUCCESS_DISTANCE_M, EpisodeMetrics, measure
+from hypernav.core.metrics import EpisodeMetrics, measure
 from hypernav.core.protocols import Agent
-from hypernav.evaluation.datasets import Episode
-from hypernav.evaluation.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
+from hypernav.core.trace import Ending
 from hypernav.evaluation.failures.classification import Facts, Verdict, classify
 from hypernav.evaluation.failures.failure_evidence import FailureEvidence
-from hypernav.evaluation.outcome import Outcome
 from hypernav.evaluation.record import EpisodeRecord
 from hypernav.evaluation.recorder import EpisodeRecorder
 from hypernav.evaluation.save_choice import SaveChoice
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
+from hypernav.worlds.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.simulation import SimulatedWorld
 
@@ -43,8 +42,6 @@ class Job:
         folder: Of the run, for pages and videos.
         config: Values of the method.
         specs: Who sees and thinks.
-        max_steps: Step limit.
-        success_distance_m: Of the run's own protocol.
         seed: Of all noise.
         save: Which episodes keep page and video.
         make_agent: Builds an agent of your own in place of the configured one.
@@ -54,8 +51,6 @@ class Job:
     folder: Path
     config: HyPerNavConfig = field(default_factory=HyPerNavConfig)
     specs: ComponentSpecs = field(default_factory=ComponentSpecs)
-    max_steps: int = 500
-    success_distance_m: float = SUCCESS_DISTANCE_M
     seed: int = 0
     save: SaveChoice = "none"
     make_agent: Callable[[], Agent] | None = None
@@ -78,7 +73,7 @@ class EpisodeWorker:
         self._scene_id = ""
         self._world: SimulatedWorld | None = None
 
-    def run(self, spec: Episode) -> EpisodeRecord:
+    def run(self, episode: Episode) -> EpisodeRecord:
         """Run one episode.
 
         What the world gets wrong is part of the record. Every other error says that the run itself
@@ -88,19 +83,16 @@ class EpisodeWorker:
             HyPerNavError: The agent can't do this at all, or page or video can't be written.
         """
         try:
-            world = self._world_of(spec.scene_id)
-            episode = EpisodeRun(
+            world = self._world_of(episode.scene_id)
+            run = EpisodeRun(
                 self._agent,
                 world,
-                Goal(spec.goal),
-                spec.start,
-                rng=np.random.default_rng(spec.seed(self._job.seed)),
-                max_steps=self._job.max_steps,
-                success_distance_m=self._job.success_distance_m,
+                episode,
+                rng=np.random.default_rng(episode.seed(self._job.seed)),
             )
-            return self._watch(spec, episode, world)
+            return self._watch(run, world)
         except _SIMULATOR_ERRORS as error:
-            return broken(spec, f"{type(error).__name__}: {error}")
+            return broken(episode, f"{type(error).__name__}: {error}")
 
     def _world_of(self, scene_id: str) -> SimulatedWorld:
         if self._world is None or self._scene_id != scene_id:
@@ -112,26 +104,29 @@ class EpisodeWorker:
             self._scene_id = scene_id
         return self._world
 
-    def _watch(self, spec: Episode, episode: EpisodeRun, world: SimulatedWorld) -> EpisodeRecord:
-        evidence = FailureEvidence(world, world.regions.of(Goal(spec.goal)), self._job.config)
+    def _watch(self, run: EpisodeRun, world: SimulatedWorld) -> EpisodeRecord:
+        episode = run.trial.episode
+        goal = world.goal_truth(episode.goal, episode.view_points)
+        evidence = FailureEvidence(world, goal, self._job.config)
         questions, tokens = Counter[str](), Counter[str]()
-        with self._recorder(spec) as recorder:
-            for step in episode:
+        with self._recorder(episode) as recorder:
+            for step in run:
                 evidence.watch(step)
                 _count(step, questions, tokens)
                 if recorder is not None:
                     recorder.add(step)
-            result = episode.result()
+            result = run.result()
+            stopped = run.trial.ending is Ending.FOUND
             facts = evidence.facts(
-                result, stopped=world.stopped, success_distance_m=self._job.success_distance_m
+                result, stopped=stopped, success_distance_m=episode.success_distance_m
             )
             verdict = classify(facts)
-            saved = "" if recorder is None else self._finish(recorder, spec, result, verdict)
+            saved = "" if recorder is None else self._finish(recorder, episode, result, verdict)
         return EpisodeRecord(
-            scene_id=spec.scene_id,
-            episode_id=spec.episode_id,
-            goal=spec.goal,
-            group=spec.group,
+            scene_id=episode.scene_id,
+            episode_id=episode.episode_id,
+            goal=episode.goal.text,
+            group=episode.group,
             outcome=result.outcome,
             failure=verdict.failure if verdict is not None else None,
             why=verdict.why if verdict is not None else "",
@@ -141,7 +136,7 @@ class EpisodeWorker:
             distance_to_goal_m=result.metrics.distance_to_goal_m,
             shortest_path_m=result.metrics.shortest_path_m,
             path_length_m=result.metrics.path_length_m,
-            stopped=world.stopped,
+            stopped=stopped,
             steps=result.steps,
             model_calls=result.model_calls,
             questions=dict(sorted(questions.items())),
@@ -151,22 +146,22 @@ class EpisodeWorker:
             seconds={module: round(value, 4) for module, value in result.seconds.items()},
         )
 
-    def _recorder(self, spec: Episode) -> AbstractContextManager[EpisodeRecorder | None]:
+    def _recorder(self, episode: Episode) -> AbstractContextManager[EpisodeRecorder | None]:
         if self._job.save == "none":
             return nullcontext()
         return EpisodeRecorder(
-            self._job.folder / SAVED_FOLDER / folder_name(spec),
-            goal=spec.goal,
+            self._job.folder / SAVED_FOLDER / folder_name(episode),
+            goal=episode.goal.text,
             agent=self._words["agent"],
             detector=self._words["detector"],
             reasoner=self._words["reasoner"],
-            step_limit=self._job.max_steps,
+            step_limit=episode.max_steps,
         )
 
     def _finish(
         self,
         recorder: EpisodeRecorder,
-        spec: Episode,
+        episode: Episode,
         result: EpisodeResult,
         verdict: Verdict | None,
     ) -> str:
@@ -177,9 +172,9 @@ class EpisodeWorker:
             return ""
         recorder.finish(
             {
-                "goal": spec.goal,
-                "scene": spec.scene_id,
-                "episode": spec.episode_id,
+                "goal": episode.goal.text,
+                "scene": episode.scene_id,
+                "episode": episode.episode_id,
                 **self._words,
                 "outcome": result.outcome.value,
                 "failure": verdict.failure.words if verdict is not None else "",
@@ -194,7 +189,7 @@ class EpisodeWorker:
         return recorder.folder.relative_to(self._job.folder).as_posix()
 
 
-def broken(spec: Episode, trouble: str) -> EpisodeRecord:
+def broken(episode: Episode, trouble: str) -> EpisodeRecord:
     """The record of an episode that the simulator could not run."""
     infinite = float("inf")
     nothing = measure(
@@ -206,10 +201,10 @@ def broken(spec: Episode, trouble: str) -> EpisodeRecord:
     )
     verdict = classify(Facts(Outcome.SIMULATOR_ERROR, trouble=trouble))
     return EpisodeRecord(
-        scene_id=spec.scene_id,
-        episode_id=spec.episode_id,
-        goal=spec.goal,
-        group=spec.group,
+        scene_id=episode.scene_id,
+        episode_id=episode.episode_id,
+        goal=episode.goal.text,
+        group=episode.group,
         outcome=Outcome.SIMULATOR_ERROR,
         failure=verdict.failure if verdict is not None else None,
         why=trouble,
@@ -220,10 +215,10 @@ def broken(spec: Episode, trouble: str) -> EpisodeRecord:
     )
 
 
-def folder_name(spec: Episode) -> str:
+def folder_name(episode: Episode) -> str:
     """A folder for an episode that every file system takes."""
-    scene = Path(spec.scene_id).stem if "/" in spec.scene_id else spec.scene_id
-    text = f"{scene}-{spec.episode_id}-{spec.goal}".lower()
+    scene = Path(episode.scene_id).stem if "/" in episode.scene_id else episode.scene_id
+    text = f"{scene}-{episode.episode_id}-{episode.goal.text}".lower()
     return re.sub(r"[^a-z0-9]+", "-", text).strip("-")[:120]
 
 

@@ -16,6 +16,7 @@ from jaxtyping import Float64
 from hypernav.core.errors import EpisodeError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
+from hypernav.core.world import Instance
 from hypernav.datasets.habitat_format import (
     AgentState,
     EpisodeDataset,
@@ -28,7 +29,7 @@ from hypernav.houses.dice import Dice
 from hypernav.houses.episodes.queries import Ask, category_asks, phrase_asks
 from hypernav.houses.episodes.site import Site
 from hypernav.houses.episodes.starts import Start, draw_start
-from hypernav.worlds.scenes.scene import Instance, Scene
+from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.goal_regions import GoalRegion
 
 EPISODES_VERSION = 2

@@ -12,10 +12,10 @@ from typing import Literal
 
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel, canonical
+from hypernav.core.world import Instance
 from hypernav.houses.dice import Dice
 from hypernav.houses.episodes.site import Site
 from hypernav.houses.near_misses import near_misses
-from hypernav.worlds.scenes.scene import Instance
 
 Vocabulary = Literal["seen", "synonym", "unseen"]
 
@@ -125,7 +125,7 @@ def _largest_side_m2(instance: Instance) -> float:
 
 def _name_ask(site: Site, name: str, vocabulary: Vocabulary) -> Ask:
     wanted = site.satisfying(name)
-    return Ask(name, vocabulary, False, wanted, near_misses(site.scene, Goal(name)))
+    return Ask(name, vocabulary, False, wanted, near_misses(site.scene.instances, Goal(name)))
 
 
 def _description(dice: Dice, site: Site, name: str, vocabulary: Vocabulary) -> Ask:
@@ -142,7 +142,7 @@ def _description(dice: Dice, site: Site, name: str, vocabulary: Vocabulary) -> A
         wanted = site.satisfying(phrase)
         if target in wanted:
             text = f"the {phrase}" if len(wanted) == 1 else phrase
-            return Ask(text, vocabulary, True, wanted, near_misses(site.scene, goal))
+            return Ask(text, vocabulary, True, wanted, near_misses(site.scene.instances, goal))
     return _name_ask(site, name, vocabulary)
 
 

@@ -11,8 +11,9 @@ from jaxtyping import Float64
 
 from hypernav.core.embodiment import BodyConfig, CameraConfig
 from hypernav.core.goal import Goal
+from hypernav.core.world import Instance
 from hypernav.worlds.drawing.rays import RayCaster
-from hypernav.worlds.scenes.scene import Instance, Scene
+from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.goal_regions import GoalRegions
 from hypernav.worlds.surface.walkable import WalkableGrid
 

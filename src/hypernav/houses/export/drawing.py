@@ -2,9 +2,9 @@
 
 from html import escape
 
+from hypernav.core.world import Instance
 from hypernav.houses.plan.doors import leaf_rect
 from hypernav.houses.plan.shapes import OUTER_M, WALL_M, FloorPlan, Opening, Rect
-from hypernav.worlds.scenes.scene import Instance
 
 _FILLS = {
     "living room": "#fdebd3",

@@ -10,12 +10,13 @@ import numpy as np
 from jaxtyping import UInt8
 
 from hypernav.core.errors import SceneError
+from hypernav.core.world import Instance
 from hypernav.houses.assembly import CompactScene
 from hypernav.houses.build import build_compact, plan_of
 from hypernav.houses.export.descriptions import describe
 from hypernav.houses.export.glb import write_house, write_semantics
 from hypernav.worlds.scenes.loading import OBJECTS_FILE
-from hypernav.worlds.scenes.scene import Instance, Scene
+from hypernav.worlds.scenes.scene import Scene
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from pydantic import Field
 from hypernav.core.config import RoomConfig
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Transform
-from hypernav.core.protocols import RenderedView
+from hypernav.core.world import RenderedView
 from hypernav.worlds.drawing.edge_kernels import find_edges, mix_samples
 from hypernav.worlds.drawing.geometry_kernels import fill_rays, fill_rays_around
 from hypernav.worlds.drawing.rasterizer import Rasterizer
@@ -62,7 +62,7 @@ class RenderConfig(RoomConfig):
 
 
 class CpuRenderer:
-    """Draws a scene; satisfies `hypernav.core.protocols.Renderer`.
+    """Draws a scene; satisfies `hypernav.core.world.Renderer`.
 
     Attributes:
         rays: The scene as rays see it, to share with whoever asks what is visible.

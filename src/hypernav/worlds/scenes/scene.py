@@ -9,7 +9,7 @@ from enum import IntEnum
 import numpy as np
 from jaxtyping import Bool, Float32, Int32, UInt8
 
-from hypernav.core.labels import ObjectLabel
+from hypernav.core.world import Instance
 
 
 class Wrap(IntEnum):
@@ -39,25 +39,6 @@ class Material:
     wrap: tuple[Wrap, Wrap] = (Wrap.REPEAT, Wrap.REPEAT)
     opaque: Bool[np.ndarray, "height width"] | None = None
     unlit: bool = False
-
-
-@dataclass(frozen=True)
-class Instance:
-    """One thing of the scene.
-
-    Attributes:
-        id: Its number in ``Scene.face_instance``, equal to its place in ``Scene.instances``.
-        name: Unique within the scene.
-        label: What it is; None for walls, floors and ceilings, which nobody searches for.
-        box_min: Lowest corner of its axis-aligned box, scene frame, metres.
-        box_max: Highest corner.
-    """
-
-    id: int
-    name: str
-    label: ObjectLabel | None
-    box_min: tuple[float, float, float]
-    box_max: tuple[float, float, float]
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,8 @@ from jaxtyping import Float32, Int32, UInt8
 
 from hypernav.core.errors import SceneError
 from hypernav.core.labels import ObjectLabel
-from hypernav.worlds.scenes.scene import Instance, Material, Scene
+from hypernav.core.world import Instance
+from hypernav.worlds.scenes.scene import Material, Scene
 
 _CREASE_DEG = 40.0
 

@@ -6,8 +6,9 @@ import numpy as np
 from jaxtyping import Float64
 
 from hypernav.core.goal import Goal
+from hypernav.core.world import Instance
 from hypernav.worlds.drawing.rays import RayCaster
-from hypernav.worlds.scenes.scene import Instance, Scene
+from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.geodesic import DistanceField
 from hypernav.worlds.surface.view_points import EYE_HEIGHT_M, REACH_M, view_points
 from hypernav.worlds.surface.walkable import WalkableGrid
@@ -36,7 +37,8 @@ class GoalRegion:
         points: Float64[np.ndarray, "n 3"],
         instances: tuple[Instance, ...] = (),
     ) -> "GoalRegion":
-        """A region of given view points, for example those of an episode file."""
+        """A region of given view points; their order and repetitions don't matter."""
+        points = np.unique(points, axis=0)
         field = walkable.distance_field(np.ascontiguousarray(points[:, :2]))
         return GoalRegion(goal, instances, points, field)
 
@@ -78,15 +80,21 @@ class GoalRegions:
         self._eye_height_m = eye_height_m
         self._of_instance: dict[int, Float64[np.ndarray, "n 3"]] = {}
 
-    def of(self, goal: Goal) -> GoalRegion:
-        """The region of a goal. Legal for a goal that nothing satisfies: it is empty then."""
+    def of(self, goal: Goal, points: Float64[np.ndarray, "n 3"] | None = None) -> GoalRegion:
+        """The region of a goal. Legal for a goal that nothing satisfies: it is empty then.
+
+        Args:
+            goal: What is looked for.
+            points: View points of a data set, to be taken in place of the scene's own.
+        """
         instances = tuple(
             instance
             for instance in self._scene.instances
             if instance.label is not None and instance.label.satisfies(goal)
         )
-        parts = [self.view_points(instance) for instance in instances]
-        points = np.unique(np.concatenate([np.zeros((0, 3)), *parts]), axis=0)
+        if points is None:
+            parts = [self.view_points(instance) for instance in instances]
+            points = np.concatenate([np.zeros((0, 3)), *parts])
         return GoalRegion.of_points(goal, self._walkable, points, instances)
 
     def view_points(self, instance: Instance) -> Float64[np.ndarray, "n 3"]:

@@ -10,8 +10,9 @@ camera's direction and vertical field of view don't matter.
 import numpy as np
 from jaxtyping import Bool, Float32, Float64
 
+from hypernav.core.world import Instance
 from hypernav.worlds.drawing.rays import RayCaster
-from hypernav.worlds.scenes.scene import Instance, Scene
+from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.walkable import WalkableGrid
 
 REACH_M = 1.0

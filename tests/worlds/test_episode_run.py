@@ -3,11 +3,11 @@ import math
 import pytest
 
 from hypernav.core.actions import Action
+from hypernav.core.episode import Outcome
 from hypernav.core.errors import StartError
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.goal import Goal
-from hypernav.evaluation.episode_run import EpisodeRun
-from hypernav.evaluation.outcome import Outcome
+from hypernav.worlds.episode_run import EpisodeRun
+from small_episodes import episode_from
 from small_worlds import two_rooms
 
 BESIDE_BED = Pose2(6.3, 1.0, 0.0)
@@ -27,7 +27,7 @@ class Scripted:
 
 
 def run(*actions, goal="bed", start=BESIDE_BED, **options):
-    episode = EpisodeRun(Scripted(*actions), two_rooms(), Goal(goal), start, **options)
+    episode = EpisodeRun(Scripted(*actions), two_rooms(), episode_from(start, goal, **options))
     steps = list(episode)
     return steps, episode.result()
 
@@ -71,7 +71,7 @@ def test_a_goal_that_the_scene_lacks_is_legal():
 
 
 def test_an_interrupted_episode_has_a_result():
-    episode = EpisodeRun(Scripted(Action.TURN_LEFT), two_rooms(), Goal("bed"), BESIDE_BED)
+    episode = EpisodeRun(Scripted(Action.TURN_LEFT), two_rooms(), episode_from(BESIDE_BED))
     next(iter(episode))
     result = episode.result(interrupted=True)
     assert (result.outcome, result.steps) == (Outcome.INTERRUPTED, 1)

@@ -1,0 +1,78 @@
+"""What an episode is, and how it can end."""
+
+import hashlib
+import json
+from dataclasses import dataclass, field
+from enum import StrEnum
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float64
+
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
+from hypernav.core.metrics import SUCCESS_DISTANCE_M
+
+MAX_STEPS = 500
+"""Habitat's step limit."""
+
+
+@dataclass(frozen=True)
+class Episode:
+    """One task: where, from where, what to find, and what counts as found.
+
+    Attributes:
+        scene_id: Scene, as ``hypernav find --scene`` understands it.
+        episode_id: Name that is unique within the scene.
+        goal: What to find.
+        start: Start pose, scene frame.
+        group: Part of the data set ("unseen"); empty if there is none.
+        max_steps: Step limit; STOP counts as a step.
+        success_distance_m: How near to a view point (geodesic) a STOP counts.
+        view_points: Points on the floor where the goal counts as reached, metres, scene frame, as
+            the data set brings them; None leaves them to the scene. Equality leaves them out.
+    """
+
+    scene_id: str
+    episode_id: str
+    goal: Goal
+    start: Pose2
+    group: str = ""
+    max_steps: int = MAX_STEPS
+    success_distance_m: float = SUCCESS_DISTANCE_M
+    view_points: Float64[np.ndarray, "n 3"] | None = field(default=None, compare=False, repr=False)
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """What no two episodes of a data set share."""
+        return (self.scene_id, self.episode_id)
+
+    def seed(self, run_seed: int) -> int:
+        """Seed of all noise in this episode: its own, whoever runs it and whatever ran before.
+
+        The folder of a scene's file does not matter.
+        """
+        text = json.dumps([run_seed, Path(self.scene_id).name, self.episode_id]).encode()
+        return int.from_bytes(hashlib.sha256(text).digest()[:8], "big")
+
+
+class Outcome(StrEnum):
+    """How an episode ended.
+
+    A model outage or a simulator error is never counted as a failure of navigation.
+    """
+
+    FOUND = "found"
+    """Stopped, and the goal is there."""
+    WRONG_PLACE = "wrong_place"
+    """Stopped where the goal is not."""
+    NOT_FOUND = "not_found"
+    """Gave up, or ran out of steps."""
+    UNREACHABLE = "unreachable"
+    """The scene holds the goal, but no way leads there from the start."""
+    MODEL_UNAVAILABLE = "model_unavailable"
+    """A model stayed away longer than the configured patience."""
+    SIMULATOR_ERROR = "simulator_error"
+    """The world failed, or the process that ran it was lost again and again."""
+    INTERRUPTED = "interrupted"
+    """Somebody stopped the program."""

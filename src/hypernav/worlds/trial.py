@@ -1,0 +1,99 @@
+"""One try at an episode, whoever chooses the actions."""
+
+import numpy as np
+
+from hypernav.core.actions import Action
+from hypernav.core.episode import Episode
+from hypernav.core.errors import WorldError
+from hypernav.core.metrics import EpisodeMetrics
+from hypernav.core.observation import Observation
+from hypernav.core.trace import Ending
+from hypernav.core.world import World
+from hypernav.worlds.referee import Referee
+
+
+class Trial:
+    """Counts steps, knows how it ended, and lets a referee measure where the truth is known.
+
+    Attributes:
+        world: Where.
+        episode: What.
+        observation: The latest observation.
+        referee: Who measures; None in a world that knows no truth.
+        steps: Actions so far; STOP and giving up count.
+        ending: What the searcher said at the end; None before, and if it ran out of steps.
+    """
+
+    def __init__(
+        self, world: World, episode: Episode, rng: np.random.Generator | None = None
+    ) -> None:
+        """Place the robot.
+
+        Args:
+            world: Where.
+            episode: What.
+            rng: Source of the world's noise.
+
+        Raises:
+            StartError: The robot cannot stand at the start.
+        """
+        self.world = world
+        self.episode = episode
+        self.observation: Observation = world.reset(episode, rng)
+        self.referee = _referee_of(world, episode)
+        self.steps = 0
+        self.ending: Ending | None = None
+
+    @property
+    def is_over(self) -> bool:
+        """Whether no further action is taken."""
+        out_of_steps = self.steps >= self.episode.max_steps
+        return self.ending is not None or out_of_steps or self.world.is_over
+
+    @property
+    def holds_goal(self) -> bool:
+        """Whether the scene or the data set knows of something that satisfies the goal."""
+        goal = None if self.referee is None else self.referee.goal
+        return goal is not None and (len(goal.instances) > 0 or len(goal.view_points) > 0)
+
+    def take(self, action: Action | None) -> Observation:
+        """Do something and look.
+
+        Args:
+            action: None gives up; STOP says "here it is".
+
+        Raises:
+            WorldError: The trial is over.
+        """
+        if self.is_over:
+            raise WorldError("the episode is over; begin another one")
+        self.steps += 1
+        self.ending = Ending.of(action)
+        if action is not None:
+            self.observation = self.world.step(action)
+        if self.referee is not None and self.world.truth is not None:
+            self.referee.watch(self.world.truth.position)
+        return self.observation
+
+    def measure(self) -> EpisodeMetrics:
+        """The measures so far.
+
+        Raises:
+            WorldError: The world knows no truth to measure by.
+        """
+        if self.referee is None:
+            raise WorldError(
+                "nothing can be measured: this world knows no truth about its scene; read ending "
+                "instead, which is what the searcher said"
+            )
+        return self.referee.measure(
+            stopped=self.ending is Ending.FOUND,
+            success_distance_m=self.episode.success_distance_m,
+        )
+
+
+def _referee_of(world: World, episode: Episode) -> Referee | None:
+    if world.truth is None:
+        return None
+    truth = world.truth.goal_truth(episode.goal, episode.view_points)
+    return Referee(truth, world.truth.position)
