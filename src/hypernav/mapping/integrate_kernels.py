@@ -120,7 +120,8 @@ def sees_floor(depth, lens, pose, x, y, heights):
     """Whether a cell is seen free, as low as the camera can look.
 
     Far away that is just above the floor. Near the robot, where the floor lies below the image's
-    lower edge, it is the lowest ray of the image inside the height band.
+    lower edge, it is the lowest ray of the image: else a tall camera would never see its robot's
+    way out of the blind zone around it.
 
     Returns:
         2 if seen free down to the floor, 1 if as low as the image shows, 0 if not seen free.
@@ -128,7 +129,9 @@ def sees_floor(depth, lens, pose, x, y, heights):
     for j in range(heights.shape[0]):
         h = heights[j]
         z = pose[8] * x + pose[9] * y + pose[10] * h + pose[11]
-        if z <= 0.0 or z >= lens[5]:
+        if z <= 0.0:  # a camera that looks up has the floor before it behind its image plane
+            continue
+        if z >= lens[5]:
             return 0
         v = lens[1] * (pose[4] * x + pose[5] * y + pose[6] * h + pose[7]) / z + lens[3]
         if v < depth.shape[0]:
@@ -192,7 +195,7 @@ def sweep_window(depth, lens, pose, heights, window, sizes, weights, margins, co
         lens: See above.
         pose: See above.
         heights: float64, where a cell is looked at for free floor: just above the floor first, then
-            up the height band.
+            up the height band and, for a camera above it, up to the camera.
         window: See above, then x and y of its corner, metres.
         sizes: See above.
         weights: See above.
@@ -203,7 +206,7 @@ def sweep_window(depth, lens, pose, heights, window, sizes, weights, margins, co
     evidence, raised, seen, bumps, cells = arrays
     row0, column0, rows, columns, x0, y0 = window
     layers = evidence.shape[2]
-    top = sizes[2] + layers * sizes[1]
+    top = max(sizes[2] + layers * sizes[1], heights[-1])
     for i in range(rows):
         y = y0 + (i + 0.5) * sizes[0]
         row = row0 + i

@@ -73,7 +73,9 @@ class TopDownMap:
             config.max_evidence,
         )
         self._margins = (config.pass_margin_m, config.pass_margin_ratio)
-        layers = np.arange(self._band.layers) + 0.5
+        above_bottom_m = embodiment.camera.height_m - self._band.bottom_m
+        to_camera = math.ceil(above_bottom_m / config.voxel_height_m)
+        layers = np.arange(max(self._band.layers, to_camera)) + 0.5
         self._heights = np.concatenate(
             [
                 [self._band.bottom_m / 2.0],
