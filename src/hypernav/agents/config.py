@@ -2,11 +2,17 @@
 
 from typing import Literal
 
+from pydantic import Field
+
 from hypernav.core.config import RoomConfig
+from hypernav.core.embodiment import MotionConfig
 
 
 class SearchConfig(RoomConfig):
     """When to look, when to stop, when to think again.
+
+    Numbers of steps are meant for steps of 0.5 m and turns of 30 degrees; a robot with shorter ones
+    gets as many more.
 
     Attributes:
         stop_distance_m: Of the robot to where it may enter the goal area, for the presence check
@@ -35,18 +41,27 @@ class SearchConfig(RoomConfig):
         pursue_far_sightings: Go towards a goal that is seen beyond the range of depth.
     """
 
-    stop_distance_m: float = 0.15
-    approach_gap_m: float = 0.15
-    patience_steps: int = 16
-    arrival_distance_m: float = 0.5
-    endurance_steps: int = 40
+    stop_distance_m: float = Field(default=0.15, ge=0.0)
+    approach_gap_m: float = Field(default=0.15, ge=0.0)
+    patience_steps: int = Field(default=16, ge=1)
+    arrival_distance_m: float = Field(default=0.5, gt=0.0)
+    endurance_steps: int = Field(default=40, ge=1)
     give_up_when_stuck: bool = True
     look_around_at_start: bool = True
     look_again_before_giving_up: bool = True
     look_across_boundary: bool = True
     drop_explored: bool = True
-    drop_explored_radius_m: float = 0.75
+    drop_explored_radius_m: float = Field(default=0.75, gt=0.0)
     verify_view: Literal["current", "best"] = "best"
     face_target: bool = True
     see_before_stop: bool = True
     pursue_far_sightings: bool = True
+
+    def paced(self, motion: MotionConfig) -> "SearchConfig":
+        """The same patience for a robot whose actions do more, or less, than the paper's."""
+        return self.model_copy(
+            update={
+                "patience_steps": motion.actions_for(self.patience_steps),
+                "endurance_steps": motion.actions_for(self.endurance_steps),
+            }
+        )

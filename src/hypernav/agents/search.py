@@ -93,8 +93,8 @@ class _Search:
     """One search for one goal: the map, the phases, and the trace of the latest step."""
 
     def __init__(self, goal: Goal, components: SearchComponents) -> None:
-        local, config = components.local, components.config
         planning, embodiment = components.planning, components.embodiment
+        local, config = components.local, components.config.paced(embodiment.motion)
         local.reset(goal)
         components.log.drain()
         self.world_map = components.new_map()

@@ -1,5 +1,7 @@
 """What the robot is, said once: its body, its camera, what its actions do."""
 
+import math
+
 from pydantic import Field, model_validator
 
 from hypernav.core.config import RoomConfig
@@ -101,6 +103,10 @@ class MotionConfig(RoomConfig):
                 f"{self.turn_angle_deg}"
             )
         return self
+
+    def actions_for(self, paper_actions: int) -> int:
+        """As many actions as do what so many of the paper's do, steps of 0.5 m and turns of 30°."""
+        return math.ceil(paper_actions * max(0.5 / self.forward_m, 30.0 / self.turn_angle_deg))
 
     @property
     def turns_of_a_circle(self) -> int:

@@ -17,7 +17,7 @@ from hypernav.planning.motion_kernels import plan_actions
 from hypernav.planning.planner import PlannedPath, is_blocked
 
 _TURN_COST_M = 0.05
-"""What a turn weighs against a longer way: enough to keep the robot from zigzagging."""
+"""What a turn of 30 degrees weighs against a longer path: enough to prevent zigzags."""
 _LEAST_GAIN_M = 0.05
 """Actions that bring the robot less far are not worth taking."""
 _HORIZON_M = 2.0
@@ -136,7 +136,9 @@ class PathFollower:
         return self._turn_or_go(robot.bearing_to(*aim))
 
     def _turn_or_go(self, bearing: float) -> Action:
-        if abs(bearing) <= math.radians(self._config.heading_tolerance_deg) + _ANGLE_SLACK:
+        # Less than half a turn off cannot be made good: the robot would turn to and fro.
+        tolerance_deg = max(self._config.heading_tolerance_deg, self._motion.turn_angle_deg / 2.0)
+        if abs(bearing) <= math.radians(tolerance_deg) + _ANGLE_SLACK:
             return Action.MOVE_FORWARD
         return Action.TURN_LEFT if bearing > 0.0 else Action.TURN_RIGHT
 
@@ -210,7 +212,7 @@ class PathFollower:
             np.sin(headings),
             np.cos(headings),
             self._motion.forward_m / size,
-            _TURN_COST_M / size,
+            _TURN_COST_M * (self._motion.turn_angle_deg / 30.0) / size,
             self._tolerance / size,
             _HORIZON_M / size,
         )
