@@ -14,6 +14,44 @@ from hypernav.core.errors import ConfigError
 ENVIRONMENT_PREFIX = "HYPERNAV_"
 
 
+_MARGIN = "planning.margin_m, the room beyond embodiment.body.radius_m"
+_CAMERA_KEYS = (
+    "width",
+    "height",
+    "hfov_deg",
+    "height_m",
+    "pitch_deg",
+    "min_depth_m",
+    "max_depth_m",
+)
+RENAMED = {
+    **{f"world.camera.{key}": f"embodiment.camera.{key}" for key in _CAMERA_KEYS},
+    **{
+        f"world.robot.{key}": f"embodiment.body.{key}"
+        for key in ("radius_m", "height_m", "max_step_m", "max_slope_deg")
+    },
+    "world.actions.forward_m": "embodiment.motion.forward_m",
+    "world.actions.turn_angle_deg": "embodiment.motion.turn_angle_deg",
+    "world.actions.sliding": "world.sliding",
+    "planning.forward_m": "embodiment.motion.forward_m",
+    "planning.turn_angle_deg": "embodiment.motion.turn_angle_deg",
+    "search.turn_angle_deg": "embodiment.motion.turn_angle_deg",
+    "mapping.min_depth_m": "embodiment.camera.min_depth_m",
+    "mapping.max_depth_m": "embodiment.camera.max_depth_m",
+    "local.min_depth_m": "embodiment.camera.min_depth_m",
+    "local.max_depth_m": "embodiment.camera.max_depth_m",
+    "mapping.robot_radius_m": "embodiment.body.radius_m",
+    "mapping.obstacle_min_height_m": "embodiment.body.max_step_m",
+    "mapping.obstacle_max_height_m": "embodiment.body.height_m (with mapping.headroom_m)",
+    "mapping.clearance_m": _MARGIN,
+    "planning.inflation_m": _MARGIN,
+    "mapping.squeeze_m": "planning.squeeze_m",
+    "overview.picture_px": "overview.image_px",
+    **{f"ask_ahead.{key}": f"prefetch.{key}" for key in ("enabled", "within_m", "good_for_steps")},
+}
+"""Options that were called otherwise once, and what says the same today."""
+
+
 class RoomConfig(BaseModel):
     """Base of every room's configuration: frozen; unknown keys, NaN and infinity are errors."""
 
@@ -88,22 +126,42 @@ def _assign(
 
 
 def _merge(
-    model: type[BaseModel], values: dict[str, Any], changes: dict[str, Any], *, source: str
+    model: type[BaseModel],
+    values: dict[str, Any],
+    changes: dict[str, Any],
+    *,
+    source: str,
+    section: str = "",
 ) -> None:
     for key, change in changes.items():
         if key not in model.model_fields:
+            _refuse_renamed(f"{section}.{key}" if section else str(key), change, source)
             close = difflib.get_close_matches(str(key), model.model_fields, n=1)
             hint = f"did you mean '{close[0]}'? " if close else ""
             raise ConfigError(
                 f"{source}: unknown key '{key}'; {hint}keys here: {', '.join(model.model_fields)}"
             )
-        section = model.model_fields[key].annotation
-        if isinstance(section, type) and issubclass(section, BaseModel):
+        name = f"{section}.{key}" if section else key
+        inner = model.model_fields[key].annotation
+        if isinstance(inner, type) and issubclass(inner, BaseModel):
             if not isinstance(change, dict):
                 raise ConfigError(
                     f"{source}: '{key}' is a section with the keys "
-                    f"{', '.join(section.model_fields)}, got {change!r}"
+                    f"{', '.join(inner.model_fields)}, got {change!r}"
                 )
-            _merge(section, values[key], change, source=source)
+            _merge(inner, values[key], change, source=source, section=name)
         else:
             values[key] = change
+
+
+def _refuse_renamed(name: str, change: Any, source: str) -> None:
+    """Say the new name of an option that was called otherwise, or of the first below it.
+
+    Raises:
+        ConfigError: The option is in the table.
+    """
+    if name in RENAMED:
+        raise ConfigError(f"{source}: '{name}' is now {RENAMED[name]}")
+    if isinstance(change, dict):
+        for key, inner in change.items():
+            _refuse_renamed(f"{name}.{key}", inner, source)

@@ -46,7 +46,7 @@ class SimulationConfig(RoomConfig):
     noise: NoiseConfig = NoiseConfig()
     labels: bool = True
     cell_m: float = Field(default=CELL_M, gt=0.0)
-    floor_z: float | None = None
+    floor_z: float | None = Field(default=None, ge=-1000.0, le=1000.0)
 
 
 class SimulatedWorld:

@@ -48,7 +48,7 @@ class ChatConfig(RoomConfig):
     longest_wait_s: float = Field(default=8.0, gt=0.0)
     dialect: Literal["auto"] | DialectName = "auto"
     temperature: float | None = Field(default=0.0, ge=0.0)
-    seed: int | None = 0
+    seed: int | None = Field(default=0, ge=0)
     logprobs: bool = True
     decisions: bool = True
     jpeg_quality: int = Field(default=95, ge=1, le=100)

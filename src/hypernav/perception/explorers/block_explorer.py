@@ -3,6 +3,8 @@
 import math
 from collections.abc import Sequence
 
+from pydantic import Field
+
 from hypernav.core.config import RoomConfig
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
@@ -24,9 +26,9 @@ class OverviewConfig(RoomConfig):
         max_questions: The most times that one choice is asked for, with visited blocks excluded.
     """
 
-    image_px: int = 768
-    visited_radius_m: float = 0.5
-    max_questions: int = 4
+    image_px: int = Field(default=768, ge=64, le=4096)
+    visited_radius_m: float = Field(default=0.5, ge=0.0)
+    max_questions: int = Field(default=4, ge=1)
 
 
 class BlockExplorer:

@@ -2,6 +2,8 @@
 
 import math
 
+from pydantic import Field
+
 from hypernav.core.config import RoomConfig
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
@@ -19,10 +21,10 @@ class GeometricConfig(RoomConfig):
         gain_exponent: How much a longer boundary counts; 0 ignores its length.
     """
 
-    min_frontier_cells: int = 6
-    travel_scale_m: float = 3.0
-    turn_cost_m: float = 0.8
-    gain_exponent: float = 1.0
+    min_frontier_cells: int = Field(default=6, ge=1)
+    travel_scale_m: float = Field(default=3.0, gt=0.0)
+    turn_cost_m: float = Field(default=0.8, ge=0.0)
+    gain_exponent: float = Field(default=1.0, ge=0.0)
 
 
 class GeometricReasoner:

@@ -1,8 +1,22 @@
 """How a detection becomes a goal area, and when that is believed."""
 
-from typing import Literal
+from typing import Annotated, Literal
+
+from pydantic import AfterValidator, Field
 
 from hypernav.core.config import RoomConfig
+
+
+def _odd(side: int) -> int:
+    if side % 2 == 0:
+        raise ValueError(
+            f"a kernel needs an odd side, so that it has a middle; 1 does nothing, got {side}"
+        )
+    return side
+
+
+OddSide = Annotated[int, Field(ge=1, le=101), AfterValidator(_odd)]
+"""Side of a kernel."""
 
 
 class LocalConfig(RoomConfig):
@@ -10,7 +24,7 @@ class LocalConfig(RoomConfig):
 
     Attributes:
         erosion_px: Side of the kernel that erodes the mask, so that its edge does not spill onto
-            the background (paper: "the mask is eroded").
+            the background (paper: "the mask is eroded"); 1 does not erode.
         min_points: Fewer points of the target with depth are not trusted.
         dilation_kernel: Side of the kernel that dilates the cells (paper: 5×5).
         dilation_iterations: How often (paper: 3).
@@ -34,17 +48,17 @@ class LocalConfig(RoomConfig):
         min_verdicts: Images needed before that share is believed.
     """
 
-    erosion_px: int = 5
-    min_points: int = 12
-    dilation_kernel: int = 5
-    dilation_iterations: int = 3
+    erosion_px: OddSide = 5
+    min_points: int = Field(default=12, ge=1)
+    dilation_kernel: OddSide = 5
+    dilation_iterations: int = Field(default=3, ge=0)
     largest_cluster_only: bool = True
-    entry_reach_m: float = 0.8
+    entry_reach_m: float = Field(default=0.8, ge=0.0)
     target: Literal["latest", "hold"] = "hold"
     pick: Literal["first", "nearest"] = "nearest"
-    min_sightings: int = 1
-    min_mean_score: float = 0.45
-    sure_score: float = 0.75
+    min_sightings: int = Field(default=1, ge=1)
+    min_mean_score: float = Field(default=0.45, ge=0.0, le=1.0)
+    sure_score: float = Field(default=0.75, ge=0.0, le=1.0)
     weigh_rivals: bool = True
-    max_missed_share: float = 0.75
-    min_verdicts: int = 4
+    max_missed_share: float = Field(default=0.75, ge=0.0, le=1.0)
+    min_verdicts: int = Field(default=4, ge=1)

@@ -3,6 +3,7 @@
 import cv2
 import numpy as np
 from jaxtyping import Bool, Float32
+from pydantic import Field
 
 from hypernav.core.config import RoomConfig
 from hypernav.core.geometry.boxes import Box
@@ -28,13 +29,13 @@ class DepthCutConfig(RoomConfig):
             the floor is kept.
     """
 
-    work_size_px: int = 120
-    margin: float = 0.15
-    depth_gap_m: float = 0.30
-    iterations: int = 2
-    floor_height_m: float = 0.06
-    max_floor_share: float = 0.6
-    max_empty_share: float = 0.5
+    work_size_px: int = Field(default=120, ge=16, le=4096)
+    margin: float = Field(default=0.15, ge=0.0, le=1.0)
+    depth_gap_m: float = Field(default=0.30, gt=0.0)
+    iterations: int = Field(default=2, ge=1)
+    floor_height_m: float = Field(default=0.06, ge=0.0)
+    max_floor_share: float = Field(default=0.6, ge=0.0, le=1.0)
+    max_empty_share: float = Field(default=0.5, ge=0.0, le=1.0)
 
 
 class DepthCutSegmenter:

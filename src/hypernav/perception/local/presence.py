@@ -2,6 +2,8 @@
 
 from typing import Literal
 
+from pydantic import Field
+
 from hypernav.core.chat import Image, Question
 from hypernav.core.config import RoomConfig
 from hypernav.core.goal import Goal
@@ -26,7 +28,7 @@ class PresenceConfig(RoomConfig):
     enabled: bool = True
     prompt: str = _PROMPT
     unsure: Literal["yes", "no"] = "yes"
-    min_probability: float = 0.5
+    min_probability: float = Field(default=0.5, ge=0.0, le=1.0)
 
 
 def presence_question(config: PresenceConfig, image: Image, goal: Goal) -> Question:
