@@ -12,8 +12,8 @@ import numpy as np
 import tyro
 from PIL import Image
 
-from hypernav.houses.build import build_house, plan_of
 from hypernav.houses.export.page import interior_views
+from hypernav.houses.generator import build_house, plan_of
 
 GAP = 6
 

@@ -19,8 +19,8 @@ import tyro
 from rich.console import Console
 from rich.table import Table
 
-from hypernav.houses.build import build_house
-from hypernav.houses.cache import cached_house
+from hypernav.houses.generator import build_house
+from hypernav.houses.house_cache import cached_house
 from hypernav.worlds.scenes.scene import Scene
 
 

@@ -25,7 +25,7 @@ from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.labels import canonical
 from hypernav.core.world import Instance
-from hypernav.houses.build import build_house
+from hypernav.houses.generator import build_house
 from hypernav.models.vision.yolox import YoloxConfig, YoloxDetector
 from hypernav.worlds.drawing.rays import RayCaster
 from hypernav.worlds.drawing.renderer import CpuRenderer

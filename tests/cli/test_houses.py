@@ -7,9 +7,9 @@ from hypernav.build.agents import build_scene
 from hypernav.cli.main import main
 from hypernav.core.goal import Goal
 from hypernav.datasets.habitat_files import read_episodes
-from hypernav.houses.build import build_house
-from hypernav.houses.episodes import cache as episode_cache
+from hypernav.houses.episodes import episode_cache
 from hypernav.houses.export import page
+from hypernav.houses.generator import build_house
 from hypernav.houses.near_misses import near_misses
 
 

@@ -4,22 +4,22 @@ from itertools import combinations
 
 import numpy as np
 
-from hypernav.houses.assembly import Placed
-from hypernav.houses.kit.mesh import Mesh, Part, rotation_matrix
-from hypernav.houses.labelling import box_of
+from hypernav.houses.assembly import PlacedModel
+from hypernav.houses.labelling import bounding_box
+from hypernav.houses.modelling.mesh import Mesh, Part, rotation_matrix
 
 ALLOWED_M = 0.01
 _BUILDING = ("floor", "wall", "ceiling", "facade")
 
 
-def collisions(pieces: list[Placed]) -> list[tuple[str, str]]:
+def collisions(pieces: list[PlacedModel]) -> list[tuple[str, str]]:
     """Pairs of things of which one has a point more than 1 cm inside a part of the other.
 
     Parts are compared by their boxes first. A point is inside a part if the part's surface winds
     around it, and deep if that still holds a centimetre away from it in all six directions.
     """
     things = [p for p in pieces if not (p.structural and p.model.category in _BUILDING)]
-    boxes = np.array([box_of(p) for p in things])
+    boxes = np.array([bounding_box(p) for p in things])
     found = []
     for i, j in combinations(range(len(things)), 2):
         if _overlap(boxes[i], boxes[j]) and (
@@ -33,7 +33,7 @@ def _overlap(a: np.ndarray, b: np.ndarray) -> bool:
     return bool((np.minimum(a[3:], b[3:]) - np.maximum(a[:3], b[:3]) > ALLOWED_M + 1e-4).all())
 
 
-def _sticks_in(piece: Placed, other: Placed) -> bool:
+def _sticks_in(piece: PlacedModel, other: PlacedModel) -> bool:
     targets = [_placed(part, other) for part in other.model.parts]
     boxes = [_box(mesh) for mesh in targets]
     for part in piece.model.parts:
@@ -45,7 +45,7 @@ def _sticks_in(piece: Placed, other: Placed) -> bool:
     return False
 
 
-def _placed(part: Part, piece: Placed) -> Mesh:
+def _placed(part: Part, piece: PlacedModel) -> Mesh:
     r = rotation_matrix(piece.yaw_deg)
     points = part.mesh.positions @ r.T + (piece.x, piece.y, piece.z)
     return Mesh(points, part.mesh.normals, part.mesh.uv, part.mesh.faces)

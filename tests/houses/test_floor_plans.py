@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hypernav.houses.build import BUILTIN_HOUSE, plan_of
+from hypernav.houses.generator import BUILTIN_HOUSE, plan_of
 from hypernav.houses.plan.doors import leaf_rect
 from hypernav.houses.plan.program import LIMITS
 from hypernav.houses.plan.shapes import FloorPlan
@@ -28,7 +28,7 @@ def reached(plan: FloorPlan, through: tuple[str, ...]) -> set[int]:
         if plan.rooms[here].kind not in through:
             continue
         for opening in plan.openings_of(here):
-            if opening.is_way:
+            if opening.is_passable:
                 for room in set(opening.rooms) - seen:
                     seen.add(room)
                     todo.append(room)

@@ -6,18 +6,18 @@ import sys
 import pytest
 
 from hypernav.houses.assembly import CompactScene
-from hypernav.houses.build import BUILTIN_HOUSE, build_compact, plan_of
+from hypernav.houses.generator import BUILTIN_HOUSE, build_compact, plan_of
 from hypernav.houses.textures.library import texture
 
 _SCRIPT = """
-from hypernav.houses.build import build_compact
+from hypernav.houses.generator import build_compact
 import test_house_bytes
 print(test_house_bytes.digest(build_compact({number})))
 """
 
 
 def digest(house: CompactScene) -> str:
-    """All that a house consists of, pictures included."""
+    """Digest of everything that a house consists of, texture images included."""
     sha = hashlib.sha256()
     for array in (house.positions, house.normals, house.uv, house.faces):
         sha.update(array.tobytes())
@@ -30,11 +30,11 @@ def digest(house: CompactScene) -> str:
 
 
 def elsewhere(number: int, hash_seed: str) -> str:
-    """The digest as another process computes it, with another order of sets and hashes."""
-    here = os.path.dirname(__file__)
+    """Digest that another process computes, with another order of sets and hashes."""
+    paths = (os.path.dirname(__file__), *filter(None, [os.environ.get("PYTHONPATH")]))
     run = subprocess.run(
         [sys.executable, "-c", _SCRIPT.format(number=number)],
-        env={**os.environ, "PYTHONHASHSEED": hash_seed, "PYTHONPATH": here},
+        env={**os.environ, "PYTHONHASHSEED": hash_seed, "PYTHONPATH": os.pathsep.join(paths)},
         capture_output=True,
         text=True,
         check=True,

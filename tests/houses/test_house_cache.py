@@ -4,8 +4,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hypernav.houses.build import BUILTIN_HOUSE, build_house
-from hypernav.houses.cache import cache_folder, cached_house, generator_version
+from hypernav.houses.generator import BUILTIN_HOUSE, build_house
+from hypernav.houses.house_cache import cache_folder, cached_house, generator_version
 from hypernav.worlds.scenes.scene import Scene
 
 NUMBER = BUILTIN_HOUSE
@@ -83,7 +83,7 @@ def test_broken_textures_are_made_again(
     np.save(textures[1], np.zeros(3))
     from hypernav.houses.textures import library
 
-    monkeypatch.setattr(library, "_PICTURES", {})
+    monkeypatch.setattr(library, "_TEXTURES", {})
     check_same(cached_house(NUMBER, filled), built)
     assert np.load(textures[0]).ndim == 3
 

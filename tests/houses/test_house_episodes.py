@@ -11,13 +11,13 @@ from hypernav.core.errors import EpisodeError
 from hypernav.core.goal import Goal
 from hypernav.datasets.habitat_files import read_episodes, write_episodes
 from hypernav.datasets.habitat_frames import pose_from_habitat
-from hypernav.houses.build import BUILTIN_HOUSE, build_house
-from hypernav.houses.episodes import cache as episode_cache
+from hypernav.houses.episodes import episode_cache
 from hypernav.houses.episodes.difficulty import difficulty
-from hypernav.houses.episodes.generate import EPISODES_PER_HOUSE, house_episodes
+from hypernav.houses.episodes.ground_truth import HouseGroundTruth
+from hypernav.houses.episodes.house_episodes import EPISODES_PER_HOUSE, house_episodes
 from hypernav.houses.episodes.queries import CATEGORIES, HABITAT_CATEGORIES
-from hypernav.houses.episodes.site import Site
-from hypernav.houses.episodes.splits import ROUND, SPLITS, load_split
+from hypernav.houses.episodes.splits import EPISODES_PER_ROUND, SPLITS, load_split
+from hypernav.houses.generator import BUILTIN_HOUSE, build_house
 
 HOUSE = BUILTIN_HOUSE
 STYLES = ("categories", "phrases")
@@ -29,8 +29,8 @@ def scene():
 
 
 @pytest.fixture(scope="module")
-def site(scene):
-    return Site.of(scene)
+def truth(scene):
+    return HouseGroundTruth.of(scene)
 
 
 @pytest.fixture(scope="module", params=STYLES)
@@ -44,35 +44,35 @@ def box_houses(monkeypatch):
     monkeypatch.setattr(episode_cache, "cached_house", box_house)
 
 
-def check_laws(dataset, site):
+def check_laws(dataset, truth):
     """Every start can be stood on, and is as far from the goal as the file says."""
-    regions = {e.object_category: site.regions.of(e.goal) for e in dataset.episodes}
+    regions = {e.object_category: truth.regions.of(e.goal) for e in dataset.episodes}
     for episode in dataset.episodes:
         pose, floor_z = pose_from_habitat(episode.start_position, episode.start_rotation)
-        assert site.walkable.component_of(pose.x, pose.y) == 0
-        assert floor_z == pytest.approx(site.walkable.height_at(pose.x, pose.y), abs=1e-4)
+        assert truth.walkable.component_of(pose.x, pose.y) == 0
+        assert floor_z == pytest.approx(truth.walkable.height_at(pose.x, pose.y), abs=1e-4)
         region = regions[episode.object_category]
-        assert site.roomy.component_of(pose.x, pose.y) == 0
-        assert site.has_roomy(region.view_points)
+        assert truth.wide_area.component_of(pose.x, pose.y) == 0
+        assert truth.touches_wide_area(region.view_points)
         distance = region.distance(pose.x, pose.y)
         assert 2.0 <= distance <= 30.0
         assert episode.info["geodesic_distance"] == pytest.approx(distance, rel=0.01)
         assert 0.0 <= episode.info["euclidean_distance"] <= episode.info["geodesic_distance"]
         goals = {goal.object_id: goal for goal in dataset.goals_of(episode)}
-        reached = {i.id for i in region.instances if len(site.regions.view_points(i))}
+        reached = {i.id for i in region.instances if len(truth.regions.view_points(i))}
         assert set(goals) == reached
         assert episode.info["closest_goal_object_id"] in reached
         assert all(goal.view_points for goal in goals.values())
 
 
-def test_starts_and_goals_hold_what_the_file_says(dataset, site):
+def test_starts_and_goals_hold_what_the_file_says(dataset, truth):
     assert len(dataset.episodes) == EPISODES_PER_HOUSE
-    check_laws(dataset, site)
+    check_laws(dataset, truth)
 
 
-def test_distances_are_measured_to_the_full_region_which_no_place_lies_far_from(dataset, site):
+def test_distances_are_measured_to_the_full_region_which_no_place_lies_far_from(dataset, truth):
     for episode in {e.object_category: e for e in dataset.episodes}.values():
-        region = site.regions.of(episode.goal)
+        region = truth.regions.of(episode.goal)
         kept = dataset.view_points_of(episode)
         gaps = np.linalg.norm(kept[:, None, :2] - region.view_points[None, :, :2], axis=2)
         assert gaps.min(axis=1).max() < 1e-4
@@ -148,9 +148,9 @@ def test_nothing_begins_or_ends_behind_a_gap_that_the_robot_hardly_fits_through(
         ("chair", (9.4, 0.1, 0.0), (9.8, 0.5, 0.9)),
     ]
     scene = scene_of(*room_boxes(10.0, 4.0), *walls, *things, name="houses:7")
-    site = Site.of(scene)
-    assert site.walkable.component_of(8.0, 2.0) == 0
-    assert site.roomy.component_of(8.0, 2.0) != 0
+    truth = HouseGroundTruth.of(scene)
+    assert truth.walkable.component_of(8.0, 2.0) == 0
+    assert truth.wide_area.component_of(8.0, 2.0) != 0
     episodes = house_episodes(scene, 7, "categories").episodes
     assert {episode.object_category for episode in episodes} == {"bed"}
     starts = [pose_from_habitat(e.start_position, e.start_rotation)[0] for e in episodes]
@@ -162,10 +162,10 @@ def test_rooms_on_a_path_are_counted_by_their_floors():
     scene = scene_of(*room_boxes(6.0, 4.0), *floors)
     for instance, name in zip(scene.instances[-2:], ("floor_hall_1", "floor_bath_1"), strict=True):
         object.__setattr__(instance, "name", name)
-    site = Site.of(scene)
-    assert site.rooms_on([(1.0, 1.0), (2.0, 2.0)]) == 1
-    assert site.rooms_on([(1.0, 1.0), (5.0, 1.0), (1.0, 2.0)]) == 2
-    assert site.rooms_on([(7.0, 7.0), (8.0, 7.0)]) == 0
+    truth = HouseGroundTruth.of(scene)
+    assert truth.rooms_on([(1.0, 1.0), (2.0, 2.0)]) == 1
+    assert truth.rooms_on([(1.0, 1.0), (5.0, 1.0), (1.0, 2.0)]) == 2
+    assert truth.rooms_on([(7.0, 7.0), (8.0, 7.0)]) == 0
 
 
 def test_splits_share_no_house():
@@ -203,8 +203,8 @@ def test_a_split_visits_houses_in_rounds_and_subsets_agree(box_houses, tmp_path)
     )
     assert seen == [(0, 3), (1, 3), (2, 3), (3, 3)]
     assert len(whole.episodes) == len({e.episode_id for e in whole.episodes}) == 84
-    scenes = [e.scene_id for e in whole.episodes[: 3 * ROUND]]
-    assert scenes == [f"houses:{number}" for number in (5, 6, 7) for _ in range(ROUND)]
+    scenes = [e.scene_id for e in whole.episodes[: 3 * EPISODES_PER_ROUND]]
+    assert scenes == [f"houses:{number}" for number in (5, 6, 7) for _ in range(EPISODES_PER_ROUND)]
     some = load_split("houses-train", houses=range(5, 8), count=6, cache=tmp_path)
     assert some.episodes == whole.episodes[:6]
     assert set(some.goals_by_category) == {e.goals_key() for e in some.episodes}
@@ -240,4 +240,4 @@ def test_the_whole_split_obeys_the_laws(name):
     for number in split.houses:
         own = [e for e in dataset.episodes if e.scene_id == f"houses:{number}"]
         part = dataset.model_copy(update={"episodes": own})
-        check_laws(part, Site.of(build_house(number)))
+        check_laws(part, HouseGroundTruth.of(build_house(number)))

@@ -10,10 +10,10 @@ from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel
-from hypernav.houses.build import BUILTIN_HOUSE, build_house
 from hypernav.houses.export.descriptions import describe
 from hypernav.houses.export.files import ExportedHouse, export_house
 from hypernav.houses.export.page import house_page
+from hypernav.houses.generator import BUILTIN_HOUSE, build_house
 from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.scenes.loading import load_scene
 from hypernav.worlds.scenes.scene import Scene

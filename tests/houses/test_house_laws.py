@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 
 from hypernav.core.embodiment import BodyConfig
 from hypernav.core.goal import Goal
-from hypernav.houses.assembly import Placed
-from hypernav.houses.build import BUILTIN_HOUSE, build_house, pieces_of, plan_of
+from hypernav.houses.assembly import PlacedModel
+from hypernav.houses.generator import BUILTIN_HOUSE, build_house, placed_models, plan_of
 from hypernav.worlds.drawing.rays import RayCaster
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.view_points import view_points
@@ -24,8 +24,8 @@ def built(number: int) -> Scene:
 
 
 @lru_cache(maxsize=4)
-def placed(number: int) -> list[Placed]:
-    return pieces_of(number, plan_of(number))
+def placed(number: int) -> list[PlacedModel]:
+    return placed_models(number, plan_of(number))
 
 
 def check_walkable(number: int, scene: Scene) -> WalkableGrid:
@@ -34,7 +34,7 @@ def check_walkable(number: int, scene: Scene) -> WalkableGrid:
     grid = WalkableGrid.from_scene(scene)
     assert grid.components.max() == 0
     for opening in plan.openings:
-        if opening.is_way:
+        if opening.is_passable:
             assert grid.component_of(*opening.middle) == 0
     centres = grid.centres()
     for room in plan.rooms:
@@ -49,7 +49,7 @@ def check_wide_ways(number: int, scene: Scene) -> None:
     plan = plan_of(number)
     wide = WalkableGrid.from_scene(scene, BodyConfig(radius_m=0.35), cell_m=0.025)
     for opening in plan.openings:
-        if opening.is_way:
+        if opening.is_passable:
             assert wide.component_of(*opening.middle) == 0
 
 

@@ -1,20 +1,20 @@
 import numpy as np
 import pytest
 
-from hypernav.houses.dice import Dice
+from hypernav.houses.random_stream import RandomStream
 from hypernav.houses.textures.library import _MAKERS, texture
-from hypernav.houses.textures.noise import cloud_noise, smooth_noise, to_picture
+from hypernav.houses.textures.noise import cloud_noise, smooth_noise, to_image
 
 
 @pytest.mark.parametrize("name", _MAKERS)
 def test_every_texture_is_a_small_picture_that_nobody_can_spoil(name: str):
-    picture = texture(name)
-    assert picture.dtype == np.uint8
-    assert picture.shape[2] == 3
-    assert max(picture.shape[:2]) <= 512
-    assert picture.std() > 0.5
+    image = texture(name)
+    assert image.dtype == np.uint8
+    assert image.shape[2] == 3
+    assert max(image.shape[:2]) <= 512
+    assert image.std() > 0.5
     with pytest.raises(ValueError, match="read-only"):
-        picture[0, 0, 0] = 1
+        image[0, 0, 0] = 1
 
 
 def test_variants_differ_and_are_kept():
@@ -28,13 +28,13 @@ def test_an_unknown_texture_is_an_error():
 
 
 def test_noise_continues_across_its_edges():
-    noise = smooth_noise(Dice(1), 64, 64, 8, 8)
+    noise = smooth_noise(RandomStream(1), 64, 64, 8, 8)
     inside = np.abs(np.diff(noise, axis=1)).max()
     assert np.abs(noise[:, 0] - noise[:, -1]).max() <= inside + 1e-12
     assert noise.min() >= 0.0
     assert noise.max() <= 1.0
-    assert 0.3 < cloud_noise(Dice(2), 64, 4).mean() < 0.7
+    assert 0.3 < cloud_noise(RandomStream(2), 64, 4).mean() < 0.7
 
 
 def test_numbers_become_bytes():
-    assert to_picture(np.array([[0.0, 0.5, 1.0]])).tolist() == [[[0] * 3, [128] * 3, [255] * 3]]
+    assert to_image(np.array([[0.0, 0.5, 1.0]])).tolist() == [[[0] * 3, [128] * 3, [255] * 3]]

@@ -24,8 +24,8 @@ from hypernav.core.errors import SceneError
 from hypernav.core.goal import Goal
 from hypernav.core.protocols import BlockReasoner, Detector, PresenceCheck, Segmenter
 from hypernav.core.trace import ExchangeLog
-from hypernav.houses.build import BUILTIN_HOUSE
-from hypernav.houses.cache import cached_house
+from hypernav.houses.generator import BUILTIN_HOUSE
+from hypernav.houses.house_cache import cached_house
 from hypernav.mapping.top_down_map import TopDownMap
 from hypernav.models.chat.ledger import Ledger
 from hypernav.models.chat.recording import RecordingChat

@@ -136,9 +136,9 @@ def _say(console: Console, found: Difficulty) -> None:
     table.add_column("")
     for head in ("least", "10%", "median", "90%", "most", "mean"):
         table.add_column(head, justify="right")
-    for spread in found.spreads:
-        values = (*spread.quantiles, spread.mean)
-        table.add_row(spread.measure, *(f"{value:.2f}" for value in values))
+    for distribution in found.distributions:
+        values = (*distribution.quantiles, distribution.mean)
+        table.add_row(distribution.measure, *(f"{value:.2f}" for value in values))
     console.print(table)
     if found.vocabulary:
         words = ", ".join(f"{count} {name}" for name, count in found.vocabulary.items())

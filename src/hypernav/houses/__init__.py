@@ -1,1 +1,1 @@
-"""Furnished houses, generated in code."""
+"""Procedural generation of furnished houses and of their episodes."""

@@ -1,7 +1,7 @@
-"""From placed models to a scene, by way of a compact form that files can hold.
+"""Assembly of placed models into a scene, by way of a compact form that files can hold.
 
-Every number is brought onto a raster on the way (a tenth of a millimetre for positions), so that
-the last bits of sines and sums, which differ between machines, never reach the scene.
+Every number is quantised (positions to a tenth of a millimetre), so that the last bits of sines and
+sums, which differ between machines, never reach the scene.
 """
 
 from collections.abc import Sequence
@@ -12,8 +12,8 @@ from jaxtyping import Float32, Int16, Int32, UInt16
 
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.world import Instance
-from hypernav.houses.kit.mesh import Finish, rotation_matrix
-from hypernav.houses.kit.model import Model
+from hypernav.houses.modelling.mesh import Finish, rotation_matrix
+from hypernav.houses.modelling.model import Model
 from hypernav.houses.textures.library import texture
 from hypernav.worlds.scenes.scene import Material, Scene, Wrap
 
@@ -21,21 +21,21 @@ _STEPS_PER_M = 10_000
 _NORMAL_STEPS = 32_000
 _UV_STEPS = 8_192
 # Values that are exactly half a step in theory must not depend on the last bit.
-_OFF_TIE = 0.0137
+_TIE_OFFSET = 0.0137
 
 
 @dataclass(frozen=True, eq=False)
-class Placed:
-    """A model that has found its place.
+class PlacedModel:
+    """A model at its position in the house.
 
     Attributes:
-        model: What.
-        x: Middle of its footprint, metres, scene frame.
-        y: Middle of its footprint.
-        z: Height that the model's z = 0 comes to.
-        yaw_deg: Its front looks along +y turned by this, counter-clockwise.
-        room: Name of its room; empty for what belongs to the building.
-        structural: Whether it is a wall, floor or ceiling, which nobody searches for.
+        model: The model.
+        x: Centre of its footprint, metres, scene frame.
+        y: Centre of its footprint, metres, scene frame.
+        z: Height of the model's z = 0, metres.
+        yaw_deg: Counter-clockwise rotation of its front from +y, degrees.
+        room: Name of its room; empty for parts of the building.
+        structural: Whether it is a wall, floor or ceiling, which is never a goal.
     """
 
     model: Model
@@ -49,20 +49,20 @@ class Placed:
 
 @dataclass(frozen=True, eq=False)
 class CompactScene:
-    """All of a house but the pixels of its textures.
+    """Everything that a house consists of except the pixels of its textures.
 
     Attributes:
-        positions: Tenths of a millimetre.
-        normals: Unit normals times 32,000.
-        uv: Texture coordinates.
-        faces: Vertex numbers.
-        face_material: Number in ``finishes``.
-        face_instance: Number in ``names``.
-        finishes: Material of every number.
-        names: Of the instances.
-        categories: Kind of every instance, also of what belongs to the building.
-        rooms: Name of every instance's room, empty for what belongs to none.
-        labels: Of the instances; None for what belongs to the building.
+        positions: Vertex positions, tenths of a millimetre, scene frame.
+        normals: Unit normals of the vertices, times 32,000.
+        uv: Texture coordinates of the vertices.
+        faces: Indices of the vertices of every triangle.
+        face_material: Index in ``finishes`` of every triangle.
+        face_instance: Index in ``names`` of every triangle.
+        finishes: All materials.
+        names: Names of the instances.
+        categories: Categories of the instances, parts of the building included.
+        rooms: Names of the instances' rooms; empty for an instance outside of all rooms.
+        labels: Labels of the instances; None for parts of the building.
     """
 
     positions: Int32[np.ndarray, "vertices 3"]
@@ -78,18 +78,18 @@ class CompactScene:
     labels: tuple[ObjectLabel | None, ...]
 
 
-def rasterised(values: np.ndarray, steps: int) -> np.ndarray:
-    """Whole numbers of steps nearest to the values (any shape)."""
-    return np.floor(values * steps + (0.5 + _OFF_TIE))
+def quantised(values: np.ndarray, steps: int) -> np.ndarray:
+    """Values in whole steps, rounded (any shape)."""
+    return np.floor(values * steps + (0.5 + _TIE_OFFSET))
 
 
 def compact(
-    pieces: Sequence[Placed], names: Sequence[str], labels: Sequence[ObjectLabel | None]
+    pieces: Sequence[PlacedModel], names: Sequence[str], labels: Sequence[ObjectLabel | None]
 ) -> CompactScene:
-    """Collect the triangles of all pieces, in their order.
+    """Triangles of all pieces, in their order.
 
     Args:
-        pieces: What the house consists of.
+        pieces: All models of the house.
         names: One unique name per piece.
         labels: One label per piece.
     """
@@ -117,9 +117,9 @@ def compact(
             instances.append(np.full(len(mesh.faces), number, dtype=np.uint16))
             start += len(p)
     return CompactScene(
-        rasterised(np.concatenate(positions), _STEPS_PER_M).astype(np.int32),
-        rasterised(np.concatenate(normals), _NORMAL_STEPS).astype(np.int16),
-        (rasterised(np.concatenate(uv), _UV_STEPS) / _UV_STEPS).astype(np.float32),
+        quantised(np.concatenate(positions), _STEPS_PER_M).astype(np.int32),
+        quantised(np.concatenate(normals), _NORMAL_STEPS).astype(np.int16),
+        (quantised(np.concatenate(uv), _UV_STEPS) / _UV_STEPS).astype(np.float32),
         np.concatenate(faces).astype(np.int32),
         np.concatenate(materials),
         np.concatenate(instances),
@@ -132,7 +132,7 @@ def compact(
 
 
 def to_scene(house: CompactScene, name: str) -> Scene:
-    """The scene of a compact house."""
+    """Scene of a compact house."""
     vertices = (house.positions / np.float64(_STEPS_PER_M)).astype(np.float32)
     normals = house.normals.astype(np.float32) / np.float32(_NORMAL_STEPS)
     corners = house.faces.ravel()
@@ -151,7 +151,7 @@ def to_scene(house: CompactScene, name: str) -> Scene:
 
 
 def _material(number: int, finish: Finish) -> Material:
-    words = " ".join(w for w in (finish.hue, finish.stuff, finish.texture) if w)
+    words = " ".join(w for w in (finish.hue, finish.material, finish.texture) if w)
     fitted = finish.texture != "" and finish.tile_m == 1.0 and finish.hue == ""
     wrap = Wrap.CLAMP if fitted else Wrap.REPEAT
     return Material(

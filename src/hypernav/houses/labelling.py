@@ -1,19 +1,19 @@
-"""Names of everything in a house: what it is, what it looks like, where it stands."""
+"""Names and labels of all instances: category, looks, room and neighbours."""
 
 from collections.abc import Sequence
 
 import numpy as np
 
 from hypernav.core.labels import ObjectLabel
-from hypernav.houses.assembly import Placed
-from hypernav.houses.kit.mesh import rotation_matrix
+from hypernav.houses.assembly import PlacedModel
+from hypernav.houses.modelling.mesh import rotation_matrix
 
 _NEAR_M = 0.45
 _FLAT = ("rug", "doormat", "bath mat", "ceiling lamp", "chandelier", "curtain", "window", "door")
 
 
-def name_pieces(pieces: Sequence[Placed]) -> tuple[list[str], list[ObjectLabel | None]]:
-    """A unique name for every piece and a label for all that somebody could look for."""
+def name_and_label(pieces: Sequence[PlacedModel]) -> tuple[list[str], list[ObjectLabel | None]]:
+    """Unique name of every piece, and its label if it can be a goal."""
     seen: dict[str, int] = {}
     names = []
     for piece in pieces:
@@ -21,13 +21,13 @@ def name_pieces(pieces: Sequence[Placed]) -> tuple[list[str], list[ObjectLabel |
         key = word.strip().replace(" ", "_")
         seen[key] = seen.get(key, 0) + 1
         names.append(f"{key}_{seen[key]}")
-    boxes = np.array([box_of(p) for p in pieces])
+    boxes = np.array([bounding_box(p) for p in pieces])
     labels = [_label(k, pieces, boxes) for k in range(len(pieces))]
     return names, labels
 
 
-def box_of(piece: Placed) -> tuple[float, float, float, float, float, float]:
-    """Lowest and highest corner of a piece in the scene."""
+def bounding_box(piece: PlacedModel) -> tuple[float, float, float, float, float, float]:
+    """Axis-aligned bounding box in the scene: its lowest and highest corner, metres."""
     m = piece.model
     r = rotation_matrix(piece.yaw_deg)
     corners = [
@@ -39,7 +39,7 @@ def box_of(piece: Placed) -> tuple[float, float, float, float, float, float]:
     return (min(xs), min(ys), piece.z + m.low[2], max(xs), max(ys), piece.z + m.high[2])
 
 
-def _label(number: int, pieces: Sequence[Placed], boxes: np.ndarray) -> ObjectLabel | None:
+def _label(number: int, pieces: Sequence[PlacedModel], boxes: np.ndarray) -> ObjectLabel | None:
     piece = pieces[number]
     if piece.structural and piece.model.category != "window":
         return None
@@ -49,19 +49,19 @@ def _label(number: int, pieces: Sequence[Placed], boxes: np.ndarray) -> ObjectLa
         model.category,
         tuple(s for s in model.synonyms if s != model.category),
         attributes,
-        room_word(piece.room),
+        room_kind(piece.room),
         _beside(number, pieces, boxes),
     )
 
 
-def room_word(name: str) -> str:
-    """The kind of a room by its name: "bedroom 2" is a "bedroom"."""
+def room_kind(name: str) -> str:
+    """Kind of a room by its name: "bedroom 2" is a "bedroom"."""
     head, _, tail = name.rpartition(" ")
     return head if tail.isdigit() else name
 
 
-def _beside(number: int, pieces: Sequence[Placed], boxes: np.ndarray) -> tuple[str, ...]:
-    """Kinds of the things that touch it or stand within half a metre, nearest first."""
+def _beside(number: int, pieces: Sequence[PlacedModel], boxes: np.ndarray) -> tuple[str, ...]:
+    """Categories of the objects within 0.45 m, nearest first."""
     own = boxes[number]
     gap = np.maximum(np.maximum(boxes[:, :3] - own[3:], own[:3] - boxes[:, 3:]), 0.0)
     distance = np.sqrt((gap * gap).sum(axis=1))

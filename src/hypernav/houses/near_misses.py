@@ -1,4 +1,4 @@
-"""What a careless reader would take for the goal: things that nearly satisfy it."""
+"""Near misses of a goal: objects that nearly satisfy it and are easily confused with it."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -7,7 +7,7 @@ from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel, canonical, normalise
 from hypernav.core.world import Instance
 
-_PLACE = re.compile(r" (?:in|inside|of|beside|next to|near|by|close to|on|under|at) ")
+_PREPOSITION = re.compile(r" (?:in|inside|of|beside|next to|near|by|close to|on|under|at) ")
 
 _ALIKE: tuple[frozenset[str], ...] = tuple(
     frozenset(canonical(name) for name in group)
@@ -30,19 +30,20 @@ _ALIKE: tuple[frozenset[str], ...] = tuple(
         ("rug", "bath mat", "doormat", "yoga mat"),
     )
 )
-"""Kinds that look or serve alike."""
+"""Groups of categories that look alike or serve the same purpose."""
 
 
 def near_misses(instances: Sequence[Instance], goal: Goal) -> tuple[Instance, ...]:
-    """The instances that do not satisfy a goal but come close.
+    """Instances that do not satisfy a goal but come close.
 
-    Near is what has the goal's name but not its looks or place ("the red armchair" and a blue
-    one), what shares the last word of its name (window curtain and shower curtain), and what is of
-    a kind that looks or serves alike (washing machine and clothes dryer).
+    An instance comes close if it has the goal's name but not its looks or position ("the red
+    armchair" and a blue one), if the last words of the names are the same (window curtain and
+    shower curtain), or if its category looks alike or serves the same purpose (washing machine and
+    clothes dryer).
 
     Args:
-        instances: Everything in the scene, with labels.
-        goal: What is looked for.
+        instances: All instances of the scene, with labels.
+        goal: The goal of the search.
     """
     labelled = [(i, i.label) for i in instances if i.label is not None]
     wanted = [label for _, label in labelled if label.satisfies(goal)]
@@ -55,8 +56,8 @@ def near_misses(instances: Sequence[Instance], goal: Goal) -> tuple[Instance, ..
 
 
 def _names_in(goal: Goal) -> Iterator[str]:
-    """The goal's name with ever fewer attributes: "red dining chair", "dining chair", "chair"."""
-    words = _PLACE.split(normalise(goal.text), maxsplit=1)[0].split()
+    """Name of the goal with ever fewer attributes: "red dining chair", "dining chair", "chair"."""
+    words = _PREPOSITION.split(normalise(goal.text), maxsplit=1)[0].split()
     for first in range(len(words)):
         yield " ".join(words[first:])
 

@@ -9,7 +9,7 @@ from hypernav.datasets.habitat_format import EpisodeDataset
 
 
 @dataclass(frozen=True)
-class Spread:
+class Distribution:
     """How a measure is spread over episodes.
 
     Attributes:
@@ -30,7 +30,7 @@ class Difficulty:
     Attributes:
         episodes: How many.
         houses: In how many houses.
-        spreads: Distance, detour (geodesic over Euclidean) and rooms on the shortest way.
+        distributions: Distance, detour (geodesic over Euclidean) and rooms on the shortest way.
         goals: How often every goal is asked for, most frequent first.
         vocabulary: Episodes by kind of name (seen, synonym, unseen); empty without phrases.
         descriptions: How many ask for more than a name.
@@ -38,7 +38,7 @@ class Difficulty:
 
     episodes: int
     houses: int
-    spreads: tuple[Spread, ...]
+    distributions: tuple[Distribution, ...]
     goals: dict[str, int]
     vocabulary: dict[str, int]
     descriptions: int
@@ -54,10 +54,10 @@ def difficulty(dataset: EpisodeDataset) -> Difficulty:
     return Difficulty(
         episodes=len(infos),
         houses=len({episode.scene_id for episode in dataset.episodes}),
-        spreads=(
-            _spread("geodesic distance (m)", geodesic),
-            _spread("geodesic / Euclidean", geodesic / np.maximum(euclidean, 1e-6)),
-            _spread("rooms on the way", rooms),
+        distributions=(
+            _distribution("geodesic distance (m)", geodesic),
+            _distribution("geodesic / Euclidean", geodesic / np.maximum(euclidean, 1e-6)),
+            _distribution("rooms on the way", rooms),
         ),
         goals=dict(Counter(episode.object_category for episode in dataset.episodes).most_common()),
         vocabulary={name: named[name] for name in ("seen", "synonym", "unseen") if name in named},
@@ -65,6 +65,6 @@ def difficulty(dataset: EpisodeDataset) -> Difficulty:
     )
 
 
-def _spread(measure: str, values: np.ndarray) -> Spread:
+def _distribution(measure: str, values: np.ndarray) -> Distribution:
     low, tenth, middle, ninetieth, high = np.quantile(values, (0.0, 0.1, 0.5, 0.9, 1.0)).tolist()
-    return Spread(measure, (low, tenth, middle, ninetieth, high), float(values.mean()))
+    return Distribution(measure, (low, tenth, middle, ninetieth, high), float(values.mean()))

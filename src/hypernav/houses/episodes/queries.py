@@ -13,9 +13,9 @@ from typing import Literal
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel, canonical
 from hypernav.core.world import Instance
-from hypernav.houses.dice import Dice
-from hypernav.houses.episodes.site import Site
+from hypernav.houses.episodes.ground_truth import HouseGroundTruth
 from hypernav.houses.near_misses import near_misses
+from hypernav.houses.random_stream import RandomStream
 
 Vocabulary = Literal["seen", "synonym", "unseen"]
 
@@ -30,13 +30,13 @@ CATEGORIES = (
 )
 """Goals of ``houses-val`` and ``houses-train``; these are the seen names of ``houses-ovon``."""
 
-_EVERYWHERE = ("window", "door", "ceiling lamp", "kitchen cabinet")
-_LEAST_AREA_M2 = 0.1
+_UBIQUITOUS = ("window", "door", "ceiling lamp", "kitchen cabinet")
+_MIN_SIDE_AREA_M2 = 0.1
 """Of the largest side of an object's box: a robot shall not be sent to look for a plate."""
 
 
 @dataclass(frozen=True)
-class Ask:
+class Query:
     """One thing to ask for.
 
     Attributes:
@@ -55,47 +55,47 @@ class Ask:
     near_misses: tuple[Instance, ...]
 
 
-def category_asks(dice: Dice, site: Site) -> Iterator[Ask]:
+def category_queries(rng: RandomStream, truth: HouseGroundTruth) -> Iterator[Query]:
     """The house's categories in random order, over and over; Habitat's six come first."""
-    held = [c for c in CATEGORIES if site.satisfying(c)]
-    first = dice.shuffled([c for c in held if c in HABITAT_CATEGORIES])
-    order = first + dice.shuffled([c for c in held if c not in HABITAT_CATEGORIES])
-    asks = [_name_ask(site, c, "seen") for c in order]
-    while asks:
-        yield from asks
+    held = [c for c in CATEGORIES if truth.satisfying(c)]
+    first = rng.shuffled([c for c in held if c in HABITAT_CATEGORIES])
+    order = first + rng.shuffled([c for c in held if c not in HABITAT_CATEGORIES])
+    queries = [_name_query(truth, c, "seen") for c in order]
+    while queries:
+        yield from queries
 
 
-def phrase_asks(dice: Dice, site: Site) -> Iterator[Ask]:
+def phrase_queries(rng: RandomStream, truth: HouseGroundTruth) -> Iterator[Query]:
     """Seen, synonymous and unseen names in turn, every other one in a description if there is one.
 
     Endless unless the house is empty.
     """
     names: dict[Vocabulary, list[str]] = {
-        vocabulary: dice.fork(vocabulary).shuffled(found)
-        for vocabulary, found in _names(site).items()
+        vocabulary: rng.fork(vocabulary).shuffled(found)
+        for vocabulary, found in _names(truth).items()
         if found
     }
-    turns = dice.shuffled(list(names))
+    turns = rng.shuffled(list(names))
     plain = {vocabulary: cycle(found) for vocabulary, found in names.items()}
     ambiguous = {vocabulary: cycle(found) for vocabulary, found in names.items()}
     for number in count() if turns else ():
         vocabulary = turns[number % len(turns)]
         if number // len(turns) % 2 == 0:
-            yield _name_ask(site, next(plain[vocabulary]), vocabulary)
+            yield _name_query(truth, next(plain[vocabulary]), vocabulary)
             continue
         tried = islice(ambiguous[vocabulary], len(names[vocabulary]))
-        name = next((n for n in tried if len(site.satisfying(n)) > 1), None)
+        name = next((n for n in tried if len(truth.satisfying(n)) > 1), None)
         if name is None:
-            yield _name_ask(site, next(plain[vocabulary]), vocabulary)
+            yield _name_query(truth, next(plain[vocabulary]), vocabulary)
         else:
-            yield _description(dice.fork("description", number), site, name, vocabulary)
+            yield _description(rng.fork("description", number), truth, name, vocabulary)
 
 
-def _names(site: Site) -> dict[Vocabulary, list[str]]:
+def _names(truth: HouseGroundTruth) -> dict[Vocabulary, list[str]]:
     """All names that a phrase may use, in the scene's order."""
     known = {canonical(c) for c in CATEGORIES}
     names: dict[Vocabulary, dict[str, None]] = {"seen": {}, "synonym": {}, "unseen": {}}
-    for instance in _searchable(site):
+    for instance in _searchable(truth):
         label = _label_of(instance)
         if label.category in CATEGORIES:
             names["seen"][label.category] = None
@@ -106,14 +106,14 @@ def _names(site: Site) -> dict[Vocabulary, list[str]]:
     return {vocabulary: list(found) for vocabulary, found in names.items()}
 
 
-def _searchable(site: Site) -> list[Instance]:
+def _searchable(truth: HouseGroundTruth) -> list[Instance]:
     """Objects of some size that are not found in every corner."""
     return [
         instance
-        for instance in site.scene.instances
+        for instance in truth.scene.instances
         if instance.label is not None
-        and instance.label.category not in _EVERYWHERE
-        and _largest_side_m2(instance) >= _LEAST_AREA_M2
+        and instance.label.category not in _UBIQUITOUS
+        and _largest_side_m2(instance) >= _MIN_SIDE_AREA_M2
     ]
 
 
@@ -123,27 +123,29 @@ def _largest_side_m2(instance: Instance) -> float:
     return middle * longest
 
 
-def _name_ask(site: Site, name: str, vocabulary: Vocabulary) -> Ask:
-    wanted = site.satisfying(name)
-    return Ask(name, vocabulary, False, wanted, near_misses(site.scene.instances, Goal(name)))
+def _name_query(truth: HouseGroundTruth, name: str, vocabulary: Vocabulary) -> Query:
+    wanted = truth.satisfying(name)
+    return Query(name, vocabulary, False, wanted, near_misses(truth.scene.instances, Goal(name)))
 
 
-def _description(dice: Dice, site: Site, name: str, vocabulary: Vocabulary) -> Ask:
+def _description(
+    rng: RandomStream, truth: HouseGroundTruth, name: str, vocabulary: Vocabulary
+) -> Query:
     """A phrase that is true of some things of this name only; the bare name if there is none.
 
     One that is true of a single thing gets the article "the", as people speak.
     """
-    bearers = site.satisfying(name)
-    target = dice.choice([b for b in bearers if b in _searchable(site)] or bearers)
-    for phrase in dice.shuffled(_phrases(name, _label_of(target))):
+    bearers = truth.satisfying(name)
+    target = rng.choice([b for b in bearers if b in _searchable(truth)] or bearers)
+    for phrase in rng.shuffled(_phrases(name, _label_of(target))):
         goal = Goal(phrase)
         if all(_label_of(b).satisfies(goal) for b in bearers):
             continue
-        wanted = site.satisfying(phrase)
+        wanted = truth.satisfying(phrase)
         if target in wanted:
             text = f"the {phrase}" if len(wanted) == 1 else phrase
-            return Ask(text, vocabulary, True, wanted, near_misses(site.scene.instances, goal))
-    return _name_ask(site, name, vocabulary)
+            return Query(text, vocabulary, True, wanted, near_misses(truth.scene.instances, goal))
+    return _name_query(truth, name, vocabulary)
 
 
 def _phrases(name: str, label: ObjectLabel) -> list[str]:

@@ -12,11 +12,11 @@ from pathlib import Path
 
 from hypernav.core.errors import EpisodeError
 from hypernav.datasets.habitat_format import EpisodeDataset, ObjectNavEpisode
-from hypernav.houses.episodes.cache import cached_episodes
-from hypernav.houses.episodes.generate import EPISODES_PER_HOUSE, GoalStyle
+from hypernav.houses.episodes.episode_cache import cached_episodes
+from hypernav.houses.episodes.house_episodes import EPISODES_PER_HOUSE, GoalStyle
 from hypernav.houses.episodes.queries import CATEGORIES
 
-ROUND = 4
+EPISODES_PER_ROUND = 4
 """So many episodes of a house follow each other."""
 
 
@@ -110,7 +110,7 @@ def load_split(
             f"{count} episodes: {name} has 1 to {most} in the houses {numbers.start}:{numbers.stop}"
         )
     wanted = most if count is None else count
-    needed = numbers[: math.ceil(wanted / ROUND)]
+    needed = numbers[: math.ceil(wanted / EPISODES_PER_ROUND)]
     parts = []
     for done, number in enumerate(needed):
         if progress is not None:
@@ -161,9 +161,9 @@ def _in_rounds(houses: list[list[ObjectNavEpisode]]) -> list[ObjectNavEpisode]:
     longest = max(len(episodes) for episodes in houses)
     return [
         episode
-        for first in range(0, longest, ROUND)
+        for first in range(0, longest, EPISODES_PER_ROUND)
         for episodes in houses
-        for episode in episodes[first : first + ROUND]
+        for episode in episodes[first : first + EPISODES_PER_ROUND]
     ]
 
 

@@ -1,1 +1,1 @@
-"""Houses for other programs: glTF, Habitat, and a page for people."""
+"""Export of houses: glTF files, Habitat's metadata, web pages."""

@@ -1,10 +1,10 @@
-"""A thing in words."""
+"""Description of an object in words."""
 
 from hypernav.core.labels import ObjectLabel
 
 
 def describe(label: ObjectLabel) -> str:
-    """All that is known about a thing in one phrase, which is a goal that it satisfies.
+    """Phrase with all that is known about an object, which is a goal that it satisfies.
 
     For example "teal fabric L-shaped sofa beside the coffee table in the living room".
     """

@@ -1,4 +1,4 @@
-"""A house as a folder that opens in this package, in Habitat, in Blender and in web viewers."""
+"""Export of a house as files for this package, Habitat, Blender and web viewers."""
 
 import colorsys
 import json
@@ -12,23 +12,23 @@ from jaxtyping import UInt8
 from hypernav.core.errors import SceneError
 from hypernav.core.world import Instance
 from hypernav.houses.assembly import CompactScene
-from hypernav.houses.build import build_compact, plan_of
 from hypernav.houses.export.descriptions import describe
 from hypernav.houses.export.glb import write_house, write_semantics
+from hypernav.houses.generator import build_compact, plan_of
 from hypernav.worlds.scenes.loading import OBJECTS_FILE
 from hypernav.worlds.scenes.scene import Scene
 
 
 @dataclass(frozen=True)
 class ExportedHouse:
-    """Where the files of an exported house lie.
+    """Paths of the files of an exported house.
 
     Attributes:
-        glb: The house, glTF (y up).
-        objects: What its nodes are.
-        dataset_config: For Habitat's ``scene_dataset_config_file``.
-        semantic_glb: The house in colours that name its instances.
-        semantic_txt: What the colours mean.
+        glb: House as binary glTF (y up).
+        objects: Metadata of its nodes.
+        dataset_config: File for Habitat's ``scene_dataset_config_file``.
+        semantic_glb: House in colours that identify its instances.
+        semantic_txt: Instance of every colour.
     """
 
     glb: Path
@@ -46,8 +46,8 @@ def export_house(number: int, out_dir: Path) -> ExportedHouse:
     (``house_N.semantic.glb`` with vertex colours, ``house_N.semantic.txt``).
 
     Args:
-        number: Of the house.
-        out_dir: Folder; made if it is missing.
+        number: Number of the house.
+        out_dir: Folder to write to; made if it is missing.
 
     Raises:
         SceneError: The folder cannot be written.
@@ -107,7 +107,7 @@ def _object(instance: Instance, triangles: int, category: str) -> dict[str, Any]
 
 
 def _colors(count: int) -> UInt8[np.ndarray, "instances 3"]:
-    """Colours that are far apart and never twice the same."""
+    """Unique and distinct colours, one per instance."""
     colors, seen = [], {(0, 0, 0)}
     step = 0
     while len(colors) < count:
@@ -124,7 +124,7 @@ def _colors(count: int) -> UInt8[np.ndarray, "instances 3"]:
 def _semantic_lines(
     house: CompactScene, colors: UInt8[np.ndarray, "instances 3"], rooms: list[str]
 ) -> str:
-    """HM3D's list: instance (from 1 on), colour, category, number of the room."""
+    """Lines of HM3D's semantic file: instance (from 1 on), colour, category, room."""
     lines = ["HM3D Semantic Annotations"]
     for number, (name, category) in enumerate(zip(house.rooms, house.categories, strict=True)):
         hex_code = "".join(f"{c:02X}" for c in colors[number])

@@ -1,4 +1,4 @@
-"""Writes binary glTF 2.0 (y up): one node per instance, one primitive per material of it."""
+"""Writer of binary glTF 2.0 (y up): one node per instance, one primitive per material."""
 
 import json
 import struct
@@ -19,20 +19,20 @@ _GL_WRAPS = {Wrap.REPEAT: 10497, Wrap.MIRROR: 33648, Wrap.CLAMP: 33071}
 
 
 def srgb_to_linear(codes: np.ndarray) -> np.ndarray:
-    """Light of sRGB numbers (0 to 1, any shape)."""
+    """Linear light of sRGB values (0 to 1, any shape)."""
     return np.where(codes <= 0.04045, codes / 12.92, ((codes + 0.055) / 1.055) ** 2.4)
 
 
 def y_up(points: Float32[np.ndarray, "n 3"]) -> Float32[np.ndarray, "n 3"]:
-    """Scene coordinates (z up) as glTF's (y up)."""
+    """Coordinates of the scene (z up) in glTF's frame (y up)."""
     return np.column_stack([points[:, 0], points[:, 2], -points[:, 1]]).astype(np.float32)
 
 
 class GlbWriter:
-    """Collects the parts of a file and writes it whole."""
+    """Builder of a glTF file."""
 
     def __init__(self) -> None:
-        """An empty document."""
+        """Start an empty document."""
         self.document: dict[str, Any] = {
             "asset": {"version": "2.0", "generator": "hypernav"},
             "scene": 0,
@@ -61,7 +61,7 @@ class GlbWriter:
         return len(self.document["bufferViews"]) - 1
 
     def vectors(self, values: Float32[np.ndarray, "n width"], *, bounds: bool = False) -> int:
-        """A vertex attribute; gives back the number of its accessor."""
+        """Add a vertex attribute and return the index of its accessor."""
         accessor: dict[str, Any] = {
             "bufferView": self._view(np.ascontiguousarray(values).tobytes(), _ARRAY_BUFFER),
             "componentType": _FLOAT,
@@ -75,7 +75,7 @@ class GlbWriter:
         return len(self.document["accessors"]) - 1
 
     def indices(self, values: Int64[np.ndarray, "n"]) -> int:
-        """Vertex numbers; gives back the number of their accessor."""
+        """Add vertex indices and return the index of their accessor."""
         accessor = {
             "bufferView": self._view(values.astype(np.uint32).tobytes(), _ELEMENT_BUFFER),
             "componentType": _UINT,
@@ -85,8 +85,8 @@ class GlbWriter:
         self.document["accessors"].append(accessor)
         return len(self.document["accessors"]) - 1
 
-    def picture(self, rgb: UInt8[np.ndarray, "height width 3"], wrap: tuple[Wrap, Wrap]) -> int:
-        """A texture; gives back its number."""
+    def image(self, rgb: UInt8[np.ndarray, "height width 3"], wrap: tuple[Wrap, Wrap]) -> int:
+        """Add a texture image and return the index of the texture."""
         _, png = cv2.imencode(".png", np.ascontiguousarray(rgb[..., ::-1]))
         document = self.document
         document["images"].append(
@@ -103,7 +103,7 @@ class GlbWriter:
         return len(document["textures"]) - 1
 
     def material(self, material: Material, texture: int | None) -> None:
-        """A material; they are numbered in the order of their coming."""
+        """Add a material; its index is the number of materials before it."""
         linear = srgb_to_linear(np.array(material.color))
         surface: dict[str, Any] = {
             "baseColorFactor": [*(float(c) for c in linear), 1.0],
@@ -124,7 +124,7 @@ class GlbWriter:
         self.document["materials"].append(entry)
 
     def node(self, name: str, primitives: list[dict[str, Any]]) -> None:
-        """A mesh in its place."""
+        """Add a node with a mesh."""
         document = self.document
         document["meshes"].append({"name": name, "primitives": primitives})
         document["nodes"].append({"name": name, "mesh": len(document["meshes"]) - 1})
@@ -145,7 +145,7 @@ class GlbWriter:
 
 
 def write_house(house: CompactScene, path: Path) -> Scene:
-    """Write a house with all its materials; gives back its scene."""
+    """Write a house with all its materials and return its scene."""
     scene = to_scene(house, path.stem)
     writer = GlbWriter()
     numbers: dict[tuple[int, tuple[Wrap, Wrap]], int] = {}
@@ -154,7 +154,7 @@ def write_house(house: CompactScene, path: Path) -> Scene:
         if material.texture is not None:
             key = (id(material.texture), material.wrap)
             if key not in numbers:
-                numbers[key] = writer.picture(material.texture, material.wrap)
+                numbers[key] = writer.image(material.texture, material.wrap)
             texture = numbers[key]
         writer.material(material, texture)
     positions = y_up(scene.vertices)
@@ -184,11 +184,11 @@ def write_house(house: CompactScene, path: Path) -> Scene:
 def write_semantics(
     house: CompactScene, colors: UInt8[np.ndarray, "instances 3"], path: Path
 ) -> None:
-    """Write a house as one mesh whose vertex colours name the instances, as Habitat reads them."""
+    """Write a house as one mesh whose vertex colours identify the instances, for Habitat."""
     positions = y_up((house.positions / np.float64(10_000.0)).astype(np.float32))
     owner = np.zeros(len(positions), dtype=np.int64)
     owner[house.faces.ravel()] = np.repeat(house.face_instance.astype(np.int64), 3)
-    # glTF stores vertex colours as light; Habitat turns them back into sRGB codes.
+    # glTF stores linear vertex colours; Habitat converts them back to sRGB.
     light = srgb_to_linear(colors[owner] / 255.0).astype(np.float32)
     writer = GlbWriter()
     attributes = {

@@ -1,4 +1,4 @@
-"""A page about one house: plan, picture from above, views from inside, list of things."""
+"""Web page about one house: floor plan, top view, interior views, list of objects."""
 
 import math
 from collections.abc import Sequence
@@ -15,32 +15,32 @@ from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.labels import ObjectLabel
 from hypernav.houses.assembly import to_scene
-from hypernav.houses.build import build_compact, plan_of
-from hypernav.houses.dice import Dice
-from hypernav.houses.export.drawing import draw_plan
+from hypernav.houses.export.floor_plan_svg import floor_plan_svg
+from hypernav.houses.generator import build_compact, plan_of
 from hypernav.houses.plan.shapes import FloorPlan, Rect
+from hypernav.houses.random_stream import RandomStream
 from hypernav.show.pages.templating import image_uri, page_environment
 from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.walkable import WalkableGrid
 
-_TRIES = 16
-_DULL = ("window", "door", "ceiling lamp", "picture", "doormat")
-_SMALL = 0.003
+_POSES_PER_ROOM = 16
+_UNINTERESTING = ("window", "door", "ceiling lamp", "picture", "doormat")
+_MIN_IMAGE_SHARE = 0.003
 _NEAR_M = 1.0
 
-Picture = UInt8[np.ndarray, "height width 3"]
+Image = UInt8[np.ndarray, "height width 3"]
 
 
 def house_page(number: int, out: Path) -> Path:
     """Write a self-contained page about a house.
 
     Args:
-        number: Of the house.
-        out: The page; or a folder, in which it is called ``house_N.html``.
+        number: Number of the house.
+        out: File of the page; or a folder, in which it is called ``house_N.html``.
 
     Returns:
-        The page.
+        File of the page.
 
     Raises:
         SceneError: The page cannot be written.
@@ -58,8 +58,7 @@ def _page(number: int) -> str:
     plan = plan_of(number)
     scene = to_scene(build_compact(number), f"houses:{number}")
     rooms = [room for room in plan.rooms if not room.is_outside]
-    labels = [i.label for i in scene.instances if i.label is not None]
-    things = [label for label in labels if label.category != "window"]
+    labels = [i.label for i in scene.instances if i.label and i.label.category != "window"]
     return (
         page_environment("hypernav.houses")
         .get_template("house.html.j2")
@@ -67,35 +66,35 @@ def _page(number: int) -> str:
             number=number,
             area=f"{sum(room.inner.area for room in rooms):.0f}",
             rooms=[room.name for room in plan.rooms],
-            plan=draw_plan(plan, scene.instances),
+            plan=floor_plan_svg(plan, scene.instances),
             above=image_uri(view_from_above(scene)),
             views=[image_uri(view) for view in interior_views(scene, plan, number, 4)],
-            things=_listed(things),
-            total=len(things),
+            categories=_by_category(labels),
+            total=len(labels),
             triangles=f"{len(scene.faces):,}",
         )
     )
 
 
-def _listed(things: Sequence[ObjectLabel]) -> list[dict[str, Any]]:
-    """One entry per kind: how many, and all that is said of them."""
+def _by_category(labels: Sequence[ObjectLabel]) -> list[dict[str, Any]]:
+    """One entry per category: number of objects, names, rooms and looks."""
     kinds: dict[str, list[ObjectLabel]] = {}
-    for label in things:
+    for label in labels:
         kinds.setdefault(label.category, []).append(label)
     return [
         {
-            "category": category,
+            "name": category,
             "count": len(own),
-            "names": sorted({name for label in own for name in label.synonyms}),
+            "synonyms": sorted({name for label in own for name in label.synonyms}),
             "rooms": sorted({label.room for label in own}),
-            "looks": sorted({word for label in own for word in label.attributes}),
+            "attributes": sorted({word for label in own for word in label.attributes}),
         }
         for category, own in sorted(kinds.items())
     ]
 
 
-def view_from_above(scene: Scene, width: int = 1280) -> Picture:
-    """The house without its ceilings, straight from above."""
+def view_from_above(scene: Scene, width: int = 1280) -> Image:
+    """Image of the house without its ceilings, straight from above."""
     hidden = np.array([i.name.startswith(("ceiling", "chandelier")) for i in scene.instances])
     keep = ~hidden[scene.face_instance]
     open_scene = replace(
@@ -120,17 +119,26 @@ def view_from_above(scene: Scene, width: int = 1280) -> Picture:
     return CpuRenderer(open_scene).render(camera, pose).rgb
 
 
-def interior_views(scene: Scene, plan: FloorPlan, number: int, count: int) -> list[Picture]:
-    """What a robot sees: in different rooms, from the poses that show most things."""
+def interior_views(scene: Scene, plan: FloorPlan, number: int, count: int) -> list[Image]:
+    """Camera images from different rooms, from the poses that show most objects.
+
+    Args:
+        scene: Scene of the house.
+        plan: Floor plan of the house.
+        number: Number of the house, the seed of the poses.
+        count: Greatest number of images.
+    """
     config = CameraConfig()
     grid, renderer = WalkableGrid.from_scene(scene), CpuRenderer(scene)
-    dice = Dice(number, "views")
+    rng = RandomStream(number, "views")
     best: list[tuple[float, Pose2]] = []
     for room in plan.rooms:
-        places = _places_in(room.inner, grid)
+        positions = _positions_in(room.inner, grid)
         tries = []
-        for _ in range(min(_TRIES, len(places))):
-            pose = Pose2(*places[dice.integer(0, len(places) - 1)], dice.uniform(-math.pi, math.pi))
+        for _ in range(min(_POSES_PER_ROOM, len(positions))):
+            pose = Pose2(
+                *positions[rng.integer(0, len(positions) - 1)], rng.uniform(-math.pi, math.pi)
+            )
             tries.append((_interest(scene, renderer, _camera_pose(grid, config, pose)), pose))
         best += [max(tries, key=lambda t: t[0])] if tries else []
     chosen = sorted(best, key=lambda t: -t[0])[:count]
@@ -140,7 +148,7 @@ def interior_views(scene: Scene, plan: FloorPlan, number: int, count: int) -> li
     ]
 
 
-def _places_in(rect: Rect, grid: WalkableGrid) -> list[tuple[float, float]]:
+def _positions_in(rect: Rect, grid: WalkableGrid) -> list[tuple[float, float]]:
     centres = grid.centres()
     low, high = np.array((rect.x0, rect.y0)), np.array((rect.x1, rect.y1))
     inside = ((centres > low) & (centres < high)).all(axis=1)
@@ -152,14 +160,16 @@ def _camera_pose(grid: WalkableGrid, config: CameraConfig, pose: Pose2) -> Trans
 
 
 def _interest(scene: Scene, renderer: CpuRenderer, pose: Transform) -> float:
-    """How much there is to see: many things that are not too small, and nothing too near."""
+    """Score of a view: many objects that are not too small, and nothing too near."""
     seen = renderer.render(CameraConfig(width=160, height=120).intrinsics, pose)
     pixels = np.bincount(seen.instance_ids[seen.instance_ids >= 0], minlength=len(scene.instances))
     share = pixels / seen.instance_ids.size
     shown = [
         float(share[i.id])
         for i in scene.instances
-        if i.label is not None and i.label.category not in _DULL and share[i.id] > _SMALL
+        if i.label is not None
+        and i.label.category not in _UNINTERESTING
+        and share[i.id] > _MIN_IMAGE_SHARE
     ]
     near = float((seen.depth < _NEAR_M).mean())
     return len(shown) + 12.0 * min(sum(shown), 0.5) - 15.0 * near

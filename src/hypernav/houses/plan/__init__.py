@@ -1,1 +1,1 @@
-"""Floor plans: rooms, doors, windows."""
+"""Random floor plans: rooms, doors, windows."""

@@ -1,22 +1,22 @@
-"""Doors and passages between rooms, by the rules of good homes.
+"""Doors and passages between rooms, by the rules of residential design.
 
-Halls, living rooms and dining rooms may be walked through, kitchens only on the way to what
-belongs to them. Bathrooms, storage and laundry never lie on the way to anything, bedrooms only on
-the way to their own bathroom, and at least one bathroom is reached without crossing a bedroom.
+Paths may lead through halls, living rooms and dining rooms, through kitchens only to the rooms that
+belong to them. No path leads through bathrooms, storage or laundry, paths through bedrooms only to
+their own bathroom, and at least one bathroom is reached without crossing a bedroom.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from hypernav.houses.dice import Dice
 from hypernav.houses.plan.shapes import WALL_M, Opening, Rect, Room
+from hypernav.houses.random_stream import RandomStream
 
 _CASING_M = 0.1
 DOOR_TOP_M = 2.05
 APPROACH_M = 0.9
 LEAF_M = 0.04
 
-# How good it is to enter the second kind from the first; what is missing is not done.
+# Score of entering the second kind of room from the first; missing pairs are never connected.
 _LINKS: dict[str, dict[str, float]] = {
     "hall": {
         "living room": 9,
@@ -55,8 +55,8 @@ _LINKS: dict[str, dict[str, float]] = {
 
 
 @dataclass(frozen=True)
-class Border:
-    """The piece of wall that two rooms share, between the inner faces of the walls that end it."""
+class SharedWall:
+    """Wall that two rooms share, between the inner faces of the walls at its ends."""
 
     low: int
     high: int
@@ -66,8 +66,8 @@ class Border:
     end: float
 
 
-def borders(rooms: Sequence[Room]) -> list[Border]:
-    """All shared walls; ``low`` is the room on the side of smaller coordinates."""
+def shared_walls(rooms: Sequence[Room]) -> list[SharedWall]:
+    """All walls that two rooms share; ``low`` is the room on the side of smaller coordinates."""
     result = []
     for i, a in enumerate(rooms):
         for j, b in enumerate(rooms):
@@ -79,26 +79,26 @@ def borders(rooms: Sequence[Room]) -> list[Border]:
                 ("x", p.y1, q.y0, max(p.x0, q.x0), min(p.x1, q.x1)),
             ):
                 if abs(at - other) < 1e-6 and hi - lo > WALL_M:
-                    result.append(Border(i, j, along, at, lo + WALL_M / 2, hi - WALL_M / 2))
+                    result.append(SharedWall(i, j, along, at, lo + WALL_M / 2, hi - WALL_M / 2))
     return result
 
 
 def door_width(kind: str) -> float:
-    """Clear width of a door into a kind of room."""
+    """Clear width of a door into a kind of room, metres."""
     return {"bathroom": 0.85, "storage": 0.85, "laundry": 0.85}.get(kind, 0.9)
 
 
-def find_links(rooms: Sequence[Room]) -> list[tuple[int, int, Border]] | None:
-    """Which rooms to connect: ``(from, to, wall)`` so that every room is reached by the rules.
+def find_connections(rooms: Sequence[Room]) -> list[tuple[int, int, SharedWall]] | None:
+    """Connections ``(from, to, wall)`` by which every room is reached by the rules.
 
     Returns:
         None if no choice of doors satisfies the rules.
     """
-    ways: dict[tuple[int, int], Border] = {}
-    for border in borders(rooms):
-        for a, b in ((border.low, border.high), (border.high, border.low)):
-            if border.end - border.start >= door_width(rooms[b].kind) + 2 * _CASING_M + 0.04:
-                ways[(a, b)] = border
+    doorways: dict[tuple[int, int], SharedWall] = {}
+    for wall in shared_walls(rooms):
+        for a, b in ((wall.low, wall.high), (wall.high, wall.low)):
+            if wall.end - wall.start >= door_width(rooms[b].kind) + 2 * _CASING_M + 0.04:
+                doorways[(a, b)] = wall
     root = next((k for k, r in enumerate(rooms) if r.kind == "hall"), 0)
     if rooms[root].kind not in _LINKS:
         return None
@@ -109,21 +109,23 @@ def find_links(rooms: Sequence[Room]) -> list[tuple[int, int, Border]] | None:
         for a in reached:
             for b in left:
                 score = (
-                    _LINKS.get(rooms[a].kind, {}).get(rooms[b].kind, 0.0) if (a, b) in ways else 0.0
+                    _LINKS.get(rooms[a].kind, {}).get(rooms[b].kind, 0.0)
+                    if (a, b) in doorways
+                    else 0.0
                 )
                 if score > best:
                     best, choice = score, (a, b)
         if choice is None:
             return None
-        links.append((*choice, ways[choice]))
+        links.append((*choice, doorways[choice]))
         reached.append(choice[1])
         left.remove(choice[1])
     if not _rules_hold(rooms, links):
         return None
-    return links + _extra_links(rooms, links, ways)
+    return links + _extra_links(rooms, links, doorways)
 
 
-def _rules_hold(rooms: Sequence[Room], links: list[tuple[int, int, Border]]) -> bool:
+def _rules_hold(rooms: Sequence[Room], links: list[tuple[int, int, SharedWall]]) -> bool:
     parents = {b: a for a, b, _ in links}
     baths = [k for k, r in enumerate(rooms) if r.kind == "bathroom"]
     if baths and all(rooms[parents[k]].kind == "bedroom" for k in baths):
@@ -134,7 +136,7 @@ def _rules_hold(rooms: Sequence[Room], links: list[tuple[int, int, Border]]) -> 
     kitchen = next((k for k, r in enumerate(rooms) if r.kind == "kitchen"), None)
     dining = next((k for k, r in enumerate(rooms) if r.kind == "dining room"), None)
     if kitchen is not None and dining is not None:
-        near = any({kitchen, dining} == {b.low, b.high} for b in borders(rooms))
+        near = any({kitchen, dining} == {b.low, b.high} for b in shared_walls(rooms))
         both_public = {rooms[parents.get(k, 0)].kind for k in (kitchen, dining)} <= {
             "living room",
             "hall",
@@ -147,31 +149,33 @@ def _rules_hold(rooms: Sequence[Room], links: list[tuple[int, int, Border]]) -> 
 
 
 def _extra_links(
-    rooms: Sequence[Room], links: list[tuple[int, int, Border]], ways: dict[tuple[int, int], Border]
-) -> list[tuple[int, int, Border]]:
-    """Openings between public rooms that lie side by side, as open plans have them."""
+    rooms: Sequence[Room],
+    links: list[tuple[int, int, SharedWall]],
+    doorways: dict[tuple[int, int], SharedWall],
+) -> list[tuple[int, int, SharedWall]]:
+    """Further connections between public rooms that lie side by side, as in open plans."""
     linked = {frozenset((a, b)) for a, b, _ in links}
     public = ("living room", "dining room", "kitchen")
     extra = []
-    for (a, b), border in ways.items():
+    for (a, b), wall in doorways.items():
         if (
             a < b
             and rooms[a].kind in public
             and rooms[b].kind in public
             and frozenset((a, b)) not in linked
         ):
-            extra.append((a, b, border))
+            extra.append((a, b, wall))
     return extra
 
 
-def draw_doors(dice: Dice, rooms: Sequence[Room]) -> list[Opening] | None:
-    """Doors and passages for all links; None if the rooms can't be connected by the rules."""
-    links = find_links(rooms)
+def sample_doors(rng: RandomStream, rooms: Sequence[Room]) -> list[Opening] | None:
+    """Random doors and passages for all connections; None if the rules allow none."""
+    links = find_connections(rooms)
     if links is None:
         return None
     openings: list[Opening] = []
-    for a, b, border in links:
-        opening = _fitted(dice, rooms, a, b, border, openings)
+    for a, b, wall in links:
+        opening = _fitted(rng, rooms, a, b, wall, openings)
         if opening is None:
             return None
         openings.append(opening)
@@ -179,44 +183,49 @@ def draw_doors(dice: Dice, rooms: Sequence[Room]) -> list[Opening] | None:
 
 
 def _fitted(
-    dice: Dice, rooms: Sequence[Room], a: int, b: int, border: Border, others: Sequence[Opening]
+    rng: RandomStream,
+    rooms: Sequence[Room],
+    a: int,
+    b: int,
+    wall: SharedWall,
+    others: Sequence[Opening],
 ) -> Opening | None:
-    """A door somewhere on the shared wall whose leaf and approach are free of other doors."""
+    """Door on the shared wall whose leaf and approach are free of other doors."""
     kinds = {rooms[a].kind, rooms[b].kind}
-    length = border.end - border.start
+    length = wall.end - wall.start
     public = kinds <= {"living room", "dining room", "kitchen"}
-    if public and length > 1.9 and dice.chance(0.8):
-        wide = min(dice.uniform(1.2, 2.4, 0.05), length - 0.5)
-        start = border.start + (length - wide) * dice.uniform(0.35, 0.65)
+    if public and length > 1.9 and rng.chance(0.8):
+        wide = min(rng.uniform(1.2, 2.4, 0.05), length - 0.5)
+        start = wall.start + (length - wide) * rng.uniform(0.35, 0.65)
         start = round(start, 3)
         return Opening(
             "passage",
-            border.along,
-            border.at,
+            wall.along,
+            wall.at,
             start,
             round(start + wide, 3),
             0.0,
             2.25,
-            (border.low, border.high),
+            (wall.low, wall.high),
         )
     wide = door_width(rooms[b].kind)
     private = b if rooms[b].kind not in ("living room", "dining room", "kitchen", "hall") else -1
-    with_leaf = private >= 0 and dice.chance(0.75)
+    with_leaf = private >= 0 and rng.chance(0.75)
     for attempt in range(12):
         room_left = length - wide - 2 * _CASING_M
-        where = dice.choice((0.0, 1.0)) if attempt < 8 and dice.chance(0.8) else dice.unit()
-        start = round(border.start + _CASING_M + room_left * where, 3)
+        where = rng.choice((0.0, 1.0)) if attempt < 8 and rng.chance(0.8) else rng.unit()
+        start = round(wall.start + _CASING_M + room_left * where, 3)
         hinge_low = where < 0.5
         leaf = private if with_leaf and attempt < 9 else -1
         door = Opening(
             "door" if leaf >= 0 else "doorway",
-            border.along,
-            border.at,
+            wall.along,
+            wall.at,
             start,
             round(start + wide, 3),
             0.0,
             DOOR_TOP_M,
-            (border.low, border.high),
+            (wall.low, wall.high),
             leaf,
             hinge_low,
         )
@@ -226,7 +235,7 @@ def _fitted(
 
 
 def leaf_rect(door: Opening) -> Rect | None:
-    """Where the open leaf stands: at right angles to its wall, just outside of the opening."""
+    """Rectangle of the open leaf: at right angles to its wall, just outside of the opening."""
     if door.leaf_room < 0:
         return None
     upper = door.leaf_room == door.rooms[1]
@@ -239,7 +248,7 @@ def leaf_rect(door: Opening) -> Rect | None:
 
 
 def approach(door: Opening, *, margin: float = 0.0, deep: float = APPROACH_M) -> Rect:
-    """The floor before and behind a door that must stay free."""
+    """Floor on both sides of a door that must stay free."""
     return door.strip(-deep, deep, margin)
 
 

@@ -1,17 +1,17 @@
-"""Rectangles on the floor, and what a floor plan consists of. Metres, scene frame."""
+"""Rooms, openings and rectangles of a floor plan, in metres, scene frame."""
 
 from dataclasses import dataclass, field
 
 WALL_M = 0.12
-"""Thickness of an inner wall."""
+"""Thickness of an inner wall, metres."""
 
 OUTER_M = 0.2
-"""How much thicker an outer wall is, outwards."""
+"""Additional thickness of an outer wall, towards the outside, metres."""
 
 
 @dataclass(frozen=True)
 class Rect:
-    """An axis-aligned rectangle."""
+    """Axis-aligned rectangle on the floor."""
 
     x0: float
     y0: float
@@ -20,26 +20,26 @@ class Rect:
 
     @property
     def width(self) -> float:
-        """Along x."""
+        """Extent along x, metres."""
         return self.x1 - self.x0
 
     @property
     def depth(self) -> float:
-        """Along y."""
+        """Extent along y, metres."""
         return self.y1 - self.y0
 
     @property
     def area(self) -> float:
-        """Square metres."""
+        """Area in square metres."""
         return self.width * self.depth
 
     @property
     def centre(self) -> tuple[float, float]:
-        """Middle."""
+        """Centre of the rectangle."""
         return ((self.x0 + self.x1) / 2.0, (self.y0 + self.y1) / 2.0)
 
     def grown(self, by: float) -> "Rect":
-        """Larger on all sides; smaller for negative numbers."""
+        """Rectangle grown on all sides; shrunk for a negative number of metres."""
         return Rect(self.x0 - by, self.y0 - by, self.x1 + by, self.y1 + by)
 
     def overlaps(self, other: "Rect", gap: float = 0.0) -> bool:
@@ -53,7 +53,7 @@ class Rect:
         )
 
     def holds(self, other: "Rect") -> bool:
-        """Whether the other lies inside."""
+        """Whether the other rectangle lies inside."""
         tiny = 1e-6
         return (
             self.x0 <= other.x0 + tiny
@@ -65,13 +65,13 @@ class Rect:
 
 @dataclass(frozen=True)
 class Room:
-    """One room of a plan.
+    """Room of a floor plan.
 
     Attributes:
-        name: Unique: "bedroom 2".
-        kind: "living room", "kitchen", "dining room", "bedroom", "bathroom", "hall", "office",
-            "laundry", "storage" or "balcony".
-        cell: Up to the middle lines of its walls.
+        name: Unique name ("bedroom 2").
+        kind: Kind of the room: "living room", "kitchen", "dining room", "bedroom", "bathroom",
+            "hall", "office", "laundry", "storage" or "balcony".
+        cell: Its floor up to the centre lines of its walls.
     """
 
     name: str
@@ -80,7 +80,7 @@ class Room:
 
     @property
     def inner(self) -> Rect:
-        """Its floor between the walls."""
+        """Floor between the walls."""
         return self.cell.grown(-WALL_M / 2.0)
 
     @property
@@ -91,19 +91,19 @@ class Room:
 
 @dataclass(frozen=True)
 class Opening:
-    """A hole in a wall.
+    """Opening in a wall.
 
     Attributes:
-        kind: "door" (with a leaf), "doorway" (frame only), "passage" (wide), "entrance" (closed),
-            "window" or "glass door" (to a balcony).
-        along: "x" if the wall runs along x, else "y".
-        at: Where the wall is: y of its middle line for "x", else x.
-        start: Lower end of the hole along the wall.
-        end: Upper end.
+        kind: Kind of the opening: "door" (with a leaf), "doorway" (frame only), "passage" (wide),
+            "entrance" (closed), "window" or "glass door" (to a balcony).
+        along: Axis that the wall runs along, "x" or "y".
+        at: Coordinate of the wall's centre line: y if it runs along x, else x.
+        start: Lower end of the opening along the wall.
+        end: Upper end of the opening along the wall.
         bottom: Height of its lower edge.
         top: Height of its upper edge.
-        rooms: Numbers of the rooms on its lower and its upper side; -1 for outside.
-        leaf_room: Room that the leaf opens into; -1 without a leaf.
+        rooms: Indices of the rooms on its lower and its upper side; -1 for outside.
+        leaf_room: Index of the room that the leaf opens into; -1 without a leaf.
         hinge_low: Whether the leaf hangs at the lower end.
     """
 
@@ -120,22 +120,22 @@ class Opening:
 
     @property
     def width(self) -> float:
-        """Between the jambs."""
+        """Clear width between the jambs, metres."""
         return self.end - self.start
 
     @property
-    def is_way(self) -> bool:
-        """Whether one can walk through."""
+    def is_passable(self) -> bool:
+        """Whether a robot can drive through."""
         return self.kind in ("door", "doorway", "passage", "glass door")
 
     @property
     def middle(self) -> tuple[float, float]:
-        """Its middle on the floor."""
+        """Centre of the opening on the floor."""
         t = (self.start + self.end) / 2.0
         return (t, self.at) if self.along == "x" else (self.at, t)
 
     def strip(self, low: float, high: float, margin: float = 0.0) -> Rect:
-        """A rectangle across the opening, from ``low`` to ``high`` of the wall's middle line."""
+        """Rectangle across the opening, from ``low`` to ``high`` of the wall's centre line."""
         a, b = self.start - margin, self.end + margin
         if self.along == "x":
             return Rect(a, self.at + low, b, self.at + high)
@@ -144,12 +144,12 @@ class Opening:
 
 @dataclass(frozen=True)
 class FloorPlan:
-    """Rooms and the holes in their walls.
+    """Floor plan: rooms and the openings in their walls.
 
     Attributes:
-        rooms: All rooms; their places are their numbers.
+        rooms: All rooms; other parts of the plan refer to them by index.
         openings: All doors and windows.
-        height: Of the rooms.
+        height: Height of the rooms, metres.
     """
 
     rooms: tuple[Room, ...]

@@ -1,14 +1,14 @@
-"""Windows, the entrance and the balcony: everything in the outer walls."""
+"""Openings in the outer walls: windows, the entrance, the balcony's door."""
 
 from collections.abc import Sequence
 
-from hypernav.houses.dice import Dice
 from hypernav.houses.plan.doors import approach, leaf_rect
 from hypernav.houses.plan.shapes import OUTER_M, WALL_M, Opening, Rect, Room
+from hypernav.houses.random_stream import RandomStream
 
 
 def outer_walls(rooms: Sequence[Room], number: int) -> list[tuple[str, float, float, float, int]]:
-    """Stretches of a room's sides that face the open: ``(along, at, start, end, side)``.
+    """Segments of a room's walls that face outside: ``(along, at, start, end, side)``.
 
     ``side`` is -1 if the outside is on the side of smaller coordinates, else 1. Start and end are
     the corners of the cell or of the neighbours.
@@ -40,19 +40,19 @@ def outer_walls(rooms: Sequence[Room], number: int) -> list[tuple[str, float, fl
     return result
 
 
-def draw_balcony(
-    dice: Dice, rooms: tuple[Room, ...], openings: Sequence[Opening]
+def sample_balcony(
+    rng: RandomStream, rooms: tuple[Room, ...], openings: Sequence[Opening]
 ) -> tuple[tuple[Room, ...], Opening | None]:
-    """The rooms with a balcony outside of the living room or a bedroom, and its door."""
+    """Rooms with a random balcony at the living room or a bedroom, and the balcony's door."""
     hosts = [k for k, r in enumerate(rooms) if r.kind == "living room"]
     hosts += [k for k, r in enumerate(rooms) if r.kind == "bedroom"]
     for host in hosts:
-        for along, at, start, end, side in dice.shuffled(outer_walls(rooms, host)):
+        for along, at, start, end, side in rng.shuffled(outer_walls(rooms, host)):
             if end - start < 2.6:
                 continue
-            long = min(end - start, dice.uniform(2.6, 4.2, 0.05))
-            first = round(start + (end - start - long) * dice.choice((0.0, 0.5, 1.0)), 3)
-            deep = dice.uniform(1.55, 1.9, 0.05)
+            long = min(end - start, rng.uniform(2.6, 4.2, 0.05))
+            first = round(start + (end - start - long) * rng.choice((0.0, 0.5, 1.0)), 3)
+            deep = rng.uniform(1.55, 1.9, 0.05)
             near, far = sorted(
                 (at + side * (OUTER_M - WALL_M / 2), at + side * (OUTER_M - WALL_M / 2 + deep))
             )
@@ -63,7 +63,7 @@ def draw_balcony(
             )
             if any(cell.grown(0.3).overlaps(r.cell) and k != host for k, r in enumerate(rooms)):
                 continue
-            door_start = round(first + (long - 1.0) * dice.uniform(0.3, 0.7), 3)
+            door_start = round(first + (long - 1.0) * rng.uniform(0.3, 0.7), 3)
             ids = (len(rooms), host) if side < 0 else (host, len(rooms))
             door = Opening(
                 "glass door", along, at, door_start, round(door_start + 0.95, 3), 0.0, 2.1, ids
@@ -77,13 +77,15 @@ def draw_balcony(
     return rooms, None
 
 
-def draw_entrance(dice: Dice, rooms: Sequence[Room], openings: Sequence[Opening]) -> Opening | None:
-    """The front door, closed, in an outer wall of the hall or the living room."""
+def sample_entrance(
+    rng: RandomStream, rooms: Sequence[Room], openings: Sequence[Opening]
+) -> Opening | None:
+    """Closed front door in an outer wall of the hall or another public room."""
     for kind in ("hall", "living room", "dining room", "kitchen"):
         for number, room in enumerate(rooms):
             if room.kind != kind:
                 continue
-            for along, at, start, end, side in dice.shuffled(outer_walls(rooms, number)):
+            for along, at, start, end, side in rng.shuffled(outer_walls(rooms, number)):
                 if end - start < 1.0 + 2 * WALL_M + 0.1:
                     continue
                 low, high = start + WALL_M / 2 + 0.06, end - WALL_M / 2 - 1.01
@@ -98,10 +100,10 @@ def draw_entrance(dice: Dice, rooms: Sequence[Room], openings: Sequence[Opening]
     return None
 
 
-def draw_windows(
-    dice: Dice, rooms: Sequence[Room], openings: Sequence[Opening], height: float
+def sample_windows(
+    rng: RandomStream, rooms: Sequence[Room], openings: Sequence[Opening], height: float
 ) -> list[Opening]:
-    """Windows for all rooms with outer walls."""
+    """Random windows for all rooms with outer walls."""
     windows: list[Opening] = []
     for number, room in enumerate(rooms):
         if room.is_outside or room.kind in ("hall", "storage"):
@@ -113,10 +115,10 @@ def draw_windows(
                 continue
             if room.kind in ("bathroom", "laundry"):
                 wide, bottom, top = 0.6, 1.35, 2.05
-                if dice.chance(0.4):
+                if rng.chance(0.4):
                     continue
             else:
-                wide = min(dice.uniform(1.1, 1.9, 0.05), end - start - 0.7)
+                wide = min(rng.uniform(1.1, 1.9, 0.05), end - start - 0.7)
                 bottom, top = (1.15 if room.kind == "kitchen" else 0.9), min(2.15, height - 0.3)
             if wide < 0.5:
                 continue

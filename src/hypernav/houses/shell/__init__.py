@@ -1,1 +1,1 @@
-"""The building itself: walls, floors, openings."""
+"""Shell of the building: walls, floors, ceilings, doors, windows."""

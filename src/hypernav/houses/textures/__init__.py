@@ -1,1 +1,1 @@
-"""Pictures for surfaces, painted by numbers."""
+"""Procedural textures of surfaces."""

@@ -1,15 +1,15 @@
-"""The texture library: one picture per key, made once per process and shared by all houses."""
+"""Texture library: one image per key, made once per process and shared by all houses."""
 
 from collections.abc import Callable
 from functools import partial
 
 import numpy as np
 
-from hypernav.houses.dice import Dice
-from hypernav.houses.textures import pictures, surfaces
-from hypernav.houses.textures.noise import Picture
+from hypernav.houses.random_stream import RandomStream
+from hypernav.houses.textures import images, surfaces
+from hypernav.houses.textures.noise import Image
 
-_MAKERS: dict[str, Callable[[Dice], Picture]] = {
+_MAKERS: dict[str, Callable[[RandomStream], Image]] = {
     "wood": surfaces.wood,
     "satin": surfaces.satin,
     "planks": surfaces.planks,
@@ -41,48 +41,48 @@ _MAKERS: dict[str, Callable[[Dice], Picture]] = {
     "plaid": surfaces.plaid,
     "floral": surfaces.floral,
     "cardboard": surfaces.cardboard,
-    "painting": pictures.painting,
-    "screen off": pictures.screen_off,
-    "screen show": pictures.screen_show,
-    "screen desktop": pictures.screen_desktop,
-    "book spines": pictures.book_spines,
-    "clock face": pictures.clock_face,
-    "keyboard": pictures.keyboard,
-    "label": pictures.label,
-    "rug": pictures.rug,
-    "outdoors": pictures.outdoors,
+    "painting": images.painting,
+    "screen off": images.screen_off,
+    "screen show": images.screen_show,
+    "screen desktop": images.screen_desktop,
+    "book spines": images.book_spines,
+    "clock face": images.clock_face,
+    "keyboard": images.keyboard,
+    "label": images.label,
+    "rug": images.rug,
+    "outdoors": images.outdoors,
 }
 
 
-_PICTURES: dict[str, Picture] = {}
+_TEXTURES: dict[str, Image] = {}
 
 
-def texture(key: str) -> Picture:
-    """The picture of a key: a name, or a name with a number for one of its variants ("rug 3").
+def texture(key: str) -> Image:
+    """Texture image of a key: a name, or a name with a number for one of its variants ("rug 3").
 
-    Row 0 is the upper edge. The array is shared: it cannot be written to.
+    Row 0 is the upper edge. The array is shared and therefore read-only.
 
     Raises:
         KeyError: No texture has this name.
     """
-    if key not in _PICTURES:
+    if key not in _TEXTURES:
         name, _, variant = key.rpartition(" ")
         maker = _MAKERS[name if variant.isdigit() else key]
-        keep_texture(key, maker(Dice("texture", key)))
-    return _PICTURES[key]
+        store_texture(key, maker(RandomStream("texture", key)))
+    return _TEXTURES[key]
 
 
-def known_texture(key: str) -> bool:
-    """Whether the picture of a key is in memory already."""
-    return key in _PICTURES
+def is_loaded(key: str) -> bool:
+    """Whether the texture of a key is in memory already."""
+    return key in _TEXTURES
 
 
-def keep_texture(key: str, picture: Picture) -> None:
-    """Put a picture that was made before into the library."""
-    picture.flags.writeable = False
-    _PICTURES[key] = picture
+def store_texture(key: str, image: Image) -> None:
+    """Add a texture that was made before to the library; it becomes read-only."""
+    image.flags.writeable = False
+    _TEXTURES[key] = image
 
 
-def is_picture(array: np.ndarray) -> bool:
+def is_image(array: np.ndarray) -> bool:
     """Whether an array from a file can be a texture."""
     return array.dtype == np.uint8 and array.ndim == 3 and array.shape[2] == 3 and array.size > 0

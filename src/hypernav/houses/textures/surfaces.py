@@ -1,85 +1,85 @@
-"""Textures that cover a surface without end: wood, cloth, tiles, stone, walls.
+"""Textures that tile a surface seamlessly: wood, cloth, tiles, stone, walls.
 
-They are light and nearly grey, so that the colour of a finish tints them.
+They are light and nearly grey, because the colour of a finish multiplies them.
 """
 
 import numpy as np
 
-from hypernav.houses.dice import Dice
+from hypernav.houses.random_stream import RandomStream
 from hypernav.houses.textures.noise import (
     Gray,
-    Picture,
+    Image,
     cloud_noise,
     mix,
     pixel_grid,
     smooth_noise,
     speckle,
-    to_picture,
+    to_image,
 )
 
 
-def wood(dice: Dice, size: int = 512, contrast: float = 0.3) -> Picture:
-    """Boards with the grain along u; one picture covers about a metre."""
-    bend = smooth_noise(dice, size, size, 4, 2) * 0.25
+def wood(rng: RandomStream, size: int = 512, contrast: float = 0.3) -> Image:
+    """Boards with the grain along u; one image covers about a metre."""
+    bend = smooth_noise(rng, size, size, 4, 2) * 0.25
     row, _ = pixel_grid(size, size)
     rings = (np.floor((row + bend) * 8) % 1, (row + bend * 0.6) * 14.0)[1]
     wave = 0.5 + 0.5 * np.sin(2.0 * np.pi * rings)
-    grain = cloud_noise(dice, size, 64, octaves=3, stretch=32)
-    pores = (smooth_noise(dice, size, size, 256, 16) > 0.82) * 0.35
+    grain = cloud_noise(rng, size, 64, octaves=3, stretch=32)
+    pores = (smooth_noise(rng, size, size, 256, 16) > 0.82) * 0.35
     tone = 1.0 - contrast * (0.35 * wave + 0.75 * grain + 0.4 * pores)
-    return to_picture(np.stack([tone, tone**1.12, tone**1.3], axis=2))
+    return to_image(np.stack([tone, tone**1.12, tone**1.3], axis=2))
 
 
-def satin(dice: Dice, size: int = 256) -> Picture:
-    """Painted wood: even, with a trace of brush strokes along u; about 1 m."""
-    strokes = cloud_noise(dice, size, 64, octaves=2, stretch=32)
-    return to_picture(0.975 + 0.03 * (strokes - 0.5) + 0.02 * (cloud_noise(dice, size, 4) - 0.5))
+def satin(rng: RandomStream, size: int = 256) -> Image:
+    """Painted wood with faint brush strokes along u; one image covers about 1 m."""
+    strokes = cloud_noise(rng, size, 64, octaves=2, stretch=32)
+    return to_image(0.975 + 0.03 * (strokes - 0.5) + 0.02 * (cloud_noise(rng, size, 4) - 0.5))
 
 
-def planks(dice: Dice, size: int = 512, rows: int = 10, contrast: float = 0.3) -> Picture:
-    """A floor of planks along u; one picture covers about 1.2 m."""
+def planks(rng: RandomStream, size: int = 512, rows: int = 10, contrast: float = 0.3) -> Image:
+    """A floor of planks along u; one image covers about 1.2 m."""
     row, column = pixel_grid(size, size)
     number = np.floor(row * rows).astype(np.int64)
-    shift = dice.array(rows)[number]
+    shift = rng.array(rows)[number]
     along = (column + shift) % 1.0
     half = np.floor(along * 2.0).astype(np.int64)
-    tone = 0.78 + 0.22 * dice.array(rows, 2)[number, half]
-    grain = cloud_noise(dice, size, 64, octaves=3, stretch=24)
-    streak = np.abs(smooth_noise(dice, size, size, 40, 3) - 0.5) * 0.5
+    tone = 0.78 + 0.22 * rng.array(rows, 2)[number, half]
+    grain = cloud_noise(rng, size, 64, octaves=3, stretch=24)
+    streak = np.abs(smooth_noise(rng, size, size, 40, 3) - 0.5) * 0.5
     tone = tone * (1.0 - contrast * (grain * 0.7 + streak))
     edge_row = (row * rows) % 1.0
     edge_column = (along * 2.0) % 1.0
     gap = (edge_row < 0.045) | (edge_column < 0.006)
     tone = np.where(gap, tone * 0.62, tone)
-    return to_picture(np.stack([tone, tone**1.1, tone**1.25], axis=2))
+    return to_image(np.stack([tone, tone**1.1, tone**1.25], axis=2))
 
 
-def fabric(dice: Dice, size: int = 256, coarse: float = 0.16) -> Picture:
-    """A plain weave; one picture covers about 0.3 m."""
+def fabric(rng: RandomStream, size: int = 256, coarse: float = 0.16) -> Image:
+    """A plain weave; one image covers about 0.3 m."""
     row, column = pixel_grid(size, size)
     threads = 64
     weave = np.sin(2 * np.pi * threads * row) * np.sin(2 * np.pi * threads * column)
-    tone = 0.9 + coarse * 0.35 * weave + coarse * (speckle(dice, size) - 0.5)
-    tone += coarse * 0.6 * (cloud_noise(dice, size, 8) - 0.5)
-    return to_picture(tone)
+    tone = 0.9 + coarse * 0.35 * weave + coarse * (speckle(rng, size) - 0.5)
+    tone += coarse * 0.6 * (cloud_noise(rng, size, 8) - 0.5)
+    return to_image(tone)
 
 
-def pile(dice: Dice, size: int = 256, depth: float = 0.35) -> Picture:
-    """Carpet, terry and wool: short hairs with shadows between; about 0.4 m."""
-    tufts = smooth_noise(dice, size, size, size // 3, size // 3)
-    tone = 1.0 - depth * tufts - 0.4 * depth * speckle(dice, size)
-    return to_picture(tone + 0.1 * (cloud_noise(dice, size, 4) - 0.5))
+def pile(rng: RandomStream, size: int = 256, depth: float = 0.35) -> Image:
+    """Pile of carpet, terry cloth and wool; one image covers about 0.4 m."""
+    tufts = smooth_noise(rng, size, size, size // 3, size // 3)
+    tone = 1.0 - depth * tufts - 0.4 * depth * speckle(rng, size)
+    return to_image(tone + 0.1 * (cloud_noise(rng, size, 4) - 0.5))
 
 
-def leather(dice: Dice, size: int = 256) -> Picture:
-    """Grained hide; about 0.4 m."""
-    folds = np.abs(smooth_noise(dice, size, size, 48, 48) - 0.5) * 2.0
-    tone = 0.82 + 0.14 * folds**0.5 + 0.16 * (cloud_noise(dice, size, 4) - 0.5)
-    return to_picture(tone)
+def leather(rng: RandomStream, size: int = 256) -> Image:
+    """Grained leather; one image covers about 0.4 m."""
+    folds = np.abs(smooth_noise(rng, size, size, 48, 48) - 0.5) * 2.0
+    tone = 0.82 + 0.14 * folds**0.5 + 0.16 * (cloud_noise(rng, size, 4) - 0.5)
+    return to_image(tone)
 
 
 def tiles(
-    dice: Dice,
+    rng: RandomStream,
     size: int = 512,
     columns: int = 3,
     rows: int = 3,
@@ -88,45 +88,45 @@ def tiles(
     joint: float = 0.012,
     spread: float = 0.05,
     joint_tone: float = 0.72,
-) -> Picture:
-    """Ceramic tiles with joints; one picture holds ``columns`` × ``rows`` of them."""
+) -> Image:
+    """Ceramic tiles with joints; one image holds ``columns`` × ``rows`` of them."""
     row, column = pixel_grid(size, size)
     number = np.floor(row * rows).astype(np.int64)
     across = column + (number % 2) * 0.5 / columns if brick else column
     place = np.floor(across * columns).astype(np.int64) % columns
-    tone = 0.97 - spread * dice.array(rows, columns)[number, place]
-    tone = tone - 0.06 * (cloud_noise(dice, size, 6) - 0.5)
+    tone = 0.97 - spread * rng.array(rows, columns)[number, place]
+    tone = tone - 0.06 * (cloud_noise(rng, size, 6) - 0.5)
     fr, fc = (row * rows) % 1.0 / rows, (across * columns) % 1.0 / columns
     near = np.minimum(np.minimum(fr, 1.0 / rows - fr), np.minimum(fc, 1.0 / columns - fc))
     tone = np.where(near < joint / 2.0, joint_tone, tone)
-    return to_picture(tone)
+    return to_image(tone)
 
 
-def marble(dice: Dice, size: int = 512, strength: float = 0.35) -> Picture:
-    """Stone with veins; about 1.2 m."""
-    warp = cloud_noise(dice, size, 4, octaves=5)
+def marble(rng: RandomStream, size: int = 512, strength: float = 0.35) -> Image:
+    """Stone with veins; one image covers about 1.2 m."""
+    warp = cloud_noise(rng, size, 4, octaves=5)
     row, column = pixel_grid(size, size)
     vein = np.abs(np.sin(2.0 * np.pi * (column + row + 2.2 * (warp - 0.5))))
-    tone = 1.0 - strength * (1.0 - np.minimum(vein * 3.0, 1.0)) * cloud_noise(dice, size, 6)
-    tone -= 0.1 * (cloud_noise(dice, size, 3) - 0.5)
-    return to_picture(np.stack([tone, tone, tone**0.97], axis=2))
+    tone = 1.0 - strength * (1.0 - np.minimum(vein * 3.0, 1.0)) * cloud_noise(rng, size, 6)
+    tone -= 0.1 * (cloud_noise(rng, size, 3) - 0.5)
+    return to_image(np.stack([tone, tone, tone**0.97], axis=2))
 
 
-def granite(dice: Dice, size: int = 256) -> Picture:
-    """Stone of many grains, for worktops; about 0.4 m."""
-    grains = smooth_noise(dice, size, size, size // 4, size // 4)
-    tone = 0.85 + 0.3 * (grains - 0.5) + 0.15 * (speckle(dice, size) - 0.5)
-    return to_picture(tone)
+def granite(rng: RandomStream, size: int = 256) -> Image:
+    """Granite for worktops; one image covers about 0.4 m."""
+    grains = smooth_noise(rng, size, size, size // 4, size // 4)
+    tone = 0.85 + 0.3 * (grains - 0.5) + 0.15 * (speckle(rng, size) - 0.5)
+    return to_image(tone)
 
 
-def plaster(dice: Dice, size: int = 256, depth: float = 0.05) -> Picture:
-    """A painted wall; about 1.5 m."""
-    tone = 0.975 + depth * (cloud_noise(dice, size, 6, octaves=5) - 0.5)
-    return to_picture(tone + depth * 0.4 * (speckle(dice, size) - 0.5))
+def plaster(rng: RandomStream, size: int = 256, depth: float = 0.05) -> Image:
+    """Painted wall; one image covers about 1.5 m."""
+    tone = 0.975 + depth * (cloud_noise(rng, size, 6, octaves=5) - 0.5)
+    return to_image(tone + depth * 0.4 * (speckle(rng, size) - 0.5))
 
 
-def wallpaper(dice: Dice, size: int = 256, kind: int = 0) -> Picture:
-    """Paper with a quiet pattern: stripes, rhombs or flowers; about 0.5 m."""
+def wallpaper(rng: RandomStream, size: int = 256, kind: int = 0) -> Image:
+    """Wallpaper with stripes, rhombs or flowers; one image covers about 0.5 m."""
     row, column = pixel_grid(size, size)
     if kind == 0:
         pattern = (np.floor(column * 8.0) % 2) * 1.0
@@ -139,57 +139,57 @@ def wallpaper(dice: Dice, size: int = 256, kind: int = 0) -> Picture:
             radius = np.sqrt(dy * dy + dx * dx)
             petals = 0.13 + 0.05 * np.cos(6.0 * np.arctan2(dy, dx))
             pattern = np.maximum(pattern, (radius < petals) * 1.0)
-    tone = 0.97 - 0.07 * pattern + 0.03 * (cloud_noise(dice, size, 8) - 0.5)
-    return to_picture(tone)
+    tone = 0.97 - 0.07 * pattern + 0.03 * (cloud_noise(rng, size, 8) - 0.5)
+    return to_image(tone)
 
 
-def brushed(dice: Dice, size: int = 256) -> Picture:
-    """Brushed metal, strokes along u; about 0.6 m."""
-    strokes = smooth_noise(dice, size, size, size, 6)
-    broad = smooth_noise(dice, size, size, 6, 2)
-    return to_picture(0.86 + 0.1 * (strokes - 0.5) + 0.16 * (broad - 0.5))
+def brushed(rng: RandomStream, size: int = 256) -> Image:
+    """Brushed metal with strokes along u; one image covers about 0.6 m."""
+    strokes = smooth_noise(rng, size, size, size, 6)
+    broad = smooth_noise(rng, size, size, 6, 2)
+    return to_image(0.86 + 0.1 * (strokes - 0.5) + 0.16 * (broad - 0.5))
 
 
-def bricks(dice: Dice, size: int = 256) -> Picture:
-    """Masonry; about 0.8 m."""
-    wall = tiles(dice, size, 4, 10, brick=True, joint=0.016, spread=0.35, joint_tone=0.95)
-    rough = 1.0 - 0.25 * cloud_noise(dice, size, 24)
-    return to_picture(wall / 255.0 * rough[..., None])
+def bricks(rng: RandomStream, size: int = 256) -> Image:
+    """Brick masonry; one image covers about 0.8 m."""
+    wall = tiles(rng, size, 4, 10, brick=True, joint=0.016, spread=0.35, joint_tone=0.95)
+    rough = 1.0 - 0.25 * cloud_noise(rng, size, 24)
+    return to_image(wall / 255.0 * rough[..., None])
 
 
-def concrete(dice: Dice, size: int = 256) -> Picture:
-    """Cast concrete, stone pots, asphalt; about 1 m."""
-    tone = 0.86 + 0.2 * (cloud_noise(dice, size, 4, octaves=6) - 0.5)
-    return to_picture(tone - 0.12 * (speckle(dice, size) > 0.97))
+def concrete(rng: RandomStream, size: int = 256) -> Image:
+    """Concrete, also of stone pots; one image covers about 1 m."""
+    tone = 0.86 + 0.2 * (cloud_noise(rng, size, 4, octaves=6) - 0.5)
+    return to_image(tone - 0.12 * (speckle(rng, size) > 0.97))
 
 
-def wicker(dice: Dice, size: int = 256, strands: int = 12) -> Picture:
-    """Woven cane; about 0.3 m."""
+def wicker(rng: RandomStream, size: int = 256, strands: int = 12) -> Image:
+    """Woven cane; one image covers about 0.3 m."""
     row, column = pixel_grid(size, size)
     over = (np.floor(row * strands) + np.floor(column * strands)) % 2
     across = np.where(over > 0, (row * strands) % 1.0, (column * strands) % 1.0)
-    tone = 0.45 + 0.55 * np.sin(np.pi * across) - 0.1 * speckle(dice, size)
-    return to_picture(tone)
+    tone = 0.45 + 0.55 * np.sin(np.pi * across) - 0.1 * speckle(rng, size)
+    return to_image(tone)
 
 
-def soil(dice: Dice, size: int = 128) -> Picture:
-    """Potting earth; about 0.2 m."""
-    lumps = smooth_noise(dice, size, size, 32, 32) * 0.6 + speckle(dice, size) * 0.4
-    return to_picture(mix((0.1, 0.07, 0.05), (0.34, 0.25, 0.18), lumps))
+def soil(rng: RandomStream, size: int = 128) -> Image:
+    """Potting soil; one image covers about 0.2 m."""
+    lumps = smooth_noise(rng, size, size, 32, 32) * 0.6 + speckle(rng, size) * 0.4
+    return to_image(mix((0.1, 0.07, 0.05), (0.34, 0.25, 0.18), lumps))
 
 
-def leaf(dice: Dice, size: int = 128, stripes: bool = False) -> Picture:
-    """One leaf, its middle rib along v, fitted to the blade."""
+def leaf(rng: RandomStream, size: int = 128, stripes: bool = False) -> Image:
+    """Leaf of a plant, fitted to its surface, with the middle rib along v."""
     row, column = pixel_grid(size, size)
     off = np.abs(column - 0.5) * 2.0
     veins = np.abs(((row * 9.0 + off * 3.0) % 1.0) - 0.5) * 2.0
-    tone = 0.72 + 0.16 * veins * (1.0 - off) + 0.16 * (cloud_noise(dice, size, 6) - 0.5)
+    tone = 0.72 + 0.16 * veins * (1.0 - off) + 0.16 * (cloud_noise(rng, size, 6) - 0.5)
     tone = np.where(off < 0.05, 1.0, tone)
     if stripes:
-        bands = smooth_noise(dice, size, size, 14, 3)
+        bands = smooth_noise(rng, size, size, 14, 3)
         tone = tone * np.where(bands > 0.55, 0.72, 1.0)
         edge = np.clip((off - 0.75) * 6.0, 0.0, 1.0)
-        return to_picture(
+        return to_image(
             np.stack(
                 [
                     tone * (1 - edge) + edge,
@@ -199,18 +199,18 @@ def leaf(dice: Dice, size: int = 128, stripes: bool = False) -> Picture:
                 2,
             )
         )
-    return to_picture(np.stack([tone * 0.98, tone, tone * 0.92], axis=2))
+    return to_image(np.stack([tone * 0.98, tone, tone * 0.92], axis=2))
 
 
-def stripes(dice: Dice, size: int = 256, count: int = 6, depth: float = 0.35) -> Picture:
-    """Cloth with stripes; about 0.6 m."""
+def stripes(rng: RandomStream, size: int = 256, count: int = 6, depth: float = 0.35) -> Image:
+    """Cloth with stripes; one image covers about 0.6 m."""
     _, column = pixel_grid(size, size)
     lines = np.where((column * count) % 1.0 < 0.45, 1.0 - depth, 1.0)
-    return to_picture(lines * (0.95 + 0.06 * (speckle(dice, size) - 0.5)))
+    return to_image(lines * (0.95 + 0.06 * (speckle(rng, size) - 0.5)))
 
 
-def plaid(dice: Dice, size: int = 256, count: int = 4, depth: float = 0.4) -> Picture:
-    """Cloth with a check; about 0.6 m."""
+def plaid(rng: RandomStream, size: int = 256, count: int = 4, depth: float = 0.4) -> Image:
+    """Cloth with a check; one image covers about 0.6 m."""
     row, column = pixel_grid(size, size)
 
     def bands(at: Gray) -> Gray:
@@ -219,26 +219,26 @@ def plaid(dice: Dice, size: int = 256, count: int = 4, depth: float = 0.4) -> Pi
         return wide + thin
 
     tone = 1.0 - depth * 0.5 * (bands(row) + bands(column))
-    return to_picture(tone + 0.06 * (speckle(dice, size) - 0.5))
+    return to_image(tone + 0.06 * (speckle(rng, size) - 0.5))
 
 
-def floral(dice: Dice, size: int = 256, count: int = 14) -> Picture:
-    """Cloth with blossoms on a light ground; about 0.8 m."""
+def floral(rng: RandomStream, size: int = 256, count: int = 14) -> Image:
+    """Cloth with blossoms on a light ground; one image covers about 0.8 m."""
     row, column = pixel_grid(size, size)
-    picture = np.ones((size, size, 3)) * 0.96
+    image = np.ones((size, size, 3)) * 0.96
     inks = ((0.78, 0.36, 0.42), (0.36, 0.5, 0.72), (0.86, 0.66, 0.3), (0.45, 0.6, 0.4))
     for _ in range(count):
-        cy, cx, radius = dice.unit(), dice.unit(), dice.uniform(0.04, 0.09)
+        cy, cx, radius = rng.unit(), rng.unit(), rng.uniform(0.04, 0.09)
         dy = (row - cy + 0.5) % 1.0 - 0.5
         dx = (column - cx + 0.5) % 1.0 - 0.5
         distance = np.sqrt(dx * dx + dy * dy)
         flower = distance < radius * (0.75 + 0.25 * np.cos(5.0 * np.arctan2(dy, dx)))
-        picture[flower] = dice.choice(inks)
-        picture[distance < radius * 0.25] = (0.95, 0.85, 0.5)
-    return to_picture(picture - 0.05 * speckle(dice, size)[..., None])
+        image[flower] = rng.choice(inks)
+        image[distance < radius * 0.25] = (0.95, 0.85, 0.5)
+    return to_image(image - 0.05 * speckle(rng, size)[..., None])
 
 
-def cardboard(dice: Dice, size: int = 128) -> Picture:
-    """Brown board; about 0.5 m."""
-    tone = 0.9 + 0.1 * (smooth_noise(dice, size, size, 64, 4) - 0.5)
-    return to_picture(tone + 0.05 * (speckle(dice, size) - 0.5))
+def cardboard(rng: RandomStream, size: int = 128) -> Image:
+    """Brown cardboard; one image covers about 0.5 m."""
+    tone = 0.9 + 0.1 * (smooth_noise(rng, size, size, 64, 4) - 0.5)
+    return to_image(tone + 0.05 * (speckle(rng, size) - 0.5))

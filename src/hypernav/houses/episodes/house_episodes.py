@@ -1,0 +1,182 @@
+"""The episodes of one house, in Habitat's format.
+
+The files hold every third view point in both directions (one every 15 cm) of each goal object.
+That keeps a split near a megabyte, and the next one is at most 11 cm away from anywhere in a goal's
+region but its edges. Success is not judged by them: the referee computes the full region of an
+episode's goal from the scene, the same on which ``info.geodesic_distance`` was measured.
+"""
+
+import math
+from itertools import islice
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float64
+
+from hypernav.core.errors import EpisodeError
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
+from hypernav.core.world import Instance
+from hypernav.datasets.habitat_format import (
+    AgentState,
+    EpisodeDataset,
+    ObjectGoal,
+    ObjectNavEpisode,
+    ViewPoint,
+)
+from hypernav.datasets.habitat_frames import pose_to_habitat, positions_to_habitat
+from hypernav.houses.episodes.ground_truth import HouseGroundTruth
+from hypernav.houses.episodes.queries import Query, category_queries, phrase_queries
+from hypernav.houses.episodes.starts import Start, sample_start
+from hypernav.houses.random_stream import RandomStream
+from hypernav.worlds.scenes.scene import Scene
+from hypernav.worlds.surface.goal_regions import GoalRegion
+
+EPISODES_VERSION = 2
+"""Rises whenever the same house gives other episodes than before."""
+
+EPISODES_PER_HOUSE = 28
+
+GoalStyle = Literal["categories", "phrases"]
+
+_MAX_QUERIES = 400
+_THINNING = 3
+_DIGITS = 5
+
+QueryWithStart = tuple[Query, Start]
+
+
+def house_episodes(scene: Scene, number: int, style: GoalStyle) -> EpisodeDataset:
+    """The episodes of one house; the same for the same scene.
+
+    Args:
+        scene: The house, named ``houses:NUMBER``.
+        number: Of the house.
+        style: What is asked for.
+
+    Raises:
+        EpisodeError: There is nothing in the house that could be searched for.
+        SceneError: The robot fits nowhere.
+    """
+    truth = HouseGroundTruth.of(scene)
+    rng = RandomStream(EPISODES_VERSION, number, style)
+    drawn = _sample(rng, truth, style)
+    if not drawn:
+        raise EpisodeError(f"{scene.name}: holds nothing that is 2 to 30 m away from somewhere")
+    writer = _Writer(truth)
+    return EpisodeDataset(
+        episodes=[writer.episode(k, query, start, style) for k, (query, start) in enumerate(drawn)],
+        goals_by_category={
+            f"{scene.name}_{query.text}": [writer.goal(i) for i in _reachable(truth, query)]
+            for query, _ in drawn
+        },
+    )
+
+
+def _sample(rng: RandomStream, truth: HouseGroundTruth, style: GoalStyle) -> list[QueryWithStart]:
+    """Goals with starts, mixed."""
+    queries = (category_queries if style == "categories" else phrase_queries)(
+        rng.fork("goals"), truth
+    )
+    drawn: list[QueryWithStart] = []
+    regions: dict[str, GoalRegion] = {}
+    unreachable: set[str] = set()
+    for number, query in enumerate(islice(queries, _MAX_QUERIES)):
+        if query.text in unreachable:
+            continue
+        if query.text not in regions:
+            regions[query.text] = truth.regions.of(Goal(query.text))
+        start = sample_start(rng.fork("start", number), truth, regions[query.text])
+        if start is None:
+            unreachable.add(query.text)
+            continue
+        drawn.append((query, start))
+        if len(drawn) == EPISODES_PER_HOUSE:
+            break
+    return rng.fork("order").shuffled(drawn)
+
+
+def _reachable(truth: HouseGroundTruth, query: Query) -> list[Instance]:
+    return [i for i in query.instances if len(truth.regions.view_points(i)) > 0]
+
+
+class _Writer:
+    """Puts things of one house into Habitat's words; every object only once."""
+
+    def __init__(self, truth: HouseGroundTruth) -> None:
+        self._site = truth
+        self._goals: dict[int, ObjectGoal] = {}
+
+    def episode(
+        self, number: int, query: Query, start: Start, style: GoalStyle
+    ) -> ObjectNavEpisode:
+        position, rotation = pose_to_habitat(start.pose, start.floor_z)
+        info = {
+            "geodesic_distance": round(start.geodesic_m, 4),
+            "euclidean_distance": round(start.euclidean_m, 4),
+            "rooms_on_path": start.rooms,
+            "closest_goal_object_id": self._nearest(query, start),
+            "near_miss_object_ids": [i.id for i in query.near_misses],
+        }
+        if style == "phrases":
+            info["vocabulary"] = query.vocabulary
+            info["is_description"] = query.is_description
+        return ObjectNavEpisode(
+            episode_id=str(number),
+            scene_id=self._site.scene.name,
+            start_position=_rounded3(position),
+            start_rotation=_rounded4(rotation),
+            object_category=query.text,
+            info=info,
+            goals=[],
+        )
+
+    def goal(self, instance: Instance) -> ObjectGoal:
+        if instance.id not in self._goals:
+            middle = (np.array(instance.box_min) + np.array(instance.box_max)) / 2.0
+            points = self._thinned(self._site.regions.view_points(instance))
+            self._goals[instance.id] = ObjectGoal(
+                object_category=instance.label.category if instance.label else "",
+                object_id=instance.id,
+                object_name=instance.name,
+                position=_rounded3(tuple(positions_to_habitat(middle[None])[0].tolist())),
+                view_points=[_view_point(point, middle) for point in points],
+            )
+        return self._goals[instance.id]
+
+    def _thinned(self, points: Float64[np.ndarray, "n 3"]) -> Float64[np.ndarray, "kept 3"]:
+        """Every third cell in both directions, but at least one."""
+        walkable = self._site.walkable
+        cells = np.floor((points[:, :2] - walkable.origin) / walkable.cell_m).astype(np.int64)
+        kept = (cells % _THINNING == 0).all(axis=1)
+        if not kept.any():
+            kept[len(kept) // 2] = True
+        return points[kept]
+
+    def _nearest(self, query: Query, start: Start) -> int:
+        """The object whose view point the shortest way leads to."""
+        gaps = {
+            i.id: np.abs(self._site.regions.view_points(i)[:, :2] - start.end).max(axis=1).min()
+            for i in _reachable(self._site, query)
+        }
+        return min(gaps, key=lambda number: (gaps[number], number))
+
+
+def _view_point(point: Float64[np.ndarray, "3"], middle: Float64[np.ndarray, "3"]) -> ViewPoint:
+    """A place, looking at the object's middle. Its share of the picture is not known: null."""
+    x, y, z = point.tolist()
+    yaw = math.atan2(float(middle[1]) - y, float(middle[0]) - x)
+    position, rotation = pose_to_habitat(Pose2(x, y, yaw), z)
+    state = AgentState(position=_rounded3(position), rotation=_rounded4(rotation))
+    return ViewPoint(agent_state=state, iou=None)
+
+
+def _rounded3(values: tuple[float, float, float]) -> tuple[float, float, float]:
+    # Adding 0.0 turns -0.0 into 0.0.
+    x, y, z = (round(v, _DIGITS) + 0.0 for v in values)
+    return x, y, z
+
+
+def _rounded4(values: tuple[float, float, float, float]) -> tuple[float, float, float, float]:
+    x, y, z, w = (round(v, _DIGITS) + 0.0 for v in values)
+    return x, y, z, w

@@ -1,0 +1,84 @@
+"""Architectural drawing of a floor plan, in SVG."""
+
+from html import escape
+
+from hypernav.core.world import Instance
+from hypernav.houses.plan.doors import leaf_rect
+from hypernav.houses.plan.shapes import OUTER_M, WALL_M, FloorPlan, Opening, Rect
+
+_FILLS = {
+    "living room": "#fdebd3",
+    "kitchen": "#fdf6cf",
+    "dining room": "#fbe0cf",
+    "bedroom": "#dfe8f6",
+    "bathroom": "#d8f0f0",
+    "hall": "#eeeeee",
+    "office": "#e2f1de",
+    "laundry": "#ece0f2",
+    "storage": "#e4e0da",
+    "balcony": "#dcecd6",
+}
+_LEAST_HEIGHT_M = 0.12
+
+
+def floor_plan_svg(plan: FloorPlan, instances: tuple[Instance, ...]) -> str:
+    """SVG drawing of rooms with names and areas, walls, doors, windows and furniture outlines."""
+    x0 = min(r.cell.x0 for r in plan.rooms) - 0.5
+    x1 = max(r.cell.x1 for r in plan.rooms) + 0.5
+    y0 = min(r.cell.y0 for r in plan.rooms) - 0.5
+    y1 = max(r.cell.y1 for r in plan.rooms) + 0.5
+    parts = [
+        f'<svg viewBox="{x0:.2f} {-y1:.2f} {x1 - x0:.2f} {y1 - y0:.2f}" role="img" '
+        'aria-label="Floor plan" xmlns="http://www.w3.org/2000/svg">'
+    ]
+    for room in plan.rooms:
+        if not room.is_outside:
+            parts.append(_rect(room.cell.grown(OUTER_M), "#3d4148"))
+    for room in plan.rooms:
+        outline = ' stroke="#3d4148" stroke-width="0.04"' if room.is_outside else ""
+        parts.append(_rect(room.inner, _FILLS[room.kind], outline))
+    parts += [_opening(plan, o) for o in plan.openings]
+    for instance in instances:
+        label = instance.label
+        if label is None or label.category in ("door", "window"):
+            continue
+        if instance.box_min[2] > 1.0 or instance.box_max[2] < _LEAST_HEIGHT_M:
+            continue
+        (a, b, _), (c, d, _) = instance.box_min, instance.box_max
+        title = f"<title>{escape(label.category)}</title>"
+        parts.append(
+            f'<rect x="{a:.2f}" y="{-d:.2f}" width="{c - a:.2f}" height="{d - b:.2f}" '
+            'rx="0.03" fill="#ffffff" fill-opacity="0.55" stroke="#6b7280" '
+            f'stroke-width="0.02">{title}</rect>'
+        )
+    for room in plan.rooms:
+        x, y = room.inner.centre
+        size = min(0.34, room.inner.width / 5.0)
+        name, area = escape(room.name), f"{room.inner.area:.1f} m²"
+        parts.append(
+            f'<text x="{x:.2f}" y="{-y:.2f}" font-size="{size:.2f}" text-anchor="middle" '
+            'font-family="system-ui, sans-serif" fill="#1c242e" paint-order="stroke" '
+            f'stroke="#ffffff" stroke-width="0.06">{name}'
+            f'<tspan x="{x:.2f}" dy="1.15em">{area}</tspan></text>'
+        )
+    return "".join([*parts, "</svg>"])
+
+
+def _rect(r: Rect, fill: str, extra: str = "") -> str:
+    return (
+        f'<rect x="{r.x0:.3f}" y="{-r.y1:.3f}" width="{r.width:.3f}" height="{r.depth:.3f}" '
+        f'fill="{fill}"{extra}/>'
+    )
+
+
+def _opening(plan: FloorPlan, opening: Opening) -> str:
+    outside = [k < 0 or plan.rooms[k].is_outside for k in opening.rooms]
+    low, high = -OUTER_M if outside[0] else -WALL_M / 2, OUTER_M if outside[1] else WALL_M / 2
+    hole = opening.strip(low, high)
+    if opening.kind == "window":
+        return _rect(hole, "#9cc7ea") + _rect(opening.strip(-0.02, 0.02), "#3d4148")
+    if opening.kind == "entrance":
+        return _rect(hole, "#b4583c")
+    drawn = _rect(hole, "#f7f3ec")
+    leaf = leaf_rect(opening)
+    return drawn + (_rect(leaf, "#8a6a4a") if leaf is not None else "")

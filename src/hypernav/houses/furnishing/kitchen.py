@@ -1,0 +1,226 @@
+"""Kitchens: a row of fitted units along one wall, perhaps around a corner."""
+
+from hypernav.houses.assembly import PlacedModel
+from hypernav.houses.furnishing.dining_room import place_dining
+from hypernav.houses.furnishing.rugs_and_plants import place_plants
+from hypernav.houses.furnishing.set_dressing import scatter
+from hypernav.houses.modelling.model import Model
+from hypernav.houses.objects.belongings import household
+from hypernav.houses.objects.decor import plants
+from hypernav.houses.objects.furniture import desks, shelves, stools
+from hypernav.houses.objects.kitchen_and_bathroom import (
+    appliances,
+    kitchen_units,
+    small_appliances,
+    tableware,
+)
+from hypernav.houses.placement.model_pose import SIDES, ModelPose
+from hypernav.houses.placement.room_layout import RoomLayout
+
+_ON_COUNTER = (
+    small_appliances.microwave,
+    small_appliances.toaster,
+    small_appliances.kettle,
+    small_appliances.coffee_machine,
+    small_appliances.blender,
+    tableware.knife_block,
+    tableware.fruit_bowl,
+    tableware.bottle,
+    tableware.cutting_board,
+    tableware.paper_towels,
+    plants.small_plant,
+    tableware.cup,
+)
+
+
+def furnish_kitchen(layout: RoomLayout, *, table: bool, island: bool = True) -> None:
+    """Units, appliances, a table if nobody else has one, a bin, a plant.
+
+    Args:
+        layout: The room.
+        table: Whether a dining table belongs here.
+        island: Whether a free-standing worktop may.
+    """
+    rng, palette = layout.rng, layout.palette
+    place_units(layout)
+    if table and min(layout.inner.width, layout.inner.depth) > 2.4:
+        place_dining(layout, seats=rng.choice((2, 4)))
+    elif island and min(layout.inner.width, layout.inner.depth) > 3.2 and rng.chance(0.7):
+        _island(layout)
+    for maker, chance in rng.shuffled(
+        (
+            (household.trash_can, 0.8),
+            (shelves.wine_rack, 0.25),
+            (stools.stool, 0.2),
+            (household.broom, 0.15),
+        )
+    ):
+        if rng.chance(chance):
+            layout.place_at_wall(maker(rng, palette), where="corner")
+    if rng.chance(0.5):
+        place_plants(layout, 1)
+
+
+def _island(layout: RoomLayout) -> None:
+    rng, palette = layout.rng, layout.palette
+    model = desks.kitchen_island(rng, palette)
+    x, y = layout.inner.centre
+    for yaw in rng.shuffled((0.0, 90.0, 180.0, -90.0)):
+        pose = ModelPose(x, y, yaw)
+        if layout.fits(model, pose, access=True):
+            piece = layout.place(model, pose)
+            scatter(layout, piece, (tableware.fruit_bowl, plants.flower_vase, tableware.bottle), 2)
+            return
+
+
+def place_units(layout: RoomLayout, shortest: float = 2.2) -> bool:
+    """Fitted units along the wall that has most room for them; False if there is none."""
+    best: tuple[float, str, float, float] | None = None
+    for side in layout.rng.shuffled(SIDES):
+        for start, end in _runs(layout, side):
+            length = min(end - start, 4.3)
+            score = length + 0.3 * layout.rng.unit()
+            if length >= shortest and (best is None or score > best[0]):
+                best = (score, side, start, end)
+    if best is None:
+        return False
+    _, side, start, end = best
+    _fill_row(layout, side, start, end)
+    if layout.room.kind == "kitchen" and layout.inner.area > 11.0:
+        _second_row(layout, side)
+    return True
+
+
+def _second_row(layout: RoomLayout, first: str) -> None:
+    """More cabinets along another wall."""
+    rng, palette = layout.rng, layout.palette
+    for side in rng.shuffled([s for s in SIDES if s != first]):
+        for start, end in _runs(layout, side):
+            if end - start < 1.3:
+                continue
+            top = appliances.worktop(rng, palette)
+            widths = [0.8] * min(int((end - start - 0.02) / 0.802), 3)
+            models = [kitchen_units.kitchen_cabinet(rng, palette, w, top) for w in widths]
+            for model, pose in _row(layout, side, models, start, end, low=rng.chance(0.5)):
+                piece = layout.place(model, pose)
+                _above(layout, side, piece, None)
+                _on_counter(layout, piece)
+            _reserve_front(layout, side, start, end)
+            return
+
+
+def _runs(layout: RoomLayout, side: str) -> list[tuple[float, float]]:
+    """Stretches of a wall where a worktop can stand."""
+    start, end, _ = layout.wall_line(side)
+    probe = kitchen_probe()
+    step = 0.05
+    runs: list[tuple[float, float]] = []
+    t, begin = start + probe.width / 2 + 0.005, None
+    while t <= end - probe.width / 2:
+        free = layout.fits(
+            probe, layout.pose_at_wall(probe, side, round(t, 3)), front=0.9, floor=False
+        )
+        if free and begin is None:
+            begin = t - probe.width / 2
+        if not free and begin is not None:
+            runs.append((begin, t - step + probe.width / 2))
+            begin = None
+        t += step
+    if begin is not None:
+        runs.append((begin, t - step + probe.width / 2))
+    return runs
+
+
+def kitchen_probe() -> Model:
+    """An invisible unit, to feel for room."""
+    return Model((), "probe", low=(-0.05, -0.3, 0.0), high=(0.05, 0.3, 0.94))
+
+
+def _fill_row(layout: RoomLayout, side: str, start: float, end: float) -> None:
+    """Fridge at one end, then sink, dishwasher, oven and cabinets, with wall units above."""
+    rng, palette = layout.rng, layout.palette
+    top = appliances.worktop(rng, palette)
+    fridge = appliances.refrigerator(rng, palette)
+    units = [kitchen_units.kitchen_sink(rng, palette, top), appliances.oven(rng, palette)]
+    left = end - start - fridge.width - 0.8 - 0.6 - 0.08
+    if left > 0.62 and rng.chance(0.7):
+        units.append(appliances.dishwasher(rng, palette))
+        left -= 0.6
+    for _ in range(3):
+        if left > 0.42:
+            wide = min(rng.choice((0.4, 0.5, 0.6, 0.8)), round(left - 0.02, 2))
+            units.append(kitchen_units.kitchen_cabinet(rng, palette, wide, top))
+            left -= wide
+    best: list[tuple[Model, ModelPose]] = []
+    for attempt in range(10):
+        order = rng.shuffled(units)
+        row = _row(
+            layout,
+            side,
+            [fridge, *order] if attempt % 2 else [*order, fridge],
+            start,
+            end,
+            low=attempt % 4 < 2,
+        )
+        if len(row) > len(best):
+            best = row
+        if len(row) == len(units) + 1:
+            break
+    for model, pose in best:
+        piece = layout.place(model, pose)
+        _above(layout, side, piece, fridge)
+        _on_counter(layout, piece)
+    _reserve_front(layout, side, start, end)
+    if all(model is not fridge for model, _ in best):
+        layout.place_at_wall(fridge, front=0.7, access=True, where="corner")
+
+
+def _row(
+    layout: RoomLayout, side: str, models: list[Model], start: float, end: float, *, low: bool
+) -> list[tuple[Model, ModelPose]]:
+    """Where the units of a row would stand, from one end on; without those that can't."""
+    total = sum(m.width for m in models) + 0.002 * len(models)
+    at = start + 0.01 if low else max(end - total - 0.01, start + 0.01)
+    result = []
+    for model in models:
+        pose = layout.pose_at_wall(model, side, at + model.width / 2)
+        at += model.width + 0.002
+        if at < end + 0.01 and layout.fits(model, pose, tight=True):
+            result.append((model, pose))
+    return result
+
+
+def _reserve_front(layout: RoomLayout, side: str, start: float, end: float) -> None:
+    probe = Model(
+        (), "probe", low=(-(end - start) / 2, -0.3, 0.0), high=((end - start) / 2, 0.3, 0.9)
+    )
+    pose = layout.pose_at_wall(probe, side, (start + end) / 2)
+    layout.reserve(layout.front_zone(probe, pose, 0.85))
+
+
+def _above(layout: RoomLayout, side: str, piece: PlacedModel, fridge: Model | None) -> None:
+    rng, palette = layout.rng, layout.palette
+    if piece.model is fridge:
+        return
+    along = piece.x if side in ("south", "north") else piece.y
+    if piece.model.category == "oven":
+        hood = appliances.range_hood(rng, palette)
+        pose = layout.pose_at_wall(hood, side, along, 0.004, 1.6)
+        if layout.fits(hood, pose, in_clear_zone=True, tight=True):
+            layout.place(hood, pose)
+        return
+    unit = kitchen_units.wall_cabinet(rng, palette, round(piece.model.width - 0.004, 3))
+    pose = layout.pose_at_wall(unit, side, along, 0.004, 1.45)
+    if rng.chance(0.9) and layout.fits(unit, pose, in_clear_zone=True, tight=True):
+        layout.place(unit, pose)
+
+
+def _on_counter(layout: RoomLayout, piece: PlacedModel) -> None:
+    if piece.model.category == "oven":
+        if layout.rng.chance(0.7):
+            layout.place_on_top(piece, tableware.pot(layout.rng, layout.palette))
+        return
+    if piece.model.category in ("kitchen cabinet", "dishwasher"):
+        used = {p.model.category for p in layout.placed}
+        makers = [m for m in _ON_COUNTER if m.__name__.replace("_", " ") not in used]
+        scatter(layout, piece, makers, layout.rng.integer(1, 3))

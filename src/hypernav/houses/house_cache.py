@@ -1,0 +1,161 @@
+"""Cache of houses on disk, so that each is generated only once.
+
+A house's file holds its triangles; the images of the texture library, which all houses share, lie
+beside it. Everything is written to a temporary file first and then renamed, so that no reader ever
+sees an incomplete file. A broken file is replaced; without a writable folder nothing is cached.
+"""
+
+import hashlib
+import json
+import logging
+import os
+import sys
+import tempfile
+import zipfile
+from dataclasses import asdict
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from hypernav.core.labels import ObjectLabel
+from hypernav.houses.assembly import CompactScene, to_scene
+from hypernav.houses.generator import VERSION, build_compact
+from hypernav.houses.modelling.mesh import Finish
+from hypernav.houses.textures.library import is_image, is_loaded, store_texture, texture
+from hypernav.worlds.scenes.scene import Scene
+
+CACHE_VARIABLE = "HYPERNAV_CACHE"
+"""Environment variable that names another cache folder."""
+
+_ARRAYS = ("positions", "normals", "uv", "faces", "face_material", "face_instance")
+_NOT_GENERATING = ("export", "episodes")
+_BROKEN = (OSError, EOFError, ValueError, KeyError, TypeError, zipfile.BadZipFile)
+_LOGGER = logging.getLogger(__name__)
+
+
+def cache_folder() -> Path:
+    """Cache folder: the one that `HYPERNAV_CACHE` names, or the platform's own."""
+    if own := os.environ.get(CACHE_VARIABLE):
+        return Path(own)
+    if sys.platform == "win32":
+        base = Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
+    elif sys.platform == "darwin":
+        base = Path.home() / "Library" / "Caches"
+    else:
+        base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    return base / "hypernav"
+
+
+@lru_cache(maxsize=1)
+def generator_version() -> str:
+    """Version of the generator together with a digest of its sources.
+
+    The digest is for those who work on the generator: without it, a forgotten version number would
+    bring back outdated houses.
+    """
+    digest = hashlib.sha256()
+    here = Path(__file__).parent
+    for source in sorted(here.rglob("*.py")):
+        if source.parent.name in _NOT_GENERATING:
+            continue
+        digest.update(source.relative_to(here).as_posix().encode())
+        digest.update(source.read_bytes())
+    return f"v{VERSION}-{digest.hexdigest()[:12]}"
+
+
+def cached_house(number: int, folder: Path | None = None) -> Scene:
+    """Scene of a house, from the cache if possible; otherwise generated and cached.
+
+    Args:
+        number: Number of the house, as for `build_house`.
+        folder: Cache folder; `cache_folder()` if None.
+    """
+    home = (folder or cache_folder()) / "houses" / generator_version()
+    path = home / f"{number}.npz"
+    try:
+        house = _read(path)
+    except FileNotFoundError:
+        house = None
+    except _BROKEN as error:
+        _LOGGER.warning("%s is broken (%s) and is built again", path, error)
+        house = None
+    if house is None:
+        if number < 0:
+            raise ValueError(f"house numbers start at 0, got {number}")
+        house = build_compact(number)
+        _try_write(path, lambda file: _write(file, house))
+    _load_textures(house, home / "textures")
+    return to_scene(house, f"houses:{number}")
+
+
+def _write(file: Any, house: CompactScene) -> None:
+    about = {
+        "finishes": [asdict(finish) for finish in house.finishes],
+        "names": house.names,
+        "categories": house.categories,
+        "rooms": house.rooms,
+        "labels": [None if label is None else asdict(label) for label in house.labels],
+    }
+    text = np.frombuffer(json.dumps(about).encode(), dtype=np.uint8)
+    np.savez(file, about=text, **{name: getattr(house, name) for name in _ARRAYS})
+
+
+def _read(path: Path) -> CompactScene:
+    with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
+        about = json.loads(stored["about"].tobytes())
+        arrays = {name: stored[name] for name in _ARRAYS}
+    finishes = tuple(Finish(**{**f, "color": tuple(f["color"])}) for f in about["finishes"])
+    labels = tuple(None if label is None else _label(label) for label in about["labels"])
+    return CompactScene(
+        **arrays,
+        finishes=finishes,
+        names=tuple(about["names"]),
+        categories=tuple(about["categories"]),
+        rooms=tuple(about["rooms"]),
+        labels=labels,
+    )
+
+
+def _label(stored: dict[str, Any]) -> ObjectLabel:
+    return ObjectLabel(
+        stored["category"],
+        tuple(stored["synonyms"]),
+        tuple(stored["attributes"]),
+        stored["room"],
+        tuple(stored["beside"]),
+    )
+
+
+def _load_textures(house: CompactScene, folder: Path) -> None:
+    """Load the textures of a house into the library, from files where there are any."""
+    for key in dict.fromkeys(f.texture for f in house.finishes if f.texture):
+        path = folder / f"{key.replace(' ', '_')}.npy"
+        if is_loaded(key) and path.exists():
+            continue
+        try:
+            with path.open("rb") as file:
+                image = np.load(file, allow_pickle=False)
+            if is_image(image) and not is_loaded(key):
+                store_texture(key, image)
+                continue
+        except FileNotFoundError:
+            pass
+        except _BROKEN as error:
+            _LOGGER.warning("%s is broken (%s) and is made again", path, error)
+        image = texture(key)
+        _try_write(path, lambda file, image=image: np.save(file, image))
+
+
+def _try_write(path: Path, write: Any) -> None:
+    """Write a file completely or not at all; an error is logged."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=path.parent, prefix=".new-") as folder:
+            fresh = Path(folder) / path.name
+            with fresh.open("wb") as file:
+                write(file)
+            fresh.replace(path)
+    except OSError as error:
+        _LOGGER.info("%s could not be written (%s)", path, error)

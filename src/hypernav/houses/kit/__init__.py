@@ -1,1 +1,0 @@
-"""What everything in a house is made of: meshes, solids, joints."""

@@ -1,0 +1,243 @@
+"""Tables to eat at, to sit at and to put things on."""
+
+import math
+from itertools import pairwise
+
+from hypernav.houses.materials import BLACK_METAL, GLASS, Palette, lacquer
+from hypernav.houses.modelling.joinery import case, four_legs, front
+from hypernav.houses.modelling.model import Model, ModelBuilder, SupportSurface
+from hypernav.houses.modelling.solids import box
+from hypernav.houses.modelling.surfaces import cylinder, lathe
+from hypernav.houses.modelling.tubes import rod, tube
+from hypernav.houses.random_stream import RandomStream
+
+TABLE_M = 0.75
+
+
+def full_support(
+    x: float, y: float, z: float, clearance_m: float = 0.6, inset: float = 0.04
+) -> SupportSurface:
+    """All of a rectangular surface around the origin but its rim."""
+    return SupportSurface(
+        -x / 2 + inset, -y / 2 + inset, x / 2 - inset, y / 2 - inset, z, clearance_m
+    )
+
+
+def dining_table(rng: RandomStream, palette: Palette, seats: int = 4) -> Model:
+    """A table to eat at, for 2, 4, 6 or 8."""
+    if seats <= 4 and rng.chance(0.3):
+        return _round_table(rng, palette)
+    long = {2: 0.8, 4: 1.25, 6: 1.7, 8: 2.1}[seats] + rng.uniform(-0.04, 0.1)
+    deep = rng.uniform(0.78, 0.9) if seats > 2 else 0.75
+    wood = palette.furniture_wood(rng)
+    builder = ModelBuilder()
+    style = rng.choice(
+        ("classic", "classic", "splayed", "trestle" if seats == 6 else "splayed", "metal")
+    )
+    plate = 0.032
+    top = box(long, deep, plate, at=(0, 0, TABLE_M - plate), bevel=0.006)
+    builder.add(wood, top)
+    if style in ("classic", "splayed"):
+        apron_x, apron_y = long - 0.14, deep - 0.14
+        legs = four_legs(
+            long - 0.08,
+            deep - 0.08,
+            TABLE_M - plate,
+            thick=0.075 if style == "classic" else 0.055,
+            taper=0.8 if style == "classic" else 0.5,
+            round_=style == "splayed",
+        )
+        builder.add(wood if rng.chance(0.8) else lacquer("white"), *legs)
+        for s in (-1.0, 1.0):
+            builder.add(
+                wood,
+                box(
+                    apron_x, 0.022, 0.09, at=(0, s * (apron_y / 2 - 0.012), TABLE_M - plate - 0.09)
+                ),
+            )
+            builder.add(
+                wood,
+                box(
+                    0.022, apron_y, 0.09, at=(s * (apron_x / 2 - 0.012), 0, TABLE_M - plate - 0.09)
+                ).swapped_uv(),
+            )
+    elif style == "trestle":
+        for s in (-1.0, 1.0):
+            x = s * (long / 2 - 0.22)
+            builder.add(
+                wood,
+                box(0.08, 0.1, TABLE_M - plate, at=(x, 0, 0), bevel=0.008).swapped_uv(),
+                box(0.09, deep - 0.14, 0.06, at=(x, 0, 0), bevel=0.01),
+                box(0.07, deep - 0.2, 0.05, at=(x, 0, TABLE_M - plate - 0.05), bevel=0.006),
+            )
+        builder.add(wood, box(long - 0.5, 0.04, 0.1, at=(0, 0, 0.3), bevel=0.006))
+    else:
+        for s in (-1.0, 1.0):
+            x = s * (long / 2 - 0.06)
+            frame = [
+                (x, -deep / 2 + 0.08, TABLE_M - plate),
+                (x, -deep / 2 + 0.08, 0.02),
+                (x, deep / 2 - 0.08, 0.02),
+                (x, deep / 2 - 0.08, TABLE_M - plate),
+            ]
+            for a, b in pairwise(frame):
+                builder.add(BLACK_METAL, rod(a, b, 0.022, sides=8))
+    return builder.model(
+        "dining table",
+        "table",
+        main=wood,
+        attributes=("rectangular",),
+        supports=(full_support(long, deep, TABLE_M),),
+    )
+
+
+def _round_table(rng: RandomStream, palette: Palette) -> Model:
+    builder = ModelBuilder()
+    radius = rng.uniform(0.48, 0.58)
+    wood = palette.furniture_wood(rng)
+    builder.add(wood, cylinder(radius, 0.03, at=(0, 0, TABLE_M - 0.03), sides=40, bevel=0.008))
+    if rng.chance(0.6):
+        builder.add(
+            wood,
+            lathe(
+                [
+                    (0.0, 0.05),
+                    (0.06, 0.05),
+                    (0.05, 0.12),
+                    (0.075, 0.25),
+                    (0.045, 0.5),
+                    (0.07, 0.68),
+                    (0.16, 0.72),
+                    (0.0, 0.72),
+                ]
+            ),
+        )
+        for k in range(4):
+            a = math.radians(90 * k + 45)
+            c, s = math.cos(a), math.sin(a)
+            builder.add(
+                wood,
+                tube(
+                    [
+                        (c * 0.04, s * 0.04, 0.2),
+                        (c * 0.2, s * 0.2, 0.1),
+                        (c * 0.32, s * 0.32, 0.025),
+                    ],
+                    [0.035, 0.03, 0.022],
+                ),
+            )
+    else:
+        side = radius * 1.2
+        builder.add(
+            wood, *four_legs(side, side, TABLE_M - 0.03, thick=0.055, taper=0.6, round_=True)
+        )
+    inner = radius * 0.6
+    return builder.model(
+        "dining table",
+        "table",
+        "round table",
+        main=wood,
+        attributes=("round",),
+        supports=(SupportSurface(-inner, -inner, inner, inner, TABLE_M),),
+    )
+
+
+def coffee_table(rng: RandomStream, palette: Palette) -> Model:
+    """A low table before a sofa."""
+    builder = ModelBuilder()
+    wood = palette.furniture_wood(rng)
+    high, long, deep = rng.uniform(0.38, 0.45), rng.uniform(0.9, 1.2), rng.uniform(0.5, 0.6)
+    style = rng.choice(("shelf", "round", "glass"))
+    if style == "round":
+        radius = rng.uniform(0.36, 0.45)
+        builder.add(wood, cylinder(radius, 0.028, at=(0, 0, high - 0.028), sides=36, bevel=0.008))
+        for k in range(3):
+            a = math.radians(120 * k + 30)
+            c, s = math.cos(a) * radius, math.sin(a) * radius
+            builder.add(
+                wood,
+                rod(
+                    (c * 0.85, s * 0.85, 0),
+                    (c * 0.6, s * 0.6, high - 0.02),
+                    0.014,
+                    end_radius=0.024,
+                ),
+            )
+        inner = radius * 0.6
+        supports = (SupportSurface(-inner, -inner, inner, inner, high),)
+        return builder.model("coffee table", main=wood, attributes=("round",), supports=supports)
+    plate = GLASS if style == "glass" else wood
+    builder.add(
+        plate,
+        box(
+            long,
+            deep,
+            0.02 if style == "glass" else 0.03,
+            at=(0, 0, high - (0.02 if style == "glass" else 0.03)),
+            bevel=0.005,
+        ),
+    )
+    legs = BLACK_METAL if style == "glass" else wood
+    builder.add(legs, *four_legs(long - 0.04, deep - 0.04, high - 0.025, thick=0.045, taper=0.9))
+    builder.add(wood, box(long - 0.09, deep - 0.09, 0.018, at=(0, 0, 0.14), bevel=0.003))
+    return builder.model(
+        "coffee table",
+        main=wood if style == "shelf" else GLASS,
+        attributes=("low",),
+        supports=(full_support(long, deep, high),),
+    )
+
+
+def side_table(rng: RandomStream, palette: Palette) -> Model:
+    """A small table beside a sofa."""
+    builder = ModelBuilder()
+    wood = palette.furniture_wood(rng)
+    high = rng.uniform(0.5, 0.58)
+    if rng.chance(0.5):
+        builder.add(wood, cylinder(0.22, 0.022, at=(0, 0, high - 0.022), sides=28, bevel=0.006))
+        builder.add(
+            BLACK_METAL,
+            cylinder(0.018, high - 0.03, at=(0, 0, 0.01)),
+            cylinder(0.16, 0.014, sides=28),
+        )
+        supports = (SupportSurface(-0.14, -0.14, 0.14, 0.14, high),)
+        return builder.model(
+            "side table", "end table", main=wood, attributes=("round",), supports=supports
+        )
+    builder.add(
+        wood,
+        box(0.44, 0.44, 0.024, at=(0, 0, high - 0.024), bevel=0.005),
+        box(0.38, 0.38, 0.016, at=(0, 0, 0.16)),
+    )
+    builder.add(wood, *four_legs(0.42, 0.42, high - 0.02, thick=0.035))
+    return builder.model(
+        "side table", "end table", main=wood, supports=(full_support(0.44, 0.44, high),)
+    )
+
+
+def nightstand(rng: RandomStream, palette: Palette) -> Model:
+    """A small chest beside a bed."""
+    builder = ModelBuilder()
+    wood = palette.furniture_wood(rng)
+    wide, deep, high = rng.uniform(0.42, 0.5), 0.4, rng.uniform(0.5, 0.58)
+    leg = rng.choice((0.12, 0.06, 0.2))
+    case(builder, wood, wide, deep, high - leg, at=(0, 0, leg))
+    builder.add(wood, box(wide + 0.02, deep + 0.02, 0.022, at=(0, 0.0, high - 0.018), bevel=0.005))
+    builder.add(wood, *four_legs(wide, deep, leg, thick=0.035))
+    drawers = 1 if leg > 0.15 or rng.chance(0.4) else 2
+    room = high - leg - 0.04
+    grip = rng.choice(("bar", "knob"))
+    each = room / 2
+    for k in range(drawers):
+        front(
+            builder,
+            wood,
+            palette.metal,
+            wide - 0.01,
+            each,
+            at=(0, deep / 2, high - 0.03 - (k + 1) * each),
+            grip=grip,
+        )
+    return builder.model(
+        "nightstand", "bedside table", main=wood, supports=(full_support(wide, deep, high + 0.004),)
+    )

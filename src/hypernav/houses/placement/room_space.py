@@ -1,0 +1,257 @@
+"""A room while it is being furnished: what stands where, and what may still come in."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Float64
+
+from hypernav.houses.assembly import PlacedModel
+from hypernav.houses.materials import Palette
+from hypernav.houses.modelling.model import Model
+from hypernav.houses.placement.free_floor import FreeFloor, Point
+from hypernav.houses.placement.model_pose import (
+    GAP_M,
+    SKIRTING_M,
+    YAW,
+    ModelPose,
+    Obstacle,
+    footprint,
+)
+from hypernav.houses.plan.doors import approach, leaf_rect
+from hypernav.houses.plan.shapes import FloorPlan, Opening, Rect
+from hypernav.houses.random_stream import RandomStream
+
+_OVERHEAD_M = 1.05
+"""What hangs higher than this is out of a robot's way."""
+
+_DRIVABLE_M = 0.08
+"""What is lower than this can be driven over."""
+
+
+class RoomSpace:
+    """A room, its free floor and walls, and everything placed so far."""
+
+    def __init__(self, plan: FloorPlan, number: int, rng: RandomStream, palette: Palette) -> None:
+        """An empty room.
+
+        Args:
+            plan: Of the house.
+            number: Of the room.
+            rng: Chance for this room.
+            palette: Of this room.
+        """
+        self.plan, self.number, self.rng, self.palette = plan, number, rng, palette
+        self.room = plan.rooms[number]
+        self.inner = self.room.inner.grown(-0.035 if self.room.is_outside else 0.0)
+        self.height = plan.height
+        self.openings = plan.openings_of(number)
+        self.placed: list[PlacedModel] = []
+        self.obstacles: list[Obstacle] = []
+        self._clear_zones: list[Rect] = []
+        self._obstacle_of: dict[int, Obstacle] = {}
+        self._attached: dict[int, list[PlacedModel]] = {}
+        self._fixed: set[int] = set()
+        self._floor = FreeFloor(plan, number)
+        for opening in self.openings:
+            if opening.is_passable or opening.kind == "entrance":
+                self._clear_zones.append(approach(opening, margin=0.02))
+            leaf = leaf_rect(opening) if opening.leaf_room == number else None
+            if leaf is not None:
+                self.obstacles.append(Obstacle(leaf.grown(0.05), 0.0, 2.1))
+                self._floor.occupy([leaf], [])
+
+    def wall_line(self, side: str) -> tuple[float, float, float]:
+        """``(start, end, plane)`` of a wall, inside the room."""
+        i = self.inner
+        return {
+            "south": (i.x0, i.x1, i.y0),
+            "north": (i.x0, i.x1, i.y1),
+            "west": (i.y0, i.y1, i.x0),
+            "east": (i.y0, i.y1, i.x1),
+        }[side]
+
+    def wall_openings(self, side: str) -> list[Opening]:
+        """Doors and windows in a wall."""
+        along = "x" if side in ("south", "north") else "y"
+        _, _, plane = self.wall_line(side)
+        return [o for o in self.openings if o.along == along and abs(o.at - plane) < 0.3]
+
+    def pose_at_wall(
+        self, model: Model, side: str, t: float, gap: float = SKIRTING_M, z: float = 0.0
+    ) -> ModelPose:
+        """Back to a wall, its middle at ``t`` along it."""
+        _, _, plane = self.wall_line(side)
+        off = model.depth / 2 + gap
+        yaw = YAW[side]
+        return {
+            "south": ModelPose(t, plane + off, yaw, z),
+            "north": ModelPose(t, plane - off, yaw, z),
+            "west": ModelPose(plane + off, t, yaw, z),
+            "east": ModelPose(plane - off, t, yaw, z),
+        }[side]
+
+    def fits(
+        self,
+        model: Model,
+        pose: ModelPose,
+        *,
+        front: float = 0.0,
+        access: bool = False,
+        over: Sequence[Obstacle] = (),
+        in_clear_zone: bool = False,
+        tight: bool = False,
+        floor: bool = True,
+    ) -> bool:
+        """Whether a model can stand at a spot.
+
+        Args:
+            model: What.
+            pose: Where.
+            front: Depth of floor before it that must be free of other furniture.
+            access: Whether its front must be reached with full walking width.
+            over: Solids that it may overlap, for chairs under tables.
+            in_clear_zone: Whether it may overlap zones that are kept clear (flat or high models).
+            floor: Whether the floor must stay connected.
+            tight: Whether it may touch its neighbours, for fitted units.
+        """
+        rect = footprint(model, pose)
+        low, high = pose.z + model.low[2], pose.z + model.height
+        if not self.inner.grown(-0.004).holds(rect) or (
+            high > self.height - 0.01 and low >= 0.0 and pose.z == 0.0
+        ):
+            return False
+        if not in_clear_zone and low < 1.95 and any(rect.overlaps(c) for c in self._clear_zones):
+            return False
+        if self._covers_opening(rect, low, high):
+            return False
+        for obstacle in self.obstacles:
+            if (
+                obstacle not in over
+                and low < obstacle.high - 1e-4
+                and obstacle.low < high - 1e-4
+                and rect.overlaps(obstacle.rect, 0.0 if tight else GAP_M)
+            ):
+                return False
+        if front > 0.0:
+            zone = self.front_zone(model, pose, front)
+            if any(
+                s.low < 1.0 and s.high > 0.1 and zone.overlaps(s.rect) and s not in over
+                for s in self.obstacles
+            ):
+                return False
+        if low >= _OVERHEAD_M or high < _DRIVABLE_M or not floor:
+            return True
+        return self._floor.allows([rect], [self._access_point(model, pose)] if access else [])
+
+    def _covers_opening(self, rect: Rect, low: float, high: float) -> bool:
+        for opening in self.openings:
+            reach = 0.17 if opening.bottom > 0 else 0.35
+            if (
+                high > opening.bottom - 0.04
+                and low < opening.top
+                and rect.overlaps(opening.strip(-reach, reach, 0.06))
+            ):
+                return True
+        return False
+
+    def front_zone(self, model: Model, pose: ModelPose, deep: float) -> Rect:
+        """The floor before a model."""
+        r = footprint(model, pose)
+        quarter = round(pose.yaw_deg / 90.0) % 4
+        return (
+            Rect(r.x0, r.y1, r.x1, r.y1 + deep),
+            Rect(r.x0 - deep, r.y0, r.x0, r.y1),
+            Rect(r.x0, r.y0 - deep, r.x1, r.y0),
+            Rect(r.x1, r.y0, r.x1 + deep, r.y1),
+        )[quarter]
+
+    def _access_point(self, model: Model, pose: ModelPose) -> Point:
+        zone = self.front_zone(model, pose, 0.84)
+        return zone.centre
+
+    def is_taken(self, model: Model, pose: ModelPose) -> bool:
+        """Whether something else is already in the space of a model at a spot."""
+        rect = footprint(model, pose)
+        low, high = pose.z + model.low[2], pose.z + model.height
+        return any(
+            low < s.high - 1e-4 and s.low < high - 1e-4 and rect.overlaps(s.rect, 0.01)
+            for s in self.obstacles
+        )
+
+    def keeps_floor_connected(self, model: Model, pose: ModelPose) -> bool:
+        """Whether all of the floor stays connected if a model comes to a spot."""
+        return self._floor.allows([footprint(model, pose)], [])
+
+    def is_free(self, zone: Rect) -> bool:
+        """Whether no furniture reaches into a rectangle on the floor."""
+        return not any(
+            s.low < 1.0 and s.high > 0.1 and zone.overlaps(s.rect) for s in self.obstacles
+        )
+
+    def reserve(self, zone: Rect) -> None:
+        """Keep a piece of floor free from now on."""
+        self._clear_zones.append(zone)
+
+    def place(
+        self,
+        model: Model,
+        pose: ModelPose,
+        *,
+        front: float = 0.0,
+        access: bool = False,
+        flat: bool = False,
+        on_top: bool = False,
+    ) -> PlacedModel:
+        """Place a model for good; no test is made.
+
+        Args:
+            model: What.
+            pose: Where.
+            front: Depth of floor before it that stays reserved.
+            access: Whether its front must stay within reach.
+            flat: Whether it takes no space, as a rug.
+            on_top: Whether it stands on something else and takes no floor.
+        """
+        rect = footprint(model, pose)
+        low, high = pose.z + model.low[2], pose.z + model.height
+        piece = PlacedModel(model, pose.x, pose.y, pose.z, pose.yaw_deg, self.room.name)
+        self.placed.append(piece)
+        if flat:
+            return piece
+        self.obstacles.append(Obstacle(rect, low, high))
+        self._obstacle_of[id(piece)] = self.obstacles[-1]
+        self._fixed |= {id(piece)} if front > 0.0 or access else set()
+        if low < _OVERHEAD_M and high >= _DRIVABLE_M and not on_top:
+            self._floor.occupy([rect], [self._access_point(model, pose)] if access else [])
+        if front > 0.0:
+            self._clear_zones.append(self.front_zone(model, pose, front))
+        return piece
+
+    def obstacle_of(self, piece: PlacedModel) -> Obstacle:
+        """The space that a placed model takes."""
+        return self._obstacle_of[id(piece)]
+
+    def is_obstacle(self, piece: PlacedModel) -> bool:
+        """Whether a placed model is more than flat."""
+        return id(piece) in self._obstacle_of
+
+    def is_removable(self, piece: PlacedModel) -> bool:
+        """Whether it may go again: it takes space and has no place reserved before it."""
+        return self.is_obstacle(piece) and id(piece) not in self._fixed
+
+    def attach(self, base: PlacedModel, piece: PlacedModel) -> None:
+        """Note that a piece stands on another and goes with it."""
+        self._attached.setdefault(id(base), []).append(piece)
+
+    def remove(self, piece: PlacedModel) -> None:
+        """Take something away with all that stands on it; the floor under it stays taken."""
+        for upper in self._attached.pop(id(piece), []):
+            if self.is_obstacle(upper):
+                self.remove(upper)
+        self.placed = [p for p in self.placed if p is not piece]
+        obstacle = self._obstacle_of.pop(id(piece))
+        self.obstacles = [s for s in self.obstacles if s is not obstacle]
+
+    def standing_points(self) -> Float64[np.ndarray, "n 2"]:
+        """Where a slim robot may stand."""
+        return self._floor.standing_points()
