@@ -1,4 +1,4 @@
-"""How deep the pieces of a house stick in each other."""
+"""Interpenetration of the models of a house."""
 
 from itertools import combinations
 
@@ -13,19 +13,19 @@ _BUILDING = ("floor", "wall", "ceiling", "facade")
 
 
 def collisions(pieces: list[PlacedModel]) -> list[tuple[str, str]]:
-    """Pairs of things of which one has a point more than 1 cm inside a part of the other.
+    """Pairs of models of which one has a point more than 1 cm inside a part of the other.
 
     Parts are compared by their boxes first. A point is inside a part if the part's surface winds
-    around it, and deep if that still holds a centimetre away from it in all six directions.
+    around it, and deep if that holds a centimetre away from it in all six directions too.
     """
-    things = [p for p in pieces if not (p.structural and p.model.category in _BUILDING)]
-    boxes = np.array([bounding_box(p) for p in things])
+    models = [p for p in pieces if not (p.structural and p.model.category in _BUILDING)]
+    boxes = np.array([bounding_box(p) for p in models])
     found = []
-    for i, j in combinations(range(len(things)), 2):
+    for i, j in combinations(range(len(models)), 2):
         if _overlap(boxes[i], boxes[j]) and (
-            _sticks_in(things[i], things[j]) or _sticks_in(things[j], things[i])
+            _penetrates(models[i], models[j]) or _penetrates(models[j], models[i])
         ):
-            found.append((things[i].model.category, things[j].model.category))
+            found.append((models[i].model.category, models[j].model.category))
     return found
 
 
@@ -33,7 +33,7 @@ def _overlap(a: np.ndarray, b: np.ndarray) -> bool:
     return bool((np.minimum(a[3:], b[3:]) - np.maximum(a[:3], b[:3]) > ALLOWED_M + 1e-4).all())
 
 
-def _sticks_in(piece: PlacedModel, other: PlacedModel) -> bool:
+def _penetrates(piece: PlacedModel, other: PlacedModel) -> bool:
     targets = [_placed(part, other) for part in other.model.parts]
     boxes = [_box(mesh) for mesh in targets]
     for part in piece.model.parts:

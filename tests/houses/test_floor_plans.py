@@ -19,7 +19,7 @@ def drawn(number: int) -> FloorPlan:
 
 
 def reached(plan: FloorPlan, through: tuple[str, ...]) -> set[int]:
-    """Rooms that one gets to from the front door through rooms of certain kinds only."""
+    """Rooms that are reached from the front door through rooms of certain kinds only."""
     entrance = next(o for o in plan.openings if o.kind == "entrance")
     todo = [max(entrance.rooms)]
     seen = set(todo)

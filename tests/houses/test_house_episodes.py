@@ -1,4 +1,4 @@
-"""Laws of the houses' episodes, on few houses; all of them where tests may take minutes."""
+"""Laws of the houses' episodes, on few houses; on whole splits in the frozen tests."""
 
 import math
 
@@ -40,12 +40,12 @@ def dataset(scene, request):
 
 @pytest.fixture
 def box_houses(monkeypatch):
-    """Splits of houses out of boxes, which take no time to build."""
+    """Splits of houses made of boxes, which take no time to build."""
     monkeypatch.setattr(episode_cache, "cached_house", box_house)
 
 
 def check_laws(dataset, truth):
-    """Every start can be stood on, and is as far from the goal as the file says."""
+    """Check that every start is walkable and as far from the goal as the file says."""
     regions = {e.object_category: truth.regions.of(e.goal) for e in dataset.episodes}
     for episode in dataset.episodes:
         pose, floor_z = pose_from_habitat(episode.start_position, episode.start_rotation)
@@ -70,7 +70,7 @@ def test_starts_and_goals_hold_what_the_file_says(dataset, truth):
     check_laws(dataset, truth)
 
 
-def test_distances_are_measured_to_the_full_region_which_no_place_lies_far_from(dataset, truth):
+def test_distances_are_measured_to_the_full_region_and_kept_view_points_cover_it(dataset, truth):
     for episode in {e.object_category: e for e in dataset.episodes}.values():
         region = truth.regions.of(episode.goal)
         kept = dataset.view_points_of(episode)
@@ -103,12 +103,12 @@ def test_what_is_written_is_what_is_read(dataset, tmp_path):
 
 
 def test_categories_are_spread_evenly(scene):
-    asked = difficulty(house_episodes(scene, HOUSE, "categories")).goals
-    assert set(asked) <= set(CATEGORIES)
-    assert max(asked.values()) - min(asked.values()) <= 1
+    goals = difficulty(house_episodes(scene, HOUSE, "categories")).goals
+    assert set(goals) <= set(CATEGORIES)
+    assert max(goals.values()) - min(goals.values()) <= 1
     labels = [i.label for i in scene.instances if i.label]
     held = {c for c in HABITAT_CATEGORIES if any(x.satisfies(Goal(c)) for x in labels)}
-    assert len(held & set(asked)) >= 4
+    assert len(held & set(goals)) >= 4
 
 
 def test_phrases_use_seen_synonymous_and_unseen_names_alike(scene):
@@ -143,11 +143,11 @@ def test_a_house_without_anything_to_find_says_so():
 
 def test_nothing_begins_or_ends_behind_a_gap_that_the_robot_hardly_fits_through():
     walls = [(None, (7.0, 0.0, 0.0), (7.1, 1.8, 2.5)), (None, (7.0, 2.25, 0.0), (7.1, 4.0, 2.5))]
-    things = [
+    objects = [
         ("bed", (0.2, 0.2, 0.0), (1.2, 1.8, 0.5)),
         ("chair", (9.4, 0.1, 0.0), (9.8, 0.5, 0.9)),
     ]
-    scene = scene_of(*room_boxes(10.0, 4.0), *walls, *things, name="houses:7")
+    scene = scene_of(*room_boxes(10.0, 4.0), *walls, *objects, name="houses:7")
     truth = HouseGroundTruth.of(scene)
     assert truth.walkable.component_of(8.0, 2.0) == 0
     assert truth.wide_area.component_of(8.0, 2.0) != 0

@@ -36,7 +36,7 @@ def loaded(exported: ExportedHouse) -> Scene:
     return load_scene(exported.glb)
 
 
-def test_all_things_come_back_with_their_labels(built: Scene, loaded: Scene):
+def test_all_instances_come_back_with_their_labels(built: Scene, loaded: Scene):
     by_name = {i.name: i for i in loaded.instances}
     assert set(by_name) == {i.name for i in built.instances}
     for instance in built.instances:
@@ -81,7 +81,7 @@ def test_objects_have_the_known_format(exported: ExportedHouse, built: Scene):
     assert any(o["structural"] and o["category"] == "wall" for o in objects)
 
 
-def test_a_description_is_true_of_its_thing(built: Scene):
+def test_a_description_is_true_of_its_object(built: Scene):
     for label in [i.label for i in built.instances if i.label is not None]:
         assert label.satisfies(Goal(describe(label))), describe(label)
 

@@ -29,7 +29,7 @@ def placed(number: int) -> list[PlacedModel]:
 
 
 def check_walkable(number: int, scene: Scene) -> WalkableGrid:
-    """One connected floor that reaches through every door into every room."""
+    """Check that one connected floor reaches through every door into every room."""
     plan = plan_of(number)
     grid = WalkableGrid.from_scene(scene)
     assert grid.components.max() == 0
@@ -44,8 +44,8 @@ def check_walkable(number: int, scene: Scene) -> WalkableGrid:
     return grid
 
 
-def check_wide_ways(number: int, scene: Scene) -> None:
-    """Between all doors there is a way of 0.75 m (0.70 m after the raster's loss)."""
+def check_wide_paths(number: int, scene: Scene) -> None:
+    """Check for paths 0.75 m wide between all doors (0.70 m after the raster's loss)."""
     plan = plan_of(number)
     wide = WalkableGrid.from_scene(scene, BodyConfig(radius_m=0.35), cell_m=0.025)
     for opening in plan.openings:
@@ -54,7 +54,7 @@ def check_wide_ways(number: int, scene: Scene) -> None:
 
 
 def check_goals(scene: Scene, grid: WalkableGrid) -> None:
-    """Whatever has a name can be reached, and its name finds it."""
+    """Check that every labelled instance has view points, and that its name finds it."""
     rays = RayCaster(scene)
     for instance in scene.instances:
         if instance.label is None or instance.label.category == "window":
@@ -74,7 +74,7 @@ def check_names(scene: Scene) -> None:
 
 
 def check_facade(number: int, scene: Scene) -> None:
-    """What faces the street is not seen in a room."""
+    """Check that the facade does not reach into a room."""
     facade = next(i for i in scene.instances if i.name.startswith("facade"))
     corners = scene.vertices[scene.faces[scene.face_instance == facade.id]][:, :, :2]
     low, high = corners.min(axis=1), corners.max(axis=1)
@@ -90,7 +90,7 @@ def check_house(number: int) -> None:
     scene = built(number)
     assert len(scene.faces) < 300_000
     grid = check_walkable(number, scene)
-    check_wide_ways(number, scene)
+    check_wide_paths(number, scene)
     check_goals(scene, grid)
     check_names(scene)
     check_facade(number, scene)
@@ -102,7 +102,7 @@ def test_houses_keep_their_laws(number: int):
 
 
 @pytest.mark.parametrize("number", SOME)
-def test_nothing_sticks_in_anything_else(number: int):
+def test_models_do_not_penetrate_each_other(number: int):
     assert collisions(placed(number)) == []
 
 

@@ -7,7 +7,7 @@ from hypernav.houses.textures.noise import cloud_noise, smooth_noise, to_image
 
 
 @pytest.mark.parametrize("name", _MAKERS)
-def test_every_texture_is_a_small_picture_that_nobody_can_spoil(name: str):
+def test_every_texture_is_a_small_read_only_image(name: str):
     image = texture(name)
     assert image.dtype == np.uint8
     assert image.shape[2] == 3

@@ -23,7 +23,7 @@ LABELS = (
 
 def scene() -> Scene:
     n = len(LABELS)
-    place = (0.0, 0.0, 0.0)
+    origin = (0.0, 0.0, 0.0)
     return Scene(
         "labels only",
         np.zeros((3, 3), np.float32),
@@ -34,7 +34,7 @@ def scene() -> Scene:
         np.zeros(1, np.int32),
         np.zeros(1, np.int32),
         (),
-        tuple(Instance(k, f"thing {k}", LABELS[k], place, place) for k in range(n)),
+        tuple(Instance(k, f"object {k}", LABELS[k], origin, origin) for k in range(n)),
     )
 
 
@@ -52,7 +52,7 @@ def test_a_plain_sofa_is_near_an_l_shaped_one():
     assert 3 not in missed("L-shaped sofa")
 
 
-def test_the_last_word_makes_things_confusable():
+def test_the_last_word_makes_objects_confusable():
     assert 6 in missed("window curtain")
     assert 5 in missed("shower curtain")
 
@@ -61,7 +61,7 @@ def test_kinds_that_look_alike_are_near():
     assert missed("washing machine") == {8}
 
 
-def test_other_things_are_far():
+def test_other_objects_are_far():
     assert missed("toilet") == set()
     assert 9 not in missed("armchair")
 

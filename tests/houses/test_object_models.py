@@ -22,7 +22,7 @@ def test_there_are_many_kinds():
 
 
 @pytest.mark.parametrize("name", MAKERS)
-def test_every_piece_is_whole_centred_and_named(name: str):
+def test_every_model_is_whole_centred_and_named(name: str):
     for seed in SEEDS:
         model = make(name, seed)
         points = np.concatenate([p.mesh.positions for p in model.parts])
@@ -52,7 +52,7 @@ def test_every_piece_is_whole_centred_and_named(name: str):
 
 
 @pytest.mark.parametrize("name", list(MAKERS)[::6])
-def test_the_same_chance_makes_the_same_piece(name: str):
+def test_equal_streams_make_equal_models(name: str):
     one, two = make(name, 5), make(name, 5)
     assert [p.finish for p in one.parts] == [p.finish for p in two.parts]
     for a, b in zip(one.parts, two.parts, strict=True):

@@ -102,7 +102,7 @@ class Palette:
         secondary_wood: Wood of some furniture.
         paint_hue: Hue of painted furniture.
         upholstery_hue: Hue of upholstery.
-        accent_hue: Hue of cushions and other small things.
+        accent_hue: Hue of cushions and other small objects.
         linen_hue: Hue of bedding and curtains.
         metal: Finish of fittings and legs.
     """

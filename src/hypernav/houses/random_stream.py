@@ -20,7 +20,8 @@ class RandomStream:
     """A stream of random numbers, seeded by numbers and words.
 
     Args:
-        key: Seed of the stream, such as ``(1234, "layout")``. Equal keys give equal streams.
+        key: Seed of the stream, such as ``(1234, "layout")``. Equal keys give equal
+            streams, so a word that is part of a key must never change.
     """
 
     def __init__(self, *key: int | str) -> None:

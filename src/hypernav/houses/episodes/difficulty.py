@@ -1,4 +1,4 @@
-"""How hard a set of episodes is."""
+"""Difficulty of a set of episodes."""
 
 from collections import Counter
 from dataclasses import dataclass
@@ -10,11 +10,11 @@ from hypernav.datasets.habitat_format import EpisodeDataset
 
 @dataclass(frozen=True)
 class Distribution:
-    """How a measure is spread over episodes.
+    """Distribution of a measure over episodes.
 
     Attributes:
-        measure: Its name, with the unit.
-        quantiles: Least, tenth, median, ninetieth and greatest of a hundred.
+        measure: Name of the measure, with the unit.
+        quantiles: Minimum, 10%, median, 90% and maximum.
         mean: Arithmetic mean.
     """
 
@@ -25,15 +25,16 @@ class Distribution:
 
 @dataclass(frozen=True)
 class Difficulty:
-    """What makes a set of episodes easy or hard.
+    """Statistics that describe the difficulty of a set of episodes.
 
     Attributes:
-        episodes: How many.
-        houses: In how many houses.
-        distributions: Distance, detour (geodesic over Euclidean) and rooms on the shortest way.
-        goals: How often every goal is asked for, most frequent first.
+        episodes: Number of episodes.
+        houses: Number of houses.
+        distributions: Distributions of distance, detour (geodesic over Euclidean) and rooms on the
+            shortest path.
+        goals: Number of episodes per goal, most frequent first.
         vocabulary: Episodes by kind of name (seen, synonym, unseen); empty without phrases.
-        descriptions: How many ask for more than a name.
+        descriptions: Number of episodes whose goal says more than a name.
     """
 
     episodes: int
@@ -57,7 +58,7 @@ def difficulty(dataset: EpisodeDataset) -> Difficulty:
         distributions=(
             _distribution("geodesic distance (m)", geodesic),
             _distribution("geodesic / Euclidean", geodesic / np.maximum(euclidean, 1e-6)),
-            _distribution("rooms on the way", rooms),
+            _distribution("rooms on the path", rooms),
         ),
         goals=dict(Counter(episode.object_category for episode in dataset.episodes).most_common()),
         vocabulary={name: named[name] for name in ("seen", "synonym", "unseen") if name in named},

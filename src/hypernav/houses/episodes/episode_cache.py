@@ -1,4 +1,4 @@
-"""Episodes of houses on disk, so that a house is only measured once."""
+"""Cache of episodes on disk, so that those of a house are generated only once."""
 
 import contextlib
 import hashlib
@@ -14,13 +14,13 @@ from hypernav.houses.house_cache import cache_folder, cached_house, generator_ve
 
 
 def cached_episodes(number: int, style: GoalStyle, folder: Path | None = None) -> EpisodeDataset:
-    """The episodes of a house from the cache; made and kept there if they are not.
+    """Episodes of a house, from the cache if possible; otherwise generated and cached.
 
-    A broken file is replaced. A cache that cannot be written is done without.
+    A broken file is replaced. Without a writable folder nothing is cached.
 
     Args:
-        number: Of the house.
-        style: What is asked for.
+        number: Number of the house.
+        style: Whether goals are categories or phrases.
         folder: Cache folder; the platform's own if None.
 
     Raises:
@@ -32,7 +32,7 @@ def cached_episodes(number: int, style: GoalStyle, folder: Path | None = None) -
         with contextlib.suppress(EpisodeError):
             return read_episodes(path)
     dataset = house_episodes(cached_house(number, folder), number, style)
-    # The disk may be read-only or full: the episodes are good all the same.
+    # The disk may be read-only or full: the episodes are valid all the same.
     with contextlib.suppress(OSError):
         _write_atomically(dataset, path)
     return dataset
@@ -40,10 +40,10 @@ def cached_episodes(number: int, style: GoalStyle, folder: Path | None = None) -
 
 @lru_cache(maxsize=1)
 def episodes_version() -> str:
-    """Names what the episodes depend on: the houses, the version, and the sources in this folder.
+    """Version of houses and episodes together with a digest of the sources in this folder.
 
-    The sources are there for those who work on them: a forgotten version number must not leave
-    yesterday's episodes.
+    The digest is for those who work on the generator: without it, a forgotten version number would
+    bring back outdated episodes.
     """
     digest = hashlib.sha256(generator_version().encode())
     for source in sorted(Path(__file__).parent.glob("*.py")):
@@ -53,7 +53,7 @@ def episodes_version() -> str:
 
 
 def _write_atomically(dataset: EpisodeDataset, path: Path) -> None:
-    """Write a file so that nobody ever sees half of it."""
+    """Write a file so that no reader ever sees it incomplete."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=path.parent, prefix=".new-") as folder:
         fresh = Path(folder) / path.name

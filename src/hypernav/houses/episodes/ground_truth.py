@@ -1,4 +1,4 @@
-"""A house as somebody sees it who writes episodes for it."""
+"""Ground truth of a house, from which its episodes are generated."""
 
 import math
 from dataclasses import dataclass, field
@@ -18,8 +18,8 @@ from hypernav.worlds.surface.goal_regions import GoalRegions
 from hypernav.worlds.surface.walkable import WalkableGrid
 
 EXTRA_CLEARANCE_M = 0.1
-"""Starts and goals are joined by a way that leaves the robot so much room on both sides: who may
-begin inside a shower cabin tests its steering, not its search."""
+"""Additional clearance on both sides of a path from start to goal, metres: an episode that begins
+inside a shower cabin would test steering, not search."""
 
 _FLOOR = "floor_"
 _PATH_STEP_M = 0.1
@@ -27,12 +27,12 @@ _PATH_STEP_M = 0.1
 
 @dataclass(frozen=True, eq=False)
 class HouseGroundTruth:
-    """A scene with the truth about it, for the default robot and camera.
+    """Scene with its walkable surface and goal regions, for the default robot and camera.
 
     Attributes:
-        scene: The house.
-        walkable: Where the robot can stand.
-        regions: Where goals count as reached.
+        scene: Scene of the house.
+        walkable: Surface where the robot can stand.
+        regions: Regions where goals count as reached.
     """
 
     scene: Scene
@@ -42,18 +42,18 @@ class HouseGroundTruth:
 
     @staticmethod
     def of(scene: Scene) -> "HouseGroundTruth":
-        """Compute the truth about a scene.
+        """Compute the ground truth of a scene.
 
         Raises:
             SceneError: The robot fits nowhere.
         """
         walkable = WalkableGrid.from_scene(scene, BodyConfig())
-        eye_height_m = CameraConfig().height_m
-        regions = GoalRegions(scene, walkable, RayCaster(scene), eye_height_m=eye_height_m)
+        camera_height_m = CameraConfig().height_m
+        regions = GoalRegions(scene, walkable, RayCaster(scene), eye_height_m=camera_height_m)
         return HouseGroundTruth(scene, walkable, regions)
 
     def satisfying(self, text: str) -> tuple[Instance, ...]:
-        """Everything that is what a text asks for."""
+        """Instances that satisfy a goal text."""
         if text not in self._satisfying:
             goal = Goal(text)
             self._satisfying[text] = tuple(
@@ -63,11 +63,11 @@ class HouseGroundTruth:
 
     @cached_property
     def wide_area(self) -> WalkableGrid:
-        """Where a robot with `EXTRA_CLEARANCE_M` more radius could stand."""
+        """Surface where a robot with `EXTRA_CLEARANCE_M` more radius could stand."""
         reach = round(EXTRA_CLEARANCE_M / self.walkable.cell_m)
         disk = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
         mask = (self.walkable.components == 0).astype(np.uint8)
-        # What is outside the grid is no floor.
+        # Cells outside the grid are no floor.
         mask = cv2.erode(mask, disk, borderType=cv2.BORDER_CONSTANT, borderValue=0)
         return WalkableGrid.from_mask(
             mask.astype(bool),
@@ -78,11 +78,11 @@ class HouseGroundTruth:
 
     @cached_property
     def start_centres(self) -> Float64[np.ndarray, "n 2"]:
-        """Middles of all cells that a start may lie in: those of the largest roomy part."""
+        """Centres of the cells that a start may lie in: the largest component of the wide area."""
         return self.wide_area.centres()
 
     def touches_wide_area(self, points: Float64[np.ndarray, "n 3"]) -> bool:
-        """Whether one of some points on the floor lies in the part that starts lie in."""
+        """Whether one of the points lies in the component of the wide area that starts lie in."""
         return any(self.wide_area.component_of(x, y) == 0 for x, y, _ in points.tolist())
 
     @cached_property
@@ -92,10 +92,10 @@ class HouseGroundTruth:
         )
 
     def rooms_on(self, path: list[tuple[float, float]]) -> int:
-        """How many different rooms a path touches; 0 if the scene doesn't name its floors.
+        """Number of rooms that a path touches; 0 if the scene doesn't name its floors.
 
         Args:
-            path: Corners, metres, scene frame.
+            path: Corners of the path, metres, scene frame.
         """
         names = set()
         for (x0, y0), (x1, y1) in pairwise(path):

@@ -1,8 +1,8 @@
-"""The episodes of one house, in Habitat's format.
+"""Generation of one house's episodes, in Habitat's format.
 
 The files hold every third view point in both directions (one every 15 cm) of each goal object.
 That keeps a split near a megabyte, and the next one is at most 11 cm away from anywhere in a goal's
-region but its edges. Success is not judged by them: the referee computes the full region of an
+region but its edges. Success is not judged by them: the evaluation computes the full region of an
 episode's goal from the scene, the same on which ``info.geodesic_distance`` was measured.
 """
 
@@ -33,7 +33,7 @@ from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.goal_regions import GoalRegion
 
 EPISODES_VERSION = 2
-"""Rises whenever the same house gives other episodes than before."""
+"""Version of the episodes; rises whenever the same house gives others than before."""
 
 EPISODES_PER_HOUSE = 28
 
@@ -47,12 +47,12 @@ QueryWithStart = tuple[Query, Start]
 
 
 def house_episodes(scene: Scene, number: int, style: GoalStyle) -> EpisodeDataset:
-    """The episodes of one house; the same for the same scene.
+    """Episodes of one house; the same for the same scene.
 
     Args:
-        scene: The house, named ``houses:NUMBER``.
-        number: Of the house.
-        style: What is asked for.
+        scene: Scene of the house, named ``houses:NUMBER``.
+        number: Number of the house.
+        style: Whether goals are categories or phrases.
 
     Raises:
         EpisodeError: There is nothing in the house that could be searched for.
@@ -74,7 +74,7 @@ def house_episodes(scene: Scene, number: int, style: GoalStyle) -> EpisodeDatase
 
 
 def _sample(rng: RandomStream, truth: HouseGroundTruth, style: GoalStyle) -> list[QueryWithStart]:
-    """Goals with starts, mixed."""
+    """Queries with starts, in random order."""
     queries = (category_queries if style == "categories" else phrase_queries)(
         rng.fork("goals"), truth
     )
@@ -101,7 +101,7 @@ def _reachable(truth: HouseGroundTruth, query: Query) -> list[Instance]:
 
 
 class _Writer:
-    """Puts things of one house into Habitat's words; every object only once."""
+    """Converts queries and instances of one house to Habitat's format; every instance once."""
 
     def __init__(self, truth: HouseGroundTruth) -> None:
         self._site = truth
@@ -154,7 +154,7 @@ class _Writer:
         return points[kept]
 
     def _nearest(self, query: Query, start: Start) -> int:
-        """The object whose view point the shortest way leads to."""
+        """Id of the instance whose view point ends the shortest path."""
         gaps = {
             i.id: np.abs(self._site.regions.view_points(i)[:, :2] - start.end).max(axis=1).min()
             for i in _reachable(self._site, query)
@@ -163,7 +163,7 @@ class _Writer:
 
 
 def _view_point(point: Float64[np.ndarray, "3"], middle: Float64[np.ndarray, "3"]) -> ViewPoint:
-    """A place, looking at the object's middle. Its share of the picture is not known: null."""
+    """View point that looks at the object's centre; its IoU is not known, hence null."""
     x, y, z = point.tolist()
     yaw = math.atan2(float(middle[1]) - y, float(middle[0]) - x)
     position, rotation = pose_to_habitat(Pose2(x, y, yaw), z)

@@ -1,4 +1,4 @@
-"""What is asked for in a house: categories, other names, and descriptions that single out.
+"""Goal queries of a house: categories, other names, and descriptions that single out objects.
 
 Every text is checked against the grammar of `hypernav.core.labels`, the one that decides what
 counts as reached: a description is only used if it is true of something and false of something
@@ -32,20 +32,20 @@ CATEGORIES = (
 
 _UBIQUITOUS = ("window", "door", "ceiling lamp", "kitchen cabinet")
 _MIN_SIDE_AREA_M2 = 0.1
-"""Of the largest side of an object's box: a robot shall not be sent to look for a plate."""
+"""Least area of the largest side of an object's box: plates and cups are no goals."""
 
 
 @dataclass(frozen=True)
 class Query:
-    """One thing to ask for.
+    """Goal query of an episode.
 
     Attributes:
-        text: As a person says it.
+        text: Text of the goal, as a person says it.
         vocabulary: Whether the name in it is one of `CATEGORIES`, another name of one of these, or
-            the name of another kind of thing.
+            the name of another category.
         is_description: Whether the text says more than a name.
-        instances: What satisfies it.
-        near_misses: What doesn't, but comes close.
+        instances: Instances that satisfy it.
+        near_misses: Instances that don't, but come close.
     """
 
     text: str
@@ -56,7 +56,7 @@ class Query:
 
 
 def category_queries(rng: RandomStream, truth: HouseGroundTruth) -> Iterator[Query]:
-    """The house's categories in random order, over and over; Habitat's six come first."""
+    """Endless queries for the house's categories in random order; Habitat's six come first."""
     held = [c for c in CATEGORIES if truth.satisfying(c)]
     first = rng.shuffled([c for c in held if c in HABITAT_CATEGORIES])
     order = first + rng.shuffled([c for c in held if c not in HABITAT_CATEGORIES])
@@ -66,7 +66,7 @@ def category_queries(rng: RandomStream, truth: HouseGroundTruth) -> Iterator[Que
 
 
 def phrase_queries(rng: RandomStream, truth: HouseGroundTruth) -> Iterator[Query]:
-    """Seen, synonymous and unseen names in turn, every other one in a description if there is one.
+    """Queries by seen, synonymous and unseen names in turn, every other one a description.
 
     Endless unless the house is empty.
     """
@@ -92,7 +92,7 @@ def phrase_queries(rng: RandomStream, truth: HouseGroundTruth) -> Iterator[Query
 
 
 def _names(truth: HouseGroundTruth) -> dict[Vocabulary, list[str]]:
-    """All names that a phrase may use, in the scene's order."""
+    """Names that a phrase may use, by vocabulary, in the scene's order."""
     known = {canonical(c) for c in CATEGORIES}
     names: dict[Vocabulary, dict[str, None]] = {"seen": {}, "synonym": {}, "unseen": {}}
     for instance in _searchable(truth):
@@ -107,7 +107,7 @@ def _names(truth: HouseGroundTruth) -> dict[Vocabulary, list[str]]:
 
 
 def _searchable(truth: HouseGroundTruth) -> list[Instance]:
-    """Objects of some size that are not found in every corner."""
+    """Instances of sufficient size whose category is not ubiquitous."""
     return [
         instance
         for instance in truth.scene.instances
@@ -131,9 +131,9 @@ def _name_query(truth: HouseGroundTruth, name: str, vocabulary: Vocabulary) -> Q
 def _description(
     rng: RandomStream, truth: HouseGroundTruth, name: str, vocabulary: Vocabulary
 ) -> Query:
-    """A phrase that is true of some things of this name only; the bare name if there is none.
+    """Query by a phrase that is true of some objects of this name only; by the name if none is.
 
-    One that is true of a single thing gets the article "the", as people speak.
+    A phrase that is true of a single object gets the article "the", as in natural speech.
     """
     bearers = truth.satisfying(name)
     target = rng.choice([b for b in bearers if b in _searchable(truth)] or bearers)
@@ -149,7 +149,7 @@ def _description(
 
 
 def _phrases(name: str, label: ObjectLabel) -> list[str]:
-    """True phrases about an object: by looks, by room, by what stands beside it."""
+    """True phrases about an object: by attributes, by room, by objects beside it."""
     looks = [f"{a} {name}" for a in label.attributes if not a.startswith(("in ", "with "))]
     others = [other for other in label.beside[:3] if not label.is_named(other)]
     phrases = [*looks, *(f"{name} beside the {other}" for other in others)]

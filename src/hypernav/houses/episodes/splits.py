@@ -1,4 +1,4 @@
-"""The splits: which houses, how many episodes, in which order.
+"""Splits of the houses: their houses, number of episodes and order.
 
 Episodes come in rounds of four per house, so that the first hundred of a split already visit 25
 houses and every house is opened once for four episodes.
@@ -17,19 +17,19 @@ from hypernav.houses.episodes.house_episodes import EPISODES_PER_HOUSE, GoalStyl
 from hypernav.houses.episodes.queries import CATEGORIES
 
 EPISODES_PER_ROUND = 4
-"""So many episodes of a house follow each other."""
+"""Number of consecutive episodes in the same house."""
 
 
 @dataclass(frozen=True)
 class HouseSplit:
-    """A named set of houses and what is asked for in them.
+    """Named set of houses with episodes of one style.
 
     Attributes:
-        name: Of the split.
-        style: What is asked for.
-        houses: Its houses; for training those that are taken if nobody says which.
-        episodes: How many it has, for training in these houses.
-        is_open: Whether any house may be used that belongs to no other split.
+        name: Name of the split.
+        style: Whether goals are categories or phrases.
+        houses: Houses of the split; for an open split those that are used by default.
+        episodes: Number of episodes in these houses.
+        is_open: Whether every house may be used that belongs to no other split.
     """
 
     name: str
@@ -39,10 +39,13 @@ class HouseSplit:
     is_open: bool = False
 
     def check(self, numbers: range) -> None:
-        """Refuse houses that are not this split's.
+        """Refuse houses that don't belong to this split.
+
+        Args:
+            numbers: Numbers of the houses.
 
         Raises:
-            EpisodeError: Some are not, or there are none.
+            EpisodeError: Some don't belong to it, or the range is empty.
         """
         said = f"{numbers.start}:{numbers.stop}"
         if not numbers or numbers.step != 1 or numbers.start < 0:
@@ -84,14 +87,14 @@ def load_split(
     cache: Path | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> EpisodeDataset:
-    """The episodes of a split, made and cached on first use.
+    """Episodes of a split, generated and cached on first use.
 
     Args:
         name: ``houses-val``, ``houses-ovon`` or ``houses-train``.
-        houses: Only these; for ``houses-train`` any that belong to no other split.
-        count: Only the first so many.
+        houses: Houses to use; for ``houses-train`` any that belong to no other split.
+        count: Number of episodes to keep, from the first on.
         cache: Cache folder; the platform's own if None.
-        progress: Is told how many houses of how many are done.
+        progress: Callback with the number of finished houses and of all houses.
 
     Returns:
         Episodes with ids that are unique in the split. Their ``scene_id`` is a scene name that
@@ -122,7 +125,7 @@ def load_split(
 
 
 def split_named(name: str) -> HouseSplit:
-    """A split.
+    """Split of a name.
 
     Raises:
         EpisodeError: There is none of this name.
@@ -139,13 +142,13 @@ def _overlap(a: range, b: range) -> bool:
 
 
 def _joined(parts: list[EpisodeDataset], count: int) -> EpisodeDataset:
-    """One data set in rounds, with what its episodes need and no more."""
+    """One data set in rounds, with the goals of its episodes only."""
     episodes = _in_rounds([part.episodes for part in parts])[:count]
     goals = {key: found for part in parts for key, found in part.goals_by_category.items()}
     used = dict.fromkeys(episode.goals_key() for episode in episodes)
-    asked = dict.fromkeys(episode.object_category for episode in episodes)
-    names = [*CATEGORIES, *sorted(set(asked).difference(CATEGORIES))]
-    numbers = {name: number for number, name in enumerate(n for n in names if n in asked)}
+    categories = dict.fromkeys(episode.object_category for episode in episodes)
+    names = [*CATEGORIES, *sorted(set(categories).difference(CATEGORIES))]
+    numbers = {name: number for number, name in enumerate(n for n in names if n in categories)}
     return EpisodeDataset.model_validate(
         {
             "goals_by_category": {key: goals[key] for key in used},
@@ -168,6 +171,6 @@ def _in_rounds(houses: list[list[ObjectNavEpisode]]) -> list[ObjectNavEpisode]:
 
 
 def _renumbered(episode: ObjectNavEpisode) -> ObjectNavEpisode:
-    """With an id that is unique in the split, not only in its house."""
+    """Episode with an id that is unique in the split, not only in its house."""
     house = episode.scene_id.partition(":")[2]
     return episode.model_copy(update={"episode_id": f"{house}-{episode.episode_id}"})

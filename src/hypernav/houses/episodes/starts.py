@@ -1,4 +1,4 @@
-"""Where an episode begins, and how hard that makes it."""
+"""Start poses of episodes, with their distances to the goal."""
 
 import math
 from dataclasses import dataclass
@@ -12,25 +12,25 @@ from hypernav.worlds.surface.goal_regions import GoalRegion
 
 MIN_GEODESIC_M = 2.0
 MAX_GEODESIC_M = 30.0
-"""Least and greatest geodesic distance of a start to its goal."""
+"""Least and greatest geodesic distance from a start to its goal, metres."""
 
 _START_SAMPLES = 60
 _STRAIGHT_RATIO = 1.05
 _STRAIGHT_KEPT_SHARE = 0.2
-"""As Habitat does it: of starts with a straight way to the goal only a fifth is kept."""
+"""Share that is kept of starts with a straight path to the goal, as in Habitat's generator."""
 
 
 @dataclass(frozen=True)
 class Start:
-    """A start pose and its way to the goal.
+    """Start pose and its shortest path to the goal.
 
     Attributes:
-        pose: Scene frame.
-        floor_z: Height of the floor there, metres.
-        geodesic_m: Length of the shortest way to a view point.
-        euclidean_m: Straight to the nearest view point.
-        rooms: Rooms that the shortest way touches, that of the start included; 0 if unknown.
-        end: Where the shortest way ends, metres, scene frame.
+        pose: Start pose, scene frame.
+        floor_z: Height of the floor at the start, metres.
+        geodesic_m: Length of the shortest path to a view point, metres.
+        euclidean_m: Straight distance to the nearest view point, metres.
+        rooms: Number of rooms on the shortest path, the first one included; 0 if unknown.
+        end: End of the shortest path, metres, scene frame.
     """
 
     pose: Pose2
@@ -42,14 +42,14 @@ class Start:
 
 
 def sample_start(rng: RandomStream, truth: HouseGroundTruth, region: GoalRegion) -> Start | None:
-    """A start from which a goal is 2 to 30 m away, with a roomy way there; None if none turns up.
+    """Random start 2 to 30 m from a goal, with a wide path there; None if none is found.
 
-    Two are drawn and the farther one is taken: uniform starts in small homes are mostly near.
+    The farther of two samples is taken: uniform starts in small homes are mostly near.
 
     Args:
-        rng: Chance.
-        truth: The house.
-        region: Of the goal.
+        rng: Source of randomness.
+        truth: Ground truth of the house.
+        region: Region of the goal.
     """
     if not truth.touches_wide_area(region.view_points):
         return None
@@ -83,7 +83,7 @@ def sample_start(rng: RandomStream, truth: HouseGroundTruth, region: GoalRegion)
 
 
 def _sample_point(rng: RandomStream, truth: HouseGroundTruth) -> tuple[float, float]:
-    """A point well inside a cell of the largest roomy part, whole millimetres."""
+    """Random point well inside a cell of the wide area, in whole millimetres."""
     cell = truth.start_centres[rng.integer(0, len(truth.start_centres) - 1)]
     reach = 0.4 * truth.walkable.cell_m
     x, y = (round(float(middle) + rng.uniform(-reach, reach), 3) for middle in cell)

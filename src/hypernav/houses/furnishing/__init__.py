@@ -1,1 +1,1 @@
-"""Where things stand in the rooms."""
+"""Furnishing of rooms, one module per kind of room."""

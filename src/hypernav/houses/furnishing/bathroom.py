@@ -1,4 +1,4 @@
-"""Bathrooms."""
+"""Furnishing of bathrooms."""
 
 from hypernav.houses.assembly import PlacedModel
 from hypernav.houses.furnishing.set_dressing import scatter
@@ -11,11 +11,11 @@ from hypernav.houses.placement.room_layout import RoomLayout
 
 
 def furnish_bathroom(layout: RoomLayout, *, with_washer: bool) -> None:
-    """Toilet with clearance, basin with mirror, tub or shower, towels.
+    """Furnish with a toilet, a basin with mirror, a tub or shower, and towels.
 
     Args:
-        layout: The room.
-        with_washer: Whether a washing machine belongs here.
+        layout: Layout of the room.
+        with_washer: Whether the room gets a washing machine.
     """
     rng, palette = layout.rng, layout.palette
     big = layout.inner.area > 4.4

@@ -1,4 +1,4 @@
-"""Bedrooms."""
+"""Furnishing of bedrooms."""
 
 from hypernav.houses.assembly import PlacedModel
 from hypernav.houses.furnishing.office import place_desk
@@ -22,10 +22,10 @@ from hypernav.houses.placement.room_layout import RoomLayout
 
 
 def furnish_bedroom(layout: RoomLayout, *, first: bool) -> None:
-    """A bed with its head to the wall, nightstands, a wardrobe, and what fits.
+    """Furnish with a bed, its head to the wall, nightstands, a wardrobe, and what fits.
 
     Args:
-        layout: The room.
+        layout: Layout of the room.
         first: Whether this is the main bedroom; others may be children's or guest rooms.
     """
     rng, palette = layout.rng, layout.palette

@@ -1,4 +1,4 @@
-"""Dining rooms, and the table with its chairs wherever it stands."""
+"""Furnishing of dining rooms, and of a table with its chairs in any room."""
 
 from hypernav.houses.assembly import PlacedModel
 from hypernav.houses.furnishing.rugs_and_plants import place_plants, place_rug
@@ -13,7 +13,7 @@ from hypernav.houses.placement.room_layout import RoomLayout
 
 
 def furnish_dining_room(layout: RoomLayout) -> None:
-    """A large table, a sideboard and what fits."""
+    """Furnish with a large table, a sideboard and what fits."""
     rng, palette = layout.rng, layout.palette
     piece = place_dining(layout, seats=rng.choice((4, 6, 6, 8)))
     if piece is not None:
@@ -34,7 +34,7 @@ def furnish_dining_room(layout: RoomLayout) -> None:
 
 
 def place_dining(layout: RoomLayout, seats: int) -> PlacedModel | None:
-    """A dining table with its chairs, laid for a meal or with a vase."""
+    """Place a dining table with its chairs, laid for a meal or with a vase."""
     rng, palette = layout.rng, layout.palette
     chair = chairs.dining_chair(rng, palette)
     sizes = [s for s in (8, 6, 4, 2) if s <= seats]

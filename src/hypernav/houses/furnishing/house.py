@@ -1,4 +1,4 @@
-"""All rooms of a house, furnished one after the other."""
+"""Furnishing of all rooms of a house, one after the other."""
 
 from collections.abc import Sequence
 
@@ -39,13 +39,13 @@ _REQUIRED: dict[str, tuple[tuple[str, ...], ...]] = {
     "office": (("desk",), ("chair",)),
     "laundry": (("washing machine",),),
 }
-"""What a room is not that room without: one of each group."""
+"""Categories that a kind of room must hold: at least one of each group."""
 
 _ATTEMPTS = 12
 
 
 def furnish_rooms(plan: FloorPlan, palette: Palette, rng: RandomStream) -> list[PlacedModel]:
-    """Everything that stands, lies and hangs in the rooms."""
+    """Random furniture and other objects of all rooms."""
     kinds = [room.kind for room in plan.rooms]
     pieces: list[PlacedModel] = []
     for number, room in enumerate(plan.rooms):
@@ -61,7 +61,7 @@ def furnish_rooms(plan: FloorPlan, palette: Palette, rng: RandomStream) -> list[
 def _best_layout(
     plan: FloorPlan, number: int, rng: RandomStream, palette: Palette, kinds: Sequence[str]
 ) -> RoomLayout:
-    """A room furnished anew until nothing that it needs is missing, or the best of a few tries."""
+    """Layout of a room with all required objects, or the best of several attempts."""
     kind = plan.rooms[number].kind
     required = _REQUIRED.get(kind, ())
     if (kind == "living room" and _dines_here(kinds, plan)) or (
@@ -112,7 +112,7 @@ def _furnish(layout: RoomLayout, kinds: Sequence[str]) -> None:
 
 
 def _dines_here(kinds: Sequence[str], plan: FloorPlan) -> bool:
-    """Whether the dining table belongs into the living room."""
+    """Whether the dining table belongs in the living room."""
     return "dining room" not in kinds and ("kitchen" not in kinds or not _kitchen_is_large(plan))
 
 

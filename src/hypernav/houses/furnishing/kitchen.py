@@ -1,4 +1,4 @@
-"""Kitchens: a row of fitted units along one wall, perhaps around a corner."""
+"""Furnishing of kitchens: a row of fitted units along one wall, perhaps a second row."""
 
 from hypernav.houses.assembly import PlacedModel
 from hypernav.houses.furnishing.dining_room import place_dining
@@ -34,12 +34,12 @@ _ON_COUNTER = (
 
 
 def furnish_kitchen(layout: RoomLayout, *, table: bool, island: bool = True) -> None:
-    """Units, appliances, a table if nobody else has one, a bin, a plant.
+    """Furnish with units and appliances, perhaps a table or an island, a bin, a plant.
 
     Args:
-        layout: The room.
-        table: Whether a dining table belongs here.
-        island: Whether a free-standing worktop may.
+        layout: Layout of the room.
+        table: Whether the room gets a dining table.
+        island: Whether the room may get a free-standing worktop.
     """
     rng, palette = layout.rng, layout.palette
     place_units(layout)
@@ -74,7 +74,7 @@ def _island(layout: RoomLayout) -> None:
 
 
 def place_units(layout: RoomLayout, shortest: float = 2.2) -> bool:
-    """Fitted units along the wall that has most room for them; False if there is none."""
+    """Place fitted units along the wall with most space; False if no wall has enough."""
     best: tuple[float, str, float, float] | None = None
     for side in layout.rng.shuffled(SIDES):
         for start, end in _runs(layout, side):
@@ -92,7 +92,7 @@ def place_units(layout: RoomLayout, shortest: float = 2.2) -> bool:
 
 
 def _second_row(layout: RoomLayout, first: str) -> None:
-    """More cabinets along another wall."""
+    """Place more cabinets along another wall."""
     rng, palette = layout.rng, layout.palette
     for side in rng.shuffled([s for s in SIDES if s != first]):
         for start, end in _runs(layout, side):
@@ -110,7 +110,7 @@ def _second_row(layout: RoomLayout, first: str) -> None:
 
 
 def _runs(layout: RoomLayout, side: str) -> list[tuple[float, float]]:
-    """Stretches of a wall where a worktop can stand."""
+    """Segments of a wall where a worktop can stand."""
     start, end, _ = layout.wall_line(side)
     probe = kitchen_probe()
     step = 0.05
@@ -132,12 +132,12 @@ def _runs(layout: RoomLayout, side: str) -> list[tuple[float, float]]:
 
 
 def kitchen_probe() -> Model:
-    """An invisible unit, to feel for room."""
+    """Model without parts, of a unit's depth and height, to test for free space."""
     return Model((), "probe", low=(-0.05, -0.3, 0.0), high=(0.05, 0.3, 0.94))
 
 
 def _fill_row(layout: RoomLayout, side: str, start: float, end: float) -> None:
-    """Fridge at one end, then sink, dishwasher, oven and cabinets, with wall units above."""
+    """Place a fridge at one end, then sink, oven, dishwasher and cabinets, wall units above."""
     rng, palette = layout.rng, layout.palette
     top = appliances.worktop(rng, palette)
     fridge = appliances.refrigerator(rng, palette)
@@ -178,7 +178,7 @@ def _fill_row(layout: RoomLayout, side: str, start: float, end: float) -> None:
 def _row(
     layout: RoomLayout, side: str, models: list[Model], start: float, end: float, *, low: bool
 ) -> list[tuple[Model, ModelPose]]:
-    """Where the units of a row would stand, from one end on; without those that can't."""
+    """Units of a row that fit, with their poses, from one end of the segment on."""
     total = sum(m.width for m in models) + 0.002 * len(models)
     at = start + 0.01 if low else max(end - total - 0.01, start + 0.01)
     result = []

@@ -1,4 +1,4 @@
-"""Living rooms."""
+"""Furnishing of living rooms."""
 
 from hypernav.houses.furnishing.dining_room import place_dining
 from hypernav.houses.furnishing.rugs_and_plants import place_plants
@@ -12,7 +12,7 @@ from hypernav.houses.placement.room_layout import RoomLayout
 
 
 def furnish_living_room(layout: RoomLayout, *, with_dining: bool) -> None:
-    """A seating group around a television, then what else fits."""
+    """Furnish with a seating group around a television, then with what fits."""
     rng, palette = layout.rng, layout.palette
     place_seating_group(layout)
     if with_dining:

@@ -1,4 +1,4 @@
-"""Offices, and the desk with its chair wherever it stands."""
+"""Furnishing of offices, and of a desk with its chair in any room."""
 
 from hypernav.houses.assembly import PlacedModel
 from hypernav.houses.furnishing.rugs_and_plants import place_plants, place_rug
@@ -19,10 +19,10 @@ from hypernav.houses.placement.room_layout import RoomLayout
 
 
 def place_desk(layout: RoomLayout) -> PlacedModel | None:
-    """A desk at a wall with its chair, a computer and a lamp."""
+    """Place a desk at a wall with its chair, a computer and a lamp."""
     rng, palette = layout.rng, layout.palette
     model = desks.desk(rng, palette)
-    piece = layout.place_at_wall(model, front=0.75, keep=False)
+    piece = layout.place_at_wall(model, front=0.75, reserve_front=False)
     if piece is None:
         return None
     seat = chairs.office_chair(rng, palette)
@@ -57,7 +57,7 @@ def place_desk(layout: RoomLayout) -> PlacedModel | None:
 
 
 def furnish_office(layout: RoomLayout) -> None:
-    """A desk, shelves, a printer, a seat."""
+    """Furnish with a desk, shelves, a printer and what fits."""
     rng, palette = layout.rng, layout.palette
     place_desk(layout)
     base = layout.place_at_wall(cabinets.filing_cabinet(rng, palette), front=0.4, where="corner")

@@ -1,4 +1,4 @@
-"""Rugs and large plants."""
+"""Placement of rugs and large plants."""
 
 from hypernav.houses.assembly import PlacedModel
 from hypernav.houses.modelling.model import Model
@@ -8,7 +8,7 @@ from hypernav.houses.placement.room_layout import RoomLayout
 
 
 def place_rug(layout: RoomLayout, rug: Model, pose: ModelPose) -> PlacedModel | None:
-    """Lay a rug flat under whatever stands there, if it lies wholly in the room."""
+    """Place a rug, also under furniture, if it lies within the room and on no other rug."""
     rect = footprint(rug, pose)
     if not layout.inner.grown(-0.02).holds(rect):
         return None
@@ -22,7 +22,7 @@ def place_rug(layout: RoomLayout, rug: Model, pose: ModelPose) -> PlacedModel | 
 
 
 def place_plants(layout: RoomLayout, count: int) -> None:
-    """Large plants in corners and along walls."""
+    """Place large plants in corners and along walls."""
     for _ in range(count):
         maker = layout.rng.choice(
             (

@@ -1,4 +1,4 @@
-"""The seating group: a television at one wall, a sofa opposite."""
+"""Seating group: a television at one wall, a sofa opposite."""
 
 from hypernav.houses.furnishing.set_dressing import scatter
 from hypernav.houses.furnishing.sofa_surroundings import furnish_around_sofa, place_cushions
@@ -13,7 +13,7 @@ _ALONG = {"south": (0.0, 1.0), "north": (0.0, -1.0), "west": (1.0, 0.0), "east":
 
 
 def place_seating_group(layout: RoomLayout) -> None:
-    """Television at one wall, sofa opposite, coffee table and rug between."""
+    """Place a television at one wall, a sofa opposite, a coffee table and a rug between."""
     rng, palette = layout.rng, layout.palette
     couch = rng.weighted(((sofas.sofa, 5.0), (sofas.l_shaped_sofa, 3.0), (sofas.futon, 0.7)))(
         rng, palette
@@ -95,7 +95,7 @@ def _screen_fits(
 
 
 def _facing_pose(layout: RoomLayout, side: str, t: float, distance: float) -> ModelPose:
-    """A spot at a distance from a wall that faces it."""
+    """Pose at a distance from a wall that faces it."""
     _, _, plane = layout.wall_line(side)
     dx, dy = _ALONG[side]
     yaw = {"south": 180.0, "north": 0.0, "west": 90.0, "east": -90.0}[side]

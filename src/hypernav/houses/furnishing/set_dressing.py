@@ -1,4 +1,4 @@
-"""What every room gets in the end: curtains, lamps, pictures, rugs and things on surfaces."""
+"""Set dressing of any room: curtains, radiators, lamps, pictures, objects on surfaces."""
 
 from collections.abc import Callable, Sequence
 
@@ -14,7 +14,7 @@ Maker = Callable[[RandomStream, Palette], Model]
 
 
 def hang_curtains(layout: RoomLayout) -> None:
-    """Curtains at the windows, where furniture leaves room for them."""
+    """Hang curtains at the windows, where furniture leaves space for them."""
     for side in SIDES:
         for opening in layout.wall_openings(side):
             if opening.kind != "window" or opening.width < 0.9:
@@ -31,7 +31,7 @@ def hang_curtains(layout: RoomLayout) -> None:
 
 
 def place_radiators(layout: RoomLayout) -> None:
-    """A radiator under some windows."""
+    """Place radiators under some windows."""
     for side in SIDES:
         for opening in layout.wall_openings(side):
             if opening.kind == "window" and opening.bottom > 0.85 and layout.rng.chance(0.35):
@@ -42,7 +42,7 @@ def place_radiators(layout: RoomLayout) -> None:
 
 
 def hang_lamp(layout: RoomLayout, maker: Maker, xy: tuple[float, float] | None = None) -> None:
-    """A lamp at the ceiling, in the middle if nothing else is said."""
+    """Hang a lamp from the ceiling, at the room's centre if no position is given."""
     model = maker(layout.rng, layout.palette)
     x, y = xy or layout.inner.centre
     pose = ModelPose(x, y, 0.0, layout.height - 0.001)
@@ -51,7 +51,7 @@ def hang_lamp(layout: RoomLayout, maker: Maker, xy: tuple[float, float] | None =
 
 
 def hang_pictures(layout: RoomLayout, count: int) -> None:
-    """Pictures, a clock or a mirror on free stretches of wall."""
+    """Hang pictures, clocks or mirrors on free wall."""
     for _ in range(count):
         maker = layout.rng.weighted(
             ((wall_decor.framed_picture, 6.0), (wall_decor.clock, 1.0), (wall_decor.mirror, 1.0))
@@ -63,7 +63,7 @@ def hang_pictures(layout: RoomLayout, count: int) -> None:
 def scatter(
     layout: RoomLayout, base: PlacedModel | None, makers: Sequence[Maker], count: int
 ) -> list[PlacedModel]:
-    """Small things on a surface, at most ``count``; a maker is used once."""
+    """Place up to ``count`` small objects on a placed model; every maker is used at most once."""
     if base is None:
         return []
     result = []

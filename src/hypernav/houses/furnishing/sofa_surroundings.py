@@ -1,4 +1,4 @@
-"""What belongs to a sofa: cushions, a coffee table, armchairs, a side table, a rug."""
+"""Surroundings of a sofa: cushions, a coffee table, armchairs, side tables, a rug."""
 
 from hypernav.houses.assembly import PlacedModel
 from hypernav.houses.furnishing.rugs_and_plants import place_rug
@@ -13,7 +13,7 @@ from hypernav.houses.placement.room_layout import RoomLayout
 
 
 def place_cushions(layout: RoomLayout, couch: PlacedModel) -> None:
-    """One or two cushions in the sofa's corners."""
+    """Place up to two cushions in the corners of a sofa."""
     model = couch.model
     if model.width < 1.2 or layout.rng.chance(0.25):
         return
@@ -28,7 +28,7 @@ def place_cushions(layout: RoomLayout, couch: PlacedModel) -> None:
 
 
 def furnish_around_sofa(layout: RoomLayout, couch: PlacedModel) -> None:
-    """A coffee table before a sofa, a rug under it, armchairs and side tables beside it."""
+    """Place a coffee table before a sofa, a rug under it, armchairs and side tables beside it."""
     rng, palette = layout.rng, layout.palette
     model = couch.model
     chaise = "L-shaped" in model.attributes
@@ -87,7 +87,7 @@ def furnish_around_sofa(layout: RoomLayout, couch: PlacedModel) -> None:
 
 
 def _chaise_side(model: Model) -> float:
-    """Which end of an L-shaped sofa reaches forward: -1 its left, 1 its right."""
+    """Side of an L-shaped sofa's chaise: -1 for smaller x, 1 for larger x of its model."""
     ahead = model.high[1] - 0.2
     xs = [
         float(p.mesh.positions[p.mesh.positions[:, 1] > ahead][:, 0].mean())

@@ -1,4 +1,4 @@
-"""Halls, storage rooms and balconies."""
+"""Furnishing of halls, laundries, storage rooms and balconies."""
 
 from hypernav.houses.furnishing.rugs_and_plants import place_rug
 from hypernav.houses.furnishing.set_dressing import scatter
@@ -12,7 +12,7 @@ from hypernav.houses.placement.room_layout import RoomLayout
 
 
 def furnish_hall(layout: RoomLayout) -> None:
-    """Shoes, coats, a table with a mirror, a runner; narrow halls stay nearly empty."""
+    """Furnish with shoes, coats, a console table with a mirror, a runner, as far as they fit."""
     rng, palette = layout.rng, layout.palette
     base = (
         layout.place_at_wall(desks.console_table(rng, palette), access=True)
@@ -71,7 +71,7 @@ def furnish_hall(layout: RoomLayout) -> None:
 
 
 def furnish_laundry(layout: RoomLayout) -> None:
-    """Washing machine and dryer side by side, then racks and baskets."""
+    """Furnish with a washing machine, a dryer, racks and baskets."""
     rng, palette = layout.rng, layout.palette
     washer = layout.place_at_wall(
         laundry.washing_machine(rng, palette), front=0.7, access=True, where="corner"
@@ -95,7 +95,7 @@ def furnish_laundry(layout: RoomLayout) -> None:
 
 
 def furnish_storage(layout: RoomLayout) -> None:
-    """Racks, boxes and what has no other place."""
+    """Furnish with racks, boxes and household equipment."""
     rng, palette = layout.rng, layout.palette
     layout.place_at_wall(shelves.metal_shelf(rng, palette), access=True)
     if rng.chance(0.5):
@@ -120,7 +120,7 @@ def furnish_storage(layout: RoomLayout) -> None:
 
 
 def furnish_balcony(layout: RoomLayout) -> None:
-    """A small table with chairs, planters, perhaps a bicycle."""
+    """Furnish with a small table with chairs, planters, perhaps a bicycle."""
     rng, palette = layout.rng, layout.palette
     table = (
         layout.place_at_wall(desks.folding_table(rng, palette), where="corner", gap=0.08)

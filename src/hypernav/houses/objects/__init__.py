@@ -1,1 +1,1 @@
-"""Parametric furniture, one module per family."""
+"""Parametric models of objects, one module per family."""

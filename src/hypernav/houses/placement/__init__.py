@@ -1,1 +1,1 @@
-"""The poses that models can take in a room, and the floor that they leave free."""
+"""Placement of models in a room: poses, collisions, free floor, visibility."""

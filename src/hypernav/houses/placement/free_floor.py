@@ -1,4 +1,4 @@
-"""What is left of a room's floor to walk on, while furniture comes in piece by piece."""
+"""Free floor of a room while furniture is placed: connectivity for the robot and for people."""
 
 import math
 
@@ -12,26 +12,26 @@ from hypernav.houses.plan.shapes import FloorPlan, Rect
 _CELL_M = 0.05
 _MARGIN_M = 0.6
 STANDING_RADIUS_M = 0.19
-"""Radius of a robot that may stand wherever it fits: all such places must be one connected part."""
+"""Radius of a slim robot, metres; all cells where it fits must stay one connected component."""
 
 _CONSERVATIVE_RADIUS_M = 0.225
-"""The same with the loss of any raster: what is seen only from tighter places counts as unseen."""
+"""Radius with a margin for the raster, metres; tighter positions don't count as view points."""
 
 WALKING_RADIUS_M = 0.375
-"""Half of the clear width of the ways between doors and to the furniture."""
+"""Half of the clear width of the paths between doors and to the furniture, metres."""
 
 Point = tuple[float, float]
 
 
 class FreeFloor:
-    """Two rasters of one room: where a slim robot may stand, and where there is width to walk."""
+    """Rasters of one room: cells where a slim robot fits, and cells wide enough to walk."""
 
     def __init__(self, plan: FloorPlan, number: int) -> None:
-        """The empty room.
+        """Start with the empty room.
 
         Args:
-            plan: Of the house.
-            number: Of the room.
+            plan: Floor plan of the house.
+            number: Index of the room.
         """
         inner = plan.rooms[number].inner
         self._origin = (inner.x0 - _MARGIN_M, inner.y0 - _MARGIN_M)
@@ -51,7 +51,7 @@ class FreeFloor:
         self._standing = clearance > STANDING_RADIUS_M
         self._walking = clearance > WALKING_RADIUS_M
         self._conservative = clearance > _CONSERVATIVE_RADIUS_M
-        # Cells in the doors' throats belong to the neighbours as well; ways end before them.
+        # Cells inside the doorways belong to the neighbours as well; paths end before them.
         room = np.zeros_like(floor)
         room[self._cells(inner)] = True
         self._standing &= room
@@ -72,11 +72,11 @@ class FreeFloor:
         )
 
     def allows(self, rects: list[Rect], anchors: list[Point]) -> bool:
-        """Whether everything stays connected if these rectangles are taken.
+        """Whether the floor stays connected if these rectangles are occupied.
 
         Args:
             rects: Footprints of new furniture.
-            anchors: Places that must be reached with full walking width from now on.
+            anchors: Further points that must be reached with full walking width.
         """
         standing, walking = self._without(rects)
         if not (_is_connected(standing) and _is_connected(self._conservative_without(rects))):
@@ -94,13 +94,13 @@ class FreeFloor:
         return len(numbers) == 1 and 0 not in numbers
 
     def occupy(self, rects: list[Rect], anchors: list[Point]) -> None:
-        """Occupy the floor for good."""
+        """Occupy rectangles of the floor and add points that must stay within reach."""
         self._standing, self._walking = self._without(rects)
         self._conservative = self._conservative_without(rects)
         self._anchors += anchors
 
     def standing_points(self) -> Float64[np.ndarray, "n 2"]:
-        """Middles of the cells where a slim robot surely stands and gets to, 10 cm apart."""
+        """Centres of the cells that a slim robot surely reaches, 10 cm apart."""
         _, parts, stats, _ = cv2.connectedComponentsWithStats(
             self._conservative.view(np.uint8), connectivity=4
         )
@@ -128,7 +128,7 @@ class FreeFloor:
 
 
 def _is_connected(free: Bool[np.ndarray, "rows columns"]) -> bool:
-    """Whether the free cells are one part, but for a cell or two."""
+    """Whether the free cells are one connected component, up to two cells."""
     _, _, stats, _ = cv2.connectedComponentsWithStats(free.view(np.uint8), connectivity=4)
     sizes = stats[1:, cv2.CC_STAT_AREA]
     return len(sizes) < 2 or int(sizes.sum() - sizes.max()) <= 2

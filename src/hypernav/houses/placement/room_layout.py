@@ -1,4 +1,4 @@
-"""Ways to place things in a room: at walls, on walls, on top of others."""
+"""Layout of a room: placement of models at walls, on walls and on other models."""
 
 from collections.abc import Sequence
 
@@ -16,7 +16,7 @@ from hypernav.houses.placement.room_space import RoomSpace
 
 
 class RoomLayout(RoomSpace):
-    """A room with ways to find places in it."""
+    """Layout of a room, which searches positions for models."""
 
     def place_at_wall(
         self,
@@ -28,19 +28,19 @@ class RoomLayout(RoomSpace):
         where: str = "any",
         gap: float = SKIRTING_M,
         z: float = 0.0,
-        keep: bool = True,
+        reserve_front: bool = True,
     ) -> PlacedModel | None:
         """Place a model with its back to some wall, if it fits anywhere.
 
         Args:
-            model: What.
+            model: Model to place.
             sides: Walls to try, in random order.
-            front: Depth of floor before it that must be and stay free.
+            front: Depth of the floor before it that must be free, metres.
             access: Whether its front must be reached with full walking width.
-            where: "any", "corner" (corners first), "middle" (middles first).
-            gap: To the wall.
-            z: Height, for what hangs.
-            keep: Whether the front zone stays reserved.
+            where: Order of positions: "any", "corner" (corners first) or "middle" (middles first).
+            gap: Distance to the wall, metres.
+            z: Height of the model, metres.
+            reserve_front: Whether the floor before it stays reserved.
         """
         for side in self.rng.shuffled(sides):
             start, end, _ = self.wall_line(side)
@@ -48,7 +48,9 @@ class RoomLayout(RoomSpace):
             for t in self._positions(start + half, end - half, where):
                 pose = self.pose_at_wall(model, side, t, gap, z)
                 if self.fits(model, pose, front=front, access=access):
-                    return self.place(model, pose, front=front if keep else 0.0, access=access)
+                    return self.place(
+                        model, pose, front=front if reserve_front else 0.0, access=access
+                    )
         return None
 
     def _positions(self, low: float, high: float, where: str) -> list[float]:
@@ -65,7 +67,14 @@ class RoomLayout(RoomSpace):
     def hang_on_wall(
         self, model: Model, *, sides: Sequence[str], z: float, near: PlacedModel | None = None
     ) -> PlacedModel | None:
-        """Hang a model, above ``near`` if that is given and stands at a wall."""
+        """Hang a model on a wall, above ``near`` if given, which stands at a wall.
+
+        Args:
+            model: Model to hang.
+            sides: Walls to try, in random order.
+            z: Height of the model, metres.
+            near: Placed model to hang it above.
+        """
         if near is not None:
             side = next(s for s in SIDES if (YAW[s] - near.yaw_deg) % 360.0 == 0.0)
             t = near.x if side in ("south", "north") else near.y
@@ -88,13 +97,13 @@ class RoomLayout(RoomSpace):
         facing: float | None = None,
         where: tuple[float, float] | None = None,
     ) -> PlacedModel | None:
-        """Stand a small thing on a surface of another.
+        """Place a small model on a support surface of another.
 
         Args:
-            base: What carries it.
-            model: The small thing.
-            facing: Its turn relative to the base's, degrees; random small turns if None.
-            where: Place on the surface from (0, 0) to (1, 1); random if None.
+            base: Placed model that carries it.
+            model: Model to place.
+            facing: Yaw relative to the base, degrees; random quarter turns if None.
+            where: Position on the surface from (0, 0) to (1, 1); random if None.
         """
         for top in self.rng.shuffled(base.model.supports):
             if model.height > top.clearance_m:

@@ -1,4 +1,4 @@
-"""A room while it is being furnished: what stands where, and what may still come in."""
+"""Space of a room while it is furnished: placed models, and whether another one fits."""
 
 from collections.abc import Sequence
 
@@ -22,23 +22,23 @@ from hypernav.houses.plan.shapes import FloorPlan, Opening, Rect
 from hypernav.houses.random_stream import RandomStream
 
 _OVERHEAD_M = 1.05
-"""What hangs higher than this is out of a robot's way."""
+"""Least height of models that a robot drives under, metres."""
 
 _DRIVABLE_M = 0.08
-"""What is lower than this can be driven over."""
+"""Greatest height of models that a robot drives over, metres."""
 
 
 class RoomSpace:
-    """A room, its free floor and walls, and everything placed so far."""
+    """Room with its free floor, its walls and all models placed so far."""
 
     def __init__(self, plan: FloorPlan, number: int, rng: RandomStream, palette: Palette) -> None:
-        """An empty room.
+        """Start with the empty room.
 
         Args:
-            plan: Of the house.
-            number: Of the room.
-            rng: Chance for this room.
-            palette: Of this room.
+            plan: Floor plan of the house.
+            number: Index of the room.
+            rng: Source of randomness for this room.
+            palette: Palette of this room.
         """
         self.plan, self.number, self.rng, self.palette = plan, number, rng, palette
         self.room = plan.rooms[number]
@@ -61,7 +61,7 @@ class RoomSpace:
                 self._floor.occupy([leaf], [])
 
     def wall_line(self, side: str) -> tuple[float, float, float]:
-        """``(start, end, plane)`` of a wall, inside the room."""
+        """``(start, end, plane)`` of a wall's inner face."""
         i = self.inner
         return {
             "south": (i.x0, i.x1, i.y0),
@@ -71,7 +71,7 @@ class RoomSpace:
         }[side]
 
     def wall_openings(self, side: str) -> list[Opening]:
-        """Doors and windows in a wall."""
+        """Doors and windows in a wall of the room."""
         along = "x" if side in ("south", "north") else "y"
         _, _, plane = self.wall_line(side)
         return [o for o in self.openings if o.along == along and abs(o.at - plane) < 0.3]
@@ -79,7 +79,7 @@ class RoomSpace:
     def pose_at_wall(
         self, model: Model, side: str, t: float, gap: float = SKIRTING_M, z: float = 0.0
     ) -> ModelPose:
-        """Back to a wall, its middle at ``t`` along it."""
+        """Pose with the back to a wall and the centre at ``t`` along it."""
         _, _, plane = self.wall_line(side)
         off = model.depth / 2 + gap
         yaw = YAW[side]
@@ -102,14 +102,14 @@ class RoomSpace:
         tight: bool = False,
         floor: bool = True,
     ) -> bool:
-        """Whether a model can stand at a spot.
+        """Whether a model can stand at a pose.
 
         Args:
-            model: What.
-            pose: Where.
-            front: Depth of floor before it that must be free of other furniture.
+            model: Model to place.
+            pose: Pose of the model.
+            front: Depth of the floor before it that must be free of other furniture, metres.
             access: Whether its front must be reached with full walking width.
-            over: Solids that it may overlap, for chairs under tables.
+            over: Obstacles that it may overlap, for chairs under tables.
             in_clear_zone: Whether it may overlap zones that are kept clear (flat or high models).
             floor: Whether the floor must stay connected.
             tight: Whether it may touch its neighbours, for fitted units.
@@ -155,7 +155,7 @@ class RoomSpace:
         return False
 
     def front_zone(self, model: Model, pose: ModelPose, deep: float) -> Rect:
-        """The floor before a model."""
+        """Floor before a model, up to a depth in metres."""
         r = footprint(model, pose)
         quarter = round(pose.yaw_deg / 90.0) % 4
         return (
@@ -170,7 +170,7 @@ class RoomSpace:
         return zone.centre
 
     def is_taken(self, model: Model, pose: ModelPose) -> bool:
-        """Whether something else is already in the space of a model at a spot."""
+        """Whether a model at a pose would overlap an obstacle."""
         rect = footprint(model, pose)
         low, high = pose.z + model.low[2], pose.z + model.height
         return any(
@@ -179,17 +179,17 @@ class RoomSpace:
         )
 
     def keeps_floor_connected(self, model: Model, pose: ModelPose) -> bool:
-        """Whether all of the floor stays connected if a model comes to a spot."""
+        """Whether all of the floor stays connected with a model at a pose."""
         return self._floor.allows([footprint(model, pose)], [])
 
     def is_free(self, zone: Rect) -> bool:
-        """Whether no furniture reaches into a rectangle on the floor."""
+        """Whether no obstacle overlaps a rectangle on the floor."""
         return not any(
             s.low < 1.0 and s.high > 0.1 and zone.overlaps(s.rect) for s in self.obstacles
         )
 
     def reserve(self, zone: Rect) -> None:
-        """Keep a piece of floor free from now on."""
+        """Keep a rectangle of the floor clear of models that are placed later."""
         self._clear_zones.append(zone)
 
     def place(
@@ -202,15 +202,15 @@ class RoomSpace:
         flat: bool = False,
         on_top: bool = False,
     ) -> PlacedModel:
-        """Place a model for good; no test is made.
+        """Place a model without any test.
 
         Args:
-            model: What.
-            pose: Where.
-            front: Depth of floor before it that stays reserved.
+            model: Model to place.
+            pose: Pose of the model.
+            front: Depth of the floor before it that stays reserved, metres.
             access: Whether its front must stay within reach.
-            flat: Whether it takes no space, as a rug.
-            on_top: Whether it stands on something else and takes no floor.
+            flat: Whether it occupies no space, as a rug.
+            on_top: Whether it stands on another model and occupies no floor.
         """
         rect = footprint(model, pose)
         low, high = pose.z + model.low[2], pose.z + model.height
@@ -228,23 +228,23 @@ class RoomSpace:
         return piece
 
     def obstacle_of(self, piece: PlacedModel) -> Obstacle:
-        """The space that a placed model takes."""
+        """Space that a placed model occupies."""
         return self._obstacle_of[id(piece)]
 
     def is_obstacle(self, piece: PlacedModel) -> bool:
-        """Whether a placed model is more than flat."""
+        """Whether a placed model occupies space; flat ones don't."""
         return id(piece) in self._obstacle_of
 
     def is_removable(self, piece: PlacedModel) -> bool:
-        """Whether it may go again: it takes space and has no place reserved before it."""
+        """Whether a placed model may be removed: an obstacle without reserved floor before it."""
         return self.is_obstacle(piece) and id(piece) not in self._fixed
 
     def attach(self, base: PlacedModel, piece: PlacedModel) -> None:
-        """Note that a piece stands on another and goes with it."""
+        """Attach a placed model to the one that carries it, so that both are removed together."""
         self._attached.setdefault(id(base), []).append(piece)
 
     def remove(self, piece: PlacedModel) -> None:
-        """Take something away with all that stands on it; the floor under it stays taken."""
+        """Remove a placed model with everything on it; the floor under it stays occupied."""
         for upper in self._attached.pop(id(piece), []):
             if self.is_obstacle(upper):
                 self.remove(upper)
@@ -253,5 +253,5 @@ class RoomSpace:
         self.obstacles = [s for s in self.obstacles if s is not obstacle]
 
     def standing_points(self) -> Float64[np.ndarray, "n 2"]:
-        """Where a slim robot may stand."""
+        """Positions where a slim robot may stand."""
         return self._floor.standing_points()

@@ -1,8 +1,8 @@
-"""Can everything in a room be seen from where a robot can stand beside it?
+"""Visibility of objects from positions beside them where a robot can stand.
 
-What is hidden behind furniture, or hangs so far above a bed that nobody gets near, is no goal that
-could be reached, so it is taken away again. The test is strict: boxes around things block the
-view, and a fair share of an object's own points must be in sight.
+An object that is hidden behind furniture, or hangs out of reach above a bed, can't be a goal, so it
+is removed. The test is strict: bounding boxes of other objects occlude, and a fair share of the
+object's own surface points must be visible.
 """
 
 import numpy as np
@@ -24,7 +24,7 @@ _ON_TOP_M = 0.02
 
 
 def remove_hidden(layout: RoomLayout) -> None:
-    """Take away small things and pictures that no robot could find."""
+    """Remove small objects and pictures that no robot could see."""
     standing_points = layout.standing_points()
     for piece in [p for p in layout.placed if layout.is_removable(p)]:
         if layout.is_obstacle(piece) and not _is_visible(piece, layout, standing_points):
@@ -57,9 +57,9 @@ def _is_visible(
 
 
 def _occluders(own: Obstacle, layout: RoomLayout) -> list[Obstacle]:
-    """All that may hide something.
+    """Obstacles that may occlude an object.
 
-    Of what it lies in, as a cushion on a sofa, single parts; and of curtains, which are drawn back.
+    Objects that it lies in (a sofa) and curtains occlude by their parts, not as a whole.
     """
     whole = {id(s) for s in layout.obstacles if s is not own and not _lies_within(s, own)}
     others: list[Obstacle] = []
@@ -74,12 +74,12 @@ def _occluders(own: Obstacle, layout: RoomLayout) -> list[Obstacle]:
 
 
 def _lies_within(outer: Obstacle, inner: Obstacle) -> bool:
-    """Whether something lies in another, not on it."""
+    """Whether an obstacle lies within another, not on top of it."""
     return outer.rect.holds(inner.rect) and outer.low < inner.low < outer.high - _ON_TOP_M
 
 
 def _parts_of(piece: PlacedModel) -> list[Obstacle]:
-    """Boxes around the parts of something."""
+    """Bounding boxes of the parts of a placed model."""
     obstacles = []
     for part in piece.model.parts:
         points = _to_scene(part.mesh.positions, piece)
@@ -89,13 +89,13 @@ def _parts_of(piece: PlacedModel) -> list[Obstacle]:
 
 
 def _surface_points(piece: PlacedModel) -> Float64[np.ndarray, "n 3"]:
-    """Some of an object's vertices in the scene."""
+    """Sample of a placed model's vertices, scene frame."""
     points = np.concatenate([part.mesh.positions for part in piece.model.parts])
     return _to_scene(points[:: max(len(points) // _SURFACE_POINTS, 1)], piece)
 
 
 def _to_scene(points: Float64[np.ndarray, "n 3"], piece: PlacedModel) -> Float64[np.ndarray, "n 3"]:
-    """Points of a model, where it stands."""
+    """Points of a model's frame in the scene frame."""
     r = rotation_matrix(piece.yaw_deg)
     x = points[:, 0] * r[0, 0] + points[:, 1] * r[0, 1]
     y = points[:, 0] * r[1, 0] + points[:, 1] * r[1, 1]
@@ -105,7 +105,7 @@ def _to_scene(points: Float64[np.ndarray, "n 3"], piece: PlacedModel) -> Float64
 def _is_unobstructed(
     starts: Float64[np.ndarray, "n 3"], ends: Float64[np.ndarray, "n 3"], obstacles: list[Obstacle]
 ) -> Bool[np.ndarray, "n"]:
-    """Which straight lines meet no box."""
+    """Mask of the line segments that meet no obstacle."""
     if not obstacles:
         return np.ones(len(starts), dtype=bool)
     low = np.array([(s.rect.x0, s.rect.y0, s.low) for s in obstacles])

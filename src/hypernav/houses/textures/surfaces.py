@@ -93,8 +93,8 @@ def tiles(
     row, column = pixel_grid(size, size)
     number = np.floor(row * rows).astype(np.int64)
     across = column + (number % 2) * 0.5 / columns if brick else column
-    place = np.floor(across * columns).astype(np.int64) % columns
-    tone = 0.97 - spread * rng.array(rows, columns)[number, place]
+    cell = np.floor(across * columns).astype(np.int64) % columns
+    tone = 0.97 - spread * rng.array(rows, columns)[number, cell]
     tone = tone - 0.06 * (cloud_noise(rng, size, 6) - 0.5)
     fr, fc = (row * rows) % 1.0 / rows, (across * columns) % 1.0 / columns
     near = np.minimum(np.minimum(fr, 1.0 / rows - fr), np.minimum(fc, 1.0 / columns - fc))

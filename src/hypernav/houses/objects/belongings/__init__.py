@@ -1,1 +1,1 @@
-"""What people leave about."""
+"""Models of personal belongings and household equipment."""

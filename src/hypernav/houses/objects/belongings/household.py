@@ -1,4 +1,4 @@
-"""Bins, brushes, bottles and baskets."""
+"""Models of bins, brushes, bottles and baskets."""
 
 from hypernav.houses.materials import (
     BLACK_METAL,

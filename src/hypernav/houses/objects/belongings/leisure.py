@@ -1,4 +1,4 @@
-"""Music, painting and the fireside."""
+"""Models of musical instruments, an easel and a fireplace."""
 
 import math
 

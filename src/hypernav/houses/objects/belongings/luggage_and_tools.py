@@ -1,4 +1,4 @@
-"""What people own: bags, umbrellas, tools."""
+"""Models of luggage, umbrellas, tools and other belongings."""
 
 from hypernav.houses.materials import (
     BLACK_METAL,

@@ -1,4 +1,4 @@
-"""What belongs to pets."""
+"""Models of equipment for pets."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Bicycles, machines and balls."""
+"""Models of bicycles, fitness machines and balls."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Toys and games."""
+"""Models of toys and games."""
 
 from hypernav.houses.materials import GLASS, RUBBER, Palette, lacquer, plastic, wood
 from hypernav.houses.modelling.mesh import Finish

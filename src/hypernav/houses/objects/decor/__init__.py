@@ -1,1 +1,1 @@
-"""Plants, textiles and what hangs on walls."""
+"""Models of plants, textiles, ornaments and wall decoration."""

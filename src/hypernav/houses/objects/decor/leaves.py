@@ -1,4 +1,4 @@
-"""Leaves, one by one and in rosettes."""
+"""Meshes of leaves, single and in rosettes."""
 
 import math
 from collections.abc import Sequence
@@ -27,18 +27,18 @@ def leaves(
     steps: int = 7,
     shape: str = "oval",
 ) -> Mesh:
-    """Many leaves: each rises at an angle and then bows down under its weight.
+    """Mesh of leaves that rise at an angle and bend down under their weight.
 
     Args:
-        length: Metres along the rib.
-        wide: Greatest width.
-        droop: How much it bows over its length, degrees.
-        lift_deg: Angle of its beginning above the horizon.
-        turn_deg: Direction in plan.
-        at: Where it begins.
+        length: Length along the rib, metres.
+        wide: Greatest width, metres.
+        droop: Bend over the length, degrees.
+        lift_deg: Angle of the base above the horizon, degrees.
+        turn_deg: Direction in plan, degrees.
+        at: Position of the base.
         fold: Depth of the valley along the rib, as a share of the half width.
-        steps: Segments along the rib.
-        shape: "oval", "sword" or "heart".
+        steps: Number of segments along the rib.
+        shape: Outline of the blade: "oval", "sword" or "heart".
     """
     n = len(length)
     t = np.linspace(0.0, 1.0, steps + 1)
@@ -51,14 +51,14 @@ def leaves(
     half = np.array(wide)[:, None] / 2.0 * _outline(shape, t)
     turn = np.radians(np.array(turn_deg))[:, None]
     ct, st = np.cos(turn), np.sin(turn)
-    places = np.array(at)
+    positions = np.array(at)
     points = np.empty((n, steps + 1, 3, 3))
     for k, across in enumerate((1.0, 0.0, -1.0)):
         dip = abs(across) * half * fold
         x, y = out - dip * s, across * half
-        points[:, :, k, 0] = x * ct - y * st + places[:, 0:1]
-        points[:, :, k, 1] = x * st + y * ct + places[:, 1:2]
-        points[:, :, k, 2] = up + dip * c + places[:, 2:3]
+        points[:, :, k, 0] = x * ct - y * st + positions[:, 0:1]
+        points[:, :, k, 1] = x * st + y * ct + positions[:, 1:2]
+        points[:, :, k, 2] = up + dip * c + positions[:, 2:3]
     slope_t = np.empty_like(points)
     slope_t[:, 1:-1] = points[:, 2:] - points[:, :-2]
     slope_t[:, 0], slope_t[:, -1] = points[:, 1] - points[:, 0], points[:, -1] - points[:, -2]
@@ -86,7 +86,7 @@ def _outline(shape: str, t: Float64[np.ndarray, "n"]) -> Float64[np.ndarray, "n"
 
 
 def _spread(rng: RandomStream, count: int) -> list[float]:
-    """Directions that go round by the golden angle, as leaves do."""
+    """Directions in steps of the golden angle, as in phyllotaxis."""
     start = rng.uniform(0.0, 360.0)
     return [start + 137.5 * k + rng.uniform(-18.0, 18.0) for k in range(count)]
 
@@ -125,7 +125,7 @@ def _frond(length: float, lift: float, droop: float) -> Mesh:
     step = length / steps
     x, z = 0.0, 0.0
     path: list[Vector] = [(0.0, 0.0, 0.0)]
-    sizes, lifts, turns, places = [], [], [], []
+    sizes, lifts, turns, positions = [], [], [], []
     for k in range(steps):
         a = math.radians(lift - droop * k / steps)
         x, z = x + math.cos(a) * step, z + math.sin(a) * step
@@ -135,14 +135,16 @@ def _frond(length: float, lift: float, droop: float) -> Mesh:
                 sizes.append(0.3 * math.sin(math.pi * (k + 1) / (steps + 2)) + 0.06)
                 lifts.append(math.degrees(a) * 0.4 + 5)
                 turns.append(side * 58)
-                places.append((x, 0.0, z))
+                positions.append((x, 0.0, z))
     n = len(sizes)
-    leaflets = leaves(sizes, [0.032] * n, [45.0] * n, lifts, turns, places, shape="sword", steps=3)
+    leaflets = leaves(
+        sizes, [0.032] * n, [45.0] * n, lifts, turns, positions, shape="sword", steps=3
+    )
     return join([tube(path, 0.006, sides=5, capped=False), leaflets])
 
 
 def green(rng: RandomStream, texture: str = "leaf") -> Finish:
-    """The colour of one plant's leaves."""
+    """Finish of one plant's leaves."""
     r, g, b = rng.choice(_GREENS)
     lift = rng.uniform(0.95, 1.2)
     return Finish(texture, (r * lift, g * lift, b * lift), 1.0, "green", "")

@@ -1,4 +1,4 @@
-"""Small things for shelves, desks and sideboards."""
+"""Models of small ornaments for shelves, desks and sideboards."""
 
 from hypernav.houses.materials import (
     BLACK_METAL,
@@ -19,7 +19,7 @@ from hypernav.houses.random_stream import RandomStream
 
 
 def books(rng: RandomStream, palette: Palette) -> Model:
-    """A few books, lying on each other."""
+    """A stack of books."""
     del palette
     builder = ModelBuilder()
     z = 0.0
@@ -66,7 +66,7 @@ def candle(rng: RandomStream, palette: Palette) -> Model:
 
 
 def photo_frame(rng: RandomStream, palette: Palette) -> Model:
-    """A small standing picture."""
+    """A standing photo frame."""
     builder = ModelBuilder()
     frame = rng.choice((lacquer("black"), lacquer("white"), BRASS, wood("oak")))
     inner = ModelBuilder()

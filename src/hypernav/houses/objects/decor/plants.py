@@ -1,4 +1,4 @@
-"""Plants in pots."""
+"""Models of plants in pots."""
 
 import math
 
@@ -45,7 +45,7 @@ def pot(
 
 
 def snake_plant(rng: RandomStream, palette: Palette) -> Model:
-    """Upright swords."""
+    """A snake plant with upright leaves."""
     builder = ModelBuilder()
     radius, high = rng.uniform(0.12, 0.16), rng.uniform(0.22, 0.3)
     pot(builder, rng, palette, radius, high)
@@ -153,11 +153,11 @@ def indoor_tree(rng: RandomStream, palette: Palette) -> Model:
             ),
         )
         crown = high + trunk + 0.32
-        turns, places = _spread(rng, 190), []
+        turns, positions = _spread(rng, 190), []
         for turn in turns:
             rise = rng.uniform(-1.0, 1.0)
             reach = math.sqrt(max(1.0 - rise * rise, 0.0)) * rng.uniform(0.55, 1.0) * 0.3
-            places.append(_polar(turn, reach, crown + rise * 0.34))
+            positions.append(_polar(turn, reach, crown + rise * 0.34))
         builder.add(
             foliage,
             leaves(
@@ -166,7 +166,7 @@ def indoor_tree(rng: RandomStream, palette: Palette) -> Model:
                 [40.0] * 190,
                 [rng.uniform(-25, 50) for _ in turns],
                 turns,
-                places,
+                positions,
                 steps=3,
             ),
         )

@@ -1,4 +1,4 @@
-"""Rugs, mats, cushions, blankets."""
+"""Models of rugs, mats, cushions and blankets."""
 
 from hypernav.houses.materials import HUES, Palette, fabric, terry
 from hypernav.houses.modelling.mesh import Finish

@@ -1,4 +1,4 @@
-"""What hangs on walls and at windows. The wall is at the back (-y); z = 0 is the lower edge."""
+"""Models that hang on walls and at windows; the wall is at -y, the lower edge at z = 0."""
 
 import math
 
@@ -51,7 +51,7 @@ def framed_picture(rng: RandomStream, palette: Palette) -> Model:
 
 
 def mirror(rng: RandomStream, palette: Palette) -> Model:
-    """A looking-glass, square, round or tall."""
+    """A mirror: square, round or tall."""
     builder = ModelBuilder()
     frame = rng.choice((palette.furniture_wood(rng), palette.metal, lacquer("black")))
     kind = rng.choice(("square", "round", "oval"))
@@ -207,7 +207,7 @@ def radiator(rng: RandomStream, palette: Palette) -> Model:
 
 
 def air_conditioner(rng: RandomStream, palette: Palette) -> Model:
-    """A wall unit high up."""
+    """An air conditioner that hangs high on a wall."""
     del rng, palette
     builder = ModelBuilder()
     builder.add(WHITE_METAL, cushion(0.85, 0.2, 0.29, radius=0.04))

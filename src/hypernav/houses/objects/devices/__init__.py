@@ -1,1 +1,1 @@
-"""Screens, lamps and electronics."""
+"""Models of screens, lamps and electronic devices."""

@@ -1,4 +1,4 @@
-"""Things with a plug."""
+"""Models of electronic devices and small electrical appliances."""
 
 import math
 
@@ -68,7 +68,7 @@ def _speaker(body: Finish, wide: float, deep: float, high: float) -> Model:
 
 
 def game_console(rng: RandomStream, palette: Palette) -> Model:
-    """A flat black or white box."""
+    """A game console: a flat black or white box."""
     del palette
     builder = ModelBuilder()
     body = plastic(rng.choice(("black", "white")))

@@ -1,4 +1,4 @@
-"""Lamps."""
+"""Models of lamps."""
 
 from hypernav.houses.materials import BLACK_METAL, BRASS, GLOW, SHADE, WHITE_METAL, Palette, plastic
 from hypernav.houses.modelling.mesh import Finish

@@ -1,4 +1,4 @@
-"""Televisions and computers."""
+"""Models of televisions and computers."""
 
 from hypernav.houses.materials import BLACK_METAL, STEEL, Palette, image_finish, plastic
 from hypernav.houses.modelling.mesh import Finish

@@ -1,1 +1,1 @@
-"""Pieces to sit, lie and work at, and to keep things in."""
+"""Models of furniture: seats, beds, tables, cabinets and shelves."""

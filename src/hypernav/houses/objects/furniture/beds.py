@@ -1,4 +1,4 @@
-"""Beds with their bedding."""
+"""Models of beds with their bedding."""
 
 import numpy as np
 
@@ -24,7 +24,7 @@ LONG_M = 2.0
 
 
 def bedding(rng: RandomStream, hue: str) -> Finish:
-    """Cloth of a duvet cover."""
+    """Finish of a duvet cover."""
     kind = rng.weighted((("fabric", 4.0), ("stripes", 1.5), ("plaid", 1.5), ("floral", 1.5)))
     return fabric(
         hue if kind != "floral" else "white", kind, {"fabric": 0.3, "floral": 0.8}.get(kind, 0.5)

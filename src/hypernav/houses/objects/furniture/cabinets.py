@@ -1,4 +1,4 @@
-"""Wardrobes, chests and cabinets: furniture with doors and drawers."""
+"""Models of wardrobes, dressers and cabinets."""
 
 from hypernav.houses.materials import BLACK_METAL, MIRROR, Palette, lacquer, plastic
 from hypernav.houses.modelling.joinery import case, four_legs, front

@@ -1,4 +1,4 @@
-"""Chairs."""
+"""Models of chairs."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Tables with a special use: desks, consoles, worktops."""
+"""Models of tables with a special use: desks, consoles, worktops."""
 
 from hypernav.houses.materials import BLACK_METAL, CHROME, MIRROR, Palette, lacquer
 from hypernav.houses.modelling.joinery import case, four_legs, front, square_bar

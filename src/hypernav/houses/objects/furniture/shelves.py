@@ -1,4 +1,4 @@
-"""Shelves and racks: furniture that shows what it holds."""
+"""Models of open shelves and racks."""
 
 from hypernav.houses.materials import BLACK_METAL, Palette, fabric, image_finish, lacquer, plastic
 from hypernav.houses.modelling.joinery import case
@@ -11,7 +11,7 @@ from hypernav.houses.random_stream import RandomStream
 
 
 def bookshelf(rng: RandomStream, palette: Palette) -> Model:
-    """Open shelves with books and a few things."""
+    """Open shelves with books and a few ornaments."""
     builder = ModelBuilder()
     wood = palette.furniture_wood(rng)
     wide, deep, high = rng.choice((0.6, 0.8, 0.8, 1.0)), 0.3, rng.choice((1.1, 1.8, 1.95, 2.05))
@@ -41,7 +41,7 @@ def _fill_shelf(
     x = (-1 if left else 1) * (wide - long) / 2
     key = f"book spines {rng.integer(0, 5)}"
     shift = rng.unit()
-    # A row of books is one block whose face is a picture; the tops stay in shadow.
+    # A row of books is one block whose face is an image; the tops stay in shadow.
     face = panel(long, tall, at=(x, 0.09, z))
     builder.add(
         Finish(key, (1.0, 1.0, 1.0), 1.0, "", "paper"), face.textured(long / 0.8, 1.0, shift, 0.0)
@@ -104,7 +104,7 @@ def shoe_rack(rng: RandomStream, palette: Palette) -> Model:
 
 
 def shoe_parts(rng: RandomStream, x: float, z: float) -> list[Part]:
-    """A pair of shoes, toes to the front."""
+    """Parts of a pair of shoes, toes to the front."""
     hide = plastic(rng.choice(("brown", "black", "white", "red", "blue")))
     parts = []
     for s in (-1.0, 1.0):

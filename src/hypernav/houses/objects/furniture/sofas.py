@@ -1,4 +1,4 @@
-"""Sofas, armchairs and bean bags."""
+"""Models of sofas, armchairs and bean bags."""
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from hypernav.houses.random_stream import RandomStream
 
 
 def upholstery(rng: RandomStream, palette: Palette) -> Finish:
-    """Cloth or hide in the room's colour."""
+    """Finish of cloth or leather in the room's colour."""
     return rng.weighted(
         (
             (fabric(palette.upholstery_hue), 4.0),

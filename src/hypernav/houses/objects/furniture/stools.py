@@ -1,4 +1,4 @@
-"""Seats without a back."""
+"""Models of seats without a back."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Tables to eat at, to sit at and to put things on."""
+"""Models of dining, coffee and side tables and of nightstands."""
 
 import math
 from itertools import pairwise
@@ -17,7 +17,7 @@ TABLE_M = 0.75
 def full_support(
     x: float, y: float, z: float, clearance_m: float = 0.6, inset: float = 0.04
 ) -> SupportSurface:
-    """All of a rectangular surface around the origin but its rim."""
+    """Support surface of a rectangle around the origin, without its rim."""
     return SupportSurface(
         -x / 2 + inset, -y / 2 + inset, x / 2 - inset, y / 2 - inset, z, clearance_m
     )

@@ -1,1 +1,1 @@
-"""Pieces of kitchens, bathrooms and laundries."""
+"""Models of objects in kitchens, bathrooms and laundries."""

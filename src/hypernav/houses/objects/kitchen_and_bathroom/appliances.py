@@ -1,4 +1,4 @@
-"""Large kitchen appliances."""
+"""Models of large kitchen appliances."""
 
 from hypernav.houses.materials import (
     BLACK_GLASS,
@@ -261,7 +261,7 @@ def range_hood(rng: RandomStream, palette: Palette) -> Model:
 
 
 def worktop(rng: RandomStream, palette: Palette) -> Finish:
-    """Stone or wood for all counters of a kitchen."""
+    """Finish of stone or wood for all worktops of a kitchen."""
     return rng.choice(
         (
             Finish("granite", (0.3, 0.3, 0.31), 0.4, "dark gray", "stone"),

@@ -1,4 +1,4 @@
-"""Bathtubs and showers."""
+"""Models of bathtubs and showers."""
 
 from hypernav.houses.materials import CERAMIC, CHROME, GLASS, Palette
 from hypernav.houses.modelling.mesh import Finish

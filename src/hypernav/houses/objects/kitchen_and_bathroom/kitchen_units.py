@@ -1,4 +1,4 @@
-"""Fitted kitchen cabinets."""
+"""Models of fitted kitchen units."""
 
 from hypernav.houses.materials import CHROME, STEEL, Palette, lacquer
 from hypernav.houses.modelling.joinery import front

@@ -1,4 +1,4 @@
-"""Washing, drying and ironing."""
+"""Models of laundry appliances and equipment."""
 
 from hypernav.houses.materials import CHROME, GLASS, STEEL, WHITE_METAL, Palette, fabric, plastic
 from hypernav.houses.modelling.mesh import Finish

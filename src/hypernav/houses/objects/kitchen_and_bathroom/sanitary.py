@@ -1,4 +1,4 @@
-"""Toilets and basins."""
+"""Models of toilets and basins."""
 
 import math
 

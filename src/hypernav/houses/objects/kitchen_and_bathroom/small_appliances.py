@@ -1,4 +1,4 @@
-"""Small kitchen appliances."""
+"""Models of small kitchen appliances."""
 
 from hypernav.houses.materials import (
     BLACK_METAL,

@@ -1,4 +1,4 @@
-"""What stands in kitchens and on dining tables."""
+"""Models of tableware and kitchen utensils."""
 
 from hypernav.houses.materials import (
     BLACK_METAL,
@@ -19,7 +19,7 @@ from hypernav.houses.random_stream import RandomStream
 
 
 def glazed(hue: str) -> Finish:
-    """Coloured ceramic."""
+    """Finish of coloured ceramic."""
     return Finish("", HUES[hue], 1.0, hue, "ceramic")
 
 
