@@ -1,4 +1,4 @@
-"""Episode files: read, checked at the door, written."""
+"""Episode files in Habitat's format: reading, validation and writing."""
 
 import gzip
 import json
@@ -32,7 +32,7 @@ def read_episodes(path: Path | str) -> EpisodeDataset:
     try:
         dataset = EpisodeDataset.model_validate_json(text)
     except ValidationError as error:
-        raise EpisodeError(f"{path}: {_in_words(error, text)}") from error
+        raise EpisodeError(f"{path}: {_description(error, text)}") from error
     for episode in dataset.episodes:
         try:
             dataset.goals_of(episode)
@@ -45,11 +45,11 @@ def write_episodes(dataset: EpisodeDataset, path: Path | str) -> None:
     """Write an episode file; the same data gives the same bytes.
 
     Args:
-        dataset: What was read, changed or made.
-        path: Ends in ``.json.gz`` (compressed) or ``.json``.
+        dataset: Episodes and goals to write.
+        path: Path of the file; ends in ``.json.gz`` (compressed) or ``.json``.
 
     Raises:
-        EpisodeError: The name has another ending.
+        EpisodeError: The path has another suffix.
     """
     path = Path(path)
     if not path.name.endswith(_SUFFIXES):
@@ -69,7 +69,7 @@ def episode_files(path: Path | str) -> tuple[Path, ...]:
     scene in ``val/content/``.
 
     Args:
-        path: The folder ``val``, or one file.
+        path: Folder ``val``, or one file.
 
     Returns:
         The files in ``content``, sorted, if there are any; else the one file.
@@ -105,31 +105,35 @@ def _unpacked(path: Path) -> bytes:
         raise EpisodeError(f"{path}: broken gzip data ({error}); download it again") from error
 
 
-def _in_words(error: ValidationError, text: bytes) -> str:
-    """What is wrong first, with the name of the episode or goal that has it."""
+def _description(error: ValidationError, text: bytes) -> str:
+    """First error, with the name of the episode or goal that has it."""
     first = error.errors(include_url=False)[0]
-    place = first["loc"]
+    location = first["loc"]
     if first["type"] == "json_invalid":
         return f"not valid JSON ({first['msg']}); download it again"
     what = first["msg"][0].lower() + first["msg"][1:]
-    if place and place[-1] in _TRIED_TYPES:
+    if location and location[-1] in _TRIED_TYPES:
         kind = (
-            "a whole number or text" if "str" in _alternatives(error, place) else "a finite number"
+            "a whole number or text"
+            if "str" in _alternatives(error, location)
+            else "a finite number"
         )
         what = f"expected {kind}, got {first['input']!r}"
-    if len(place) < 2:
-        return f"{_field(place) or 'the file'}: {what}"
-    if place[0] == "episodes":
-        name = f"episode {_episode_id(json.loads(text), place[1])}"
-        return f"{name}, field '{_field(place[2:])}': {what}" if place[2:] else f"{name}: {what}"
-    if len(place) >= 3:
-        return f"goal {place[2]} of '{place[1]}', field '{_field(place[3:])}': {what}"
-    return f"{place[0]} '{place[1]}': {what}"
+    if len(location) < 2:
+        return f"{_field(location) or 'the file'}: {what}"
+    if location[0] == "episodes":
+        name = f"episode {_episode_id(json.loads(text), location[1])}"
+        return (
+            f"{name}, field '{_field(location[2:])}': {what}" if location[2:] else f"{name}: {what}"
+        )
+    if len(location) >= 3:
+        return f"goal {location[2]} of '{location[1]}', field '{_field(location[3:])}': {what}"
+    return f"{location[0]} '{location[1]}': {what}"
 
 
-def _alternatives(error: ValidationError, place: tuple[int | str, ...]) -> set[int | str]:
-    """The types that were tried at a place."""
-    return {other["loc"][-1] for other in error.errors() if other["loc"][:-1] == place[:-1]}
+def _alternatives(error: ValidationError, location: tuple[int | str, ...]) -> set[int | str]:
+    """Types that were tried at a location."""
+    return {other["loc"][-1] for other in error.errors() if other["loc"][:-1] == location[:-1]}
 
 
 def _episode_id(content: Any, number: int | str) -> str:
@@ -138,10 +142,10 @@ def _episode_id(content: Any, number: int | str) -> str:
     return str(own) if own is not None else f"number {number} (it has no episode_id)"
 
 
-def _field(place: tuple[int | str, ...]) -> str:
+def _field(location: tuple[int | str, ...]) -> str:
     """A field's name as people write it; without pydantic's names of the types that it tried."""
     name = ""
-    for part in place:
+    for part in location:
         if isinstance(part, int):
             name += f"[{part}]"
         elif part not in _TRIED_TYPES:

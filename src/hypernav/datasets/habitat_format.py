@@ -32,10 +32,10 @@ class _Entry(BaseModel):
 
 
 class AgentState(_Entry):
-    """Where an agent stands and looks, Habitat's frame.
+    """Position and orientation of an agent, Habitat's frame.
 
     Attributes:
-        position: Of its feet, metres.
+        position: Position of its feet, metres.
         rotation: Quaternion ``[x, y, z, w]``; at rest it looks along -z.
     """
 
@@ -44,10 +44,10 @@ class AgentState(_Entry):
 
 
 class ViewPoint(_Entry):
-    """A place from which a goal is seen.
+    """A position from which a goal is seen.
 
     Attributes:
-        agent_state: The place, looking at the goal.
+        agent_state: Pose at the position, looking at the goal.
         iou: Share of the image that shows the goal; absent in OVON.
     """
 
@@ -59,10 +59,10 @@ class ObjectGoal(_Entry):
     """One object that satisfies a goal.
 
     Attributes:
-        object_category: Its kind.
+        object_category: Category of the object.
         object_id: Number in the scene, or text in OVON.
-        position: Its middle, Habitat's frame.
-        view_points: Where it counts as reached.
+        position: Centre of the object, Habitat's frame.
+        view_points: Positions at which it counts as reached.
         object_name: Name in the scene.
     """
 
@@ -74,18 +74,18 @@ class ObjectGoal(_Entry):
 
 
 class ObjectNavEpisode(_Entry):
-    """One start and what to find.
+    """One start and its goal.
 
     Attributes:
         episode_id: Unique within its scene.
         scene_id: File of the scene within its data set.
-        start_position: Habitat's frame, metres.
-        start_rotation: Quaternion ``[x, y, z, w]``.
-        object_category: What to find, as text.
-        info: Among others ``geodesic_distance``.
+        start_position: Start position, Habitat's frame, metres.
+        start_rotation: Start rotation, quaternion ``[x, y, z, w]``.
+        object_category: Category to find, as text.
+        info: Further values, among them ``geodesic_distance``.
         goals: Usually empty, the goals are in `EpisodeDataset.goals_by_category`; older files have
             them here.
-        children_object_categories: Kinds that count as well (OVON).
+        children_object_categories: Categories that count as well (OVON).
     """
 
     episode_id: StrictInt | str
@@ -111,9 +111,9 @@ class EpisodeDataset(_Entry):
     """The content of one file.
 
     Attributes:
-        episodes: In the file's order; empty in the main file of a split whose episodes are in
-            files of their own for each scene.
-        goals_by_category: All objects of a kind in a scene, by `Episode.goals_key`.
+        episodes: Episodes in the file's order; empty in the main file of a split whose episodes are
+            in files of their own for each scene.
+        goals_by_category: All objects of a kind in a scene, by `ObjectNavEpisode.goals_key`.
         category_to_task_category_id: Numbers of the categories.
     """
 

@@ -1,4 +1,6 @@
-"""Between Habitat's frame (y up, agents look along -z) and ours (z up, yaw from the x axis).
+"""Conversions between Habitat's frame (y up, agents look along -z) and the z-up scene frame.
+
+Yaw is counted from the x axis.
 
 A position ``(x, y, z)`` of Habitat is ``(x, -z, y)`` here, as for glTF files.
 """

@@ -1,4 +1,4 @@
-"""Where a network runs in this process, and with which numbers."""
+"""Device and dtype of networks in this process, and loading of their weights."""
 
 from pathlib import Path
 from typing import Any
@@ -46,7 +46,7 @@ def load_pretrained(auto_class: str, path: str, **options: Any) -> Any:
     Args:
         auto_class: Name of the class, for example ``"AutoModelForImageTextToText"``.
         path: A folder, or the id of a model in the local Hugging Face cache.
-        **options: For ``from_pretrained``.
+        **options: Keyword arguments of ``from_pretrained``.
 
     Raises:
         ModelError: There are no such weights here, or they are of another kind.

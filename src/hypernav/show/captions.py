@@ -1,4 +1,4 @@
-"""Plain words for what the trace says in the program's own."""
+"""Captions: text for people about modes, questions, outcomes and numbers of a trace."""
 
 import math
 from collections.abc import Mapping
@@ -26,7 +26,7 @@ MODES_EXPLAINED: dict[Mode, str] = {
 }
 
 QUESTIONS: dict[str, str] = {
-    "ground": "Is it in the picture?",
+    "ground": "Is it in the image?",
     "choose block": "Where to look next?",
     "verify": "Is it really there?",
     "summarise": "Which number was meant?",
@@ -39,7 +39,7 @@ MODULES: dict[str, str] = {
     "map": "drawing the map",
     "local": "looking for the goal",
     "global": "choosing where to look",
-    "plan": "planning the way",
+    "plan": "planning the path",
     "verify": "looking once more",
     "show": "filming",
 }
@@ -53,12 +53,12 @@ _PARTS_WITHOUT_MODEL: dict[str, str] = {
 
 
 def component_caption(name: str) -> str:
-    """Who looks or decides, said so that nobody takes ground truth for a model."""
+    """Name of a detector or reasoner for people, with ground truth told apart from models."""
     return _PARTS_WITHOUT_MODEL.get(_spaced(name), name)
 
 
 def answerer_caption(exchange: Exchange) -> str:
-    """Who was asked, as a sentence begins; a model's own name is left as it is."""
+    """Name of the component that answered, capitalised; a model's own name stays as it is."""
     return exchange.asked if exchange.by_model else sentence(component_caption(exchange.asked))
 
 
@@ -77,12 +77,12 @@ def quoted(goal: str) -> str:
 
 
 def question_caption(exchange: Exchange) -> str:
-    """What was asked, in a few words."""
+    """Subject of a question, in a few words."""
     return QUESTIONS.get(exchange.kind, exchange.kind.capitalize())
 
 
 def final_question(question: str) -> str:
-    """The question itself, out of a long prompt: its last sentence that ends in a question mark.
+    """Final question of a long prompt: its last sentence that ends in a question mark.
 
     A short question, and one without a question mark, stays as it is.
     """
@@ -97,7 +97,7 @@ def final_question(question: str) -> str:
 
 
 def detections_caption(detections: list[DetectionRecord]) -> str:
-    """What the camera shows of the goal, in one short line."""
+    """Detections of the goal in a camera image, in one short line."""
     if not detections:
         return "goal not in view"
     accepted = [detection for detection in detections if detection.accepted]
@@ -112,7 +112,7 @@ def detections_caption(detections: list[DetectionRecord]) -> str:
 
 
 def camera_caption(step: StepTrace) -> str:
-    """What was asked about the camera image of a step and what came of it, in one line."""
+    """Question about the camera image of a step and its answer, in one line."""
     asked = [exchange for exchange in step.exchanges if exchange.kind in {"ground", "attention"}]
     if not asked:
         return detections_caption(step.detections)
@@ -124,12 +124,12 @@ def camera_caption(step: StepTrace) -> str:
 
 @dataclass(frozen=True)
 class Headline:
-    """How an episode ended, in a few words.
+    """Outcome of an episode, in a few words.
 
     Attributes:
-        text: For the top of a page.
-        tone: Its colour.
-        detail: One sentence more; may be empty.
+        text: Heading of a page.
+        tone: Tone of the heading, which sets its colour.
+        detail: Further sentence; may be empty.
     """
 
     text: str
@@ -148,7 +148,7 @@ _ENDINGS: dict[str, tuple[str, str]] = {
         "It was not where the robot looked, or the robot did not recognise it.",
     ),
     "wrong_place": ("Stopped, but not at {goal}", "The robot believed to be there."),
-    "unreachable": ("No way to {goal}", "No path leads to where the goal is."),
+    "unreachable": ("No path to {goal}", "No path leads to where the goal is."),
     "model_unavailable": (
         "Stopped: the model did not answer",
         "This is an outage, not a failure of the search, and counts as neither.",
@@ -159,10 +159,10 @@ _OUTAGES = frozenset({"model_unavailable", "interrupted"})
 
 
 def headline(result: Mapping[str, Any]) -> Headline:
-    """Say how an episode ended.
+    """Headline for the outcome of an episode.
 
     Args:
-        result: What `result.json` holds; missing entries are allowed.
+        result: Content of `result.json`; missing entries are allowed.
     """
     goal = quoted(str(result.get("goal", "the goal")))
     outcome, success = str(result.get("outcome", "")), result.get("success")

@@ -172,7 +172,7 @@ def test_infinite_lengths_and_odd_results_have_a_page(
     result |= {"shortest_path_m": float("inf"), "distance_to_goal_m": None, "seconds": None}
     result |= {"success": False, "outcome": "unreachable", "detector": None, "config": None}
     page = read(write_page(tmp_path, result, steps, room))
-    assert "No way to “bed”" in page.texts["h1"]
+    assert "No path to “bed”" in page.texts["h1"]
     assert "∞" in page.visible
     assert "None" not in page.visible
 

@@ -36,7 +36,7 @@ def test_moments_are_decisions_and_events(make_step: MakeStep, sighting: Detecti
         make_step(4, exchanges=ground, detections=[sighting]),
     ]
     key_steps = episode_summary.key_steps(steps)
-    assert [moment.place for moment in key_steps] == [1, 2]
+    assert [moment.index for moment in key_steps] == [1, 2]
     seen, decided = key_steps
     assert seen.asked[0].answer == "sees “bed”, 83% sure"
     assert [asked.title for asked in decided.asked] == ["Where to look next?"]

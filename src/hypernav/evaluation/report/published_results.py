@@ -1,4 +1,4 @@
-"""What others have published, with what is different about how they measured it.
+"""Published results of other methods, with the differences of their protocols.
 
 Only numbers that stand in the cited publication's own text are listed. They are there for
 orientation: data sets, success distances, stop rules and step sizes differ, so no number here can
@@ -13,13 +13,13 @@ class Published:
     """One result of a publication.
 
     Attributes:
-        method: Its name there.
-        dataset: What it was measured on.
-        success_percent: Success rate.
-        spl_percent: SPL.
-        protocol: What is known about the protocol, and how it differs from ours.
-        source: The publication.
-        url: Where it can be read.
+        method: Name of the method in the publication.
+        dataset: Data set and split.
+        success_percent: Success rate, percent.
+        spl_percent: SPL, percent.
+        protocol: Protocol of the publication, and its differences from ours.
+        source: Citation of the publication.
+        url: Address of the publication.
     """
 
     method: str

@@ -1,4 +1,4 @@
-"""The page of a report: what a colleague should see of a run, or of several side by side."""
+"""HTML report of one run, or of several side by side."""
 
 import os
 from collections.abc import Sequence
@@ -26,9 +26,9 @@ def write_report(folder: Path, runs: Sequence[RunData], *, compare: bool = False
     """Write ``report.html``, ``report.csv`` and ``report.tex``.
 
     Args:
-        folder: Made if missing.
-        runs: At least one.
-        compare: Compare every run with the first one, episode by episode.
+        folder: Folder of the report; made if missing.
+        runs: Runs to report, at least one.
+        compare: Whether to compare every run with the first one, episode by episode.
 
     Returns:
         Path of the page; it needs no network, but links to the pages of saved episodes.

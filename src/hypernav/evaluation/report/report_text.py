@@ -1,4 +1,4 @@
-"""What a report says in words."""
+"""Sentences of a report: title, warnings, verdicts, protocol and sessions."""
 
 from collections.abc import Sequence
 
@@ -14,9 +14,9 @@ from hypernav.worlds.noise import NoiseConfig
 SIGNIFICANT = 0.05
 
 RULES_IN_WORDS: dict[Failure, str] = {
-    Failure.MODEL_UNAVAILABLE: "A model stayed away longer than the patience. Not counted.",
+    Failure.MODEL_UNAVAILABLE: "A model gave no answer within its patience. Not counted.",
     Failure.SIMULATOR_ERROR: "The world, or the process that ran it, failed. Not counted.",
-    Failure.UNREACHABLE: "The scene holds the goal, but no way leads there from the start.",
+    Failure.UNREACHABLE: "The scene holds the goal, but no path leads there from the start.",
     Failure.LANGUAGE: "What the robot took for the goal comes near it by name only.",
     Failure.FALSE_DETECTION: "What it took for the goal is neither the goal nor near it by name.",
     Failure.MAP_QUALITY: (
@@ -24,26 +24,26 @@ RULES_IN_WORDS: dict[Failure, str] = {
         "or its map closed off what is open in truth."
     ),
     Failure.TARGET_SURROUNDED: (
-        "It held the right object, but in truth there is no place to stand within the stop "
+        "It held the right object, but in truth there is no position to stand within the stop "
         "distance of the goal area."
     ),
     Failure.STOPPED_TOO_FAR: (
         "It held the right object and stopped, but beyond the success distance."
     ),
     Failure.PATH_PLANNING: (
-        "It held the right object, its map has a way there, but it didn't arrive in time."
+        "It held the right object, its map has a path there, but it didn't arrive in time."
     ),
     Failure.SEEN_BUT_MISSED: (
-        f"The goal filled at least {100 * SIGHT_SHARE:g} % of some picture, but the robot ended "
+        f"The goal filled at least {100 * SIGHT_SHARE:g} % of some image, but the robot ended "
         "without a goal area."
     ),
-    Failure.NEVER_SEEN: "The goal was never in the picture.",
+    Failure.NEVER_SEEN: "The goal was never in the image.",
 }
 """The rules of `hypernav.evaluation.failures.classification`, for people."""
 
 
 def title(runs: Sequence[RunData]) -> str:
-    """Data set and who searched."""
+    """Title of a report: data sets and runs."""
     names = [run.name for run in runs]
     listed = names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
     datasets = dict.fromkeys(run.dataset for run in runs)
@@ -51,7 +51,7 @@ def title(runs: Sequence[RunData]) -> str:
 
 
 def lead(runs: Sequence[RunData], summaries: Sequence[Summary]) -> str:
-    """The result in a sentence or two."""
+    """Main result, in a sentence or two."""
     parts = []
     for run, summary in zip(runs, summaries, strict=True):
         parts.append(
@@ -63,7 +63,7 @@ def lead(runs: Sequence[RunData], summaries: Sequence[Summary]) -> str:
 
 
 def warnings(runs: Sequence[RunData]) -> list[str]:
-    """All that a reader must know before believing a number."""
+    """Caveats that a reader must know before believing a number."""
     found = []
     told = [run.name for run in runs if run.is_told_truth]
     if told:
@@ -94,7 +94,7 @@ def warnings(runs: Sequence[RunData]) -> list[str]:
 
 
 def verdict(pair: Pair) -> str:
-    """What a comparison says."""
+    """Result of a comparison, in a sentence."""
     parts = []
     for name, compared, unit in (("SR", pair.success, 100.0), ("SPL", pair.spl, 1.0)):
         gap = compared.difference
@@ -130,11 +130,11 @@ def protocol_lines(run: RunData) -> list[tuple[str, str]]:
         (
             "Success",
             f"{told['stop_rule']}; geodesic distance to the nearest view point under "
-            f"{told['success_distance_m']:g} m. View points: places to stand within 1.0 m of the "
-            "object's box from which it is visible",
+            f"{told['success_distance_m']:g} m. View points: standable positions within 1.0 m of "
+            "the object's box from which it is visible",
         ),
         ("Steps", f"at most {told['max_steps']}, STOP included"),
-        ("SPL", "success x shortest way / max(shortest way, way walked), lengths in metres"),
+        ("SPL", "success x shortest path / max(shortest path, path walked), lengths in metres"),
         ("SoftSPL", "the same with 1 - distance at the end / distance at the start for success"),
         (
             "Actions",
@@ -173,7 +173,7 @@ def other_protocol_lines(run: RunData, first: RunData) -> list[tuple[str, str]]:
 
 
 def setting(run: RunData) -> str:
-    """The protocol in a line, to stand beside published ones."""
+    """Protocol in a line, to be set beside published ones."""
     told, config = run.configuration["protocol"], run.configuration["config"]
     motion = config["embodiment"]["motion"]
     scenes = "generated houses" if run.dataset.startswith("houses-") else "one scene"
@@ -217,5 +217,5 @@ def interval(estimate: Estimate, factor: float = 1.0) -> str:
 
 
 def p_value(value: float) -> str:
-    """As papers write it."""
+    """A p value as papers write it."""
     return "< 0.001" if value < 0.001 else f"= {value:.3f}"

@@ -13,14 +13,14 @@ from hypernav.evaluation.summary import counted
 
 @dataclass(frozen=True)
 class RunData:
-    """One run.
+    """Results of one run.
 
     Attributes:
-        folder: Where it is.
-        name: Short and unlike those of the other runs in the same report.
-        configuration: As in ``run.json``.
-        records: All finished episodes.
-        sessions: As in ``sessions.jsonl``.
+        folder: Folder of the run.
+        name: Short name, unique among the runs of a report.
+        configuration: Content of ``run.json``.
+        records: Records of all finished episodes.
+        sessions: Entries of ``sessions.jsonl``.
     """
 
     folder: Path
@@ -31,7 +31,7 @@ class RunData:
 
     @property
     def counted(self) -> list[EpisodeRecord]:
-        """The episodes that say something about navigation."""
+        """Episodes that count in the rates; outages do not."""
         return counted(self.records)
 
     @property
@@ -41,7 +41,7 @@ class RunData:
 
     @property
     def who(self) -> dict[str, Any]:
-        """Who searched, in words."""
+        """Agent, preset and components, by name."""
         return self.configuration["who"]
 
     @property
@@ -51,7 +51,7 @@ class RunData:
 
     @property
     def wanted(self) -> int:
-        """Episodes that the run shall have."""
+        """Number of episodes of the complete run."""
         return self.configuration["episodes"]["count"]
 
     @property
@@ -64,7 +64,7 @@ def load_runs(folders: Sequence[Path]) -> list[RunData]:
     """Read runs.
 
     Raises:
-        RunFolderError: A folder is not one of a run, is damaged, or holds no episode yet.
+        RunFolderError: A folder is not that of a run, is damaged, or holds no episode yet.
     """
     configurations = [read_configuration(folder) for folder in folders]
     runs = []
@@ -79,7 +79,7 @@ def load_runs(folders: Sequence[Path]) -> list[RunData]:
 
 
 def _names(folders: Sequence[Path], configurations: Sequence[dict[str, Any]]) -> list[str]:
-    """The shortest way to tell runs apart: by agent, by preset as well, else by folder."""
+    """Shortest unique names of runs: by agent, by preset as well, else by folder."""
     agents = [str(c["who"]["agent"]) for c in configurations]
     presets = [f"{c['who']['agent']} ({c['who']['preset']})" for c in configurations]
     for names in (agents, presets, [folder.name for folder in folders]):

@@ -1,4 +1,4 @@
-"""The files beside a report's page: every episode as CSV, the main tables as LaTeX."""
+"""Tables beside a report: every episode as CSV, the main tables as LaTeX."""
 
 import csv
 import math

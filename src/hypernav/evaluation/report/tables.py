@@ -1,4 +1,4 @@
-"""The tables of a report, as data: what to show stands here, how it looks in the template."""
+"""Tables of a report, as data; their layout is in the template."""
 
 import math
 from collections import Counter, defaultdict
@@ -29,8 +29,8 @@ class Group:
     """Episodes that have something in common, in all runs of a report.
 
     Attributes:
-        name: What they have in common.
-        count: Episodes of the data set, whichever run they are of.
+        name: Common property of the episodes.
+        count: Number of distinct episodes in all runs.
         success: Success rate in every run; None where it has no such episode.
         spl: Mean SPL in every run.
     """
@@ -43,12 +43,12 @@ class Group:
 
 @dataclass(frozen=True)
 class FailureRow:
-    """How often a failure class occurs in every run.
+    """Frequency of a failure class in every run.
 
     Attributes:
-        failure: The class.
-        counts: Episodes.
-        shares: Of all episodes of the run that count; of all for classes that stand apart.
+        failure: Failure class.
+        counts: Number of episodes in every run.
+        shares: Share of the run's counted episodes; of all episodes for classes that stand apart.
     """
 
     failure: Failure
@@ -58,12 +58,12 @@ class FailureRow:
 
 @dataclass(frozen=True)
 class ModuleRow:
-    """Where time went, in every run.
+    """Time of one module in every run.
 
     Attributes:
-        name: Of the module.
-        milliseconds: A step, mean.
-        shares: Of the whole time.
+        name: Name of the module.
+        milliseconds: Mean time per step, milliseconds.
+        shares: Share of the total time.
     """
 
     name: str
@@ -83,7 +83,7 @@ class Pair:
         spl: Difference of SPL.
         soft_spl: Difference of SoftSPL.
         steps: Difference of the number of steps.
-        outcomes: Who succeeded where.
+        outcomes: Numbers of episodes that both, one or neither found.
     """
 
     first: str
@@ -164,7 +164,7 @@ def failures(runs: Sequence[RunData]) -> list[FailureRow]:
 
 
 def module_times(runs: Sequence[RunData]) -> list[ModuleRow]:
-    """Where time went, longest first; what no module claims is "everything else"."""
+    """Time per module, longest first; what no module claims is "everything else"."""
     means = [_milliseconds_a_step(run.records) for run in runs]
     names = sorted(
         {name for mean in means for name in mean if name != "total"},
@@ -181,7 +181,7 @@ def module_times(runs: Sequence[RunData]) -> list[ModuleRow]:
 
 
 def questions_a_step(runs: Sequence[RunData]) -> dict[str, list[float]]:
-    """How often every kind of question was asked, a step, in every run."""
+    """Questions per step of every kind, in every run."""
     totals = [Counter[str]() for _ in runs]
     for total, run in zip(totals, runs, strict=True):
         for record in run.records:
@@ -200,7 +200,7 @@ def pair(first: RunData, second: RunData) -> Pair:
     scenes = [key[0] for key in keys]
 
     def compared(value: Callable[[int], tuple[float, float]]) -> Comparison:
-        values = [value(place) for place in range(len(keys))]
+        values = [value(index) for index in range(len(keys))]
         return compare([x for x, _ in values], [y for _, y in values], scenes)
 
     return Pair(
@@ -253,7 +253,7 @@ def _distance_class(distance_m: float) -> str:
 def _class_names() -> list[str]:
     edges = list(pairwise(DISTANCE_BINS_M))
     named = [f"{low:g} to {high:g} m" for low, high in edges[1:-1]]
-    return [f"under {edges[0][1]:g} m", *named, f"{edges[-1][0]:g} m and more", "no way there"]
+    return [f"under {edges[0][1]:g} m", *named, f"{edges[-1][0]:g} m and more", "no path there"]
 
 
 def _milliseconds_a_step(records: Sequence[EpisodeRecord]) -> dict[str, float]:

@@ -1,4 +1,4 @@
-"""Reading what a model said: one of the allowed answers, a form, or a fault.
+"""Parsing of model answers: one of the allowed answers, a JSON form, or a fault.
 
 Several servers accept a constraint and silently ignore it (``transformers serve`` logs a warning
 and goes on, Ollama's cloud drops JSON schemas), so every answer is checked here, always.
@@ -39,17 +39,17 @@ def parse_answer(
     probabilities: Mapping[str, float] | None = None,
     refused: bool = False,
 ) -> Answer:
-    """Check a model's words against what was asked.
+    """Parse the text of a model and check it against the question.
 
     Args:
-        question: What was asked.
-        text: What the model said.
-        model: Its name.
-        usage: Tokens.
-        seconds: How long it took.
-        lost: Earlier attempts that came to nothing, by reason.
-        probabilities: Of the allowed answers.
-        refused: The server itself says that the model declined.
+        question: Question that was asked.
+        text: Text of the model.
+        model: Name of the model.
+        usage: Token usage.
+        seconds: Duration of the request.
+        lost: Number of failed attempts before this answer, by reason.
+        probabilities: Probabilities of the allowed answers.
+        refused: Whether the server reports that the model declined.
     """
     # Half a surrogate pair, which JSON can carry, could not be written to any file.
     text = text.encode("utf-16", "surrogatepass").decode("utf-16", "replace")
@@ -79,7 +79,7 @@ def without_thinking(text: str) -> str:
 
 
 def shortened(text: str, length: int = _SHORT) -> str:
-    """For messages: one line of limited length."""
+    """Text as one line of limited length, for messages."""
     line = " ".join(text.split())
     return line if len(line) <= length else line[: length - 1] + "…"
 

@@ -1,4 +1,4 @@
-"""How chat models are reached and how patient we are with them."""
+"""Configuration of chat models: connection, retries, sampling and image quality."""
 
 from typing import Literal
 
@@ -25,20 +25,22 @@ class ChatConfig(RoomConfig):
     Attributes:
         timeout_s: Longest wait for one attempt (the SDK's own 600 s would freeze a robot).
         connect_timeout_s: Longest wait for a connection.
-        patience_s: From asking a question to giving the model up. Failed attempts are repeated
-            until then; 0 asks once.
-        first_wait_s: Between the first two attempts; doubles each time.
-        longest_wait_s: Between two attempts. A server's own ``Retry-After`` is cut to it, too.
-        dialect: How the server is told to choose among allowed answers; "auto" finds out.
-        temperature: 0 is the most repeatable. None leaves it to the server, as some hosted
-            reasoning models insist.
-        seed: For servers that sample. None sends none.
-        logprobs: Ask for the probabilities of allowed answers where the server tells them.
-        decisions: Ask a decision endpoint, which answers closed questions with a probability for
-            every allowed answer, where the server has one.
-        jpeg_quality: Of the images that are sent (colour is not subsampled).
-        device: For a model in this process: "auto", "cpu", "cuda", "cuda:1", "mps".
-        dtype: For a model in this process: "auto" is bfloat16 where the device has it.
+        patience_s: Time after which an unanswered question is given up. Failed attempts are
+            repeated until then; 0 asks once.
+        first_wait_s: Wait between the first two attempts; doubles each time.
+        longest_wait_s: Longest wait between two attempts. A server's own ``Retry-After`` is cut to
+            it, too.
+        dialect: API dialect in which the server takes a choice among allowed answers; "auto" finds
+            out.
+        temperature: Sampling temperature; 0 is the most repeatable. None leaves it to the server,
+            as some hosted reasoning models insist.
+        seed: Seed for servers that sample. None sends none.
+        logprobs: Whether to request the probabilities of allowed answers.
+        decisions: Whether to use a decision endpoint, which answers closed questions with a
+            probability for every allowed answer, where the server has one.
+        jpeg_quality: JPEG quality of the images that are sent (colour is not subsampled).
+        device: Device of a model in this process: "auto", "cpu", "cuda", "cuda:1", "mps".
+        dtype: Number format of a model in this process: "auto" is bfloat16 where the device has it.
     """
 
     timeout_s: float = Field(default=60.0, gt=0.0)

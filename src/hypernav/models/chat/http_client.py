@@ -1,4 +1,4 @@
-"""The one place where requests leave for an OpenAI-compatible server, through its SDK."""
+"""HTTP client of an OpenAI-compatible server, on top of the OpenAI SDK."""
 
 import json
 import os
@@ -33,7 +33,7 @@ class BadRequestError(ModelRejectedError):
 class HttpClient:
     """Sends JSON and receives JSON; every failure becomes one of our errors.
 
-    The SDK's own retries are off: they would be neither counted nor bounded by our patience. The
+    The SDK's own retries are off: they would be neither counted nor bounded by `Retry`. The
     key comes from the environment only and never shows in messages: ``HYPERNAV_API_KEY`` goes to
     any server, ``OPENAI_API_KEY`` only over https or within this machine.
     """
@@ -44,7 +44,7 @@ class HttpClient:
         """Prepare; nothing is sent yet.
 
         Raises:
-            ConfigError: The URL is none, or holds a password.
+            ConfigError: The URL is malformed, or holds a password.
         """
         self.url = _checked(url)
         self._key = _key_for(self.url, environment)
@@ -59,7 +59,7 @@ class HttpClient:
         Raises:
             ChatTimeoutError: No answer within the limit.
             ChatTransportError: No connection, a server's fault, or a broken answer.
-            ModelRejectedError: The server will never answer this.
+            ModelRejectedError: The server rejects the request for good.
         """
         return self._exchange("POST", path, body, limit_s)
 

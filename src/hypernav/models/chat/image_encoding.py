@@ -1,4 +1,4 @@
-"""Images on their way to a model."""
+"""JPEG encoding and content hashes of images sent to a model."""
 
 import base64
 import hashlib
@@ -23,7 +23,7 @@ def jpeg_bytes(image: Image, *, quality: int = 95) -> bytes:
         ],
     )
     if not done:
-        raise ModelError(f"a image of {image.shape} could not be encoded as JPEG")
+        raise ModelError(f"an image of {image.shape} could not be encoded as JPEG")
     return data.tobytes()
 
 
@@ -38,7 +38,7 @@ def jpeg_data_url(image: Image, *, quality: int = 95) -> str:
 
 
 def content_hash(image: Image) -> str:
-    """A name for the image's pixels: equal exactly when size and all pixels are equal."""
+    """Hash of an image, equal exactly when size and all pixels are equal."""
     pixels = np.ascontiguousarray(image)
     digest = hashlib.sha256(f"{pixels.shape[1]}x{pixels.shape[0]}:".encode())
     digest.update(pixels.tobytes())

@@ -1,4 +1,4 @@
-"""What the questions cost: calls, tokens, seconds and retries, by kind of question."""
+"""Ledger of model calls: tokens, seconds and retries by kind of question."""
 
 import threading
 from collections import Counter
@@ -20,7 +20,7 @@ class LedgerRow:
         tokens_out: Answer tokens.
         seconds: Time spent waiting; questions that overlapped count in full.
         retries: Attempts beyond the first.
-        lost: Why they were needed: "transport" or "timeout".
+        lost: Number of failed attempts by reason, "transport" or "timeout".
         faults: Unusable answers and given-up questions, by their reason.
     """
 
@@ -43,7 +43,7 @@ class LedgerRow:
         self.faults.update(other.faults)
 
     def as_dict(self) -> dict[str, Any]:
-        """Ready for JSON."""
+        """Sums as JSON values."""
         return {
             "calls": self.calls,
             "tokens_in": self.tokens_in,
@@ -101,11 +101,11 @@ class Ledger:
         price_in_per_million: float | None = None,
         price_out_per_million: float | None = None,
     ) -> dict[str, Any]:
-        """For ``result.json``.
+        """Ledger as JSON values, for ``result.json``.
 
         Args:
-            price_in_per_million: Of a million prompt tokens, in any currency.
-            price_out_per_million: Of a million answer tokens.
+            price_in_per_million: Price of a million prompt tokens, in any currency.
+            price_out_per_million: Price of a million answer tokens.
 
         Returns:
             ``total``, ``kinds`` and, if a price is given, ``cost`` in the price's currency.

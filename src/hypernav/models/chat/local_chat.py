@@ -39,13 +39,13 @@ class LocalChat:
         dtype = choose_dtype(self.device, self.config.dtype)
         self._processor = load_pretrained("AutoProcessor", path)
         if getattr(self._processor, "image_processor", None) is None:
-            raise ModelError(f"'{path}' is a model for text only; it cannot see pictures")
+            raise ModelError(f"'{path}' is a model for text only; it cannot see images")
         model = load_pretrained("AutoModelForImageTextToText", path, dtype=dtype)
         self._model = model.to(self.device).eval()
         self._lock = threading.Lock()
 
     def identify(self) -> str:
-        """The path or id."""
+        """Path or id of the model."""
         return self._path
 
     def ask(self, question: Question) -> Answer:

@@ -26,7 +26,7 @@ _DETECTION_LIMIT_S = 10.0
 
 @dataclass(frozen=True)
 class _Reply:
-    """What came back for one question, before it is checked against the question."""
+    """Reply to one question, before it is checked against the question."""
 
     text: str
     usage: Usage
@@ -55,15 +55,15 @@ class OpenAiChat:
         """Prepare; the server is first spoken to when a question comes.
 
         Args:
-            url: Of the API, for example ``http://localhost:8000/v1``.
-            model: Its name there; None takes the server's only one.
-            config: Timeouts, patience, dialect.
-            environment: Where the key is.
-            sleep: Waits between attempts.
-            clock: Seconds.
+            url: URL of the API, for example ``http://localhost:8000/v1``.
+            model: Name of the model on the server; None takes the server's only one.
+            config: Timeouts, retries, dialect.
+            environment: Environment variables, which hold the key.
+            sleep: Function that waits for a number of seconds.
+            clock: Function that returns monotonic seconds.
 
         Raises:
-            ConfigError: The URL is none, or holds a password.
+            ConfigError: The URL is malformed, or holds a password.
         """
         self.config = config or ChatConfig()
         self._client = HttpClient(url, self.config, environment)
@@ -76,7 +76,7 @@ class OpenAiChat:
 
     @property
     def url(self) -> str:
-        """Of the API."""
+        """URL of the API."""
         return self._client.url
 
     def identify(self) -> str:
@@ -93,7 +93,7 @@ class OpenAiChat:
         return self._dropped
 
     def server(self) -> ServerInfo:
-        """What the server is; asked once.
+        """Model and dialect of the server; detected once.
 
         Raises:
             ModelUnavailableError: It cannot be reached, or has no such model.
@@ -107,8 +107,8 @@ class OpenAiChat:
         """Ask, wait, read and check.
 
         Raises:
-            ModelUnavailableError: The server stayed away for longer than the configured patience,
-                or (`ModelRejectedError`) will never answer this.
+            ModelUnavailableError: The server gave no answer within ``patience_s``,
+                or (`ModelRejectedError`) rejects the request for good.
         """
         begin = self._clock()
         server = self.server()
@@ -215,7 +215,7 @@ class OpenAiChat:
 
 
 def _parse_completion(reply: Any, question: Question, *, wrapped: bool) -> _Reply:
-    """Take a chat completion apart; half a one counts as lost on the way."""
+    """Parse a chat completion; an incomplete one counts as a transport error."""
     choices = reply.get("choices")
     choice = choices[0] if isinstance(choices, list) and choices else None
     message = choice.get("message") if isinstance(choice, dict) else None

@@ -1,4 +1,4 @@
-"""Recording what a chat model was asked and said, and replaying it without the model.
+"""Recording of a chat model's exchanges, and their replay without the model.
 
 A recording is a JSON-lines file: a header, then one exchange a line in the order of the answers.
 Images are named by the hash of their pixels, so a recording stays small and a replay notices when
@@ -162,7 +162,7 @@ class ReplayChat:
 
         Raises:
             RecordingError: The question is not in the recording, or was asked fewer times.
-            ModelUnavailableError: As it was then.
+            ModelUnavailableError: The recorded model was unavailable.
         """
         asked = _RecordedQuestion.of(question)
         with self._lock:
@@ -233,4 +233,4 @@ def _similarity(a: _RecordedQuestion, b: _RecordedQuestion) -> float:
 
 def _images(question: _RecordedQuestion) -> str:
     hashes = " ".join(name[:8] for name in question.images)
-    return f"with picture {hashes}" if hashes else "without a picture"
+    return f"with image {hashes}" if hashes else "without an image"

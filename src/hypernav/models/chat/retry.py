@@ -1,4 +1,4 @@
-"""Asking again: bounded, with growing waits, and never a retry for what cannot succeed."""
+"""Bounded retries with exponential backoff; what cannot succeed is never retried."""
 
 import logging
 import time
@@ -14,11 +14,11 @@ _log = logging.getLogger(__name__)
 
 
 class RetryLaterError(ChatTransportError):
-    """A server that is there but cannot answer now; it may say how long to wait.
+    """A server that is reachable but cannot answer now; it may say how long to wait.
 
     Attributes:
-        wait_s: What the server asks for; None if it does not say.
-        status: Of HTTP.
+        wait_s: Wait that the server asks for; None if it does not say.
+        status: HTTP status code.
     """
 
     def __init__(self, message: str, wait_s: float | None = None, *, status: int = 503) -> None:
@@ -29,7 +29,7 @@ class RetryLaterError(ChatTransportError):
 
 
 class Retry:
-    """Repeats what got lost or took too long, until it succeeds or the patience is used up.
+    """Repeats lost or timed-out attempts until one succeeds or ``patience_s`` has passed.
 
     Of the waits between attempts the first is ``first_wait_s`` and each is twice the one before,
     up to ``longest_wait_s``.
@@ -45,9 +45,9 @@ class Retry:
         """Prepare.
 
         Args:
-            config: Timeouts, waits and patience.
-            sleep: Waits for a number of seconds.
-            clock: Tells seconds that never run backwards.
+            config: Timeouts, waits and ``patience_s``.
+            sleep: Function that waits for a number of seconds.
+            clock: Function that returns monotonic seconds.
         """
         self._config = config
         self._sleep = sleep
@@ -59,14 +59,14 @@ class Retry:
         """Attempt until it works.
 
         Args:
-            attempt: Takes the seconds that it may last.
-            who: Is asked, for messages.
+            attempt: Function of one attempt; takes its time limit in seconds.
+            who: Name of the server, for messages.
 
         Returns:
             The result, and how many attempts before it were lost to "transport" and "timeout".
 
         Raises:
-            ModelUnavailableError: The patience is used up.
+            ModelUnavailableError: No attempt succeeded within ``patience_s``.
         """
         config = self._config
         begin = self._clock()

@@ -1,4 +1,4 @@
-"""Finding out what a server is and which model it has.
+"""Detection of a server's kind and of its models.
 
 What ``GET /models`` says in ``owned_by``: vLLM "vllm", SGLang "sglang", llama.cpp "llamacpp",
 Ollama "library". A server that says none of these is asked whether it has a decision endpoint,
@@ -25,12 +25,12 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class ServerInfo:
-    """What is known of a server.
+    """Model, models and dialect of a server.
 
     Attributes:
-        model: Who is asked.
-        models: All that it offers; empty if it does not say.
-        dialect: How it is told what may be answered.
+        model: Name of the model in use.
+        models: Names of all models it offers; empty if it does not say.
+        dialect: API dialect that it speaks.
     """
 
     model: str
@@ -41,13 +41,13 @@ class ServerInfo:
 def detect_server(
     client: HttpClient, model: str | None, config: ChatConfig, *, limit_s: float
 ) -> ServerInfo:
-    """Ask a server what it is.
+    """Detect a server's dialect and model.
 
     Args:
         client: HTTP client of the server.
-        model: The wanted model's name; None takes the only one.
-        config: May name the dialect, which saves finding out.
-        limit_s: For each of up to three requests.
+        model: Name of the wanted model; None takes the only one.
+        config: Configuration; a dialect named there is not detected.
+        limit_s: Time limit of each of up to three requests, seconds.
 
     Raises:
         ModelRejectedError: It has several models or none, and none was named.

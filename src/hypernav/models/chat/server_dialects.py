@@ -1,4 +1,4 @@
-"""How each kind of server is told what may be answered. One small adapter per dialect.
+"""API dialects: how each kind of server constrains an answer. One small adapter per dialect.
 
 Sources, all of them the servers' own pages:
 
@@ -30,15 +30,15 @@ _WRAPPING_TOKENS = 24
 
 @dataclass(frozen=True)
 class ServerDialect:
-    """What a kind of server understands.
+    """Abilities of one kind of server.
 
     Attributes:
-        name: For configuration and reports.
-        choice: How allowed answers are enforced.
-        form: How a JSON form is enforced.
-        logprobs: How many alternatives a token the server tells; 0 for none.
-        decision: Its decision endpoint.
-        token_limit: The field that bounds the answer.
+        name: Name in configuration and reports.
+        choice: Mechanism that enforces one of the allowed answers.
+        form: Mechanism that enforces a JSON form.
+        logprobs: Number of alternatives per token that the server reports; 0 for none.
+        decision: Name of the decision endpoint; empty if it has none.
+        token_limit: Request field that bounds the length of the answer.
     """
 
     name: DialectName
@@ -67,12 +67,12 @@ DIALECTS: dict[str, ServerDialect] = {
 
 @dataclass(frozen=True)
 class Constraint:
-    """What a dialect adds to a request.
+    """Constraint on an answer, as a dialect adds it to a request.
 
     Attributes:
-        fields: Of the request's body.
-        note: Of the prompt: servers advise to say in words, too, that JSON is wanted.
-        extra_tokens: Room for the JSON around the answer.
+        fields: Fields of the request body.
+        note: Addition to the prompt: servers advise to ask for JSON in words as well.
+        extra_tokens: Tokens of the JSON around the answer.
         wrapped: Whether the answer comes inside a JSON object.
     """
 
@@ -83,7 +83,7 @@ class Constraint:
 
 
 def constraint_for(dialect: ServerDialect, question: Question) -> Constraint:
-    """The fields that make a server of this dialect answer nothing else."""
+    """Constraint that makes a server of this dialect answer nothing else."""
     if question.allowed:
         return _choice(dialect, question.allowed)
     if question.form is not None and dialect.form == "json":

@@ -1,4 +1,4 @@
-"""In which coordinates each family of vision-language models answers, and what it is sent.
+"""Families of vision-language models: their box coordinates and image sizes.
 
 Sources:
 
@@ -34,18 +34,18 @@ _LONGEST_RATIO = 200.0
 
 @dataclass(frozen=True)
 class VlmFamily:
-    """How a family of models points at things.
+    """Box coordinates and image size of a family of models.
 
     Attributes:
-        name: For configuration and reports.
-        space: Of its coordinates: "pixels" of the image as it was sent, "thousandths" of the
+        name: Name in configuration and reports.
+        space: Unit of its coordinates: "pixels" of the image as it was sent, "thousandths" of the
             image's sides, or "unit" (0 to 1).
         side_multiple: The image is sent with sides that are multiples of this, so that the
             server need not resize it and pixels mean the same on both ends; 0 sends it as it is.
-        min_pixels: Of the image as it is sent.
-        max_pixels: Of the image as it is sent.
-        rows_first: Boxes are ``(y_min, x_min, y_max, x_max)``.
-        box_key: The key of a box in its JSON.
+        min_pixels: Smallest area of the image as it is sent.
+        max_pixels: Largest area of the image as it is sent.
+        rows_first: Whether boxes are ``(y_min, x_min, y_max, x_max)``.
+        box_key: Key of a box in its JSON.
     """
 
     name: FamilyName
@@ -119,7 +119,7 @@ def smart_resize(
         ModelError: One side is more than 200 times the other.
     """
     if max(width, height) > _LONGEST_RATIO * min(width, height):
-        raise ModelError(f"a picture of {width}×{height} is too narrow for this family of models")
+        raise ModelError(f"an image of {width}×{height} is too narrow for this family of models")
     new_width = max(multiple, round(width / multiple) * multiple)
     new_height = max(multiple, round(height / multiple) * multiple)
     if new_width * new_height > max_pixels:
@@ -173,7 +173,7 @@ def family_of(model: str) -> VlmFamily:
     """The family that a model's name tells of.
 
     Raises:
-        ConfigError: The name tells of none; guessing would put every box in the wrong place.
+        ConfigError: The name tells of none; guessing would put every box in the wrong position.
     """
     for pattern, name in _SPELLINGS:
         if re.search(pattern, model, re.IGNORECASE):

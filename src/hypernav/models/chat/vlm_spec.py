@@ -17,9 +17,9 @@ class VlmSpec:
     """Which chat model to open.
 
     Attributes:
-        kind: Of backend.
+        kind: Kind of backend.
         target: URL, path or id.
-        model: The model's name on the server; None where it has only one.
+        model: Name of the model on the server; None where it has only one.
     """
 
     kind: Literal["openai", "local", "replay"]
@@ -50,7 +50,7 @@ def open_chat(spec: VlmSpec | str, config: ChatConfig | None = None) -> ChatMode
     """Open a chat model. A server is first spoken to when a question comes.
 
     Raises:
-        ConfigError: The spec is none.
+        ConfigError: The specification is malformed.
         MissingExtraError: A model in this process needs packages that are not installed.
         ModelError: Its weights are not there.
         RecordingError: The recording is missing or broken.

@@ -1,4 +1,4 @@
-"""Opening ONNX files, with errors that say what is wrong with them."""
+"""ONNX inference sessions, with errors that say what is wrong with a file."""
 
 from pathlib import Path
 from typing import Any
@@ -12,7 +12,7 @@ def open_session(path: Path, *, threads: int = 2) -> Any:
 
     Args:
         path: An ``.onnx`` file.
-        threads: Within one operator. A navigating robot needs its other cores for itself.
+        threads: Threads within one operator. A navigating robot needs its other cores for itself.
 
     Raises:
         MissingExtraError: onnxruntime is not installed.

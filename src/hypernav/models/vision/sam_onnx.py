@@ -45,7 +45,7 @@ class OnnxSamConfig(RoomConfig):
         side_px: Longest side of the image as the encoder was trained on.
         mask_side_px: Side of the decoder's mask input.
         clip_to_box: Drop what the mask has outside the box.
-        threads: Of onnxruntime.
+        threads: Threads of onnxruntime.
     """
 
     side_px: int = Field(default=1024, ge=64)
@@ -96,7 +96,7 @@ class OnnxSamSegmenter:
         mask = np.asarray(masks)[0, best] > 0.0
         if mask.shape != (height, width):
             raise ModelError(
-                f"the SAM decoder gave a mask of {mask.shape} for a picture of {(height, width)}"
+                f"the SAM decoder gave a mask of {mask.shape} for an image of {(height, width)}"
             )
         return clipped_to_box(mask, box) if self.config.clip_to_box else mask
 
@@ -125,7 +125,7 @@ class OnnxSamSegmenter:
         if len(inputs) != 1 or len(inputs[0].shape) not in {3, 4}:
             found = ", ".join(f"{one.name} {one.shape}" for one in inputs)
             raise ModelError(
-                f"{encoder} is not a SAM encoder: expected one picture "
+                f"{encoder} is not a SAM encoder: expected one image "
                 f"[1, 3, {self.config.side_px}, {self.config.side_px}] or [height, width, 3], "
                 f"found {found}"
             )

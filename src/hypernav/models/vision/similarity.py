@@ -1,4 +1,4 @@
-"""How well a text fits an image: CLIP, SigLIP, SigLIP 2 and BLIP-2's matching head.
+"""Similarity of an image and a text: CLIP, SigLIP, SigLIP 2 and BLIP-2's matching head.
 
 Sources: Radford et al. 2021 (CLIP: cosine of two embeddings), Zhai et al. 2023 (SigLIP: a
 probability by a sigmoid; its text is padded to 64 tokens, as it was trained), Li et al. 2023
@@ -64,7 +64,7 @@ class ImageTextSimilarity:
         self._processor = load_pretrained("AutoProcessor", path)
 
     def similarity(self, image: Image, text: str) -> float:
-        """From 0 (not at all) to 1; comparable only between answers of the same model."""
+        """Similarity from 0 (none) to 1; comparable only between answers of the same model."""
         siglip = self._kind.startswith("siglip")
         padding = {"padding": "max_length", "max_length": _SIGLIP_TOKENS} if siglip else {}
         inputs = self._processor(

@@ -30,7 +30,7 @@ class YoloxConfig(RoomConfig):
         score_threshold: Detections below this are dropped; objectness times class score.
         nms_iou: Of two boxes of one class that overlap more than this, the better one stays.
         min_box_pixels: A narrower or lower box is dropped.
-        threads: Of onnxruntime.
+        threads: Threads of onnxruntime.
         classes: Names in the order of the network's outputs.
         fallback_input_px: Side of the input for an export whose own input size is not fixed.
     """
@@ -44,7 +44,7 @@ class YoloxConfig(RoomConfig):
 
 
 class YoloxDetector:
-    """Sees the things of a closed set of classes (COCO's 80 unless configured otherwise).
+    """Detects the objects of a closed set of classes (COCO's 80 unless configured otherwise).
 
     Reads both kinds of export: the raw head, which is decoded here, and one with the decoding
     built in (``--decode_in_inference``).
@@ -66,7 +66,7 @@ class YoloxDetector:
 
     @property
     def name(self) -> str:
-        """For traces and reports."""
+        """Name in traces and reports."""
         return f"yolox:{self.path.name}"
 
     def check_goal(self, goal: Goal) -> str:

@@ -40,7 +40,7 @@ class ZeroShotConfig(RoomConfig):
 
 
 class ZeroShotDetector:
-    """Sees whatever has a name."""
+    """Detects objects of any name."""
 
     def __init__(self, path: str, config: ZeroShotConfig | None = None) -> None:
         """Load a model from disk.
@@ -66,7 +66,7 @@ class ZeroShotDetector:
 
     @property
     def name(self) -> str:
-        """For traces and reports."""
+        """Name in traces and reports."""
         return f"zero-shot:{self._path}"
 
     def detect(self, observation: Observation, goal: Goal) -> list[Detection]:

@@ -1,4 +1,4 @@
-"""What the colours and marks of a map mean, in one row."""
+"""Legend of a map: its colours and marks in one row."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -16,13 +16,13 @@ _Drawing = Callable[[UInt8[np.ndarray, "_ _ 3"], float, float, float], None]
 
 
 class Layer(StrEnum):
-    """What a map can show, named as the legend names it."""
+    """Layers of a map, named as in the legend."""
 
     FREE = "free floor"
     OCCUPIED = "obstacle"
     UNKNOWN = "not seen yet"
     START = "start"
-    TRAJECTORY = "way so far"
+    TRAJECTORY = "path so far"
     ROBOT = "robot"
     PATH = "plan"
     DESTINATION = "destination"
@@ -43,14 +43,14 @@ def draw_legend(
 
     Args:
         image: RGB.
-        layers: What to explain, in this order.
-        left: Where the row starts, pixels.
-        middle: The row's middle line, pixels.
-        size: Height of the type's em square, pixels.
+        layers: Layers to explain, in this order.
+        left: Column at which the row starts, pixels.
+        middle: Middle line of the row, pixels.
+        size: Height of the em square, pixels.
         gap: Space between entries, in em.
 
     Returns:
-        Where the row ends, pixels.
+        Column at which the row ends, pixels.
     """
     for layer in layers:
         _SAMPLES[layer](image, left, middle, float(size))

@@ -41,17 +41,17 @@ def draw_map(
     Args:
         grid: The map.
         size: Side of the image, pixels; unused if ``view`` is given.
-        view: What the image shows; by default the explored area, fitted and centred.
-        robot: Where the robot is.
-        trajectory: Where it has been.
-        start: Where it began.
-        path: The way it means to go.
-        destination: Where it is going.
+        view: Window of the map; by default the explored area, fitted and centred.
+        robot: Pose of the robot.
+        trajectory: Past positions of the robot.
+        start: Start position.
+        path: Planned path.
+        destination: Destination of the path.
         goal_area: Polygons around the cells that the goal was seen on.
-        blocks: Numbered squares.
-        chosen: The number of the block that stands out.
+        blocks: Numbered blocks.
+        chosen: Number of the highlighted block.
         excluded: Numbers of the blocks that are hatched.
-        block_opacity: 0 to 1, for blocks that fade away.
+        block_opacity: Opacity of the blocks, 0 to 1.
 
     Returns:
         RGB.
@@ -91,13 +91,13 @@ def draw_overview(
     """Draw the image that comes with the question "which block next?".
 
     White is free, dark is occupied, grey is unknown; the orange arrow is the robot, the blue line
-    where it has been, the numbered squares are the blocks.
+    its trajectory, the numbered squares are the blocks.
 
     Args:
         grid: The map.
         blocks: All blocks that may be answered.
-        robot: Where the robot is, ``map`` frame.
-        trajectory: Where it has been, ``map`` frame, metres.
+        robot: Pose of the robot, ``map`` frame.
+        trajectory: Past positions of the robot, ``map`` frame, metres.
         size: Side of the image, pixels.
         excluded: Numbers of blocks that may not be answered; hatched.
 

@@ -45,7 +45,7 @@ class MapPainter:
         Args:
             grid: The map.
             size: Side of the image, pixels; unused if ``view`` is given.
-            view: What the image shows; by default the explored area, fitted and centred.
+            view: Window of the map; by default the explored area, fitted and centred.
         """
         self.view = view if view is not None else MapView.fit(grid, size)
         self.image: UInt8[np.ndarray, "_ _ 3"] = rasterize_map(grid, self.view)
@@ -116,7 +116,7 @@ class MapPainter:
             )
 
     def trajectory(self, points: Sequence[XY]) -> None:
-        """Draw where the robot has been, from pale (long ago) to dark (now)."""
+        """Draw the trajectory, from pale (long ago) to dark (now)."""
         line = self._pixels(points)
         pieces = min(max(len(line) - 1, 0), _SHADES_OF_TIME)
         for piece in range(pieces):
@@ -126,14 +126,14 @@ class MapPainter:
             shapes.line(self.image, line[start : end + 1], color, 3.4 * self._unit)
 
     def start(self, x: float, y: float) -> None:
-        """Mark where the robot began."""
+        """Mark the start position."""
         at, radius = self.view.pixel_of(x, y), max(6.0 * self._unit, 4.0)
         shapes.disc(self.image, at, radius + 1.5, palette.FREE)
         shapes.disc(self.image, at, radius, palette.TRAJECTORY_NEW)
         shapes.disc(self.image, at, 0.45 * radius, palette.FREE)
 
     def path(self, points: Sequence[XY]) -> None:
-        """Draw the way that the robot means to go, dashed."""
+        """Draw the planned path, dashed."""
         line = self._pixels(points)
         dash = max(10.0 * self._unit, 6.0)
         shapes.dashed_line(
@@ -141,7 +141,7 @@ class MapPainter:
         )
 
     def destination(self, x: float, y: float) -> None:
-        """Mark where the robot is going: a ring with a cross."""
+        """Mark the destination: a ring with a cross."""
         mark = self._mark_disc(x, y)
         at, radius = (mark.u, mark.v), mark.radius - 3.0 * self._unit
         arm = 0.62 * radius
@@ -219,9 +219,9 @@ def draw_arrow(
 
     Args:
         image: RGB.
-        at: Where, pixels.
-        yaw: Where it looks: radians, counter-clockwise from the image's right.
-        radius: Of the disc that holds the arrow, pixels.
+        at: Centre of the arrow, pixels.
+        yaw: Heading, radians counter-clockwise from the image's right.
+        radius: Radius of the disc that holds the arrow, pixels.
     """
     c, s = math.cos(yaw), math.sin(yaw)
     turned = np.stack([_ARROW @ (c, -s), -(_ARROW @ (s, c))], axis=1)

@@ -1,4 +1,4 @@
-"""The ground of every map image: unknown, free and occupied cells as colours."""
+"""Base layer of every map image: unknown, free and occupied cells as colours."""
 
 import math
 from functools import reduce

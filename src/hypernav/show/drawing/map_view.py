@@ -1,4 +1,4 @@
-"""Which part of the map an image shows: metres to pixels and back. Only here y is flipped."""
+"""Window of the map that an image shows: metres to pixels and back. Only here y is flipped."""
 
 import math
 from collections.abc import Iterable
@@ -25,8 +25,8 @@ class MapView:
     pixel column c covers ``[c, c + 1)``.
 
     Attributes:
-        left_m: x of the image's left edge, ``map`` frame.
-        top_m: y of its upper edge.
+        left_m: x of the left edge of the image, ``map`` frame, metres.
+        top_m: y of the upper edge of the image, ``map`` frame, metres.
         pixels_per_m: Scale.
         size: Side of the image, pixels.
     """
@@ -46,7 +46,8 @@ class MapView:
         """Fit and centre a rectangle.
 
         Args:
-            bounds: What must be visible; anything smaller than 4 m is shown with room around it.
+            bounds: Rectangle that must be visible; anything smaller than 4 m is shown with room
+                around it.
             size: Side of the image, pixels.
             margin: Empty rim on every side, as a share of the image.
         """
@@ -74,7 +75,7 @@ class MapView:
         Args:
             grid: The map.
             size: Side of the image, pixels.
-            points: More that must be visible, for example the trajectory, ``map`` frame.
+            points: Further points that must be visible, ``map`` frame, metres.
             margin: Empty rim on every side, as a share of the image.
         """
         return MapView.around(explored_bounds(grid, points), size, margin=margin)
@@ -127,7 +128,7 @@ class SteadyView:
 
         Args:
             size: Side of the image, pixels.
-            room: How much larger than needed a new window is.
+            room: Size of a new window relative to the needed size.
         """
         self._size = size
         self._room = room

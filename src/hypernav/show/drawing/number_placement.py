@@ -1,4 +1,4 @@
-"""Where the numbers of blocks are written: inside their squares and clear of the robot."""
+"""Positions of block numbers: inside their squares and clear of the robot."""
 
 import math
 from collections.abc import Sequence
@@ -7,7 +7,7 @@ from typing import NamedTuple
 _OFFSETS = tuple(
     sorted(
         ((u / 4.0, v / 4.0) for u in range(-4, 5) for v in range(-4, 5)),
-        key=lambda place: (math.hypot(*place), place),
+        key=lambda offset: (math.hypot(*offset), offset),
     )
 )
 
@@ -16,9 +16,9 @@ class Square(NamedTuple):
     """A block in an image, pixels.
 
     Attributes:
-        left: u of its left edge.
-        top: v of its upper edge.
-        side: Length of its sides.
+        left: Column of the left edge.
+        top: Row of the upper edge.
+        side: Side length.
     """
 
     left: float
@@ -27,7 +27,7 @@ class Square(NamedTuple):
 
 
 class Disc(NamedTuple):
-    """A place that must stay free, pixels."""
+    """A region that must stay free, pixels."""
 
     u: float
     v: float
@@ -37,17 +37,17 @@ class Disc(NamedTuple):
 def number_position(
     square: Square, width: float, height: float, robot: Disc | None, mark: Disc | None = None
 ) -> tuple[float, float]:
-    """The middle of a number: as near to the middle of its square as robot and mark let it.
+    """Centre of a number, as near to the centre of its square as robot and mark allow.
 
     Where the square is too small, the number rather touches the mark than the robot; where it
     cannot hold number and robot, the number is moved out of it, straight away from the robot.
 
     Args:
         square: The block.
-        width: Of the written number.
-        height: Of the written number.
-        robot: Where the robot is drawn.
-        mark: Where the mark of the destination is drawn.
+        width: Width of the written number.
+        height: Height of the written number.
+        robot: Disc that holds the robot's arrow.
+        mark: Disc that holds the mark of the destination.
 
     Returns:
         ``(u, v)``.
@@ -57,8 +57,8 @@ def number_position(
     reach_v = max(square.side - height, 0.0) / 2.0
     for obstacles in ((robot, mark), (robot,)):
         discs = [disc for disc in obstacles if disc is not None]
-        for place_u, place_v in _OFFSETS:
-            at = (middle[0] + place_u * reach_u, middle[1] + place_v * reach_v)
+        for offset_u, offset_v in _OFFSETS:
+            at = (middle[0] + offset_u * reach_u, middle[1] + offset_v * reach_v)
             if all(_apart(at, width, height, disc) for disc in discs):
                 return at
     return _moved_away(middle, width, height, robot) if robot is not None else middle
@@ -81,6 +81,6 @@ def _moved_away(
 
 
 def number_size(squares: Sequence[Square], image_size: int) -> int:
-    """The size of type for the numbers of an image: one for all, by the smallest square."""
+    """Font size of all numbers of an image, fitted to the smallest square, pixels."""
     side = min((square.side for square in squares), default=0.0)
     return round(min(max(0.38 * side, image_size / 64.0, 9.0), image_size / 30.0))

@@ -1,7 +1,7 @@
 """Anti-aliased text on images, fast enough for video.
 
-Text is drawn with DejaVu Sans, which matplotlib brings along. A drawn word is kept as a mask, so
-that what repeats from frame to frame costs only a blend.
+Text is drawn with DejaVu Sans, which matplotlib brings along. A drawn line is cached as a mask,
+so that text repeated from frame to frame costs only a blend.
 """
 
 import math
@@ -35,7 +35,7 @@ def font(size: int, *, bold: bool = False) -> ImageFont.FreeTypeFont:
 
     Args:
         size: Height of the em square, pixels.
-        bold: The heavier cut.
+        bold: Whether to use the bold weight.
     """
     name = "DejaVuSans-Bold.ttf" if bold else "DejaVuSans.ttf"
     return ImageFont.truetype(str(_font_folder() / name), size)
@@ -49,7 +49,7 @@ def one_line(text: str) -> str:
 
 @lru_cache(maxsize=4096)
 def text_width(text: str, size: int, *, bold: bool = False) -> float:
-    """How wide a line of text is, pixels."""
+    """Width of a line of text, pixels."""
     return font(size, bold=bold).getlength(text)
 
 
@@ -106,10 +106,10 @@ class _Stamp(NamedTuple):
     """A drawn line of text, ready to be laid over an image.
 
     Attributes:
-        keep: Share of the image that shines through.
-        color: What is added to it.
-        left: Column of the text's start.
-        middle: Row of the middle of its capital letters.
+        keep: Share of the image that remains visible, 0 to 1.
+        color: Colour added to the image.
+        left: Column of the start of the text.
+        middle: Row of the middle of the capital letters.
     """
 
     keep: Float32[np.ndarray, "height width 1"]
@@ -169,12 +169,12 @@ def draw_text(
         text: One line.
         at: Pixel ``(x, y)``: y is the middle of the capital letters, x the start, middle or end.
         size: Height of the em square, pixels.
-        color: Of the letters.
-        bold: The heavier cut.
+        color: Colour of the letters.
+        bold: Whether to use the bold weight.
         align: 0 if the text starts at x, 0.5 if it is centred there, 1 if it ends there.
         halo: Colour of a rim around the letters, for uneven ground.
         halo_px: Width of the rim.
-        opacity: 0 to 1.
+        opacity: Opacity of text and rim, 0 to 1.
     """
     if not text:
         return

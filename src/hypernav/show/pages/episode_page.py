@@ -1,4 +1,4 @@
-"""The page of an episode: one file that tells what happened to someone who was not there."""
+"""Page of an episode: one HTML file with video, map, decisions and results."""
 
 import math
 import os
@@ -44,12 +44,12 @@ def write_page(
     """Write ``index.html``: one page that needs no network.
 
     Args:
-        folder: Where to write; made if missing.
-        result: What ``result.json`` holds; missing entries show as a dash.
-        steps: The trace; may be empty.
-        grid: The last map; None if there is none.
-        video: The episode's video; by default ``episode.mp4`` in the folder, if it exists.
-        embed_limit_bytes: A larger video is not put into the page, which then refers to the file.
+        folder: Folder of the page; made if missing.
+        result: Content of ``result.json``; missing entries show as a dash.
+        steps: Trace of the episode; may be empty.
+        grid: Last map; None if there is none.
+        video: Video of the episode; by default ``episode.mp4`` in the folder, if it exists.
+        embed_limit_bytes: Largest video that is embedded; the page links to a larger one.
 
     Returns:
         Path of the page.
@@ -110,7 +110,7 @@ def _band(phase: episode_summary.Phase, total: int) -> dict[str, Any]:
 
 
 def _player_data(steps: Sequence[StepTrace], grid: OccupancyGrid | None) -> dict[str, Any]:
-    """What the page's script needs to keep video, timeline and map together."""
+    """Data with which the page's script keeps video, timeline and map together."""
     robots, destinations = [], []
     if grid is not None:
         view = final_view(grid, steps, _MAP_SIZE)
@@ -140,12 +140,12 @@ def _summary(result: Mapping[str, Any]) -> str:
     shortest = result.get("shortest_path_m")
     text += "."
     if isinstance(shortest, int | float) and math.isfinite(shortest):
-        text += f" Someone who knew the way would have walked {captions.number(shortest, 1, 'm')}."
+        text += f" The shortest path is {captions.number(shortest, 1, 'm')}."
     return text
 
 
 def _facts(result: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Who searched, with what, and where."""
+    """Agent, detector, reasoner and scene, as name and value."""
 
     def told(name: str) -> str:
         return str(result.get(name) or "–")
@@ -165,11 +165,11 @@ def _metrics(result: Mapping[str, Any], steps: Sequence[StepTrace]) -> list[_Met
     number, value = captions.number, result.get
     figures = [
         _Metric("Success", number(value("success")), "stopped where the goal is within reach"),
-        _Metric("SPL", number(value("spl")), "success × shortest way ÷ way walked; 1 is perfect"),
+        _Metric("SPL", number(value("spl")), "success × shortest path ÷ path walked; 1 is perfect"),
         _Metric("SoftSPL", number(value("soft_spl")), "the same, with progress for success"),
         _Metric("Steps", number(value("steps")), "actions: forward, turn left, turn right, stop"),
-        _Metric("Way walked", number(value("path_length_m"), 2, "m"), "length of its path"),
-        _Metric("Shortest way", number(value("shortest_path_m"), 2, "m"), "start to goal"),
+        _Metric("Path walked", number(value("path_length_m"), 2, "m"), "length of the trajectory"),
+        _Metric("Shortest path", number(value("shortest_path_m"), 2, "m"), "start to goal"),
         _Metric("Distance to goal", number(value("distance_to_goal_m"), 2, "m"), "at the end"),
         _Metric("Model calls", number(value("model_calls")), "questions put to neural networks"),
     ]
@@ -181,16 +181,16 @@ def _metrics(result: Mapping[str, Any], steps: Sequence[StepTrace]) -> list[_Met
 
 
 def _cost(result: Mapping[str, Any]) -> str:
-    """What the tokens cost; empty if no price is known."""
+    """Cost of the tokens; empty if no price is known."""
     cost = (result.get("ledger") or {}).get("cost")
     return f"{cost:.4f}" if isinstance(cost, int | float) else ""
 
 
 def _fallbacks(result: Mapping[str, Any]) -> str:
-    """What was done in place of unusable answers, in one sentence; empty if nothing."""
+    """Fallbacks for unusable answers, in one sentence; empty if there were none."""
     counts = result.get("fallbacks") or {}
     boxes = counts.get("rejected_boxes") or {}
-    told = [f"{count} boxes or answers about the picture {why}" for why, count in boxes.items()]
+    told = [f"{count} boxes or answers about the image {why}" for why, count in boxes.items()]
     if counts.get("geometric_choices"):
         told.append(f"{counts['geometric_choices']} blocks chosen by the geometric rule instead")
     if counts.get("unsure_presence_checks"):

@@ -1,4 +1,4 @@
-"""The trace of an episode, gathered into what a page tells: phases, decisions, time spent."""
+"""Summary of an episode's trace: phases, decisions, model costs and time per module."""
 
 import math
 import statistics
@@ -18,12 +18,12 @@ _EVERY_STEP = frozenset({"ground", "attention"})
 
 @dataclass(frozen=True)
 class Phase:
-    """Steps in a row in which the robot did the same.
+    """A run of consecutive steps in one mode.
 
     Attributes:
-        mode: What it did.
-        first: Place of the first step in the trace.
-        count: How many steps.
+        mode: Mode of the steps.
+        first: Index of the first step in the trace.
+        count: Number of steps.
     """
 
     mode: Mode
@@ -43,12 +43,12 @@ def phases(steps: Sequence[StepTrace]) -> list[Phase]:
 
 @dataclass(frozen=True)
 class ModeShare:
-    """How much of an episode went into one mode.
+    """Share of an episode spent in one mode.
 
     Attributes:
-        mode: The mode.
-        count: Steps.
-        share: Of all steps, 0 to 1.
+        mode: Mode of the steps.
+        count: Number of steps.
+        share: Share of all steps, 0 to 1.
     """
 
     mode: Mode
@@ -57,20 +57,20 @@ class ModeShare:
 
 
 def mode_shares(steps: Sequence[StepTrace]) -> list[ModeShare]:
-    """How the steps divide among the modes that occur, in the order of `Mode`."""
+    """Shares of the modes that occur, in the order of `Mode`."""
     counts = {mode: sum(step.mode == mode for step in steps) for mode in Mode}
     return [ModeShare(mode, n, n / len(steps)) for mode, n in counts.items() if n]
 
 
 @dataclass(frozen=True)
 class AskedQuestion:
-    """One question, ready to be shown.
+    """One question as the page shows it.
 
     Attributes:
         exchange: Question and answer.
-        title: What it was about, in a few words.
-        who: Who was asked, in plain words.
-        answer: In plain words where the answer itself is for programs.
+        title: Subject of the question, in a few words.
+        who: Name of the component that answered, for people.
+        answer: Answer for people, also where the raw answer is for programs.
         likeliest: The likeliest answers with their probability, best first.
     """
 
@@ -86,12 +86,12 @@ class KeyStep:
     """A step at which something was decided or happened.
 
     Attributes:
-        place: Of the step in the trace, from 0.
-        step: Its trace.
-        asked: The questions of the moment.
+        index: Index of the step in the trace.
+        step: Trace of the step.
+        asked: Questions asked at the step.
     """
 
-    place: int
+    index: int
     step: StepTrace
     asked: tuple[AskedQuestion, ...]
 
@@ -103,27 +103,27 @@ def key_steps(steps: Sequence[StepTrace]) -> list[KeyStep]:
     something: at an event of a step that sees the goal.
     """
     told = []
-    for place, step in enumerate(steps):
+    for index, step in enumerate(steps):
         seen = bool(step.events and step.detections)
         asked = tuple(
             _asked_question(e, step) for e in step.exchanges if seen or e.kind not in _EVERY_STEP
         )
         if asked or step.events:
-            told.append(KeyStep(place, step, asked))
+            told.append(KeyStep(index, step, asked))
     return told
 
 
 @dataclass(frozen=True)
 class QuestionCosts:
-    """What the questions of one kind took.
+    """Costs of the questions of one kind.
 
     Attributes:
-        name: Of the kind, in plain words.
-        calls: How many were asked.
-        tokens_in: Read by the model.
-        tokens_out: Written by it.
-        seconds: Waited for it.
-        retries: Asked again, because something got lost.
+        name: Name of the kind, for people.
+        calls: Number of questions.
+        tokens_in: Tokens read by the model.
+        tokens_out: Tokens written by the model.
+        seconds: Time spent waiting for answers.
+        retries: Attempts beyond the first.
         unusable: Answers that could not be used, with their reasons; empty if all could.
     """
 
@@ -173,14 +173,14 @@ def _asked_question(exchange: Exchange, step: StepTrace) -> AskedQuestion:
 
 @dataclass(frozen=True)
 class ModuleTime:
-    """Time that one module took.
+    """Time spent in one module.
 
     Attributes:
-        name: In plain words.
-        seconds: In all.
-        share: Of the longest module, 0 to 1.
-        of_total: Of the whole episode, 0 to 1.
-        typical_s: Median over the steps in which it ran; None if the trace doesn't say.
+        name: Name of the module, for people.
+        seconds: Total time.
+        share: Time relative to the longest module, 0 to 1.
+        of_total: Share of the whole episode, 0 to 1.
+        typical_s: Median over the steps in which it ran; None if the trace has no times.
     """
 
     name: str
@@ -217,7 +217,7 @@ def module_times(result: Mapping[str, Any], steps: Sequence[StepTrace]) -> list[
 
 
 def total_seconds(result: Mapping[str, Any]) -> float | None:
-    """How long the episode took, if the result says."""
+    """Duration of the episode, if the result holds it."""
     return _number(_seconds_of(result).get("total"))
 
 

@@ -1,4 +1,4 @@
-"""What all pages of this package share: templates, style sheet and the images inside them."""
+"""Jinja environment, style sheet and data URIs that all pages share."""
 
 import base64
 import io
@@ -67,17 +67,17 @@ def mode_name(mode: Mode) -> str:
 
 
 def data_uri(content: bytes, kind: str) -> str:
-    """A file as an address that needs no network.
+    """A file as a data URI.
 
     Args:
-        content: The bytes.
+        content: Bytes of the file.
         kind: MIME type, for example ``image/png``.
     """
     return f"data:{kind};base64,{base64.b64encode(content).decode('ascii')}"
 
 
 def image_uri(image: UInt8[np.ndarray, "_ _ 3"]) -> str:
-    """An image as an address that needs no network; few colours make it small.
+    """An image as a data URI, quantized to 128 colours.
 
     Args:
         image: RGB.

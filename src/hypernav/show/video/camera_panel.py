@@ -1,4 +1,4 @@
-"""The robot's own view, with what the detector saw in it."""
+"""Camera image with the detections in it."""
 
 import cv2
 import numpy as np
@@ -25,9 +25,9 @@ def draw_camera(
 
     Args:
         rgb: The camera image.
-        detections: Of this image.
-        width: Of the panel, pixels.
-        height: Of the panel, pixels.
+        detections: Detections in this image.
+        width: Width of the panel, pixels.
+        height: Height of the panel, pixels.
 
     Returns:
         RGB, ``height`` by ``width``.

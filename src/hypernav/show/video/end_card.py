@@ -1,4 +1,4 @@
-"""The last frame of a video: how it ended."""
+"""Last frame of a video: outcome and metrics of the episode."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -28,9 +28,9 @@ def draw_end_card(
     """Draw the card that ends a video.
 
     Args:
-        title: What was looked for, by whom.
-        result: What `result.json` holds; missing entries show as a dash.
-        map_image: The final map, `MAP_SIZE` squared, if there is one.
+        title: Goal and components of the episode.
+        result: Content of `result.json`; missing entries show as a dash.
+        map_image: Final map, `MAP_SIZE` squared, if there is one.
 
     Returns:
         RGB, `HEIGHT` by `WIDTH`.
@@ -60,11 +60,11 @@ def _draw_numbers(frame: UInt8[np.ndarray, "_ _ 3"], result: Mapping[str, Any], 
         ("success", captions.number(result.get("success"))),
         ("SPL", captions.number(result.get("spl"))),
         ("steps", captions.number(result.get("steps"))),
-        ("way walked", captions.number(result.get("path_length_m"), 1, "m")),
-        ("shortest way", captions.number(result.get("shortest_path_m"), 1, "m")),
+        ("path walked", captions.number(result.get("path_length_m"), 1, "m")),
+        ("shortest path", captions.number(result.get("shortest_path_m"), 1, "m")),
         ("distance to goal", captions.number(result.get("distance_to_goal_m"), 2, "m")),
     )
-    for place, (name, value) in enumerate(shown):
-        at = (_LEFT + 180.0 * (place % 3), top + 104.0 * (place // 3))
+    for index, (name, value) in enumerate(shown):
+        at = (_LEFT + 180.0 * (index % 3), top + 104.0 * (index // 3))
         draw_text(frame, name, at, 15, color=palette.MUTED)
         draw_text(frame, value, (at[0], at[1] + 34), 28, bold=True)

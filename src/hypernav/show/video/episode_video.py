@@ -40,10 +40,10 @@ class VideoFile:
         """Open the file.
 
         Args:
-            path: The file; missing folders are made.
-            width: Even, pixels.
-            height: Even, pixels.
-            frames_per_second: The same throughout.
+            path: Path of the file; missing folders are made.
+            width: Width, pixels; even.
+            height: Height, pixels; even.
+            frames_per_second: Frame rate, constant.
         """
         path.parent.mkdir(parents=True, exist_ok=True)
         # The index goes to the front, so that a browser can seek before it has everything.
@@ -70,7 +70,7 @@ class VideoFile:
 
     @property
     def frames(self) -> int:
-        """How long the video is so far, in frames."""
+        """Length of the video so far, frames."""
         return self._frames
 
     def write(self, image: UInt8[np.ndarray, "height width 3"], repeat: int = 1) -> None:
@@ -78,7 +78,7 @@ class VideoFile:
 
         Args:
             image: RGB, of the video's size.
-            repeat: How many frames it stays.
+            repeat: Number of frames that the image stays.
         """
         frame = av.VideoFrame.from_ndarray(image, format="rgb24")
         self._last = frame.reformat(format="yuv420p", dst_colorspace=_BT709)
@@ -102,7 +102,7 @@ class VideoFile:
 
 
 class EpisodeVideo:
-    """Films an episode: camera view, map, and what the agent thinks.
+    """Records an episode as a video: camera image, map and decisions.
 
     Use it as a context manager. Whatever ends the block, an interrupt included, the file plays up
     to the last step that was added.
@@ -126,12 +126,12 @@ class EpisodeVideo:
         """Open the file.
 
         Args:
-            path: The file, ``.mp4``; missing folders are made.
-            goal: What is looked for.
-            agent: Who looks.
-            detector: Who sees; empty if unknown.
-            reasoner: Who chooses where to look; empty if unknown.
-            step_limit: How many steps there are at most; None if there is no limit.
+            path: Path of the file, ``.mp4``; missing folders are made.
+            goal: Text of the goal.
+            agent: Name of the agent.
+            detector: Name of the detector; empty if unknown.
+            reasoner: Name of the reasoner; empty if unknown.
+            step_limit: Largest number of steps; None if there is no limit.
         """
         self._title = EpisodeInfo(goal, agent, detector, reasoner, step_limit)
         self._file = VideoFile(path, WIDTH, HEIGHT, FRAMES_PER_SECOND)
@@ -142,7 +142,7 @@ class EpisodeVideo:
         self._closed = False
 
     def __enter__(self) -> "EpisodeVideo":
-        """Start filming."""
+        """Return the video, open for steps."""
         return self
 
     def __exit__(
@@ -155,12 +155,12 @@ class EpisodeVideo:
         self.close()
 
     def add(self, observation: Observation, step: StepTrace, grid: OccupancyGrid) -> None:
-        """Film a step.
+        """Add a step.
 
         Args:
-            observation: What the agent saw before it acted.
-            step: What it did.
-            grid: Its map after it saw that.
+            observation: Observation of the step.
+            step: Trace of the step.
+            grid: Map after the observation was integrated.
         """
         self._steps.append(step)
         self._grid = grid
@@ -172,10 +172,10 @@ class EpisodeVideo:
         self._file.write(image, frame_count(step))
 
     def finish(self, result: Mapping[str, Any]) -> None:
-        """Film how it ended.
+        """Add the end card with the outcome.
 
         Args:
-            result: What `result.json` holds; missing entries show as a dash.
+            result: Content of `result.json`; missing entries show as a dash.
         """
         map_image = None
         if self._grid is not None:

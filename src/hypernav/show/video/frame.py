@@ -1,4 +1,4 @@
-"""One frame of an episode's video: the robot's view, its map, and what it thinks."""
+"""One frame of an episode's video: camera image, map and the latest decision."""
 
 from dataclasses import dataclass
 
@@ -38,14 +38,14 @@ Image = UInt8[np.ndarray, "_ _ 3"]
 
 @dataclass(frozen=True)
 class EpisodeInfo:
-    """What stays the same on all frames.
+    """Goal and components of an episode, the same on all frames.
 
     Attributes:
-        goal: What is looked for.
-        agent: Who looks.
-        detector: Who sees; empty if unknown.
-        reasoner: Who chooses where to look; empty if unknown.
-        step_limit: How many steps there are at most; None if there is no limit.
+        goal: Text of the goal.
+        agent: Name of the agent.
+        detector: Name of the detector; empty if unknown.
+        reasoner: Name of the reasoner; empty if unknown.
+        step_limit: Largest number of steps; None if there is no limit.
     """
 
     goal: str
@@ -56,7 +56,7 @@ class EpisodeInfo:
 
     @property
     def credits(self) -> str:
-        """Who is at work, on one line."""
+        """Agent, detector and reasoner, on one line."""
         parts = [self.agent]
         if self.detector:
             parts.append(f"sees with {captions.component_caption(self.detector)}")
@@ -67,12 +67,12 @@ class EpisodeInfo:
 
 @dataclass(frozen=True)
 class Decision:
-    """The last question that changed where the robot goes.
+    """Latest question that changed the destination.
 
     Attributes:
-        step: When it was asked.
+        step: Step at which it was asked.
         exchange: Question and answer.
-        blocks: What could be chosen; empty if it was not about the map.
+        blocks: Blocks to choose from; empty if it was not about the map.
     """
 
     step: int
@@ -90,11 +90,11 @@ def draw_frame(
     """Draw one frame.
 
     Args:
-        title: What stays the same on all frames.
-        step: The trace of this step.
-        rgb: The camera image of this step.
-        map_image: The map, `MAP_SIZE` squared.
-        decision: The last one so far.
+        title: Goal and components of the episode.
+        step: Trace of this step.
+        rgb: Camera image of this step.
+        map_image: Map image, `MAP_SIZE` squared.
+        decision: Latest decision so far.
 
     Returns:
         RGB, `HEIGHT` by `WIDTH`.
@@ -145,7 +145,7 @@ def draw_badge(frame: Image, text: str, color: palette.Rgb, left: float, middle:
 def _draw_notes(
     frame: Image, title: EpisodeInfo, step: StepTrace, decision: Decision | None
 ) -> None:
-    """What the robot does, sees and was told, below the camera image."""
+    """Draw mode, detections and latest decision below the camera image."""
     width = float(_CAMERA[0])
     reason = captions.sentence(step.reason or captions.MODES_EXPLAINED[step.mode])
     line = shortened(reason, 17, width, bold=True)

@@ -1,4 +1,4 @@
-"""How long a video dwells on each step, so that a person can follow."""
+"""Frames that a video spends on each step, so that a person can follow."""
 
 from collections.abc import Sequence
 
@@ -11,17 +11,17 @@ _AT_A_DECISION = 6
 
 
 def decisions(step: StepTrace) -> list[Exchange]:
-    """The questions of a step that changed where the robot goes."""
+    """Questions of a step that changed the destination."""
     return [one for one in step.exchanges if one.kind not in {"ground", "attention"}]
 
 
 def frame_count(step: StepTrace) -> int:
-    """How many frames a step stays: a second for a decision or an event, else a sixth of one."""
+    """Frames of a step: one second for a decision or an event, else a sixth of one."""
     return _AT_A_DECISION if decisions(step) or step.events else _AT_A_STEP
 
 
 def start_times(steps: Sequence[StepTrace]) -> list[float]:
-    """When each step appears in the video, seconds from its start."""
+    """Time at which each step appears, seconds from the start of the video."""
     times, frame = [], 0
     for step in steps:
         times.append(frame / FRAMES_PER_SECOND)

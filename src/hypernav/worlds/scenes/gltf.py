@@ -1,4 +1,4 @@
-"""Turns a glTF file into pieces of a scene: nodes, their transforms and their triangles."""
+"""Reading of glTF files: nodes, their transforms and their triangles."""
 
 import itertools
 from collections.abc import Iterator
@@ -39,7 +39,7 @@ def read_gltf(path: Path) -> tuple[list[MeshPart], list[Material]]:
 
 @dataclass(frozen=True, eq=False)
 class _PlacedMesh:
-    """A node that shows a mesh, with the way from it to the scene."""
+    """A node that shows a mesh, with its transform to the scene."""
 
     name: str
     descriptive_name: str

@@ -1,4 +1,4 @@
-"""Reads the container of a glTF 2.0 file: document, buffers, arrays and images."""
+"""Container of a glTF 2.0 file: document, buffers, arrays and images."""
 
 import base64
 import binascii
@@ -43,15 +43,15 @@ class GltfFile:
     """An opened glTF file.
 
     Attributes:
-        path: Where it lies, for messages.
-        document: Its checked JSON part.
+        path: Path of the file, for messages.
+        document: Validated JSON part of the file.
     """
 
     def __init__(self, path: Path) -> None:
         """Read a ``.glb`` or ``.gltf`` file.
 
         Args:
-            path: The file.
+            path: Path of the file.
 
         Raises:
             SceneError: The file is not glTF 2.0, is cut off, or needs an extension that is not
@@ -71,7 +71,7 @@ class GltfFile:
         self._buffers: dict[int, bytes] = {}
 
     def invalid(self, what: str) -> SceneError:
-        """The error for a file that breaks a promise of the format."""
+        """Error for a file that violates the format."""
         return SceneError(f"{self.path}: is not valid glTF: {what}; export the file again")
 
     def item(self, items: Sequence[_Item], index: int, what: str) -> _Item:
@@ -207,11 +207,11 @@ def _split(path: Path) -> tuple[bytes, bytes | None]:
             "copy or download the file again"
         )
     chunks: dict[int, bytes] = {}
-    place = 12
-    while place + 8 <= length:
-        size, kind = struct.unpack_from("<II", data, place)
-        chunks.setdefault(kind, data[place + 8 : place + 8 + size])
-        place += 8 + size
+    offset = 12
+    while offset + 8 <= length:
+        size, kind = struct.unpack_from("<II", data, offset)
+        chunks.setdefault(kind, data[offset + 8 : offset + 8 + size])
+        offset += 8 + size
     return chunks.get(_JSON_CHUNK, b""), chunks.get(_BINARY_CHUNK)
 
 
@@ -227,9 +227,9 @@ def _parse(path: Path, text: bytes) -> Document:
         document = Document.model_validate(raw)
     except ValidationError as error:
         first = error.errors()[0]
-        place = ".".join(str(part) for part in first["loc"]) or "document"
+        location = ".".join(str(part) for part in first["loc"]) or "document"
         raise SceneError(
-            f"{path}: is not valid glTF: {place}: {first['msg']}; export the file again"
+            f"{path}: is not valid glTF: {location}: {first['msg']}; export the file again"
         ) from error
     if not document.asset.version.startswith("2."):
         raise SceneError(

@@ -37,7 +37,7 @@ class BufferView(_Part):
 
 
 class SparseIndices(_Part):
-    """Which elements of an accessor are replaced."""
+    """Indices of the elements of an accessor that are replaced."""
 
     buffer_view: int = Field(ge=0)
     byte_offset: int = Field(default=0, ge=0)
@@ -45,7 +45,7 @@ class SparseIndices(_Part):
 
 
 class SparseValues(_Part):
-    """What they are replaced by."""
+    """Values of the replaced elements of an accessor."""
 
     buffer_view: int = Field(ge=0)
     byte_offset: int = Field(default=0, ge=0)
@@ -79,7 +79,7 @@ class Image(_Part):
 
 
 class Sampler(_Part):
-    """What a texture shows beyond its edges."""
+    """Wrapping modes of a texture beyond its edges."""
 
     wrap_s: Literal[10497, 33648, 33071] = 10497
     wrap_t: Literal[10497, 33648, 33071] = 10497
@@ -103,7 +103,7 @@ class TextureTransform(_Part):
 
 
 class TextureInfo(_Part):
-    """Which texture, and which texture coordinates it is laid by."""
+    """Reference to a texture and to the texture coordinates it uses."""
 
     index: int = Field(ge=0)
     tex_coord: int = Field(default=0, ge=0)
@@ -125,7 +125,7 @@ class SpecularGlossiness(_Part):
 
 
 class GltfMaterial(_Part):
-    """How a surface looks."""
+    """Appearance of a surface."""
 
     name: str = ""
     pbr_metallic_roughness: PbrMetallicRoughness = PbrMetallicRoughness()
@@ -153,7 +153,7 @@ class Mesh(_Part):
 
 
 class Node(_Part):
-    """A mesh at a place, with children that move with it."""
+    """A mesh with its transform, and children that move with it."""
 
     name: str = ""
     mesh: int | None = Field(default=None, ge=0)

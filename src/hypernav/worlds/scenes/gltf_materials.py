@@ -22,7 +22,7 @@ from hypernav.worlds.scenes.gltf_format import (
 from hypernav.worlds.scenes.scene import Material, Wrap
 
 _WRAPS = {10497: Wrap.REPEAT, 33648: Wrap.MIRROR, 33071: Wrap.CLAMP}
-_GLOWS_FROM = 0.5
+_MIN_EMISSION = 0.5
 _Part = TypeVar("_Part", bound=BaseModel)
 
 
@@ -31,8 +31,8 @@ class _Image:
     """A decoded image.
 
     Attributes:
-        rgb: sRGB.
-        opacity: 0 to 255; None where all of it is opaque.
+        rgb: Colours, sRGB.
+        opacity: Opacity, 0 to 255; None where all of it is opaque.
     """
 
     rgb: UInt8[np.ndarray, "height width 3"]
@@ -66,7 +66,7 @@ def _material(
     color, info = _base_color(file, source)
     light = np.array(color[:3])
     unlit = "KHR_materials_unlit" in source.extensions
-    if max(source.emissive_factor) >= _GLOWS_FROM and source.emissive_texture is None:
+    if max(source.emissive_factor) >= _MIN_EMISSION and source.emissive_texture is None:
         light, unlit = np.maximum(light, source.emissive_factor), True
     codes = linear_to_srgb(light)
     srgb = (float(codes[0]), float(codes[1]), float(codes[2]))

@@ -1,4 +1,4 @@
-"""Opens a scene from a file."""
+"""Loading of scenes from files."""
 
 from collections.abc import Sequence
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Reads OBJ, PLY, STL and OFF files through trimesh."""
+"""Reading of OBJ, PLY, STL and OFF files through trimesh."""
 
 from pathlib import Path
 

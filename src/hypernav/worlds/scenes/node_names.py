@@ -1,4 +1,4 @@
-"""What the name of a node in a 3-D file says: ``SM_OfficeChair2`` is an office chair.
+"""Categories from the names of nodes in 3-D files: ``SM_OfficeChair2`` is an office chair.
 
 Exporters, asset shops and modelling tools decorate names with counters, prefixes and levels of
 detail; this module takes them off again.
@@ -54,7 +54,7 @@ def words_of(name: str) -> tuple[str, ...]:
 
 
 def is_meaningful(name: str) -> bool:
-    """Whether a name says what a thing is, unlike ``Object_4``, ``Cube.003`` or ``RootNode``."""
+    """Whether a name says what an object is, unlike ``Object_4``, ``Cube.003`` or ``RootNode``."""
     words = words_of(name)
     return any(len(word) > 1 and word not in _MEANINGLESS for word in words)
 
@@ -68,7 +68,7 @@ def is_structural(name: str) -> bool:
 
 
 def category_of(name: str) -> str | None:
-    """What a thing with this name is, or None for the building and for names that say nothing."""
+    """Category of an object with this name; None for the building and for names without meaning."""
     if not is_meaningful(name) or is_structural(name):
         return None
     return " ".join(words_of(name))

@@ -1,4 +1,4 @@
-"""Reads ``objects.json``: what the nodes of a scene are."""
+"""Reading of ``objects.json``: the objects that the nodes of a scene make up."""
 
 import json
 from pathlib import Path
@@ -28,14 +28,14 @@ class _Objects(BaseModel):
 
 
 def read_objects(path: Path, node_names: set[str]) -> list[SceneObject]:
-    """The things that a file describes; the building's own parts have no label.
+    """Objects that a file describes; the building's own parts have no label.
 
     Every object has ``name``, ``category`` and ``nodes``, and may have ``structural``,
     ``synonyms``, ``attributes``, ``room`` and ``beside``; other keys are ignored.
 
     Args:
-        path: The JSON file.
-        node_names: Nodes that the scene has.
+        path: Path of the JSON file.
+        node_names: Names of the scene's nodes.
 
     Raises:
         SceneError: The file cannot be read, lacks something, or doesn't belong to the scene.
@@ -46,9 +46,9 @@ def read_objects(path: Path, node_names: set[str]) -> list[SceneObject]:
         raise SceneError(f"{path}: cannot be read ({error.strerror or error})") from error
     except ValidationError as error:
         first = error.errors()[0]
-        place = ".".join(str(part) for part in first["loc"]) or "file"
+        location = ".".join(str(part) for part in first["loc"]) or "file"
         raise SceneError(
-            f"{path}: {place}: {first['msg']}; every object needs name, category and nodes"
+            f"{path}: {location}: {first['msg']}; every object needs name, category and nodes"
         ) from error
     except ValueError as error:
         raise SceneError(

@@ -1,4 +1,4 @@
-"""What a simulated world consists of: triangles, materials and named instances.
+"""Scenes: triangles, materials and named instances.
 
 The scene frame is z up, metres. A glTF file (y up) becomes ``(x, -z, y)``.
 """
@@ -13,7 +13,7 @@ from hypernav.core.world import Instance
 
 
 class Wrap(IntEnum):
-    """What a texture shows beyond its edges."""
+    """Wrapping mode of a texture beyond its edges."""
 
     REPEAT = 0
     MIRROR = 1
@@ -22,13 +22,13 @@ class Wrap(IntEnum):
 
 @dataclass(frozen=True, eq=False)
 class Material:
-    """How a surface looks.
+    """Appearance of a surface.
 
     Attributes:
-        name: For people.
-        color: sRGB, 0 to 1; multiplies the texture.
+        name: Name, for people.
+        color: Colour, sRGB, 0 to 1; multiplies the texture.
         texture: sRGB image, first row at the top (v = 1); None for a plain colour.
-        wrap: Beyond the texture's edges, along u and along v.
+        wrap: Wrapping modes along u and along v.
         opaque: Texels where the surface exists, for leaves and lace; None where all of it does.
         unlit: Drawn in its own colour whatever the light: screens, lamps, scans.
     """
@@ -46,14 +46,14 @@ class Scene:
     """A furnished building.
 
     Attributes:
-        name: For people and results.
-        vertices: Metres, scene frame.
+        name: Name, for people and results.
+        vertices: Vertex positions, scene frame, metres.
         faces: Vertex numbers of every triangle, counter-clockwise seen from outside.
         uv: Texture coordinates of every corner (v upwards).
         colors: sRGB colour of every corner, multiplies the material; white where the file has none.
         normals: Unit normal of every corner, for smooth shading; None shades every face flat.
-        face_material: Number in ``materials``.
-        face_instance: Number in ``instances``.
+        face_material: Index in ``materials`` of every triangle.
+        face_instance: Index in ``instances`` of every triangle.
         materials: All materials.
         instances: All instances.
         unlit: Whether light is already in the textures, as in scans.

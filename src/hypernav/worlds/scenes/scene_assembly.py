@@ -1,4 +1,4 @@
-"""Pieces of a scene, as read from files, and how they become one scene."""
+"""Mesh parts, as read from files, and their assembly to one scene."""
 
 import math
 from collections.abc import Sequence
@@ -21,10 +21,10 @@ class MeshPart:
 
     Attributes:
         node: Name of the node, unique within the file.
-        title: Name that says best what it is; often the node's own.
-        vertices: Corners.
+        descriptive_name: Most telling name along the node's parents; often the node's own.
+        vertices: Vertex positions.
         faces: Vertex numbers, counter-clockwise seen from outside.
-        material: Number in the scene's materials.
+        material: Index in the scene's materials.
         uv: Texture coordinates of every corner (v upwards).
         colors: sRGB colour of every corner.
         normals: Unit normal of every corner.
@@ -42,7 +42,7 @@ class MeshPart:
 
 @dataclass(frozen=True)
 class SceneObject:
-    """An instance to be: which nodes it consists of and what it is."""
+    """An instance to be assembled: its nodes and its label."""
 
     name: str
     nodes: frozenset[str]
@@ -57,16 +57,16 @@ def assemble(
     *,
     smooth: bool = True,
 ) -> Scene:
-    """Put pieces together to a scene.
+    """Assemble mesh parts to a scene.
 
-    Triangles with a corner that is not a number are left out. Where a piece has no normals, edges
+    Triangles with a corner that is not a number are left out. Where a part has no normals, edges
     flatter than 40° are smoothed.
 
     Args:
-        name: Of the scene.
+        name: Name of the scene.
         parts: Triangles of the scene.
         objects: Instances of the scene; the node of every part belongs to exactly one of them.
-        materials: What `Piece.material` counts.
+        materials: Materials that `MeshPart.material` indexes.
         smooth: Whether normals are wanted at all; False shades every face flat.
 
     Raises:
@@ -100,7 +100,7 @@ def assemble(
 
 
 def _without_bad_faces(part: MeshPart) -> MeshPart:
-    """The piece without triangles that have a corner at infinity or nowhere."""
+    """The part without triangles that have a corner at infinity or nowhere."""
     good = np.all(np.isfinite(part.vertices), axis=1)
     if good.all():
         return part
