@@ -24,12 +24,13 @@ from rich.table import Table
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT / "tests"))
 
-from hypernav.build.agents import build_agent, build_scene  # noqa: E402
+from hypernav.build.agents import build_agent  # noqa: E402
 from hypernav.build.component_specs import (  # noqa: E402
     ComponentSpecs,
     PresetName,
 )
 from hypernav.build.presets import preset  # noqa: E402
+from hypernav.build.scenes import build_scene  # noqa: E402
 from hypernav.core.config import layered  # noqa: E402
 from hypernav.core.episode import Episode  # noqa: E402
 from hypernav.core.goal import Goal  # noqa: E402

@@ -19,9 +19,10 @@ import tyro
 from rich.console import Console
 from rich.table import Table
 
-from hypernav.build.agents import build_agent, build_scene
-from hypernav.build.component_specs import AgentName, ComponentSpecs, PresetName
+from hypernav.build.agents import build_agent
+from hypernav.build.component_specs import ComponentSpecs, PresetName
 from hypernav.build.presets import preset
+from hypernav.build.scenes import build_scene
 from hypernav.core.config import layered
 from hypernav.core.episode import Episode
 from hypernav.core.goal import Goal
@@ -51,7 +52,7 @@ class Search(NamedTuple):
     """One line of the table."""
 
     scene: str
-    agent: AgentName
+    agent: str
     goal: str
     seed: int
     detector: str
@@ -79,7 +80,7 @@ def run(search: Search) -> tuple[Search, EpisodeResult, list[str]]:
 def main(
     scene: str = str(SMALL_HOUSE),
     goals: tuple[str, ...] = GOALS,
-    agents: tuple[AgentName, ...] = ("hypernav", "frontier"),
+    agents: tuple[str, ...] = ("hypernav", "frontier"),
     seeds: int = 5,
     detector: str = "ground-truth",
     preset: PresetName = "default",

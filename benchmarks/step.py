@@ -20,8 +20,9 @@ import tyro
 from rich.console import Console
 from rich.table import Table
 
-from hypernav.build.agents import build_scene, build_search
+from hypernav.build.agents import build_search
 from hypernav.build.presets import preset
+from hypernav.build.scenes import build_scene
 from hypernav.core.actions import Action
 from hypernav.core.episode import Episode
 from hypernav.core.geometry.camera import optical_to_base

@@ -7,8 +7,9 @@ import sys
 
 import numpy as np
 
-from hypernav.build.agents import build_agent, build_scene
+from hypernav.build.agents import build_agent
 from hypernav.build.presets import preset
+from hypernav.build.scenes import build_scene
 from hypernav.core.episode import Episode
 from hypernav.core.goal import Goal
 from hypernav.worlds.episode_run import EpisodeRun

@@ -9,8 +9,9 @@ Run: python examples/02_your_own_detector.py
 import cv2
 import numpy as np
 
-from hypernav.build.agents import build_scene, build_search
+from hypernav.build.agents import build_search
 from hypernav.build.presets import preset
+from hypernav.build.scenes import build_scene
 from hypernav.core.episode import Episode
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.goal import Goal

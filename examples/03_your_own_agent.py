@@ -10,7 +10,7 @@ Run: python examples/03_your_own_agent.py
 import numpy as np
 
 import hypernav
-from hypernav.build.agents import build_scene
+from hypernav.build.scenes import build_scene
 from hypernav.core.actions import Action
 from hypernav.core.episode import Episode
 from hypernav.core.goal import Goal

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 import hypernav
-from hypernav.build.agents import build_scene
+from hypernav.build.scenes import build_scene
 from hypernav.core.errors import ContractError
 from hypernav.worlds.env import ObjectNavEnv
 

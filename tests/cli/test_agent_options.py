@@ -4,7 +4,8 @@ from pathlib import Path
 import pytest
 import tyro
 
-from hypernav.build.component_specs import ComponentSpecs, choose_components
+from hypernav.build.choosing import choose_components
+from hypernav.build.component_specs import ComponentSpecs
 from hypernav.cli.agent_options import AgentOptions
 from hypernav.core.errors import ConfigError, HyPerNavError
 

@@ -3,7 +3,7 @@ from pathlib import Path
 import pytest
 
 from box_houses import box_house
-from hypernav.build.agents import build_scene
+from hypernav.build.scenes import build_scene
 from hypernav.cli.main import main
 from hypernav.core.goal import Goal
 from hypernav.datasets.habitat_files import read_episodes
@@ -108,7 +108,7 @@ def test_a_scene_that_is_no_house_is_one_line(number, capsys):
 
 
 def test_houses_are_scenes_by_name(monkeypatch):
-    monkeypatch.setattr("hypernav.build.agents.cached_house", box_house)
+    monkeypatch.setattr("hypernav.build.scenes.cached_house", box_house)
     assert build_scene("houses:1234").name == "houses:1234"
     assert build_scene("builtin").name == "houses:0"
 

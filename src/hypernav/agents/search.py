@@ -18,10 +18,9 @@ from hypernav.core.errors import WorldError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.core.protocols import PresenceCheck
+from hypernav.core.protocols import Explorer, PresenceCheck
 from hypernav.core.trace import DetectionRecord, ExchangeLog, StepTrace
 from hypernav.mapping.top_down_map import TopDownMap
-from hypernav.perception.explorers.explorer import Explorer
 from hypernav.perception.local.local_perception import LocalPerception
 from hypernav.planning.bump_sensor import BumpSensor
 from hypernav.planning.config import PlanningConfig

@@ -1,5 +1,7 @@
 """All that can be configured, and the named configurations."""
 
+from typing import Any
+
 from pydantic import Field, model_validator
 
 from hypernav.agents.config import SearchConfig
@@ -37,6 +39,22 @@ class PriceConfig(RoomConfig):
     out_per_million: float | None = Field(default=None, ge=0.0)
 
 
+class OwnConfig(RoomConfig):
+    """Sections of components from other packages; each is checked by the component's own model.
+
+    Attributes:
+        agent: Of the agent or explorer in use.
+        detector: Of the detector in use.
+        reasoner: Of the reasoner in use.
+        segmenter: Of the segmenter in use.
+    """
+
+    agent: dict[str, Any] = Field(default_factory=dict)
+    detector: dict[str, Any] = Field(default_factory=dict)
+    reasoner: dict[str, Any] = Field(default_factory=dict)
+    segmenter: dict[str, Any] = Field(default_factory=dict)
+
+
 class HyPerNavConfig(RoomConfig):
     """Everything that can be set, one section a room.
 
@@ -61,6 +79,7 @@ class HyPerNavConfig(RoomConfig):
         zero_shot: How an open-vocabulary detector is used.
         sam: How a SAM model is used.
         onnx_sam: How an exported SAM is used.
+        own: How components from other packages are used.
     """
 
     embodiment: Embodiment = Embodiment()
@@ -83,6 +102,7 @@ class HyPerNavConfig(RoomConfig):
     zero_shot: ZeroShotConfig = ZeroShotConfig()
     sam: SamConfig = SamConfig()
     onnx_sam: OnnxSamConfig = OnnxSamConfig()
+    own: OwnConfig = OwnConfig()
 
     @model_validator(mode="after")
     def _map_holds_the_body(self) -> "HyPerNavConfig":

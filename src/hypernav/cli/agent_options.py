@@ -3,13 +3,13 @@
 What builds the agent is loaded only to build it: help and mistakes are answered without.
 """
 
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
-from hypernav.build.component_specs import AgentName, ComponentSpecs, PresetName
+from hypernav.build.component_specs import ComponentSpecs, PresetName
 
 if TYPE_CHECKING:
     from hypernav.build.agents import BuiltAgent
@@ -20,14 +20,14 @@ if TYPE_CHECKING:
 class AgentOptions:
     """Who searches. Can be pickled, so that each process of many builds an agent of its own."""
 
-    agent: AgentName = "hypernav"
-    """How it explores: by blocks of the map, or to the nearest frontier."""
+    agent: str = "hypernav"
+    """How it explores: hypernav (blocks of the map), frontier (nearest) or package.module:Name."""
     preset: PresetName = "default"
     """Values of the method: the published ones, or those that we measured to be better."""
     vlm: str | None = None
     """A chat model that sees and thinks: openai:URL[#MODEL], local:PATH_OR_ID or replay:FILE."""
     detector: str | None = None
-    """Who sees the goal, if not --vlm: ground-truth, yolox:PATH.onnx, vlm or zero-shot:ID."""
+    """Who sees the goal, if not --vlm: ground-truth, yolox:PATH.onnx, vlm, zero-shot:ID, …"""
     reasoner: str | None = None
     """Who chooses where to look, if not --vlm: geometric or vlm."""
     segmenter: str | None = None
@@ -52,10 +52,13 @@ class AgentOptions:
         Raises:
             ConfigError: A file that cannot be read, a wrong key or an impossible value.
         """
+        from hypernav.build.choosing import choose_components, with_own_sections
         from hypernav.build.presets import preset
         from hypernav.core.config import layered
 
-        return layered(preset(self.preset), file=self.config, assignments=self.set)
+        config = layered(preset(self.preset), file=self.config, assignments=self.set)
+        chosen = choose_components(self.specs, presence=config.presence.enabled)
+        return with_own_sections(config, chosen)
 
     def build(self, config: "HyPerNavConfig | None" = None) -> "BuiltAgent":
         """The agent.
@@ -81,7 +84,7 @@ class AgentOptions:
             "detector": parts.detector_words,
             "reasoner": parts.reasoner_words,
             "segmenter": parts.segmenter_words,
-            "parts": asdict(parts.chosen),
+            "parts": parts.chosen.as_dict(),
         }
 
 

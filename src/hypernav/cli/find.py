@@ -10,7 +10,7 @@ import numpy as np
 from rich.console import Console
 from rich.status import Status
 
-from hypernav.build.agents import build_scene
+from hypernav.build.scenes import build_scene
 from hypernav.cli.find_options import Options
 from hypernav.cli.warnings_shown import warnings_on
 from hypernav.core.episode import Episode, Outcome

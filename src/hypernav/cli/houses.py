@@ -6,7 +6,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from hypernav.build.agents import house_number
+from hypernav.build.scenes import house_number
 from hypernav.cli.houses_options import Episodes, Export, Show, Splits
 from hypernav.core.errors import ConfigError, EpisodeError
 from hypernav.datasets.habitat_files import write_episodes

@@ -94,12 +94,31 @@ def layered(
                 "--set search.endurance_steps=60"
             )
         _assign(type(base), values, key.split("."), text, source=f"--set {assignment}")
+    return _validated(type(base), values)
+
+
+def read_section(model: type[ConfigT], values: dict[str, Any], *, place: str) -> ConfigT:
+    """A section that is described by somebody else's model.
+
+    Args:
+        model: What it holds.
+        values: Those that differ from its defaults.
+        place: The section's name in the whole configuration.
+
+    Raises:
+        ConfigError: A wrong key or an impossible value.
+    """
+    _merge(model, dict(values), values, source=place, section=place)
+    return _validated(model, values, place=place)
+
+
+def _validated(model: type[ConfigT], values: dict[str, Any], *, place: str = "") -> ConfigT:
     try:
-        return type(base).model_validate(values)
+        return model.model_validate(values)
     except ValidationError as error:
         first = error.errors()[0]
-        place = ".".join(str(part) for part in first["loc"])
-        raise ConfigError(f"{place}: {first['msg']}, got {first['input']!r}") from error
+        where = ".".join(str(part) for part in (place, *first["loc"]) if part != "")
+        raise ConfigError(f"{where}: {first['msg']}, got {first['input']!r}") from error
 
 
 def _read_yaml(file: Path) -> dict[str, Any]:
@@ -150,6 +169,8 @@ def _merge(
                     f"{', '.join(inner.model_fields)}, got {change!r}"
                 )
             _merge(inner, values[key], change, source=source, section=name)
+        elif isinstance(change, dict) and isinstance(values[key], dict):
+            values[key] = values[key] | change
         else:
             values[key] = change
 

@@ -1,5 +1,6 @@
 """The seams: small contracts between the rooms of this package and with code of your own."""
 
+from collections.abc import Sequence
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -7,8 +8,10 @@ from jaxtyping import Bool
 
 from hypernav.core.actions import Action
 from hypernav.core.chat import Answer, Image, Question
+from hypernav.core.destination import Destination
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.overview import BlockChoice, Overview
@@ -72,6 +75,31 @@ class BlockReasoner(Protocol):
 
     def choose(self, overview: Overview, goal: Goal, excluded: frozenset[int]) -> BlockChoice:
         """One of the blocks that are not excluded, or None if nothing is worth a visit."""
+        ...
+
+
+@runtime_checkable
+class Explorer(Protocol):
+    """Chooses where to go while the goal is out of sight."""
+
+    def reset(self, goal: Goal) -> None:
+        """Forget all visits."""
+        ...
+
+    def remember_visit(self, x: float, y: float) -> None:
+        """Note a destination that was reached or given up; ``map`` frame, metres."""
+        ...
+
+    def next_destination(
+        self, grid: OccupancyGrid, robot: Pose2, trajectory: Sequence[tuple[float, float]]
+    ) -> Destination | None:
+        """The next position to visit, or None if nothing is left to explore.
+
+        Args:
+            grid: The map.
+            robot: Where the robot is, ``map`` frame.
+            trajectory: Where it was at every step, the present position included.
+        """
         ...
 
 

@@ -76,6 +76,12 @@ class Choice(Generic[T]):
         """The thing that was named, as `Entry.load` gives it."""
         return self.entry.load()
 
+    @property
+    def spec(self) -> str:
+        """What somebody wrote."""
+        name = self.entry.name
+        return f"{name}:{','.join(self.arguments)}" if self.arguments else name
+
     def words(self, **fields: str) -> str:
         """What people read.
 

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from hypernav.build.agents import build_scene
+from hypernav.build.scenes import build_scene
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.episode import Episode
 from hypernav.core.errors import EpisodeError

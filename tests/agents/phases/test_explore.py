@@ -11,12 +11,12 @@ from hypernav.agents.phases.explore import Explore, unexplored_boundary
 from hypernav.agents.phases.step import Decision, PhaseName, Step, turn_towards
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
+from hypernav.core.destination import Destination
 from hypernav.core.embodiment import Embodiment, MotionConfig
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.perception.explorers.explorer import Destination
 from hypernav.perception.local.config import LocalConfig
 from hypernav.perception.local.depth_cut import DepthCutSegmenter
 from hypernav.perception.local.ground_truth import GroundTruthDetector

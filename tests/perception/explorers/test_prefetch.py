@@ -4,12 +4,14 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
+from hypernav.core.abilities import Prefetches
+from hypernav.core.destination import Destination
 from hypernav.core.errors import ModelUnavailableError
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
+from hypernav.core.protocols import Explorer
 from hypernav.core.trace import Exchange, ExchangeLog
-from hypernav.perception.explorers.explorer import Destination, Explorer, Prefetches
 from hypernav.perception.explorers.prefetch import PrefetchConfig, PrefetchingExplorer
 
 GRID = OccupancyGrid(np.full((200, 200), Cell.FREE, dtype=np.uint8), 0.05, (-5.0, -5.0))

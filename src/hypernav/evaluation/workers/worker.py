@@ -11,9 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from hypernav.build.agents import build_agent, build_scene
+from hypernav.build.agents import build_agent
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.presets import HyPerNavConfig
+from hypernav.build.scenes import build_scene
 from hypernav.core.episode import Episode, Outcome
 from hypernav.core.errors import CameraError, SceneError, StartError, WorldError
 from hypernav.core.metrics import EpisodeMetrics, measure
@@ -234,8 +235,7 @@ def _agent_of(job: Job) -> tuple[Agent, dict[str, str], bool]:
         "detector": parts.detector_words,
         "reasoner": parts.reasoner_words,
     }
-    looks = parts.chosen.detector != "ground-truth" or parts.chosen.vlm is not None
-    return parts.agent, words, looks
+    return parts.agent, words, parts.looks_at_colours
 
 
 def _count(step: EpisodeStep, questions: Counter[str], tokens: Counter[str]) -> None:

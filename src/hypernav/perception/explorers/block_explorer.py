@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pydantic import Field
 
 from hypernav.core.config import RoomConfig
+from hypernav.core.destination import Destination
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
@@ -13,7 +14,6 @@ from hypernav.core.overview import Block, Overview
 from hypernav.core.protocols import BlockReasoner
 from hypernav.mapping.blocks import divide_into_blocks
 from hypernav.mapping.config import MappingConfig
-from hypernav.perception.explorers.explorer import Destination
 from hypernav.show.drawing.map_images import draw_overview
 
 

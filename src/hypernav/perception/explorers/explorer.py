@@ -1,74 +1,11 @@
-"""Where to go while the goal is out of sight."""
+"""How far one can see along a line on the map."""
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
 
 import numpy as np
 
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.goal import Goal
-from hypernav.core.overview import Block
-
-
-@dataclass(frozen=True)
-class Destination:
-    """Where the robot is going now, by global perception.
-
-    Attributes:
-        x: ``map`` frame, metres.
-        y: ``map`` frame, metres.
-        reason: Why, in one short sentence for people.
-        blocks: The blocks that were offered, for the trace; empty for explorers without blocks.
-        is_sighting: It was not chosen by an explorer: the goal is in sight in this direction.
-    """
-
-    x: float
-    y: float
-    reason: str
-    blocks: tuple[Block, ...] = ()
-    is_sighting: bool = False
-
-    @property
-    def xy(self) -> tuple[float, float]:
-        """The point, metres."""
-        return (self.x, self.y)
-
-
-@runtime_checkable
-class Explorer(Protocol):
-    """Chooses destinations from the map alone."""
-
-    def reset(self, goal: Goal) -> None:
-        """Forget all visits."""
-        ...
-
-    def remember_visit(self, x: float, y: float) -> None:
-        """Note a destination that was reached or given up."""
-        ...
-
-    def next_destination(
-        self, grid: OccupancyGrid, robot: Pose2, trajectory: Sequence[tuple[float, float]]
-    ) -> Destination | None:
-        """The next place to visit, or None if nothing is left to explore."""
-        ...
-
-
-@runtime_checkable
-class Prefetches(Protocol):
-    """An explorer that can choose the next destination while the robot drives to this one."""
-
-    def prefetch(
-        self,
-        grid: OccupancyGrid,
-        robot: Pose2,
-        trajectory: Sequence[tuple[float, float]],
-        destination: Destination,
-    ) -> None:
-        """Begin to choose, if it is time; called at every step of the way to a destination."""
-        ...
 
 
 def last_free_towards(

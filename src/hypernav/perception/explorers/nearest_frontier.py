@@ -3,13 +3,13 @@
 import math
 from collections.abc import Sequence
 
+from hypernav.core.destination import Destination
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import Exchange, ExchangeLog
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.frontiers import Frontier, find_frontiers
-from hypernav.perception.explorers.explorer import Destination
 
 
 class NearestFrontierExplorer:

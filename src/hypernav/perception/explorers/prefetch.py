@@ -7,11 +7,12 @@ from dataclasses import dataclass, replace
 from pydantic import Field
 
 from hypernav.core.config import RoomConfig
+from hypernav.core.destination import Destination
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
+from hypernav.core.protocols import Explorer
 from hypernav.core.trace import ExchangeLog
-from hypernav.perception.explorers.explorer import Destination, Explorer
 
 
 class PrefetchConfig(RoomConfig):

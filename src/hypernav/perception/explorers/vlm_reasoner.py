@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Sequence
-from typing import Literal
+from typing import Any, Literal
 
 from pydantic import Field
 
@@ -123,6 +123,11 @@ class VlmReasoner:
         return BlockChoice(
             choice.number, f"fell back: {choice.reason}", probabilities=choice.probabilities
         )
+
+    def take_report(self) -> dict[str, Any]:
+        """How often the fallback had to choose since the last call."""
+        report, self.fallbacks = {"geometric_choices": self.fallbacks}, 0
+        return report
 
     def question(
         self, overview: Overview, goal: Goal, excluded: frozenset[int], *, hint: str = ""

@@ -20,7 +20,14 @@ class GroundTruthDetector:
     """Sees exactly what is visible and labelled, and nothing else.
 
     Its detections carry their masks, so no segmenter is asked.
+
+    Attributes:
+        gives_masks: See `hypernav.core.abilities.gives_masks`.
+        looks_at_colours: See `hypernav.core.abilities.looks_at_colours`.
     """
+
+    gives_masks = True
+    looks_at_colours = False
 
     def __init__(self, min_area_share: float = 0.0005) -> None:
         """Create the detector.

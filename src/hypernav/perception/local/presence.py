@@ -1,6 +1,6 @@
 """Looking once more, at the goal, before the robot declares success (paper: Stop)."""
 
-from typing import Literal
+from typing import Any, Literal
 
 from pydantic import Field
 
@@ -60,6 +60,11 @@ class VlmPresenceCheck:
         self._config = config or PresenceConfig()
         self.unsure = 0
         """Answers so far that were neither yes nor no."""
+
+    def take_report(self) -> dict[str, Any]:
+        """The answers that were neither yes nor no since the last call."""
+        report, self.unsure = {"unsure_presence_checks": self.unsure}, 0
+        return report
 
     def is_present(self, observation: Observation, goal: Goal) -> bool:
         """Ask yes or no.

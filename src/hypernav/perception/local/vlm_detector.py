@@ -1,7 +1,7 @@
 """Seeing the goal with a vision-language model: it is asked for boxes (paper: VLM grounding)."""
 
 from collections import Counter
-from typing import Literal
+from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
@@ -120,6 +120,16 @@ class VlmDetector:
             auto = name == "auto"
             self._family = family_of(self._chat.identify()) if auto else family_named(name)
         return self._family
+
+    def check_model(self) -> VlmFamily:
+        """Refuse a model of which it isn't known in which coordinates it answers, as `family`."""
+        return self.family
+
+    def take_report(self) -> dict[str, Any]:
+        """The boxes and answers that could not be used since the last call, by reason."""
+        report = {"rejected_boxes": dict(sorted(self.rejected.items()))}
+        self.rejected.clear()
+        return report
 
     def question(self, observation: Observation, goal: Goal) -> Question:
         """What is asked about one image."""

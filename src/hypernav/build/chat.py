@@ -1,0 +1,56 @@
+"""The chat model that a person names, with its books."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from hypernav.core.errors import ConfigError
+from hypernav.core.protocols import ChatModel
+from hypernav.models.chat.config import ChatConfig
+from hypernav.models.chat.ledger import Ledger, LedgerChat
+from hypernav.models.chat.recording import RecordingChat
+from hypernav.models.chat.vlm_spec import VlmSpec, open_chat, parse_vlm_spec
+
+
+def wrap_chat(
+    vlm: str | None, config: ChatConfig, ledger: Ledger, record: Path | None
+) -> tuple[ChatModel | None, RecordingChat | None]:
+    """The chat model with its books, and the recording if there is one.
+
+    Raises:
+        ConfigError: There is nothing to record.
+        ModelError: A model in this process has no weights here.
+        RecordingError: A recording is missing, broken or in the way.
+        MissingExtraError: The model needs packages that are not installed.
+    """
+    if vlm is None:
+        if record is not None:
+            raise ConfigError(f"--record {record} has nothing to record; name a model with --vlm")
+        return None, None
+    spec = parse_vlm_spec(vlm)
+    if spec.kind == "replay" and record is not None:
+        raise ConfigError(
+            f"--record {record} would only copy the recording {spec.target}; drop --record"
+        )
+    chat, recording = open_chat(spec, config), None
+    if record is not None:
+        chat = recording = RecordingChat(chat, record)
+    return LedgerChat(chat, ledger), recording
+
+
+def is_named(vlm: str) -> bool:
+    """Whether the model's name is known without asking a server that may not be up yet."""
+    spec = parse_vlm_spec(vlm)
+    return spec.kind != "openai" or spec.model is not None
+
+
+def model_words(vlm: str, identify: Callable[[], str]) -> str:
+    """The model's name for people, as far as it is known."""
+    spec: VlmSpec = parse_vlm_spec(vlm)
+    match spec.kind:
+        case "openai":
+            return spec.model or f"the model at {spec.target}"
+        case "local":
+            path = Path(spec.target).expanduser()
+            return path.name if path.is_dir() else spec.target
+        case "replay":
+            return f"{identify()} (replayed)"

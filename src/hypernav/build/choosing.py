@@ -1,0 +1,152 @@
+"""Who sees and who thinks: what was left open filled in, and what contradicts itself refused."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from hypernav.build.component_specs import ComponentSpecs
+from hypernav.build.construction import asked_by, section_of
+from hypernav.build.presets import HyPerNavConfig
+from hypernav.build.registries import AGENTS, DETECTORS, REASONERS, SEGMENTERS, Factory
+from hypernav.core.abilities import gives_masks
+from hypernav.core.errors import ConfigError
+from hypernav.core.registry import Choice, Registry
+
+_EXAMPLE = "--vlm openai:http://localhost:8000/v1"
+
+
+@dataclass(frozen=True)
+class ChosenComponents:
+    """`ComponentSpecs` with nothing left open. What is None is not asked.
+
+    Attributes:
+        agent: Who searches.
+        vlm: The chat model.
+        detector: Who sees the goal.
+        reasoner: Who chooses where to look.
+        segmenter: Who finds the pixels in a box; None where detections carry their masks.
+        presence: Whether the chat model looks once more at the goal.
+    """
+
+    agent: Choice[Factory]
+    vlm: str | None
+    detector: Choice[Factory] | None
+    reasoner: Choice[Factory] | None
+    segmenter: Choice[Factory] | None
+    presence: bool
+
+    @property
+    def by_kind(self) -> dict[str, Choice[Factory]]:
+        """All that are asked; who is made of others comes after them."""
+        return {
+            kind: choice
+            for kind in ("detector", "segmenter", "reasoner", "agent")
+            if (choice := getattr(self, kind)) is not None
+        }
+
+    @property
+    def is_whole_agent(self) -> bool:
+        """Whether the agent acts itself, in place of an explorer that this package drives for."""
+        return hasattr(self.agent.load(), "act")
+
+    def as_dict(self) -> dict[str, str | None]:
+        """What to write to have the same again, for ``result.json``."""
+        return {
+            "agent": self.agent.spec,
+            "vlm": self.vlm,
+            "detector": "none" if self.detector is None else self.detector.spec,
+            "reasoner": "none" if self.reasoner is None else self.reasoner.spec,
+            "segmenter": "none" if self.segmenter is None else self.segmenter.spec,
+            "presence": "vlm" if self.presence else "none",
+        }
+
+
+def choose_components(specs: ComponentSpecs, *, presence: bool = True) -> ChosenComponents:
+    """Fill in what was left open and refuse what contradicts itself.
+
+    With a chat model it detects, chooses blocks and checks the presence of the goal, unless
+    another component was named for one of these.
+
+    Args:
+        specs: What was asked for.
+        presence: Whether a chat model, if there is one, looks once more at the goal.
+
+    Raises:
+        ConfigError: It does not go together, or there is no such component; the message says what
+            there is.
+        ContractError: A component of another package can't be built.
+    """
+    model = specs.vlm is not None
+    agent = AGENTS.find(specs.agent)
+    asked = set(asked_by(agent))
+    drives_itself = hasattr(agent.load(), "act")
+    if not drives_itself:
+        asked |= {"detector", "segmenter"}
+    by_model = "vlm" if model else None
+    detector = _choice(DETECTORS, specs.detector, by_model or "ground-truth", agent, asked)
+    reasoner = _choice(REASONERS, specs.reasoner, by_model or "geometric", agent, asked)
+    segmenter = _choice(SEGMENTERS, specs.segmenter, "depth-cut", agent, asked)
+    if detector is not None and segmenter is not None and gives_masks(detector.load()):
+        if segmenter.spec != "depth-cut":
+            raise ConfigError(
+                f"--segmenter {segmenter.spec} would never be asked: {detector.spec} detections "
+                "carry their own masks; choose another --detector or drop --segmenter"
+            )
+        segmenter = None
+    looks_once_more = model and presence and not drives_itself
+    chosen = ChosenComponents(agent, specs.vlm, detector, reasoner, segmenter, looks_once_more)
+    _check_model(chosen)
+    return chosen
+
+
+def with_own_sections(config: HyPerNavConfig, chosen: ChosenComponents) -> HyPerNavConfig:
+    """The configuration with the whole sections of components from other packages in it.
+
+    Raises:
+        ConfigError: ``own`` holds values that nobody uses, or that can't be used.
+        ContractError: A component doesn't say what its section holds.
+    """
+    own: dict[str, Any] = {}
+    for kind in type(config.own).model_fields:
+        choice = chosen.by_kind.get(kind)
+        if choice is not None:
+            section = section_of(choice, kind, config)
+            if choice.entry.is_foreign and section is not None:
+                own[kind] = section.model_dump(mode="json")
+        elif getattr(config.own, kind):
+            raise ConfigError(f"own.{kind}: no {kind} is asked here, so there is none to configure")
+    return config.model_copy(update={"own": config.own.model_copy(update=own)})
+
+
+def _choice(
+    registry: Registry[Factory],
+    spec: str | None,
+    default: str,
+    agent: Choice[Factory],
+    asked: set[str],
+) -> Choice[Factory] | None:
+    """A component, if the agent asks for one of this kind."""
+    if registry.kind in asked:
+        return registry.find(spec or default)
+    if spec is not None:
+        raise ConfigError(
+            f"--agent {agent.spec} asks no {registry.kind}, so --{registry.kind} {spec} has no "
+            "meaning; drop it or use --agent hypernav"
+        )
+    return None
+
+
+def _check_model(chosen: ChosenComponents) -> None:
+    """Make sure that there is a chat model for who needs one, and somebody who asks it."""
+    asking = {kind: asked_by(choice) for kind, choice in chosen.by_kind.items()}
+    for kind, choice in chosen.by_kind.items():
+        if chosen.vlm is None and asking[kind].get("chat", False):
+            raise ConfigError(
+                f"--{kind} {choice.spec} needs a chat model; name it, for example {_EXAMPLE}"
+            )
+    is_asked = chosen.presence or any("chat" in asked for asked in asking.values())
+    if chosen.vlm is not None and not is_asked:
+        who = ", ".join(f"--{kind} {choice.spec}" for kind, choice in chosen.by_kind.items())
+        raise ConfigError(
+            f"--vlm {chosen.vlm} would never be asked: {who}, presence.enabled=false; give it "
+            "something to do or drop --vlm"
+        )

@@ -1,0 +1,112 @@
+"""Calling a component's constructor with what it asks for, by the names of its parameters.
+
+What follows the component's name on the command line comes first, by position: ``yolox:net.onnx``
+makes ``YoloxDetector("net.onnx", ...)``. Everything else is optional and given by name:
+
+============  ====================================================================================
+name          what
+============  ====================================================================================
+config        the component's own section of the configuration
+log           `hypernav.core.trace.ExchangeLog`: what is written there is shown in the trace
+chat          `hypernav.core.protocols.ChatModel` of ``--vlm``; without a default it is required
+embodiment    `hypernav.core.embodiment.Embodiment`: what the robot is
+mapping       `hypernav.mapping.config.MappingConfig`: cells and blocks of the map
+clearances_m  how far from obstacles destinations lie, metres, in the order to try
+fallback      for reasoners: a reasoner that needs no model
+reasoner      for agents: the `BlockReasoner` of ``--reasoner``
+detector      for agents: the `Detector` of ``--detector``
+segmenter     for agents: the `Segmenter` of ``--segmenter``
+============  ====================================================================================
+
+The section of a component of another package is described by the pydantic model that annotates
+its parameter ``config``; values are set under ``own``: ``--set own.detector.threshold=0.3``.
+"""
+
+import inspect
+from collections.abc import Mapping
+from typing import Any, get_args, get_type_hints
+
+from pydantic import BaseModel
+
+from hypernav.build.presets import HyPerNavConfig
+from hypernav.build.registries import Factory
+from hypernav.core.config import read_section
+from hypernav.core.errors import ConfigError, ContractError
+from hypernav.core.registry import Choice
+
+
+def asked_by(choice: Choice[Factory]) -> dict[str, bool]:
+    """What a component's constructor asks for by name, and whether it can't do without.
+
+    Raises:
+        ConfigError: What follows the component's name is more than it takes.
+        ContractError: It is neither a class nor a function.
+        ImportTargetError: It cannot be imported.
+    """
+    factory = choice.load()
+    if not callable(factory):
+        raise ContractError(f"{choice.spec}: expected a class or a function, found {factory!r:.60}")
+    parameters = [
+        parameter
+        for parameter in inspect.signature(factory).parameters.values()
+        if parameter.kind not in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD)
+    ]
+    taken = len(choice.arguments)
+    if taken > len(parameters):
+        raise ConfigError(
+            f"{choice.spec}: its constructor takes nothing, so nothing can follow its name"
+        )
+    return {one.name: one.default is one.empty for one in parameters[taken:]}
+
+
+def make(choice: Choice[Factory], offers: Mapping[str, Any]) -> Any:
+    """A component.
+
+    Args:
+        choice: Which, and what follows its name.
+        offers: What its constructor may ask for.
+
+    Raises:
+        ContractError: It asks for something else.
+        ImportTargetError: It cannot be imported.
+    """
+    asked = asked_by(choice)
+    unknown = [name for name, is_needed in asked.items() if is_needed and name not in offers]
+    if unknown:
+        raise ContractError(
+            f"{choice.spec}: its constructor asks for '{unknown[0]}'; it may ask for "
+            f"{', '.join(sorted(offers))}, and everything else needs a default"
+        )
+    return choice.load()(
+        *choice.arguments, **{name: offers[name] for name in asked if name in offers}
+    )
+
+
+def section_of(choice: Choice[Factory], kind: str, config: HyPerNavConfig) -> BaseModel | None:
+    """The section of the configuration that a component reads; None if it has none.
+
+    Raises:
+        ConfigError: ``own`` holds values that the component doesn't know, or can't use.
+        ContractError: The component doesn't say what its section holds.
+    """
+    values: dict[str, Any] = getattr(config.own, kind)
+    if choice.entry.is_foreign and "config" in asked_by(choice):
+        return read_section(_section_model(choice), values, place=f"own.{kind}")
+    if values:
+        section = choice.entry.section
+        remedy = f"its section is '{section}'" if section else "it has nothing to configure"
+        raise ConfigError(f"own.{kind} is not for {choice.spec}; {remedy}")
+    return getattr(config, choice.entry.section) if choice.entry.section else None
+
+
+def _section_model(choice: Choice[Factory]) -> type[BaseModel]:
+    factory = choice.load()
+    hints = get_type_hints(factory.__init__ if isinstance(factory, type) else factory)
+    annotation = hints.get("config")
+    for model in (annotation, *get_args(annotation)):
+        if isinstance(model, type) and issubclass(model, BaseModel):
+            return model
+    raise ContractError(
+        f"{choice.spec}: its parameter 'config' says nothing about what can be configured; "
+        "annotate it with a class of yours, derived from hypernav.core.config.RoomConfig"
+    )

@@ -1,0 +1,116 @@
+"""Everything that is found by name. A component of this package is one line here.
+
+Others register theirs as entry points of the group that each registry names.
+"""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from hypernav.core.registry import Entry, Registry
+
+if TYPE_CHECKING:
+    from hypernav.worlds.scenes.scene import Scene
+
+Factory = Callable[..., Any]
+"""A class or function that is called with what it asks for by name, see `construction.make`."""
+
+DETECTORS: Registry[Factory] = Registry(
+    "detector",
+    "hypernav.detectors",
+    [
+        Entry(
+            "ground-truth",
+            "hypernav.perception.local.ground_truth:GroundTruthDetector",
+            words="ground truth",
+        ),
+        Entry(
+            "yolox",
+            "hypernav.models.vision.yolox:YoloxDetector",
+            form="yolox:PATH.onnx",
+            words="YOLOX ({files})",
+            section="yolox",
+        ),
+        Entry(
+            "vlm",
+            "hypernav.perception.local.vlm_detector:VlmDetector",
+            words="{model}",
+            section="grounding",
+        ),
+        Entry(
+            "zero-shot",
+            "hypernav.models.vision.zero_shot:ZeroShotDetector",
+            form="zero-shot:ID",
+            section="zero_shot",
+        ),
+    ],
+)
+"""Who sees the goal (`hypernav.core.protocols.Detector`)."""
+
+SEGMENTERS: Registry[Factory] = Registry(
+    "segmenter",
+    "hypernav.segmenters",
+    [
+        Entry(
+            "depth-cut",
+            "hypernav.perception.local.depth_cut:DepthCutSegmenter",
+            words="depth cut",
+            section="depth_cut",
+        ),
+        Entry("sam", "hypernav.models.vision.sam:SamSegmenter", form="sam:ID", section="sam"),
+        Entry(
+            "onnx-sam",
+            "hypernav.models.vision.sam_onnx:OnnxSamSegmenter",
+            form="onnx-sam:ENCODER.onnx,DECODER.onnx",
+            section="onnx_sam",
+        ),
+    ],
+)
+"""Who finds the pixels in a box (`hypernav.core.protocols.Segmenter`)."""
+
+REASONERS: Registry[Factory] = Registry(
+    "reasoner",
+    "hypernav.reasoners",
+    [
+        Entry(
+            "geometric",
+            "hypernav.perception.explorers.geometric_reasoner:GeometricReasoner",
+            section="geometric",
+        ),
+        Entry(
+            "vlm",
+            "hypernav.perception.explorers.vlm_reasoner:VlmReasoner",
+            words="{model}",
+            section="block_choice",
+        ),
+    ],
+)
+"""Who chooses the block of the map to visit (`hypernav.core.protocols.BlockReasoner`)."""
+
+AGENTS: Registry[Factory] = Registry(
+    "agent",
+    "hypernav.agents",
+    [
+        Entry(
+            "hypernav",
+            "hypernav.perception.explorers.block_explorer:BlockExplorer",
+            section="overview",
+        ),
+        Entry(
+            "frontier",
+            "hypernav.perception.explorers.nearest_frontier:NearestFrontierExplorer",
+            words="nearest frontier",
+        ),
+    ],
+)
+"""Who searches: an explorer that the search of this package drives for
+(`hypernav.core.protocols.Explorer`), or an agent that does everything itself (`Agent`)."""
+
+SCENES: "Registry[Callable[..., Scene]]" = Registry(
+    "scene",
+    "hypernav.scenes",
+    [
+        Entry("builtin", "hypernav.build.scenes:builtin_house"),
+        Entry("houses", "hypernav.build.scenes:numbered_house", form="houses:N"),
+    ],
+)
+"""Buildings that are no files: called with what follows the name, as text."""

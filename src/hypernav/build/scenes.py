@@ -1,0 +1,56 @@
+"""Scenes by name."""
+
+from pathlib import Path
+
+from hypernav.build.registries import SCENES
+from hypernav.core.errors import SceneError
+from hypernav.houses.generator import BUILTIN_HOUSE
+from hypernav.houses.house_cache import cached_house
+from hypernav.worlds.scenes.loading import load_scene
+from hypernav.worlds.scenes.scene import Scene
+
+_HOUSE_DIGITS = 9
+
+
+def build_scene(spec: str) -> Scene:
+    """A scene by name.
+
+    Args:
+        spec: ``builtin``, ``houses:N`` for the generated house of number N, a name that an
+            installed package brings, or the path of a GLB.
+
+    Raises:
+        SceneError: The file cannot be used, or there is no such house.
+    """
+    if not SCENES.knows(spec.partition(":")[0]):
+        return load_scene(Path(spec))
+    choice = SCENES.find(spec)
+    return choice.load()(*choice.arguments)
+
+
+def builtin_house() -> Scene:
+    """The house that comes with this package."""
+    return cached_house(BUILTIN_HOUSE)
+
+
+def numbered_house(number: str) -> Scene:
+    """A generated house.
+
+    Raises:
+        SceneError: That is no number of a house.
+    """
+    return cached_house(house_number(number))
+
+
+def house_number(text: str) -> int:
+    """The number of a house, as people write it.
+
+    Raises:
+        SceneError: It is none.
+    """
+    if not (text.isascii() and text.isdecimal() and len(text) <= _HOUSE_DIGITS):
+        raise SceneError(
+            f"there is no house '{text}'; expected a whole number of at most {_HOUSE_DIGITS} "
+            "digits, for example houses:1234"
+        )
+    return int(text)

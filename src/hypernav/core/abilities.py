@@ -1,0 +1,81 @@
+"""What a component may be able to do beside its protocol: asked for, never demanded."""
+
+from collections.abc import Sequence
+from typing import Any, Protocol, runtime_checkable
+
+from hypernav.core.destination import Destination
+from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
+
+
+@runtime_checkable
+class ChecksGoal(Protocol):
+    """A component that knows which goals it can't find, a detector of fixed classes for example."""
+
+    def check_goal(self, goal: Goal) -> object:
+        """Refuse a goal before the search begins.
+
+        Raises:
+            GoalError: It can never be seen; the message says what can.
+        """
+        ...
+
+
+@runtime_checkable
+class ChecksModel(Protocol):
+    """A component that can't work with every chat model."""
+
+    def check_model(self) -> object:
+        """Refuse the model before the search begins, if its name is known without asking it.
+
+        Raises:
+            ConfigError: It can't be used; the message says what to configure.
+        """
+        ...
+
+
+@runtime_checkable
+class Reports(Protocol):
+    """A component that counts what is worth telling."""
+
+    def take_report(self) -> dict[str, Any]:
+        """What was counted since the last call, as JSON values; begins anew."""
+        ...
+
+
+@runtime_checkable
+class Closes(Protocol):
+    """A component that holds a thread, a process or a file."""
+
+    def close(self) -> None:
+        """Let go of it; the component isn't used again."""
+        ...
+
+
+@runtime_checkable
+class Prefetches(Protocol):
+    """An explorer that can choose the next destination while the robot drives to this one."""
+
+    def prefetch(
+        self,
+        grid: OccupancyGrid,
+        robot: Pose2,
+        trajectory: Sequence[tuple[float, float]],
+        destination: Destination,
+    ) -> None:
+        """Begin to choose, if it is time; called at every step of the path to a destination."""
+        ...
+
+
+def looks_at_colours(component: object) -> bool:
+    """Whether a component uses the colours of an image; one that doesn't says so.
+
+    A simulated world need not draw colours that nobody looks at: drawing is most of its work.
+    """
+    return bool(getattr(component, "looks_at_colours", True))
+
+
+def gives_masks(detector: object) -> bool:
+    """Whether a detector, or its class, says that all its detections carry their masks."""
+    return bool(getattr(detector, "gives_masks", False))
