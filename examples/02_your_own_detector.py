@@ -4,6 +4,9 @@ This one finds red things by their colour. A box is all that it says; the segmen
 pixels in the box, and the rest of the agent turns them into a place on the map.
 
 Run: python examples/02_your_own_detector.py
+
+On the command line its file's name lacks only a module's name: saved as red_things.py, it is
+``hypernav find "something red" --detector red_things:RedThings`` in the same folder.
 """
 
 import cv2

@@ -24,27 +24,34 @@ def test_without_options_nothing_but_the_simulator_is_needed():
 
 def test_a_model_sees_thinks_and_looks_once_more():
     parts = read("--vlm", VLM).build()
-    chosen = parts.chosen
-    assert (chosen.detector, chosen.reasoner, chosen.presence) == ("vlm", "vlm", "vlm")
+    chosen = parts.chosen.as_dict()
+    assert (chosen["detector"], chosen["reasoner"], chosen["presence"]) == ("vlm", "vlm", "vlm")
     assert parts.detector_words == parts.reasoner_words == "Qwen/Qwen2.5-VL-7B-Instruct"
     assert parts.take_report()["ledger"]["total"]["calls"] == 0
 
 
 def test_parts_may_be_set_apart():
     specs = ComponentSpecs(vlm=VLM, detector="yolox:net.onnx", segmenter="sam:facebook/sam")
-    chosen = choose_components(specs)
-    assert (chosen.detector, chosen.reasoner) == ("yolox:net.onnx", "vlm")
-    assert (chosen.segmenter, chosen.presence) == ("sam:facebook/sam", "vlm")
+    chosen = choose_components(specs).as_dict()
+    assert (chosen["detector"], chosen["reasoner"]) == ("yolox:net.onnx", "vlm")
+    assert (chosen["segmenter"], chosen["presence"]) == ("sam:facebook/sam", "vlm")
 
 
 def test_the_presence_check_can_be_switched_off():
     options = read("--vlm", VLM, "--set", "presence.enabled=false")
-    assert options.build().chosen.presence == "none"
+    assert options.build().chosen.as_dict()["presence"] == "none"
 
 
 def test_the_frontier_agent_thinks_for_itself():
     chosen = choose_components(ComponentSpecs(agent="frontier", vlm=VLM))
-    assert (chosen.detector, chosen.reasoner, chosen.presence) == ("vlm", "nearest-frontier", "vlm")
+    assert chosen.as_dict() == {
+        "agent": "frontier",
+        "vlm": VLM,
+        "detector": "vlm",
+        "reasoner": "none",
+        "segmenter": "depth-cut",
+        "presence": "vlm",
+    }
 
 
 def test_the_paper_asks_in_its_own_way():
@@ -71,9 +78,12 @@ def test_the_description_repeats_the_agent():
     [
         (["--reasoner", "vlm"], "--reasoner vlm needs a chat model; name it"),
         (["--detector", "vlm"], "--detector vlm needs a chat model; name it"),
-        (["--reasoner", "magic"], "unknown reasoner 'magic'; use geometric or vlm"),
+        (
+            ["--reasoner", "magic"],
+            "unknown reasoner 'magic'; use geometric, vlm or one of",
+        ),
         (["--detector", "magic"], "unknown detector 'magic'; use ground-truth"),
-        (["--detector", "yolox:"], "unknown detector 'yolox:'"),
+        (["--detector", "yolox:"], "detector 'yolox:': expected yolox:PATH.onnx"),
         (["--segmenter", "scissors"], "unknown segmenter 'scissors'; use depth-cut"),
         (["--vlm", VLM, "--segmenter", "onnx-sam:a.onnx"], "expected onnx-sam:ENCODER.onnx,DEC"),
         (["--segmenter", "sam:x"], "would never be asked: ground-truth detections"),

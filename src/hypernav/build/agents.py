@@ -72,8 +72,9 @@ class BuiltAgent:
 
     @property
     def looks_at_colours(self) -> bool:
-        """Whether any component looks at the colours of an image."""
-        return self.chosen.vlm is not None or any(map(looks_at_colours, self.components))
+        """Whether a chat model, or a component that is given images, looks at their colours."""
+        given_images = [one for one in self.components if isinstance(one, Detector | Agent)]
+        return self.chosen.vlm is not None or any(map(looks_at_colours, given_images))
 
     def take_report(self) -> dict[str, Any]:
         """What was asked and counted since the last report, for ``result.json``.

@@ -1,0 +1,211 @@
+"""Detectors, explorers and agents of somebody else's package, on the command line."""
+
+import json
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from box_scenes import room_glb
+from hypernav.build.agents import build_agent
+from hypernav.build.choosing import choose_components, with_own_sections
+from hypernav.build.component_specs import ComponentSpecs
+from hypernav.build.presets import preset
+from hypernav.cli.main import main
+from hypernav.core.config import layered
+from hypernav.core.errors import ConfigError, ContractError, GoalError, HyPerNavError
+from hypernav.core.goal import Goal
+
+SMALL = ("--set", "world.camera.width=160", "world.camera.height=120")
+MODULE = '''
+from hypernav.core.config import RoomConfig
+from hypernav.core.errors import GoalError
+from hypernav.core.geometry.boxes import Box, Detection
+from hypernav.core.actions import Action
+
+
+class OwnConfig(RoomConfig):
+    score: float = 0.9
+
+
+class Sees:
+    """Needs nothing, and sees a bed wherever the truth says so."""
+
+    def detect(self, observation, goal):
+        ids = observation.truth.ids
+        wanted = [i for i, label in observation.truth.labels.items() if label.category == "bed"]
+        masks = [ids == i for i in wanted if (ids == i).sum() > 50]
+        return [Detection(Box(0.0, 0.0, 9.0, 9.0), 0.9, "bed", mask) for mask in masks]
+
+
+class Configured(Sees):
+    looks_at_colours = False
+
+    def __init__(self, path="", *, config: OwnConfig, log):
+        self.path, self.config, self.log = path, config, log
+
+    def check_goal(self, goal):
+        if goal.text == "moon":
+            raise GoalError("no moon")
+
+    def take_report(self):
+        return {"looked": 7}
+
+
+class Explorer:
+    """Drives nowhere."""
+
+    def reset(self, goal): ...
+    def remember_visit(self, x, y): ...
+    def next_destination(self, grid, robot, trajectory): ...
+
+
+class Whole:
+    def __init__(self, detector):
+        self.detector = detector
+
+    def reset(self, goal): ...
+    def act(self, observation):
+        return Action.STOP
+
+
+class Blind:
+    pass
+
+
+class Demanding:
+    def __init__(self, weather): ...
+
+
+class Vague(Sees):
+    def __init__(self, config): ...
+
+
+NUMBER = 3
+'''
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """Where the user stands, with a file of their own in it."""
+    (tmp_path / "own_parts.py").write_text(MODULE)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", [entry for entry in sys.path if entry])
+    yield tmp_path
+    sys.modules.pop("own_parts", None)
+
+
+def hypernav(*arguments: object) -> int:
+    """Run the command; its exit status."""
+    with pytest.raises(SystemExit) as stop:
+        main([str(argument) for argument in arguments])
+    return int(stop.value.code or 0)
+
+
+def built(specs: ComponentSpecs, *assignments: str):
+    config = layered(preset("default"), assignments=assignments)
+    return build_agent(with_own_sections(config, choose_components(specs)), specs)
+
+
+def test_a_detector_of_ones_own_finds_the_bed(folder: Path):
+    glb = room_glb(folder / "room.glb")
+    own = ("--detector", "own_parts:Sees", *SMALL)
+    assert hypernav("find", "bed", "--scene", glb, "--out", "one", "--quiet", *own) == 0
+    result = json.loads((folder / "one" / "result.json").read_text())
+    assert result["detector"] == "Sees of own_parts"
+    assert result["parts"]["detector"] == "own_parts:Sees"
+
+
+def test_a_detector_of_ones_own_is_evaluated_in_processes_of_its_own(folder: Path):
+    glb = room_glb(folder / "room.glb")
+    dataset, quick = f"scene:{glb}#1", ("--workers", "1", "--max-steps", "40", "--quiet")
+    own = ("--detector", "own_parts:Configured:net", "--set", "own.detector.score=0.5")
+    assert hypernav("eval", dataset, "--goals", "bed", "--out", "run", *quick, *own) == 0
+    run = json.loads((folder / "run" / "run.json").read_text())["configuration"]
+    assert run["who"]["detector"] == "Configured of own_parts net"
+    assert run["config"]["own"]["detector"] == {"score": 0.5}
+    (line,) = (folder / "run" / "episodes.jsonl").read_text().splitlines()
+    assert json.loads(line)["success"]
+
+
+def test_an_installed_package_brings_a_detector(folder: Path, monkeypatch: pytest.MonkeyPatch):
+    info = folder / "own_parts-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: own-parts\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text("[hypernav.detectors]\nmine = own_parts:Sees\n")
+    monkeypatch.syspath_prepend(folder)
+    parts = built(ComponentSpecs(detector="mine"))
+    assert parts.detector_words == "mine"
+    assert type(parts.components[0]).__name__ == "Sees"
+
+
+def test_a_constructor_gets_what_it_asks_for(folder: Path):
+    specs = ComponentSpecs(detector="own_parts:Configured:weights.onnx")
+    parts = built(specs, "own.detector.score=0.25")
+    detector = parts.components[0]
+    assert (detector.path, detector.config.score) == ("weights.onnx", 0.25)
+
+
+def test_optional_abilities_are_asked_for(folder: Path):
+    parts = built(ComponentSpecs(detector="own_parts:Configured"))
+    with pytest.raises(GoalError, match="no moon"):
+        parts.check_goal(Goal("moon"))
+    assert parts.take_report() == {"fallbacks": {"looked": 7}}
+    assert not built(ComponentSpecs()).looks_at_colours
+    assert built(ComponentSpecs(detector="own_parts:Sees")).looks_at_colours
+
+
+def test_an_explorer_of_ones_own_is_driven_for(folder: Path):
+    parts = built(ComponentSpecs(agent="own_parts:Explorer"))
+    assert parts.reasoner_words == "Explorer of own_parts"
+    assert type(parts.agent).__name__ == "SearchAgent"
+
+
+def test_an_agent_of_ones_own_asks_for_a_detector(folder: Path):
+    parts = built(ComponentSpecs(agent="own_parts:Whole", detector="own_parts:Sees"))
+    assert type(parts.agent).__name__ == "Whole"
+    assert type(parts.agent.detector).__name__ == "Sees"
+
+
+@pytest.mark.parametrize(
+    ("specs", "assignments", "error", "words"),
+    [
+        ({"detector": "own_parts:Blind"}, (), ContractError, "is no Detector: it has no detect"),
+        ({"detector": "own_parts:Demanding"}, (), ContractError, "constructor asks for 'weather'"),
+        ({"detector": "own_parts:Vague"}, (), ContractError, "annotate it with a class of yours"),
+        ({"detector": "own_parts:NUMBER"}, (), ContractError, "expected a class or a function"),
+        ({"detector": "own_parts:Sees:x"}, (), ConfigError, "nothing can follow its name"),
+        ({"agent": "own_parts:Blind"}, (), ContractError, "is no Explorer: it has no"),
+        (
+            {"detector": "own_parts:Configured"},
+            ("own.detector.scor=1",),
+            ConfigError,
+            "own.detector: unknown key 'scor'; did you mean 'score'?",
+        ),
+        (
+            {"detector": "own_parts:Configured"},
+            ("own.detector.score=high",),
+            ConfigError,
+            "own.detector.score: Input should be a valid number",
+        ),
+        ({}, ("own.detector.score=1",), ConfigError, "own.detector is not for ground-truth"),
+        ({}, ("own.segmenter.score=1",), ConfigError, "own.segmenter: no segmenter is asked"),
+        (
+            {"agent": "own_parts:Explorer", "reasoner": "geometric"},
+            (),
+            ConfigError,
+            "--agent own_parts:Explorer asks no reasoner",
+        ),
+    ],
+)
+def test_what_does_not_fit_names_the_remedy(
+    folder: Path,
+    specs: dict[str, str],
+    assignments: tuple[str, ...],
+    error: type[HyPerNavError],
+    words: str,
+):
+    with pytest.raises(error) as caught:
+        built(ComponentSpecs(**specs), *assignments)
+    assert words in str(caught.value)
