@@ -17,7 +17,7 @@ from hypernav.core.config import layered
 from hypernav.core.errors import ConfigError, ContractError, GoalError, HyPerNavError
 from hypernav.core.goal import Goal
 
-SMALL = ("--set", "world.camera.width=160", "world.camera.height=120")
+SMALL = ("--set", "embodiment.camera.width=160", "embodiment.camera.height=120")
 MODULE = '''
 from hypernav.core.config import RoomConfig
 from hypernav.core.errors import GoalError
