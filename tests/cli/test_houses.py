@@ -98,7 +98,12 @@ def test_a_place_that_cannot_be_written_is_one_line(box_houses, tmp_path, capsys
     assert said.count("\n") == 1
 
 
-@pytest.mark.parametrize("number", ["", "abc", "-1", "1.5", "1234567890", "٣"])
+def test_a_house_without_a_number_shows_the_form(capsys):
+    assert hypernav("find", "bed", "--scene", "houses:", "--quiet") == 2
+    assert "scene 'houses:': expected houses:N" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("number", ["abc", "-1", "1.5", "1234567890", "٣"])
 def test_a_scene_that_is_no_house_is_one_line(number, capsys):
     assert hypernav("find", "bed", "--scene", f"houses:{number}", "--quiet") == 2
     said = capsys.readouterr().err
