@@ -5,16 +5,19 @@ import math
 import numpy as np
 import pytest
 
-from hypernav.build.agents import build_search
+from hypernav.build.agents import build_scene, build_search
 from hypernav.build.presets import preset
 from hypernav.core.config import layered
 from hypernav.core.episode import Outcome
 from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
 from hypernav.core.trace import Ending, ExchangeLog
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.planning.bump_sensor import BumpSensor
+from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.worlds.episode_run import EpisodeRun
 from hypernav.worlds.simulation import SimulatedWorld
+from hypernav.worlds.surface.starts import random_start
 from small_episodes import episode_from
 from small_worlds import two_rooms
 
@@ -104,6 +107,29 @@ def test_it_finds_the_goal_and_misreads_nothing(monkeypatch, robot):
 @pytest.mark.parametrize("agent", ["hypernav", "frontier"])
 def test_coarse_cells_do(monkeypatch, agent):
     finds_the_bed(monkeypatch, config_of({}, "default", "mapping.cell_size_m=0.1"), agent)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("agent", ["hypernav", "frontier"])
+@pytest.mark.parametrize("robot", ROBOTS.values(), ids=ROBOTS)
+def test_it_finds_its_way_through_a_furnished_house(monkeypatch, robot, agent):
+    config = layered(
+        preset("default"),
+        environment={},
+        assignments=[f"embodiment.{key}={value}" for key, value in robot.items()],
+    )
+    scene = build_scene("builtin")
+    renderer = CpuRenderer(scene, RenderConfig(colours=False))
+    world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
+    bumps = BumpsNoted(monkeypatch, world)
+    toilet, rng = Goal("toilet"), np.random.default_rng(2)
+    start = random_start(world.walkable, rng, world.regions.of(toilet))
+    searcher = build_search(config, GroundTruthDetector(), ExchangeLog(), agent=agent)
+    episode = EpisodeRun(searcher, world, episode_from(start, toilet), rng=rng)
+    for _ in episode:
+        pass
+    assert episode.result().outcome is Outcome.FOUND
+    assert bumps.false == 0
 
 
 @pytest.mark.slow
