@@ -18,6 +18,7 @@ from hypernav.core.errors import ConfigError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.evaluation.recorder import EpisodeRecorder
+from hypernav.evaluation.rehearsal import rehearsal
 from hypernav.worlds.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
 from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
@@ -50,7 +51,11 @@ def run(options: Options) -> int:
     parts = options.who.build(config)
     parts.check_goal(goal)
     console = Console(stderr=True, quiet=options.quiet, highlight=False)
-    with warnings_on(console), console.status("loading the building …") as status:
+    with (
+        warnings_on(console),
+        rehearsal(console.print),
+        console.status("loading the building …") as status,
+    ):
         world = SimulatedWorld(build_scene(options.scene), config.world, config.embodiment)
         rng = np.random.default_rng(options.seed)
         start = _start(options, world, goal, rng)
@@ -65,7 +70,7 @@ def run(options: Options) -> int:
             reasoner=parts.reasoner_words,
             step_limit=options.max_steps,
         ) as recorder:
-            status.update("the first steps compile and take a few seconds …")
+            status.update("the first step …")
             interrupted = _search(search, recorder, status, goal.text)
             status.update("writing the page …")
             outcome = search.result(interrupted=interrupted)
