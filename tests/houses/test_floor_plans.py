@@ -4,7 +4,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hypernav.houses.generator import BUILTIN_HOUSE, plan_of
+from hypernav.houses.generator import plan_of
+from hypernav.houses.numbers import BUILTIN_HOUSE
 from hypernav.houses.plan.doors import leaf_rect
 from hypernav.houses.plan.program import LIMITS
 from hypernav.houses.plan.shapes import FloorPlan

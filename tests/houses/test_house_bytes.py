@@ -6,7 +6,8 @@ import sys
 import pytest
 
 from hypernav.houses.assembly import CompactScene
-from hypernav.houses.generator import BUILTIN_HOUSE, build_compact, plan_of
+from hypernav.houses.generator import build_compact, plan_of
+from hypernav.houses.numbers import BUILTIN_HOUSE
 from hypernav.houses.textures.library import texture
 
 _SCRIPT = """

@@ -4,8 +4,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hypernav.houses.generator import BUILTIN_HOUSE, build_house
+from hypernav.houses.generator import build_house
 from hypernav.houses.house_cache import cache_folder, cached_house, generator_version
+from hypernav.houses.numbers import BUILTIN_HOUSE
 from hypernav.worlds.scenes.scene import Scene
 
 NUMBER = BUILTIN_HOUSE

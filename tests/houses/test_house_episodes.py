@@ -17,7 +17,8 @@ from hypernav.houses.episodes.ground_truth import HouseGroundTruth
 from hypernav.houses.episodes.house_episodes import EPISODES_PER_HOUSE, house_episodes
 from hypernav.houses.episodes.queries import CATEGORIES, HABITAT_CATEGORIES
 from hypernav.houses.episodes.splits import EPISODES_PER_ROUND, SPLITS, load_split
-from hypernav.houses.generator import BUILTIN_HOUSE, build_house
+from hypernav.houses.generator import build_house
+from hypernav.houses.numbers import BUILTIN_HOUSE
 
 HOUSE = BUILTIN_HOUSE
 STYLES = ("categories", "phrases")

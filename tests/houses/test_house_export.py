@@ -13,7 +13,8 @@ from hypernav.core.labels import ObjectLabel
 from hypernav.houses.export.descriptions import describe
 from hypernav.houses.export.files import ExportedHouse, export_house
 from hypernav.houses.export.page import house_page
-from hypernav.houses.generator import BUILTIN_HOUSE, build_house
+from hypernav.houses.generator import build_house
+from hypernav.houses.numbers import BUILTIN_HOUSE
 from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.scenes.loading import load_scene
 from hypernav.worlds.scenes.scene import Scene

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from hypernav.core.embodiment import BodyConfig
 from hypernav.core.goal import Goal
 from hypernav.houses.assembly import PlacedModel
-from hypernav.houses.generator import BUILTIN_HOUSE, build_house, placed_models, plan_of
+from hypernav.houses.generator import build_house, placed_models, plan_of
+from hypernav.houses.numbers import BUILTIN_HOUSE
 from hypernav.worlds.drawing.rays import RayCaster
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.view_points import view_points

@@ -4,8 +4,8 @@ from pathlib import Path
 
 from hypernav.build.registries import SCENES
 from hypernav.core.errors import SceneError
-from hypernav.houses.generator import BUILTIN_HOUSE
 from hypernav.houses.house_cache import cached_house
+from hypernav.houses.numbers import BUILTIN_HOUSE
 from hypernav.worlds.scenes.loading import load_scene
 from hypernav.worlds.scenes.scene import Scene
 

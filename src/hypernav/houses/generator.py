@@ -4,6 +4,7 @@ from hypernav.houses.assembly import CompactScene, PlacedModel, compact, to_scen
 from hypernav.houses.furnishing.house import furnish_rooms
 from hypernav.houses.labelling import name_and_label
 from hypernav.houses.materials import sample_palette
+from hypernav.houses.numbers import BUILTIN_HOUSE, VERSION
 from hypernav.houses.plan.program import small_flat
 from hypernav.houses.plan.sampling import sample_plan
 from hypernav.houses.plan.shapes import FloorPlan
@@ -12,12 +13,6 @@ from hypernav.houses.shell.doors_and_windows import build_openings
 from hypernav.houses.shell.room_finishes import room_finishes
 from hypernav.houses.shell.room_surfaces import build_rooms
 from hypernav.worlds.scenes.scene import Scene
-
-BUILTIN_HOUSE = 0
-"""Number of the house that ships as the built-in scene: a small flat."""
-
-VERSION = 1
-"""Version of the generator; rises whenever a number gives another house than before."""
 
 
 def plan_of(number: int) -> FloorPlan:

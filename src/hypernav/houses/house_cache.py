@@ -21,8 +21,8 @@ import numpy as np
 
 from hypernav.core.labels import ObjectLabel
 from hypernav.houses.assembly import CompactScene, to_scene
-from hypernav.houses.generator import VERSION, build_compact
 from hypernav.houses.modelling.mesh import Finish
+from hypernav.houses.numbers import VERSION
 from hypernav.houses.textures.library import is_image, is_loaded, store_texture, texture
 from hypernav.worlds.scenes.scene import Scene
 
@@ -84,6 +84,9 @@ def cached_house(number: int, folder: Path | None = None) -> Scene:
     if house is None:
         if number < 0:
             raise ValueError(f"house numbers start at 0, got {number}")
+        # The generator is loaded only to build: a cached house comes without it.
+        from hypernav.houses.generator import build_compact
+
         house = build_compact(number)
         _try_write(path, lambda file: _write(file, house))
     _load_textures(house, home / "textures")

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float32, Int32
-from scipy.ndimage import distance_transform_edt
 
 from hypernav.core.embodiment import BodyConfig
 from hypernav.core.errors import SceneError
+from hypernav.mapping.inflation import inflate
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.columns_kernels import floors_of_columns, rasterise
 from hypernav.worlds.surface.walkable_kernels import label_components, mark_cliffs
@@ -142,8 +142,8 @@ def _storey(floors: _Floors, robot: BodyConfig, floor_z: float, window: float) -
     heights[floors.cell[near]] = floors.z[near]
     heights = heights.reshape(floors.rows, floors.columns)
     obstacle = np.isnan(heights) | mark_cliffs(heights, robot.max_step_m)
-    clearance = np.asarray(distance_transform_edt(~obstacle)) * floors.cell_m
-    heights[obstacle | (clearance < robot.radius_m - 1e-9)] = np.nan
+    # A cell whose distance is just the robot's radius is far enough.
+    heights[inflate(obstacle, robot.radius_m - 1e-6, floors.cell_m) > 0] = np.nan
     return Storey(heights, floors.cell_m, floors.origin)
 
 
