@@ -91,7 +91,7 @@ def section_of(choice: Choice[Factory], kind: str, config: HyPerNavConfig) -> Ba
     """
     values: dict[str, Any] = getattr(config.own, kind)
     if choice.entry.is_foreign and "config" in asked_by(choice):
-        return read_section(_section_model(choice), values, place=f"own.{kind}")
+        return read_section(_section_model(choice), values, section=f"own.{kind}")
     if values:
         section = choice.entry.section
         remedy = f"its section is '{section}'" if section else "it has nothing to configure"

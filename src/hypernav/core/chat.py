@@ -1,4 +1,4 @@
-"""What is asked of a model that reads images and writes text, and what it answers."""
+"""Questions to a model that reads images and writes text, and its answers."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -25,12 +25,13 @@ class Question:
     """One question to a chat model.
 
     Attributes:
-        kind: What it is for ("ground", "choose block", "verify", …); the ledger counts by it.
-        text: The prompt.
-        images: Images that the text speaks of, in order. They are sent pixel for pixel.
+        kind: Purpose of the question ("ground", "choose block", "verify", …); the ledger counts by
+            it.
+        text: Text of the prompt.
+        images: Images that the text refers to, in order. They are sent pixel for pixel.
         allowed: The only possible answers; empty for an open question.
-        form: The JSON that the answer must be, as a pydantic model; None for an open question.
-        max_tokens: The longest answer.
+        form: Form of a JSON answer, as a pydantic model; None for an open question.
+        max_tokens: Limit on the length of the answer, tokens.
     """
 
     kind: str
@@ -55,8 +56,8 @@ class Usage:
     """Tokens of one exchange, as the server counts them; 0 where it does not say.
 
     Attributes:
-        tokens_in: Prompt, images included.
-        tokens_out: Answer, hidden reasoning included.
+        tokens_in: Tokens of the prompt, images included.
+        tokens_out: Tokens of the answer, hidden reasoning included.
     """
 
     tokens_in: int = 0
@@ -80,19 +81,19 @@ _FAULT_ERRORS = {
 
 @dataclass(frozen=True)
 class Answer:
-    """What a chat model said.
+    """The answer of a chat model.
 
     Attributes:
-        text: Its words, untouched.
-        model: Who said it.
+        text: Text of the answer, untouched.
+        model: Name of the model.
         value: One of the allowed answers, or an instance of the form, or the text of an open
             question; None if there is a fault.
-        usage: Tokens.
-        seconds: From asking to knowing, waits between attempts included.
-        probabilities: How likely each allowed answer was, where the model tells; sums to 1.
-        lost: Earlier attempts that came to nothing, by reason: "transport" or "timeout".
-        fault: Why the text cannot be used; None if it can.
-        detail: The fault in words.
+        usage: Tokens of the exchange.
+        seconds: Time from the question to the answer, waits between attempts included.
+        probabilities: Probability of each allowed answer, where the model tells it; sums to 1.
+        lost: Number of earlier attempts without an answer, by reason: "transport" or "timeout".
+        fault: Reason why the text cannot be used; None if it can.
+        detail: Description of the fault in words.
     """
 
     text: str
@@ -107,16 +108,16 @@ class Answer:
 
     @property
     def attempts(self) -> int:
-        """How often the model was asked until it answered."""
+        """Number of times that the model was asked until it answered."""
         return 1 + sum(self.lost.values())
 
     def require(self) -> Any:
-        """The value.
+        """The value of the answer, if it can be used.
 
         Raises:
             RefusalError: The model declined.
             UnparsableAnswerError: The text is not of the kind that was asked for.
-            InvalidAnswerError: It is of that kind, but none of the possible answers.
+            InvalidAnswerError: The text is of that kind, but none of the possible answers.
         """
         if self.fault is not None:
             raise _FAULT_ERRORS[self.fault](f"{self.model}: {self.detail}")

@@ -1,4 +1,4 @@
-"""Configuration: frozen models, and layers of what the user said; later ones win."""
+"""Configuration: frozen models, and the settings of a user in layers; later layers win."""
 
 import difflib
 import os
@@ -49,7 +49,7 @@ RENAMED = {
     "overview.picture_px": "overview.image_px",
     **{f"ask_ahead.{key}": f"prefetch.{key}" for key in ("enabled", "within_m", "good_for_steps")},
 }
-"""Options that were called otherwise once, and what says the same today."""
+"""Former names of options, and the options that say the same today."""
 
 
 class RoomConfig(BaseModel):
@@ -68,13 +68,13 @@ def layered(
     environment: Mapping[str, str] = os.environ,
     assignments: Sequence[str] = (),
 ) -> ConfigT:
-    """A configuration with everything that the user said laid over it.
+    """The configuration of a preset with all settings of the user laid over it.
 
     Args:
-        base: The preset.
-        file: YAML with the same sections; only what differs needs to be there.
-        environment: Variables such as ``HYPERNAV_MAPPING__CELL_SIZE_M=0.1``.
-        assignments: From the command line, such as ``mapping.cell_size_m=0.1``.
+        base: Preset to start from.
+        file: YAML file with the same sections; only values that differ need to be in it.
+        environment: Environment variables, such as ``HYPERNAV_MAPPING__CELL_SIZE_M=0.1``.
+        assignments: Assignments from the command line, such as ``mapping.cell_size_m=0.1``.
 
     Raises:
         ConfigError: A file that cannot be read, a wrong key or an impossible value.
@@ -97,27 +97,27 @@ def layered(
     return _validated(type(base), values)
 
 
-def read_section(model: type[ConfigT], values: dict[str, Any], *, place: str) -> ConfigT:
-    """A section that is described by somebody else's model.
+def read_section(model: type[ConfigT], values: dict[str, Any], *, section: str) -> ConfigT:
+    """Values of a section whose model a package outside hypernav defines.
 
     Args:
-        model: What it holds.
-        values: Those that differ from its defaults.
-        place: The section's name in the whole configuration.
+        model: Model of the section.
+        values: Values that differ from the model's defaults.
+        section: Name of the section in the whole configuration.
 
     Raises:
         ConfigError: A wrong key or an impossible value.
     """
-    _merge(model, dict(values), values, source=place, section=place)
-    return _validated(model, values, place=place)
+    _merge(model, dict(values), values, source=section, section=section)
+    return _validated(model, values, section=section)
 
 
-def _validated(model: type[ConfigT], values: dict[str, Any], *, place: str = "") -> ConfigT:
+def _validated(model: type[ConfigT], values: dict[str, Any], *, section: str = "") -> ConfigT:
     try:
         return model.model_validate(values)
     except ValidationError as error:
         first = error.errors()[0]
-        where = ".".join(str(part) for part in (place, *first["loc"]) if part != "")
+        where = ".".join(str(part) for part in (section, *first["loc"]) if part != "")
         raise ConfigError(f"{where}: {first['msg']}, got {first['input']!r}") from error
 
 

@@ -1,4 +1,4 @@
-"""What the robot is, said once: its body, its camera, what its actions do."""
+"""The robot, described once: its body, its camera and the effect of its actions."""
 
 import math
 
@@ -18,10 +18,10 @@ class BodyConfig(RoomConfig):
     storey is all that a robot can reach.
 
     Attributes:
-        radius_m: Radius of the cylinder.
-        height_m: Room that it needs above the floor.
-        max_step_m: Highest edge that it drives over.
-        max_slope_deg: Steepest surface that it stands on.
+        radius_m: Radius of the cylinder, metres.
+        height_m: Height of the cylinder, the room that it needs above the floor, metres.
+        max_step_m: Height of the highest edge that the robot drives over, metres.
+        max_slope_deg: Slope of the steepest surface that the robot stands on, degrees.
     """
 
     radius_m: float = Field(default=0.18, ge=0.0, le=5.0)
@@ -39,7 +39,7 @@ class BodyConfig(RoomConfig):
 
 
 class CameraConfig(RoomConfig):
-    """The RGB-D camera, by default that of Habitat's HM3D challenge.
+    """The RGB-D camera. The paper names none, so the default is ours: Habitat's HM3D camera.
 
     Depth outside the sensor's range is 0, no return, on both sides of it, as real depth cameras
     report it. (Habitat clips it to the range instead, so that a far wall looks like one at the
@@ -48,11 +48,11 @@ class CameraConfig(RoomConfig):
     Attributes:
         width: Columns of the image, pixels.
         height: Rows of the image, pixels.
-        hfov_deg: Horizontal field of view.
-        height_m: Height of the lens above the floor.
-        pitch_deg: Downward tilt; negative looks up.
-        min_depth_m: Nearest return.
-        max_depth_m: Farthest return.
+        hfov_deg: Horizontal field of view, degrees.
+        height_m: Height of the lens above the floor, metres.
+        pitch_deg: Downward tilt, degrees; negative looks up.
+        min_depth_m: Smallest depth that the sensor measures, metres.
+        max_depth_m: Largest depth that the sensor measures, metres.
     """
 
     width: int = Field(default=640, ge=8, le=8192)
@@ -79,16 +79,17 @@ class CameraConfig(RoomConfig):
 
     @property
     def camera_to_base(self) -> Transform:
-        """Where the camera sits on the robot."""
+        """Pose of the camera on the robot: the transform from the optical to the base frame."""
         return optical_to_base(self.height_m, self.pitch_deg)
 
 
 class MotionConfig(RoomConfig):
-    """What the actions do, by default as in the paper.
+    """Effect of the actions, by default as in the paper.
 
     Attributes:
-        forward_m: Length of a step forward.
-        turn_angle_deg: Rotation of one turn action; a whole number of turns makes a circle.
+        forward_m: Length of one step forward, metres.
+        turn_angle_deg: Rotation of one turn action, degrees; a whole number of turns makes a
+            circle.
     """
 
     forward_m: float = Field(default=0.5, ge=0.01, le=5.0)
@@ -110,17 +111,17 @@ class MotionConfig(RoomConfig):
 
     @property
     def turns_of_a_circle(self) -> int:
-        """How many turns bring the robot around once."""
+        """Number of turns that bring the robot around once."""
         return round(360.0 / self.turn_angle_deg)
 
 
 class Embodiment(RoomConfig):
-    """What the robot is; everyone who needs to know reads it from here.
+    """The robot, as worlds, mapping, perception, planning and agents know it.
 
     Attributes:
-        body: How large it is and what it drives over.
-        camera: What it sees with.
-        motion: What its actions do.
+        body: Size of the robot, and the ground that it drives over.
+        camera: RGB-D camera of the robot.
+        motion: Effect of its actions.
     """
 
     body: BodyConfig = BodyConfig()

@@ -1,4 +1,4 @@
-"""What an episode is, and how it can end."""
+"""An episode, and the outcomes that it can have."""
 
 import hashlib
 import json
@@ -19,16 +19,16 @@ MAX_STEPS = 500
 
 @dataclass(frozen=True)
 class Episode:
-    """One task: where, from where, what to find, and what counts as found.
+    """One task: a scene, a start, a goal, and the conditions of success.
 
     Attributes:
-        scene_id: Scene, as ``hypernav find --scene`` understands it.
+        scene_id: Name of the scene, as ``hypernav find --scene`` understands it.
         episode_id: Name that is unique within the scene.
-        goal: What to find.
+        goal: Target of the search.
         start: Start pose, scene frame.
         group: Part of the data set ("unseen"); empty if there is none.
         max_steps: Step limit; STOP counts as a step.
-        success_distance_m: How near to a view point (geodesic) a STOP counts.
+        success_distance_m: Geodesic distance to a view point within which a STOP counts, metres.
         view_points: Points on the floor where the goal counts as reached, metres, scene frame, as
             the data set brings them; None leaves them to the scene. Equality leaves them out.
     """
@@ -44,11 +44,11 @@ class Episode:
 
     @property
     def key(self) -> tuple[str, str]:
-        """What no two episodes of a data set share."""
+        """Identity of the episode: no two episodes of a data set share it."""
         return (self.scene_id, self.episode_id)
 
     def seed(self, run_seed: int) -> int:
-        """Seed of all noise in this episode: its own, whoever runs it and whatever ran before.
+        """Seed of all noise in this episode, independent of the episodes that ran before it.
 
         The folder of a scene's file does not matter.
         """
@@ -69,9 +69,9 @@ class Outcome(StrEnum):
     NOT_FOUND = "not_found"
     """Gave up, or ran out of steps."""
     UNREACHABLE = "unreachable"
-    """The scene holds the goal, but no way leads there from the start."""
+    """The scene holds the goal, but no path leads there from the start."""
     MODEL_UNAVAILABLE = "model_unavailable"
-    """A model stayed away longer than the configured patience."""
+    """A model did not answer within the configured patience."""
     SIMULATOR_ERROR = "simulator_error"
     """The world failed, or the process that ran it was lost again and again."""
     INTERRUPTED = "interrupted"

@@ -33,7 +33,7 @@ class StartError(HyPerNavError):
 
 
 class MapError(HyPerNavError):
-    """A map file is missing or broken, or a pose or place is one that no map can hold."""
+    """A map file is missing or broken, or no map can hold a pose or position."""
 
 
 class EpisodeError(HyPerNavError):
@@ -53,7 +53,7 @@ class ModelError(HyPerNavError):
 
 
 class ContractError(HyPerNavError):
-    """A component, agent or world of someone's own does not do what its contract says."""
+    """A component, agent or world from outside does not do what its contract says."""
 
 
 class WorldError(HyPerNavError):
@@ -85,7 +85,7 @@ class InvalidAnswerError(ChatError):
 
 
 class ModelUnavailableError(ChatError):
-    """A chat model stayed away for longer than the configured patience.
+    """A chat model did not answer within the configured patience.
 
     An episode that ends with it says nothing about navigation and is never counted as a failure.
     """
@@ -96,7 +96,7 @@ class ModelRejectedError(ModelUnavailableError):
 
 
 class RunFolderError(HyPerNavError):
-    """The folder of an evaluation is in use, damaged, of another run, or can't be written."""
+    """The folder of an evaluation is in use, damaged, not writable, or belongs to another run."""
 
 
 class RecordingError(HyPerNavError):

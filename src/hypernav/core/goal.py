@@ -1,4 +1,4 @@
-"""What to find."""
+"""The goal of a search."""
 
 import re
 from dataclasses import dataclass
@@ -21,5 +21,5 @@ class Goal:
 
     @property
     def thing(self) -> str:
-        """The text without an article in front, to be spoken of as "the …"."""
+        """The text without a leading article, for sentences about "the …"."""
         return _ARTICLE.sub("", self.text.strip())

@@ -1,4 +1,4 @@
-"""Names of things, and whether a thing is what a goal asks for.
+"""Names of objects, and whether an object is what a goal asks for.
 
 The matching is a small, predictable grammar, not a language model: it decides what counts as
 reached, so it must be the same on every machine and easy to read.
@@ -69,20 +69,20 @@ def canonical(name: str) -> str:
 
 
 def same_name(a: str, b: str) -> bool:
-    """Whether two names mean the same kind of thing."""
+    """Whether two names mean the same kind of object."""
     return canonical(a) == canonical(b)
 
 
 @dataclass(frozen=True)
 class ObjectLabel:
-    """What is known about one object of a scene.
+    """Description of one object of a scene.
 
     Attributes:
-        category: Its kind, for example "sofa".
+        category: Kind of the object, for example "sofa".
         synonyms: Other names that fit, narrower or wider ("L-shaped sofa", "couch").
-        attributes: Words that are true of it ("red", "wooden", "L-shaped").
-        room: The room that it stands in, empty if unknown.
-        beside: Categories of the things next to it.
+        attributes: Properties of the object ("red", "wooden", "L-shaped").
+        room: Room that the object stands in; empty if unknown.
+        beside: Categories of the objects next to it.
     """
 
     category: str
@@ -97,7 +97,7 @@ class ObjectLabel:
         return (self.category, *self.synonyms)
 
     def is_named(self, name: str) -> bool:
-        """Whether a bare name fits: equal, a synonym, or this name's head noun.
+        """Whether a bare name fits: the category, a synonym, or the head noun of one of these.
 
         A "coffee table" is a "table", and a "tv stand" is not a "tv".
         """

@@ -1,4 +1,4 @@
-"""How well an episode went, exactly as habitat-lab computes it.
+"""Measures of an episode, exactly as habitat-lab computes them.
 
 Source: habitat-lab, ``habitat/tasks/nav/nav.py`` (``Success``, ``SPL``, ``SoftSPL``,
 ``DistanceToGoal``) and Anderson et al., "On Evaluation of Embodied Navigation Agents", 2018.
@@ -16,12 +16,13 @@ class EpisodeMetrics:
     """Measures of one episode.
 
     Attributes:
-        success: Stopped within the success distance of a view point.
+        success: Whether the agent stopped within the success distance of a view point.
         spl: Success weighted by path length.
-        soft_spl: The same with progress towards the goal in place of success.
-        distance_to_goal_m: Geodesic, to the nearest view point; infinite if there is none.
-        shortest_path_m: The same at the start.
-        path_length_m: Summed displacement.
+        soft_spl: SPL with progress towards the goal in place of success.
+        distance_to_goal_m: Geodesic distance to the nearest view point, metres; infinite if there
+            is none.
+        shortest_path_m: Geodesic distance to the nearest view point at the start, metres.
+        path_length_m: Length of the path driven, summed over all steps, metres.
     """
 
     success: bool

@@ -1,4 +1,4 @@
-"""All that an agent may know about one moment."""
+"""Observations: all that an agent may know about one moment."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,11 +14,11 @@ from hypernav.core.labels import ObjectLabel
 
 @dataclass(frozen=True, eq=False)
 class LabelledPixels:
-    """Ground truth that a simulated world may add: what every pixel shows.
+    """Ground truth of an image, which a simulated world may add.
 
     Attributes:
         ids: Instance of every pixel, -1 where there is none.
-        labels: What each instance is; walls, floor and ceiling have none.
+        labels: Label of each instance; walls, floor and ceiling have none.
     """
 
     ids: Int32[np.ndarray, "height width"]
@@ -30,12 +30,12 @@ class Observation:
     """One RGB-D frame with camera model and poses.
 
     Attributes:
-        rgb: Colour.
-        depth: Metres along the optical axis, 0 where there is no return.
+        rgb: Colour image.
+        depth: Depth image, metres along the optical axis; 0 where there is no return.
         camera: Intrinsics of both images.
         camera_to_map: Pose of the camera, optical frame to ``map`` frame.
         robot: Pose of the robot's base in the ``map`` frame.
-        truth: Labels, in simulation only.
+        truth: Labels of the pixels, in simulation only.
     """
 
     rgb: UInt8[np.ndarray, "height width 3"]

@@ -15,14 +15,15 @@ class Block:
     """A labelled square of the explored map, the unit of a global answer.
 
     Attributes:
-        number: The label, from 1.
+        number: Number on the label, from 1.
         x_min: Lower left corner in the ``map`` frame, metres.
         y_min: Lower left corner in the ``map`` frame, metres.
-        size_m: Side length.
-        free_cells: Cells in it where the robot may be.
-        frontier_cells: Free cells in it that touch the unknown.
-        destination: Where the robot would go in it: the middle of a free cell, metres.
-        travel_m: Length of the way there over the known map, metres; infinite if there is none.
+        size_m: Side length, metres.
+        free_cells: Number of free cells in the block.
+        frontier_cells: Number of free cells in the block that touch the unknown.
+        destination: Position ``(x, y)`` in the block that the robot would go to, metres; the middle
+            of a free cell.
+        travel_m: Length of the path there over the known map, metres; infinite if there is none.
     """
 
     number: int
@@ -37,12 +38,12 @@ class Block:
 
 @dataclass(frozen=True, eq=False)
 class Overview:
-    """What a reasoner may know when it chooses a block.
+    """Everything that a reasoner may know when it chooses a block.
 
     Attributes:
-        draw: Makes the image, which not every reasoner looks at.
-        blocks: In order of their numbers.
-        robot: Where the robot is, ``map`` frame.
+        draw: Function that draws the image; not every reasoner looks at it.
+        blocks: Blocks in the order of their numbers.
+        robot: Pose of the robot, ``map`` frame.
     """
 
     draw: Callable[[], UInt8[np.ndarray, "height width 3"]]
@@ -61,12 +62,12 @@ class Overview:
 
 @dataclass(frozen=True)
 class BlockChoice:
-    """Where a reasoner would look next.
+    """Choice of the block to visit next.
 
     Attributes:
-        number: The chosen block; None if it finds none worth visiting.
-        reason: In words, for the trace.
-        probabilities: How likely each block was, where the reasoner can say.
+        number: Number of the chosen block; None if no block is worth a visit.
+        reason: Reason for the choice in words, for the trace.
+        probabilities: Probability of each block, where the reasoner tells it.
     """
 
     number: int | None

@@ -1,4 +1,4 @@
-"""The seams: small contracts between the rooms of this package and with code of your own."""
+"""The protocols between the rooms of this package, and for code of your own."""
 
 from collections.abc import Sequence
 from typing import Protocol, runtime_checkable
@@ -20,7 +20,7 @@ from hypernav.core.trace import StepTrace
 
 @runtime_checkable
 class Agent(Protocol):
-    """Finds a goal, one action at a time. Knows no simulator."""
+    """The agent: finds a goal, one action at a time. It knows no simulator."""
 
     def reset(self, goal: Goal) -> None:
         """Forget everything and begin a new search."""
@@ -38,7 +38,7 @@ class Agent(Protocol):
 
 @runtime_checkable
 class ExplainsItself(Protocol):
-    """An agent that can say what it did in its last step, for videos, pages and analysis."""
+    """An agent that keeps a trace of its last step, for videos, pages and analysis."""
 
     @property
     def last_step(self) -> StepTrace:
@@ -53,10 +53,10 @@ class ExplainsItself(Protocol):
 
 @runtime_checkable
 class Detector(Protocol):
-    """Sees whether the goal is in the image."""
+    """Finds the goal in an image."""
 
     def detect(self, observation: Observation, goal: Goal) -> list[Detection]:
-        """All candidates, best first. An empty list means: not seen."""
+        """All candidates, best first; an empty list where the goal is not seen."""
         ...
 
 
@@ -65,7 +65,7 @@ class Segmenter(Protocol):
     """Finds the pixels of the object in a box."""
 
     def segment(self, observation: Observation, box: Box) -> Bool[np.ndarray, "height width"]:
-        """The object's pixels; all False if the box holds none."""
+        """Mask of the object's pixels; all False if the box holds none."""
         ...
 
 
@@ -74,7 +74,7 @@ class BlockReasoner(Protocol):
     """Chooses the part of the map to visit next."""
 
     def choose(self, overview: Overview, goal: Goal, excluded: frozenset[int]) -> BlockChoice:
-        """One of the blocks that are not excluded, or None if nothing is worth a visit."""
+        """Choice of a block that is not excluded, or of none if none is worth a visit."""
         ...
 
 
@@ -105,7 +105,7 @@ class Explorer(Protocol):
 
 @runtime_checkable
 class PresenceCheck(Protocol):
-    """Looks once more, at the goal, before the robot declares success."""
+    """The last look at the goal before the robot declares success."""
 
     def is_present(self, observation: Observation, goal: Goal) -> bool:
         """Whether the goal is really in the image."""
@@ -117,26 +117,26 @@ class ChatModel(Protocol):
     """A model that looks at images and answers in words. Safe to share between threads."""
 
     def identify(self) -> str:
-        """The model's name, found out if need be. Holds no secret.
+        """The model's name, asked of the server if necessary. Holds no secret.
 
         Raises:
-            ModelUnavailableError: It cannot be found out within the configured patience.
+            ModelUnavailableError: The name cannot be found out within the configured patience.
         """
         ...
 
     def ask(self, question: Question) -> Answer:
-        """The answer, read and checked; one that cannot be used says so in its ``fault``.
+        """The answer, read and checked; ``fault`` tells whether it cannot be used.
 
         Raises:
-            ModelUnavailableError: The model stayed away for longer than the configured patience.
+            ModelUnavailableError: The model did not answer within the configured patience.
         """
         ...
 
 
 @runtime_checkable
 class Similarity(Protocol):
-    """Tells how well a text fits an image."""
+    """A measure of how well a text fits an image."""
 
     def similarity(self, image: Image, text: str) -> float:
-        """From 0 (not at all) to 1; comparable only between answers of the same model."""
+        """Similarity from 0 (none at all) to 1; comparable only between answers of one model."""
         ...

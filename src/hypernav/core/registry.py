@@ -1,4 +1,4 @@
-"""Things found by name: built in, brought by an installed package, or ``package.module:Name``.
+"""Components found by name: built in, from an installed package, or ``package.module:Name``.
 
 Nothing is imported before it is wanted: a built-in entry says where its target is, an installed
 package says it in an entry point, and ``package.module:Name`` on the command line says it itself.
@@ -24,17 +24,17 @@ _MODULE = re.compile(r"[^\W\d]\w*(\.[^\W\d]\w*)*")
 
 @dataclass(frozen=True)
 class Entry(Generic[T]):
-    """Something that has a name.
+    """One named component.
 
     Attributes:
-        name: What people write.
-        target: The thing itself, or where it is imported from: ``package.module:name``.
+        name: Name that people write.
+        target: The component itself, or where it is imported from: ``package.module:name``.
         form: How it is written in full: ``yolox:PATH.onnx``, ``mine[:ARGUMENT]``. The bare name
             unless given. As many arguments are expected as have commas between them here.
-        words: What people read. ``{files}`` stands for the file names that follow the name; other
-            fields are filled in by who asks for the words. The name unless given.
-        section: Its section of the configuration; empty for none, and for things of others.
-        is_foreign: Whether it comes from another package.
+        words: Description for people. ``{files}`` stands for the file names that follow the name;
+            other fields are filled in by the caller of `Choice.words`. The name unless given.
+        section: Section of the configuration; empty for none, and for components of other packages.
+        is_foreign: Whether the component comes from another package.
     """
 
     name: str
@@ -46,14 +46,14 @@ class Entry(Generic[T]):
 
     @property
     def full_form(self) -> str:
-        """How it is written, for people."""
+        """Full form of a specification, for people."""
         return self.form or self.name
 
     def load(self) -> T:
-        """The thing itself, imported if it has not been.
+        """The component, imported if necessary.
 
         Raises:
-            ImportTargetError: It cannot be imported.
+            ImportTargetError: The component cannot be imported.
         """
         if isinstance(self.target, str):
             return import_target(self.target)
@@ -62,18 +62,18 @@ class Entry(Generic[T]):
 
 @dataclass(frozen=True)
 class Choice(Generic[T]):
-    """An entry as somebody wrote it.
+    """An entry as a specification names it.
 
     Attributes:
-        entry: What was named.
-        arguments: What followed the name.
+        entry: Entry of the name.
+        arguments: Arguments after the name.
     """
 
     entry: Entry[T]
     arguments: tuple[str, ...] = ()
 
     def load(self) -> T:
-        """The thing that was named, as `Entry.load` gives it."""
+        """The named component, as `Entry.load` gives it."""
         return self.entry.load()
 
     @property
@@ -83,10 +83,10 @@ class Choice(Generic[T]):
         return f"{name}:{','.join(self.arguments)}" if self.arguments else name
 
     def words(self, **fields: str) -> str:
-        """What people read.
+        """Description for people.
 
         Args:
-            **fields: Whatever else than ``files`` the entry's words may name.
+            **fields: Further fields besides ``files`` that the entry's words may contain.
         """
         files = " + ".join(Path(argument).name for argument in self.arguments)
         words = self.entry.words or f"{self.entry.name} {{files}}"
@@ -94,7 +94,7 @@ class Choice(Generic[T]):
 
 
 class Registry(Generic[T]):
-    """The things of one kind.
+    """The components of one kind.
 
     Example:
         >>> detectors = Registry("detector", "hypernav.detectors")  # doctest: +SKIP
@@ -103,19 +103,19 @@ class Registry(Generic[T]):
     """
 
     def __init__(self, kind: str, group: str, entries: Iterable[Entry[T]] = ()) -> None:
-        """Fill it.
+        """Fill the registry.
 
         Args:
-            kind: What its things are, in the singular.
-            group: Entry points of this group, of any installed package, are found as well.
-            entries: What is built in.
+            kind: Name of the kind, in the singular.
+            group: Group of entry points; those of any installed package are found as well.
+            entries: Built-in components.
         """
         self.kind = kind
         self.group = group
         self._entries: dict[str, Entry[T]] = {entry.name: entry for entry in entries}
 
     def add(self, entry: Entry[T]) -> None:
-        """Register one more.
+        """Register one more component.
 
         Raises:
             ConfigError: The name is taken.
@@ -126,22 +126,22 @@ class Registry(Generic[T]):
 
     @property
     def forms(self) -> list[str]:
-        """How everything built in is written, in the order in which it was registered."""
+        """Full forms of everything built in, in the order of registration."""
         return [entry.full_form for entry in self._entries.values()]
 
     def knows(self, name: str) -> bool:
-        """Whether there is something of this name, built in or brought by a package."""
+        """Whether a component has this name, built in or from an installed package."""
         return name in self._entries or self._installed(name) is not None
 
     def find(self, spec: str) -> Choice[T]:
-        """What somebody means.
+        """The component that a specification names.
 
         Args:
             spec: ``NAME``, ``NAME:ARGUMENTS`` or ``package.module:Name[:ARGUMENTS]``.
 
         Raises:
-            ConfigError: There is no such thing, or it is not written in its form.
-            ImportTargetError: The thing of another package cannot be imported.
+            ConfigError: There is no such component, or the specification does not have its form.
+            ImportTargetError: The component of another package cannot be imported.
         """
         name, _, rest = spec.partition(":")
         entry = self._entries.get(name) or self._installed(name)
@@ -153,14 +153,14 @@ class Registry(Generic[T]):
         return Choice(entry, self._arguments(entry, spec, rest))
 
     def _installed(self, name: str) -> Entry[T] | None:
-        """What an installed package registers under a name."""
+        """Entry that an installed package registers under a name."""
         for point in entry_points(group=self.group):
             if point.name == name:
                 return Entry(name, point.value, form=f"{name}[:ARGUMENT]", is_foreign=True)
         return None
 
     def _imported(self, module: str, attribute: str) -> Entry[T]:
-        """What somebody names by where it is."""
+        """Entry of a component that is named by its module."""
         target = f"{module}:{attribute}"
         _make_current_folder_importable()
         try:
@@ -179,7 +179,7 @@ class Registry(Generic[T]):
         )
 
     def _arguments(self, entry: Entry[T], spec: str, text: str) -> tuple[str, ...]:
-        """What follows the name, as many things as the form asks for."""
+        """Arguments after the name, as many as the form asks for."""
         form = entry.full_form
         if not text and not form.startswith(f"{entry.name}:"):
             return ()
@@ -201,7 +201,7 @@ class Registry(Generic[T]):
 
 
 def import_target(target: str) -> Any:
-    """The thing at ``package.module:name``.
+    """The object at ``package.module:name``.
 
     Raises:
         ImportTargetError: There is no such module, it needs a package that is not installed, or it
@@ -231,12 +231,12 @@ def import_target(target: str) -> Any:
 
 
 def check_protocol(thing: object, protocol: type, *, name: str) -> None:
-    """Make sure that a thing has the methods that a protocol asks for.
+    """Make sure that an object has the methods that a protocol asks for.
 
     Args:
-        thing: Made by someone else's code.
-        protocol: One of `hypernav.core.protocols`.
-        name: Of the thing, as the user wrote it.
+        thing: Object made by code from outside.
+        protocol: Protocol, such as those of `hypernav.core.protocols`.
+        name: Name of the object, as the user wrote it.
 
     Raises:
         ContractError: Methods are missing; the message names them.
@@ -251,9 +251,9 @@ def check_protocol(thing: object, protocol: type, *, name: str) -> None:
 
 
 def _make_current_folder_importable() -> None:
-    """As ``python file.py`` does: a file of one's own need not be installed to be used.
+    """Import from the current folder, as ``python file.py`` does: a file need not be installed.
 
-    It comes last, so that nothing that lies there by chance stands in for an installed package.
+    The folder comes last, so that no file in it replaces an installed package by chance.
     """
     folder = os.getcwd()
     if folder not in sys.path and "" not in sys.path:

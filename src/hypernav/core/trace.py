@@ -12,7 +12,7 @@ from hypernav.core.actions import Action
 
 
 class Mode(StrEnum):
-    """What the agent is doing."""
+    """What an agent is doing in a step."""
 
     LOOK_AROUND = "look around"
     EXPLORE = "explore"
@@ -25,13 +25,13 @@ class Ending(StrEnum):
     """How an agent ended its search."""
 
     FOUND = "found"
-    """It says that the goal is here."""
+    """The agent says that the goal is here."""
     GAVE_UP = "gave up"
-    """It knows of nothing left to try."""
+    """The agent knows of nothing left to try."""
 
     @staticmethod
     def of(action: Action | None) -> "Ending | None":
-        """What an agent says by its answer; None if its search goes on."""
+        """The ending that an agent's answer means; None if its search goes on."""
         return {Action.STOP: Ending.FOUND, None: Ending.GAVE_UP}.get(action)
 
 
@@ -43,12 +43,12 @@ class DetectionRecord(_Record):
     """One detection and what became of it.
 
     Attributes:
-        box: ``(x_min, y_min, x_max, y_max)``, pixels.
-        score: 0 to 1.
-        label: The detector's own word.
+        box: Bounding box ``(x_min, y_min, x_max, y_max)``, pixels.
+        score: Confidence, 0 to 1.
+        label: The detector's word for the object.
         outlines: Polygons around the refined mask, pixels; empty if there is none.
-        accepted: Whether it gave the goal area.
-        reason: Why not, if not.
+        accepted: Whether the detection gave the goal area.
+        reason: Reason for the rejection; empty if accepted.
     """
 
     box: tuple[float, float, float, float]
@@ -73,19 +73,19 @@ class Exchange(_Record):
 
     Attributes:
         kind: "ground", "choose block" or "verify".
-        asked: Who was asked: a model's name, "geometric", "ground truth".
-        by_model: Whether that was a chat model.
-        question: The text.
-        answer: The text.
-        chosen: The block, for a map question.
-        excluded: Blocks that were ruled out beforehand.
-        probabilities: Of the allowed answers, where the model tells them.
-        tokens_in: Prompt tokens, 0 where there is no model.
-        tokens_out: Answer tokens.
-        seconds: How long it took.
-        fault: Why the answer could not be used: "refused", "unparsable" or "invalid"; empty if it
-            could.
-        remarks: What was odd about the answer ("1 box inverted", "fell back to geometric").
+        asked: Name of the one that was asked: a model's name, "geometric", "ground truth".
+        by_model: Whether a chat model answered.
+        question: Text of the question.
+        answer: Text of the answer.
+        chosen: Number of the chosen block, for a map question.
+        excluded: Numbers of the blocks that were ruled out beforehand.
+        probabilities: Probabilities of the allowed answers, where the model tells them.
+        tokens_in: Number of prompt tokens; 0 where there is no model.
+        tokens_out: Number of answer tokens.
+        seconds: Time from the question to the answer.
+        fault: Reason why the answer could not be used: "refused", "unparsable" or "invalid"; empty
+            if it could.
+        remarks: Oddities of the answer ("1 box inverted", "fell back to geometric").
     """
 
     kind: str
@@ -104,23 +104,23 @@ class Exchange(_Record):
 
 
 class StepTrace(_Record):
-    """What an agent knew, decided and did in one step. Metres and radians, ``map`` frame.
+    """Knowledge, decision and action of an agent in one step. Metres, radians, ``map`` frame.
 
     Attributes:
-        step: From 0.
-        pose: ``(x, y, yaw)`` before the action.
-        action: What it did; None in the last step of a search that it gave up.
-        mode: What it was doing.
-        reason: Why, in one short sentence for people.
-        destination: Where it is going.
-        path: The rest of the way there.
+        step: Number of the step, from 0.
+        pose: Pose of the robot ``(x, y, yaw)`` before the action.
+        action: Action of the step; None in the last step of a search that was given up.
+        mode: What the agent is doing.
+        reason: Reason for the action, in one short sentence for people.
+        destination: Position ``(x, y)`` that the robot is going to.
+        path: Rest of the path there.
         goal_area: Polygons around the goal area.
-        detections: Of this step.
-        blocks: As drawn in this step's map question; empty if none was asked.
+        detections: Detections of this step.
+        blocks: Blocks as drawn in this step's map question; empty if none was asked.
         exchanges: Questions and answers of this step.
-        events: Things worth finding again ("destination reached", "goal area rejected", …).
-        ending: How the agent ended its search; None as long as it goes on.
-        seconds: Time per module.
+        events: Events worth finding again ("destination reached", "goal area rejected", …).
+        ending: End of the search, in its last step; None as long as it goes on.
+        seconds: Time per module, seconds.
     """
 
     step: int
@@ -140,7 +140,7 @@ class StepTrace(_Record):
 
 
 class ExchangeLog:
-    """Where detectors and reasoners write what they asked; the agent drains it every step."""
+    """Exchanges of detectors and reasoners, until the agent drains them into its trace."""
 
     def __init__(self) -> None:
         """Begin empty."""
@@ -157,7 +157,7 @@ class ExchangeLog:
 
 
 def without_timings(value: Any) -> Any:
-    """A copy of JSON data without its ``seconds``: what must be equal in two runs of one seed."""
+    """A copy of JSON data without its ``seconds``; two runs of one seed agree in the rest."""
     if isinstance(value, dict):
         return {key: without_timings(item) for key, item in value.items() if key != "seconds"}
     if isinstance(value, list):

@@ -1,4 +1,4 @@
-"""What a world is to those who run an episode in it, and what its truth is to those who measure.
+"""The contract of a world in which episodes run, and of the truth that measures may ask for.
 
 A simulated scene, Habitat and a robot are each one class that keeps the contract of `World`. Agents
 see none of this: they get observations.
@@ -21,14 +21,14 @@ from hypernav.core.observation import Observation
 
 @dataclass(frozen=True)
 class Instance:
-    """One thing of a scene.
+    """One object of a scene.
 
     Attributes:
-        id: Number of the thing in images of instances, equal to its place among all instances.
-        name: Unique within the scene.
-        label: What it is; None for walls, floors and ceilings, which nobody searches for.
+        id: Number of the instance in images of instances, its index among all instances.
+        name: Name that is unique within the scene.
+        label: Label of the object; None for walls, floors and ceilings, which nobody searches for.
         box_min: Lowest corner of its axis-aligned box, scene frame, metres.
-        box_max: Highest corner.
+        box_max: Highest corner of the same box.
     """
 
     id: int
@@ -40,14 +40,14 @@ class Instance:
 
 @runtime_checkable
 class Walkable(Protocol):
-    """The truth about the floor, in the scene's frame, metres."""
+    """The true walkable surface, in the scene's frame, metres."""
 
     def is_standable(self, x: float, y: float) -> bool:
         """Whether the robot fits here."""
         ...
 
     def step(self, x: float, y: float, dx: float, dy: float) -> tuple[float, float]:
-        """Where a straight move ends: at its target, or at the last standable point before it."""
+        """End of a straight move: its target, or the last standable point before it."""
         ...
 
     def distance(self, start: tuple[float, float], end: tuple[float, float]) -> float:
@@ -55,11 +55,11 @@ class Walkable(Protocol):
         ...
 
     def component_of(self, x: float, y: float) -> int:
-        """The connected part that a point lies in: 0 is the largest, -1 is not standable."""
+        """Number of the connected part around a point: 0 is the largest; -1 if not standable."""
         ...
 
     def centres(self, component: int = 0) -> Float64[np.ndarray, "n 2"]:
-        """Points that are spread evenly over one connected part."""
+        """Points spread evenly over one connected part."""
         ...
 
     def random_point(self, rng: np.random.Generator) -> tuple[float, float]:
@@ -69,59 +69,59 @@ class Walkable(Protocol):
 
 @runtime_checkable
 class GoalTruth(Protocol):
-    """Where a goal counts as reached, in the scene's frame, metres."""
+    """Instances and view points of a goal, in the scene's frame, metres."""
 
     @property
     def goal(self) -> Goal:
-        """What was asked for."""
+        """The goal."""
         ...
 
     @property
     def instances(self) -> tuple[Instance, ...]:
-        """What satisfies it; empty if the scene holds no such thing."""
+        """Instances that satisfy the goal; empty if the scene holds none."""
         ...
 
     @property
     def view_points(self) -> Float64[np.ndarray, "n 3"]:
-        """Points on the floor where it counts as reached; empty if there are none."""
+        """Points on the floor where the goal counts as reached; empty if there are none."""
         ...
 
     def distance(self, x: float, y: float) -> float:
-        """Geodesic distance to the nearest view point; infinite if there is no way."""
+        """Geodesic distance to the nearest view point; infinite if no path exists."""
         ...
 
 
 @runtime_checkable
 class SceneTruth(Protocol):
-    """What only measuring and failure analysis may ask a world for. Scene frame, metres."""
+    """The truth about a scene, for measuring and failure analysis only. Scene frame, metres."""
 
     @property
     def instances(self) -> tuple[Instance, ...]:
-        """Everything that the scene consists of, with labels."""
+        """All instances that the scene consists of, with labels."""
         ...
 
     @property
     def walkable(self) -> Walkable:
-        """Where the robot can stand."""
+        """The surface that the robot can stand on."""
         ...
 
     @property
     def position(self) -> tuple[float, float, float]:
-        """Where the robot really is, on the floor."""
+        """True position of the robot on the floor."""
         ...
 
     @property
     def map_to_scene(self) -> Transform:
-        """From the ``map`` frame of the present episode to the scene's."""
+        """Transform from the ``map`` frame of the present episode to the scene's frame."""
         ...
 
     def goal_truth(
         self, goal: Goal, view_points: Float64[np.ndarray, "n 3"] | None = None
     ) -> GoalTruth:
-        """Where a goal counts as reached.
+        """Instances and view points of a goal.
 
         Args:
-            goal: What is looked for.
+            goal: Target of the search.
             view_points: The data set's own view points; None computes those of the scene.
         """
         ...
@@ -138,7 +138,7 @@ class World(Protocol):
 
     @property
     def collided(self) -> bool:
-        """Whether something was in the way of the latest action."""
+        """Whether an obstacle blocked the latest action."""
         ...
 
     @property
@@ -150,7 +150,7 @@ class World(Protocol):
         """Begin an episode.
 
         Args:
-            episode: Its start is where the robot is placed; a robot stays where it is.
+            episode: Episode with the start of a simulated robot; a real robot stays where it is.
             rng: Source of all noise; needed only if noise is switched on.
 
         Returns:
@@ -162,7 +162,7 @@ class World(Protocol):
         ...
 
     def step(self, action: Action) -> Observation:
-        """Do something and look. STOP ends the episode.
+        """Carry out an action and look. STOP ends the episode.
 
         Raises:
             WorldError: Before the first `reset`, or after the end.
@@ -172,11 +172,12 @@ class World(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class RenderedView:
-    """What a simulated camera sees.
+    """Images of a simulated camera.
 
     Attributes:
-        rgb: Colour.
-        depth: Metres along the optical axis, 0 where nothing was hit. Not cut to a sensor's range.
+        rgb: Colour image.
+        depth: Depth image, metres along the optical axis; 0 where nothing was hit. Not cut to a
+            sensor's range.
         instance_ids: Instance of every pixel, -1 where nothing was hit.
     """
 
@@ -187,7 +188,7 @@ class RenderedView:
 
 @runtime_checkable
 class Renderer(Protocol):
-    """Draws a scene."""
+    """A renderer of one scene."""
 
     def render(self, camera: PinholeCamera, camera_to_scene: Transform) -> RenderedView:
         """Colour, depth and instances as seen from a pose in the scene's frame."""

@@ -1,4 +1,4 @@
-"""Where an image or a grid ends: the one rule for pixels and cells."""
+"""Bounds of images and grids: the one rule for pixels and cells."""
 
 from typing import overload
 

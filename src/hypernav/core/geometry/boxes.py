@@ -1,4 +1,4 @@
-"""Boxes in an image and what a detector says about them."""
+"""Boxes in an image, and detections."""
 
 from dataclasses import dataclass
 
@@ -17,7 +17,7 @@ class Box:
 
     @property
     def area(self) -> float:
-        """Square pixels; 0 for an inverted box."""
+        """Area in square pixels; 0 for an inverted box."""
         return max(self.x_max - self.x_min, 0.0) * max(self.y_max - self.y_min, 0.0)
 
     def clipped(self, width: int, height: int) -> "Box":
@@ -52,15 +52,16 @@ class Box:
 
 @dataclass(frozen=True, eq=False)
 class Detection:
-    """One object that a detector believes to see.
+    """One object that a detector reports.
 
     Attributes:
-        box: In the colour image.
+        box: Bounding box in the colour image.
         score: Confidence, 0 to 1.
-        label: The detector's own word for it.
-        mask: The object's pixels, from detectors that segment as well; else a segmenter is asked.
-        is_goal: Whether it satisfies the goal. A detector that knows other labels too may return
-            what it takes for something else: evidence that the goal is not there.
+        label: The detector's word for the object.
+        mask: Mask of the object's pixels, from detectors that segment as well; else a segmenter is
+            asked.
+        is_goal: Whether the object satisfies the goal. A detector that knows other labels too may
+            return objects of these: evidence that the goal is not there.
     """
 
     box: Box

@@ -11,24 +11,24 @@ from hypernav.core.geometry.bounds import is_within
 from hypernav.core.geometry.transforms import Transform
 
 _CENTRE = 0.5
-"""From the number of a pixel to the coordinate of its centre."""
+"""Offset from the number of a pixel to the coordinate of its centre."""
 
 
 @dataclass(frozen=True)
 class PinholeCamera:
     """Intrinsics of an undistorted camera: how pixels become points, and points pixels.
 
-    Pixels have numbers (row and column); places in the image have coordinates (u to the right, v
+    Pixels have numbers (row and column); positions in the image have coordinates (u to the right, v
     down). The centre of a pixel lies at its numbers plus one half, and the image spans
     ``[0, width)``.
 
     Attributes:
-        width: Pixels.
-        height: Pixels.
-        fx: Focal length, pixels.
-        fy: Focal length, pixels.
-        cx: Principal point, pixels.
-        cy: Principal point, pixels.
+        width: Width of the image, pixels.
+        height: Height of the image, pixels.
+        fx: Horizontal focal length, pixels.
+        fy: Vertical focal length, pixels.
+        cx: Column coordinate of the principal point, pixels.
+        cy: Row coordinate of the principal point, pixels.
     """
 
     width: int
@@ -47,7 +47,7 @@ class PinholeCamera:
 
     @staticmethod
     def from_hfov(width: int, height: int, hfov_deg: float) -> "PinholeCamera":
-        """Square pixels, principal point in the middle, as Habitat defines its cameras."""
+        """Camera with square pixels and a central principal point, as Habitat defines them."""
         if not 0.0 < hfov_deg < 180.0:
             raise CameraError(f"horizontal field of view must be in (0, 180)°, got {hfov_deg}°")
         f = width / 2.0 / math.tan(math.radians(hfov_deg) / 2.0)
@@ -60,7 +60,7 @@ class PinholeCamera:
         return left + math.atan2(self.width - self.cx, self.fx)
 
     def ray_slopes(self) -> tuple[Float64[np.ndarray, " width"], Float64[np.ndarray, " height"]]:
-        """What a metre of depth adds to x in every pixel column, and to y in every row."""
+        """Change of x per metre of depth in every pixel column, and of y in every pixel row."""
         return self._slopes(np.arange(self.width) + _CENTRE, np.arange(self.height) + _CENTRE)
 
     def rays(self) -> Float64[np.ndarray, "height width 3"]:
@@ -97,11 +97,11 @@ class PinholeCamera:
         columns: Int64[np.ndarray, "*#n"],
         depth: Float[np.ndarray, "*#n"] | float,
     ) -> Float64[np.ndarray, "*m 3"]:
-        """What the centres of pixels show: points in the optical frame, metres.
+        """Points in the optical frame that the centres of pixels show, metres.
 
         Args:
-            rows: Of the pixels.
-            columns: Of the pixels.
+            rows: Rows of the pixels.
+            columns: Columns of the pixels.
             depth: Metres along the optical axis.
         """
         return self.unproject(columns + _CENTRE, rows + _CENTRE, depth)
@@ -124,15 +124,15 @@ class PinholeCamera:
     def _slopes(
         self, u: Float[np.ndarray, "*n"], v: Float[np.ndarray, "*m"]
     ) -> tuple[Float64[np.ndarray, "*n"], Float64[np.ndarray, "*m"]]:
-        """The ray through image coordinates: x and y per metre of depth."""
+        """Slopes of the ray through image coordinates: x and y per metre of depth."""
         return (u - self.cx) / self.fx, (v - self.cy) / self.fy
 
 
 def optical_to_base(height_m: float, pitch_deg: float = 0.0) -> Transform:
-    """Where a camera sits on a robot: above the base's origin, looking forward.
+    """Pose of a camera on a robot: above the base's origin, looking forward.
 
     Args:
-        height_m: Above the floor.
+        height_m: Height above the floor, metres.
         pitch_deg: Downward tilt, degrees.
 
     Returns:

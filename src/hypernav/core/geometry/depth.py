@@ -1,4 +1,4 @@
-"""Which depths are measurements: the one rule, for worlds, mapping and perception."""
+"""Validity of depths: the one rule for worlds, mapping and perception."""
 
 import math
 from typing import overload
@@ -14,16 +14,16 @@ def is_measured(
     depth: Float[np.ndarray, "*n"], nearest_m: float = ..., farthest_m: float = ...
 ) -> Bool[np.ndarray, "*n"]: ...
 def is_measured(depth, nearest_m=0.0, farthest_m=math.inf):
-    """Whether a depth tells how far away something is.
+    """Whether a depth is a measured distance.
 
-    0 (no return), NaN and infinities don't, and neither does a limit of the sensor's range: a
+    0 (no return), NaN and infinities are none, and neither is a limit of the sensor's range: a
     sensor that clamps, such as Habitat's, reports its limits for all that lies beyond them.
 
     Works on a number and on an array. Compiled kernels compile this very function.
 
     Args:
-        depth: Metres along the optical axis.
-        nearest_m: Lower limit of the sensor's range; by default whatever is a return counts.
-        farthest_m: Upper limit of the sensor's range.
+        depth: Depth along the optical axis, metres.
+        nearest_m: Lower limit of the sensor's range, metres; by default every return counts.
+        farthest_m: Upper limit of the sensor's range, metres.
     """
     return (depth > nearest_m) & (depth < farthest_m)

@@ -19,13 +19,13 @@ class Cell(IntEnum):
 
 @dataclass(frozen=True, eq=False)
 class OccupancyGrid:
-    """An image of the map at one moment.
+    """The map at one moment.
 
     Cells move when the map grows, so whatever is kept from one step to the next is kept in metres.
 
     Attributes:
-        cells: Values of `Cell`.
-        resolution_m: Side of a cell.
+        cells: States of the cells, values of `Cell`.
+        resolution_m: Side of a cell, metres.
         origin: Lower left corner of cell (0, 0), metres, in the ``map`` frame.
     """
 
@@ -35,17 +35,17 @@ class OccupancyGrid:
 
     @property
     def free(self) -> Bool[np.ndarray, "rows columns"]:
-        """Where the robot may be."""
+        """Free cells, where the robot may be."""
         return self.cells == Cell.FREE
 
     @property
     def occupied(self) -> Bool[np.ndarray, "rows columns"]:
-        """Where obstacles are."""
+        """Occupied cells, where obstacles are."""
         return self.cells == Cell.OCCUPIED
 
     @property
     def explored(self) -> Bool[np.ndarray, "rows columns"]:
-        """Free or occupied."""
+        """Free and occupied cells."""
         return self.cells != Cell.UNKNOWN
 
     def cell_of(self, x: float, y: float) -> tuple[int, int]:
@@ -76,11 +76,11 @@ class OccupancyGrid:
         return has_cell(self.cells.shape, row, column)
 
     def contains(self, cells: Int64[np.ndarray, "n 2"]) -> Bool[np.ndarray, " n"]:
-        """Which ``[row, column]`` the grid has."""
+        """Which ``[row, column]`` lie in the grid."""
         return has_cell(self.cells.shape, *cells.T)
 
     def state_at(self, x: float, y: float) -> Cell:
-        """What is known about a point; unknown outside the grid."""
+        """State of the cell that holds a point; unknown outside the grid."""
         row, column = self.cell_of(x, y)
         return Cell(self.cells[row, column]) if self.inside(row, column) else Cell.UNKNOWN
 

@@ -14,12 +14,12 @@ def wrap_angle(angle: float) -> float:
 
 @dataclass(frozen=True)
 class Pose2:
-    """Where a robot stands and looks on the floor.
+    """Position and heading of a robot on the floor.
 
     Attributes:
-        x: Metres.
-        y: Metres.
-        yaw: Radians, counter-clockwise from the x axis.
+        x: Position along the x axis, metres.
+        y: Position along the y axis, metres.
+        yaw: Heading, radians, counter-clockwise from the x axis.
     """
 
     x: float
@@ -52,7 +52,7 @@ class Transform:
 
     Attributes:
         rotation: Right-handed rotation matrix.
-        translation: Metres.
+        translation: Translation, metres.
     """
 
     rotation: Float64[np.ndarray, "3 3"]
