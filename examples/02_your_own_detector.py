@@ -5,8 +5,8 @@ pixels in the box, and the rest of the agent turns them into a place on the map.
 
 Run: python examples/02_your_own_detector.py
 
-On the command line its file's name lacks only a module's name: saved as red_things.py, it is
-``hypernav find "something red" --detector red_things:RedThings`` in the same folder.
+Saved as red_things.py, the same class serves on the command line, in the same folder:
+hypernav find "something red" --detector red_things:RedThings
 """
 
 import cv2

@@ -167,8 +167,7 @@ class Registry(Generic[T]):
             thing = import_target(target)
         except ImportTargetError as error:
             raise ImportTargetError(
-                f"{self.kind} '{target}': {error}. To use one that is built in: "
-                f"{self._advice(module)}"
+                f"{self.kind} '{target}': {error}; or {self._advice(module)}"
             ) from error
         return Entry(
             target,
@@ -225,7 +224,7 @@ def import_target(target: str) -> Any:
     if not hasattr(module, attribute):
         public = [name for name in vars(module) if not name.startswith("_")]
         close = difflib.get_close_matches(attribute, public, n=1)
-        hint = f"; did you mean '{close[0]}'?" if close else ""
+        hint = f", but '{close[0]}'" if close else ""
         raise ImportTargetError(f"{module_name} ({module.__file__}) has no '{attribute}'{hint}")
     return getattr(module, attribute)
 
