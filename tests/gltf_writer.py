@@ -75,8 +75,8 @@ class GltfWriter:
         """A material with an image (RGB or RGBA)."""
         code = cv2.COLOR_RGB2BGR if image.shape[2] == 3 else cv2.COLOR_RGBA2BGRA
         _, content = cv2.imencode(suffix, cv2.cvtColor(image, code))
-        image = {"bufferView": self.view(content.tobytes()), "mimeType": "image/png"}
-        texture: dict[str, Any] = {"source": self.add("images", image)}
+        file = {"bufferView": self.view(content.tobytes()), "mimeType": "image/png"}
+        texture: dict[str, Any] = {"source": self.add("images", file)}
         if sampler:
             texture["sampler"] = self.add("samplers", sampler)
         info = {"index": self.add("textures", texture)}

@@ -1,6 +1,7 @@
 """Synthetic observations: a coloured thing in front of a wall."""
 
 import numpy as np
+from jaxtyping import Bool
 
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2
@@ -9,6 +10,12 @@ from hypernav.core.observation import LabelledPixels, Observation
 
 CAMERA = PinholeCamera.from_hfov(160, 120, 79.0)
 THING = 3
+
+
+def thing_pixels(observation: Observation) -> Bool[np.ndarray, "height width"]:
+    """Which pixels show the thing."""
+    assert observation.truth is not None
+    return observation.truth.ids == THING
 
 
 def thing_before_wall(

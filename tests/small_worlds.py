@@ -3,13 +3,14 @@
 from functools import cache
 
 from box_scenes import room_boxes, scene_of
+from hypernav.build.component_specs import PresetName
 from hypernav.build.presets import HyPerNavConfig, preset
 from hypernav.worlds.simulation import SimulatedWorld
 
 _CAMERA = {"width": 160, "height": 120}
 
 
-def small_config(name="default", **sections) -> HyPerNavConfig:
+def small_config(name: PresetName = "default", **sections) -> HyPerNavConfig:
     """A preset with a small camera, so that an episode takes a second."""
     config = preset(name).model_dump()
     config["embodiment"]["camera"] |= _CAMERA

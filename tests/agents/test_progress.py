@@ -45,8 +45,7 @@ def test_a_detour_at_a_step_forward_and_a_turn_in_turns_is_waited_for(blocked_m,
 
 def test_another_way_begins_anew():
     progress = Progress(PATIENCE)
-    for _ in range(PATIENCE + 2):
-        made = progress.is_made(1.0)
-    assert not made
+    made = [progress.is_made(1.0) for _ in range(PATIENCE + 2)]
+    assert not made[-1]
     progress.reset()
     assert progress.is_made(1.0)

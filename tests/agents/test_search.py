@@ -4,6 +4,7 @@ from dataclasses import replace
 import pytest
 
 from hypernav.build.agents import build_search
+from hypernav.build.component_specs import PresetName
 from hypernav.core.actions import Action
 from hypernav.core.episode import Outcome
 from hypernav.core.errors import WorldError
@@ -19,7 +20,7 @@ from small_worlds import small_config, two_rooms
 START = Pose2(2.5, 1.0, math.pi / 2)
 
 
-def search(agent="hypernav", name="default", detector=None, **sections):
+def search(agent="hypernav", name: PresetName = "default", detector=None, **sections):
     config = small_config(name, **sections)
     return build_search(config, detector or GroundTruthDetector(), ExchangeLog(), agent=agent)
 

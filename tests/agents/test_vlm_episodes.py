@@ -7,13 +7,13 @@ from pathlib import Path
 import pytest
 
 from hypernav.build.agents import BuiltAgent, build_agent
-from hypernav.build.component_specs import ComponentSpecs
+from hypernav.build.component_specs import ComponentSpecs, PresetName
 from hypernav.core.episode import Outcome
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import StepTrace, without_timings
 from hypernav.worlds.episode_run import EpisodeResult, EpisodeRun
-from servers.scripted import ScriptedServer
+from servers.scripted import Failure, ScriptedServer
 from servers.truth import Errors, Truth, TruthfulBrain, watching
 from small_episodes import episode_from
 from small_worlds import small_config, two_rooms
@@ -21,7 +21,14 @@ from small_worlds import small_config, two_rooms
 START = Pose2(2.5, 1.0, math.pi / 2)
 BED = Goal("bed")
 QUICK = {"timeout_s": 5.0, "patience_s": 10.0, "first_wait_s": 0.01, "longest_wait_s": 0.1}
-FAULTS = {"429": 0.03, "500": 0.03, "reset": 0.02, "half": 0.01, "broken json": 0.01}
+NO_FAULTS: dict[Failure, float] = {}
+FAULTS: dict[Failure, float] = {
+    "429": 0.03,
+    "500": 0.03,
+    "reset": 0.02,
+    "half": 0.01,
+    "broken json": 0.01,
+}
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +45,9 @@ def server(one_server: ScriptedServer) -> Iterator[ScriptedServer]:
         yield one_server
 
 
-def agent_on(vlm: str, preset: str = "default", record: Path | None = None, **more) -> BuiltAgent:
+def agent_on(
+    vlm: str, preset: PresetName = "default", record: Path | None = None, **more
+) -> BuiltAgent:
     config = small_config(preset, chat={**QUICK, **more})
     return build_agent(config, ComponentSpecs(vlm=vlm), record=record)
 
@@ -56,7 +65,7 @@ def bend(server: ScriptedServer, errors: Errors) -> None:
 
 
 @pytest.mark.parametrize("preset", ["default", "paper"])
-def test_a_truthful_model_finds_what_ground_truth_finds(server: ScriptedServer, preset: str):
+def test_a_truthful_model_finds_what_ground_truth_finds(server: ScriptedServer, preset: PresetName):
     starts = [START, Pose2(1.5, 3.0, 0.0), Pose2(4.0, 1.0, math.pi)]
     asked = [search(agent_on(server.spec, preset), start=start) for start in starts]
     told = [search(build_agent(small_config(preset)), start=start) for start in starts]
@@ -92,7 +101,7 @@ def test_every_report_begins_at_zero(server: ScriptedServer):
 
 def test_transport_faults_lose_nothing_and_change_nothing(server: ScriptedServer):
     traces = []
-    for rates in ({}, FAULTS):
+    for rates in (NO_FAULTS, FAULTS):
         server.rates = rates
         parts = agent_on(server.spec)
         steps, result = search(parts)
@@ -111,7 +120,7 @@ def test_over_many_starts_faults_lose_no_episode(server: ScriptedServer):
     for number in range(6):
         start = Pose2(1.5 + 0.25 * number, 2.0, number * 0.7)
         for name in outcomes:
-            server.rates = FAULTS if name == "faulty model" else {}
+            server.rates = FAULTS if name == "faulty model" else NO_FAULTS
             parts = build_agent(small_config()) if name == "truth" else agent_on(server.spec)
             episode = EpisodeRun(parts.agent, two_rooms(), episode_from(start, BED, max_steps=150))
             list(episode)

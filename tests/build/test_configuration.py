@@ -1,4 +1,5 @@
 import math
+from typing import Any
 
 import pytest
 import yaml
@@ -10,7 +11,7 @@ from hypernav.core.config import RENAMED, layered
 from hypernav.core.errors import ConfigError
 
 
-def numbers(model=HyPerNavConfig, section=""):
+def numbers(model: type[BaseModel] = HyPerNavConfig, section: str = ""):
     """Name and definition of every number in a configuration."""
     for name, field in model.model_fields.items():
         kind = field.annotation
@@ -30,8 +31,10 @@ def with_value(name, value):
     return HyPerNavConfig.model_validate(values)
 
 
-def lower_bound(field):
-    bounds = [m.ge if isinstance(m, Ge) else m.gt for m in field.metadata if isinstance(m, Ge | Gt)]
+def lower_bound(field) -> float | None:
+    bounds: list[Any] = [
+        m.ge if isinstance(m, Ge) else m.gt for m in field.metadata if isinstance(m, Ge | Gt)
+    ]
     return bounds[0] if bounds else None
 
 
@@ -82,13 +85,13 @@ def test_an_old_name_gives_the_new_one_wherever_it_is_written(name, tmp_path):
     file = tmp_path / "old.yaml"
     file.write_text(yaml.safe_dump(content))
     variable = "HYPERNAV_" + name.upper().replace(".", "__")
-    for layers in (
-        {"assignments": [f"{name}=1"], "environment": {}},
-        {"file": file, "environment": {}},
-        {"environment": {variable: "1"}},
+    for layer in (
+        lambda: layered(preset("default"), assignments=[f"{name}=1"], environment={}),
+        lambda: layered(preset("default"), file=file, environment={}),
+        lambda: layered(preset("default"), environment={variable: "1"}),
     ):
         with pytest.raises(ConfigError, match=f"'{name}' is now {new}"):
-            layered(preset("default"), **layers)
+            layer()
 
 
 @pytest.mark.parametrize("name", RENAMED)

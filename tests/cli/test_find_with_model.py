@@ -88,7 +88,7 @@ def test_a_server_that_dies_leaves_everything_up_to_then(
     def dying(asked):
         if len(server.requests) == 4:
             server.hang_s = 30.0
-            server.plan.extend(["hang"] * 50)
+            server.plan.extend("hang" for _ in range(50))
         return brain(asked)
 
     server.brain = dying

@@ -188,7 +188,9 @@ def test_what_is_no_environment_is_told_what_one_is():
 
 def test_a_world_without_depth_is_named():
     env = world()
-    env.observation_space = gymnasium.spaces.Dict({"rgb": env.observation_space["rgb"]})
+    spaces = env.observation_space
+    assert isinstance(spaces, gymnasium.spaces.Dict)
+    env.observation_space = gymnasium.spaces.Dict({"rgb": spaces["rgb"]})
     with pytest.raises(ContractError, match="lack depth, pose, goal"):
         hypernav.check_world(env)
 

@@ -2,6 +2,7 @@ import json
 
 import pytest
 
+from certainty import certain
 from eval_runs import apart, record
 from hypernav.core.episode import Outcome
 from hypernav.core.errors import RunFolderError
@@ -61,10 +62,10 @@ def bad(tmp_path):
 
 def test_groups_by_hand(good):
     runs = load_runs([good])
-    by_scene = {g.name: (g.count, g.success[0].mean) for g in tables.by_scene(runs)}
+    by_scene = {g.name: (g.count, certain(g.success[0]).mean) for g in tables.by_scene(runs)}
     assert by_scene == {"a": (2, 1.0), "b": (2, 0.5)}
     assert [(g.name, g.count) for g in tables.by_goal(runs)] == [("bed", 3), ("sofa", 1)]
-    assert tables.by_goal(runs)[0].spl[0].mean == pytest.approx((0.5 + 0.5 + 0.0) / 3)
+    assert certain(tables.by_goal(runs)[0].spl[0]).mean == pytest.approx((0.5 + 0.5 + 0.0) / 3)
     assert [(g.name, g.count) for g in tables.by_distance(runs)] == [
         ("under 3 m", 1),
         ("3 to 5 m", 1),

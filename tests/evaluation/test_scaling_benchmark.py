@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from certainty import certain
 from eval_runs import write_room
 
 SCRIPT = Path(__file__).parents[2] / "benchmarks" / "eval_scaling.py"
@@ -11,10 +12,10 @@ SCRIPT = Path(__file__).parents[2] / "benchmarks" / "eval_scaling.py"
 
 @pytest.fixture(scope="module")
 def benchmark():
-    specification = importlib.util.spec_from_file_location("eval_scaling", SCRIPT)
+    specification = certain(importlib.util.spec_from_file_location("eval_scaling", SCRIPT))
     module = importlib.util.module_from_spec(specification)
     sys.modules["eval_scaling"] = module
-    specification.loader.exec_module(module)
+    certain(specification.loader).exec_module(module)
     yield module
     del sys.modules["eval_scaling"]
 

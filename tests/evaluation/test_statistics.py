@@ -43,7 +43,7 @@ def test_episodes_of_a_scene_are_not_taken_for_independent():
 def test_the_interval_agrees_with_scipy_where_every_scene_has_one_episode():
     values = np.random.default_rng(0).uniform(size=60)
     mine = mean_with_interval(values.tolist(), [str(k) for k in range(60)])
-    theirs = stats.bootstrap((values,), np.mean, method="percentile", random_state=0)
+    theirs = stats.bootstrap((values,), np.mean, method="percentile", rng=0)
     assert mine.low == pytest.approx(theirs.confidence_interval.low, abs=0.01)
     assert mine.high == pytest.approx(theirs.confidence_interval.high, abs=0.01)
 

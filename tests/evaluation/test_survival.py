@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import pytest
 
+from certainty import certain
 from eval_runs import SMALL, timeless_lines, write_room
 from hypernav.build.agents import build_agent
 from hypernav.evaluation.datasets import load_episodes
@@ -17,7 +18,7 @@ from hypernav.evaluation.runner import run_episodes
 from hypernav.evaluation.store.run_store import RunStore, read_records
 from hypernav.evaluation.workers.process_pool import ProcessPool
 from hypernav.evaluation.workers.worker import Job
-from hypernav.evaluation.workers.worker_pool import Lost, Ready
+from hypernav.evaluation.workers.worker_pool import Done, Lost, Ready
 from small_worlds import small_config
 
 MAX_STEPS = 25
@@ -55,7 +56,7 @@ class KillingPool(ProcessPool):
     def wait(self, seconds):
         if self.kills_left and time.monotonic() > self._next and self._hired:
             victim = self._rng.choice(sorted(self._hired))
-            os.kill(self._hired[victim].process.pid, signal.SIGKILL)
+            self._hired[victim].process.kill()
             self.kills_left -= 1
             self._next = time.monotonic() + self._rng.uniform(0.0, 4.0)
         return super().wait(min(seconds, 0.05))
@@ -129,22 +130,21 @@ def read_whole_lines(folder):
 def test_workers_die_with_their_owner(tmp_path, room):
     program = (
         "import sys, time; from pathlib import Path\n"
-        "from hypernav.evaluation.processes import ProcessCrew\n"
-        "from hypernav.evaluation.workbench import Job\n"
+        "from hypernav.evaluation.workers.process_pool import ProcessPool\n"
+        "from hypernav.evaluation.workers.worker import Job\n"
         "if __name__ == '__main__':\n"
-        f"    crew = ProcessCrew(Job(Path({str(tmp_path)!r})))\n"
-        "    crew.start(0)\n"
-        "    print(crew._hired[0].process.pid, flush=True)\n"
+        f"    pool = ProcessPool(Job(Path({str(tmp_path)!r})))\n"
+        "    pool.start(0)\n"
+        "    print(pool._hired[0].process.pid, flush=True)\n"
         "    time.sleep(60)\n"
     )
     script = tmp_path / "owner.py"
     script.write_text(program)
     owner = subprocess.Popen([sys.executable, str(script)], stdout=subprocess.PIPE, text=True)
-    worker = int(owner.stdout.readline())
+    worker = int(certain(owner.stdout).readline())
     time.sleep(5.0)
-    os.kill(owner.pid, signal.SIGKILL)
-    owner.wait()
-    owner.stdout.close()
+    owner.kill()
+    owner.communicate()
     deadline = time.monotonic() + 20.0
     while time.monotonic() < deadline and is_alive(worker):
         time.sleep(0.1)
@@ -171,11 +171,12 @@ def test_what_a_worker_sent_before_it_died_counts(tmp_path, room):
         assert pool.wait(1.0) == [Ready(0)]
         pool.send(0, episode)
         assert hired.pipe.poll(60)
-        os.kill(hired.process.pid, signal.SIGKILL)
+        hired.process.kill()
         hired.process.join()
         first, second = pool.wait(1.0), pool.wait(1.0)
     finally:
         pool.close()
+    assert isinstance(first[0], Done)
     assert first[0].record.key == episode.key
     assert isinstance(second[0], Lost)
     assert "SIGKILL" in second[0].why

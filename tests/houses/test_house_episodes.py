@@ -7,6 +7,7 @@ import pytest
 
 from box_houses import box_house
 from box_scenes import room_boxes, scene_of
+from certainty import certain
 from hypernav.core.errors import EpisodeError
 from hypernav.core.goal import Goal
 from hypernav.datasets.habitat_files import read_episodes, write_episodes
@@ -118,17 +119,19 @@ def test_phrases_use_seen_synonymous_and_unseen_names_alike(scene):
     assert set(found.vocabulary) == {"seen", "synonym", "unseen"}
     assert min(found.vocabulary.values()) >= EPISODES_PER_HOUSE // 4
     assert found.descriptions >= EPISODES_PER_HOUSE // 5
-    unseen = {e.object_category for e in dataset.episodes if e.info["vocabulary"] == "unseen"}
+    unseen = {
+        e.object_category for e in dataset.episodes if certain(e.info)["vocabulary"] == "unseen"
+    }
     assert unseen.isdisjoint(CATEGORIES)
 
 
 def test_a_description_is_true_of_some_and_false_of_others_of_the_name(scene):
     dataset = house_episodes(scene, HOUSE, "phrases")
     labels = {i.id: i.label for i in scene.instances if i.label}
-    described = [e for e in dataset.episodes if e.info["is_description"]]
+    described = [e for e in dataset.episodes if certain(e.info)["is_description"]]
     for episode in described:
         true = {number for number, label in labels.items() if label.satisfies(episode.goal)}
-        missed = episode.info["near_miss_object_ids"]
+        missed = certain(episode.info)["near_miss_object_ids"]
         assert true
         assert missed
         assert true.isdisjoint(missed)

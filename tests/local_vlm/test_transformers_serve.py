@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from certainty import certain
 from chat_models import image
 from hypernav.core.chat import Fault, Question
 from hypernav.core.errors import ModelRejectedError, ModelUnavailableError
@@ -81,7 +82,7 @@ def test_the_server_and_this_process_say_the_same(
 
     sent = VlmDetector(chat, ExchangeLog(), QWEN).question(observation, Goal("bed"))
     data = np.frombuffer(jpeg_bytes(sent.images[0]), np.uint8)
-    decoded = cv2.imdecode(data, cv2.IMREAD_COLOR)[..., ::-1]
+    decoded = certain(cv2.imdecode(data, cv2.IMREAD_COLOR))[..., ::-1]
     local = LocalChat(str(tiny("qwen25_vl")), ChatConfig(device="cpu"))
     here = local.ask(Question("ground", sent.text, (np.ascontiguousarray(decoded),), max_tokens=24))
     there = chat.ask(sent)

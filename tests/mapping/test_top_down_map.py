@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from box_views import CAMERA, FLOOR, distance_to_boxes, frame, room, turning, view_of
 from hypernav.core.embodiment import BodyConfig, Embodiment
@@ -68,7 +68,7 @@ def test_the_map_of_a_room_agrees_with_the_room(view):
     assert inside.mean() > 0.995  # but for rays that graze a corner of a wall cell
     assert len(free) * 0.05**2 > 0.8 * 6.0 * 4.0
     wall = np.array([(x, y) for x in np.arange(0.3, 5.7, 0.05) for y in (0.0, 4.0)])
-    nearest, _ = cKDTree(occupied).query(wall)
+    nearest, _ = KDTree(occupied).query(wall)
     assert np.mean(nearest < 0.05) > 0.9
 
 

@@ -15,7 +15,7 @@ import struct
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any, Literal
@@ -26,6 +26,8 @@ import uvicorn
 from fastapi import FastAPI, Request
 from fastapi.responses import JSONResponse, PlainTextResponse, Response
 from uvicorn.protocols.http.h11_impl import H11Protocol
+
+from certainty import certain
 
 Failure = Literal[
     "ok", "429", "500", "hang", "reset", "half", "broken json", "not json", "empty", "refuse"
@@ -122,7 +124,7 @@ class ScriptedServer:
         self.brain: Brain = brain or (lambda asked: "ok")
         self.personality = personality or Personality()
         self.plan: deque[Failure] = deque()
-        self.rates: dict[Failure, float] = {}
+        self.rates: Mapping[Failure, float] = {}
         self.delay_s = 0.0
         self.hang_s = 30.0
         self.requests: list[Asked] = []
@@ -402,8 +404,10 @@ def _error(status: int, message: str) -> Response:
 
 
 def _read_chat(body: dict[str, Any]) -> Asked:
-    content = body["messages"][-1]["content"]
-    parts = [{"type": "text", "text": content}] if isinstance(content, str) else content
+    content: str | list[dict[str, Any]] = body["messages"][-1]["content"]
+    parts: list[dict[str, Any]] = (
+        [{"type": "text", "text": content}] if isinstance(content, str) else content
+    )
     text = "\n".join(part["text"] for part in parts if part["type"] == "text")
     images = [_decoded(p["image_url"]["url"]) for p in parts if p["type"] == "image_url"]
     allowed = next((allowed for _, allowed, _ in _constraints(body)), [])
@@ -425,7 +429,7 @@ def _constraints(body: dict[str, Any]) -> Iterator[tuple[str, list[str], bool]]:
 
 def _decoded(data_url: str) -> np.ndarray:
     data = np.frombuffer(base64.b64decode(data_url.rpartition(",")[2]), np.uint8)
-    return cv2.imdecode(data, cv2.IMREAD_COLOR)[..., ::-1]
+    return certain(cv2.imdecode(data, cv2.IMREAD_COLOR))[..., ::-1]
 
 
 def _logprobs(text: str, probabilities: dict[str, float]) -> list[dict[str, Any]]:

@@ -94,8 +94,7 @@ def test_actions_move_as_configured(world):
 
 def test_twelve_turns_come_round(world):
     first = world.reset(episode_from(START))
-    for _ in range(12):
-        last = world.step(Action.TURN_LEFT)
+    last = [world.step(Action.TURN_LEFT) for _ in range(12)][-1]
     assert last.robot.yaw == pytest.approx(0.0, abs=1e-9)
     assert np.abs(last.depth - first.depth).max() < 1e-3
 
@@ -214,8 +213,7 @@ def test_noise_needs_a_generator():
 def test_odometry_drifts_and_the_camera_pose_with_it():
     world = world_of(noise=NoiseConfig(odometry_sigma=0.1))
     world.reset(episode_from(START), np.random.default_rng(0))
-    for _ in range(4):
-        observation = world.step(Action.MOVE_FORWARD)
+    observation = [world.step(Action.MOVE_FORWARD) for _ in range(4)][-1]
     assert world.pose.x == pytest.approx(3.0)
     assert abs(observation.robot.x - 2.0) > 1e-3
     assert observation.camera_to_map.translation[:2] == pytest.approx(observation.robot.xy)

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from certainty import certain
 from drawn_grids import drawn
 from hypernav.agents.config import SearchConfig
 from hypernav.agents.phases.explore import Explore, unexplored_boundary
@@ -12,7 +13,7 @@ from hypernav.agents.phases.step import Decision, PhaseName, Step, turn_towards
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
 from hypernav.core.destination import Destination
-from hypernav.core.embodiment import Embodiment, MotionConfig
+from hypernav.core.embodiment import CameraConfig, Embodiment, MotionConfig
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
@@ -73,7 +74,7 @@ def frame_of(robot):
 def explore(explorer, robot, steps, **options):
     """Actions and reasons on a map that never changes; the robot only turns."""
     local = LocalPerception(
-        GroundTruthDetector(), DepthCutSegmenter(), LocalConfig(), cell_size_m=0.05
+        GroundTruthDetector(), DepthCutSegmenter(), LocalConfig(), CameraConfig(), cell_size_m=0.05
     )
     phase = Explore(
         Goal("bed"),
@@ -92,7 +93,7 @@ def explore(explorer, robot, steps, **options):
             break
         assert isinstance(outcome, Decision)
         done.append(outcome.action)
-        turn = {Action.TURN_LEFT: 1, Action.TURN_RIGHT: -1}[outcome.action]
+        turn = {Action.TURN_LEFT: 1, Action.TURN_RIGHT: -1}[certain(outcome.action)]
         robot = Pose2(robot.x, robot.y, robot.yaw + turn * math.radians(30.0))
     return done, robot
 

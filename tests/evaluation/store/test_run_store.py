@@ -1,7 +1,6 @@
 import json
 import multiprocessing
 import os
-import signal
 import subprocess
 import sys
 import time
@@ -188,7 +187,7 @@ def test_the_lock_of_a_killed_run_is_free_at_once(tmp_path):
     assert held.wait(30)
     with pytest.raises(RunFolderError, match="in use"), store(tmp_path):
         pass
-    os.kill(process.pid, signal.SIGKILL)
+    process.kill()
     process.join()
     with store(tmp_path):
         pass

@@ -2,6 +2,7 @@
 
 import os
 import signal
+from dataclasses import replace
 
 import pytest
 
@@ -63,10 +64,11 @@ def run(folder, episodes, pool):
 def test_two_nodes_with_a_killed_worker_equal_the_local_run(tmp_path, cluster):
     config = small_config()
     room = write_room(tmp_path / "room.glb")
-    episodes = load_episodes(f"scene:{room}#4", config.world, config.embodiment)
+    found = load_episodes(f"scene:{room}#4", config.world, config.embodiment)
+    episodes = [replace(episode, max_steps=25) for episode in found]
 
     def job(name):
-        return Job(tmp_path / name, config, max_steps=25)
+        return Job(tmp_path / name, config)
 
     run(tmp_path / "local", episodes, ProcessPool(job("local")))
     pool = KillingPool(job("ray"), cluster.address)
@@ -95,7 +97,7 @@ def test_a_lost_worker_is_reported(tmp_path, cluster):
     pool = RayPool(Job(tmp_path, small_config()), cluster.address)
     try:
         pool.start(0)
-        process = ray.get(pool._actors[0].process_id.remote())
+        process: int = ray.get(pool._actors[0].process_id.remote())
         assert pool.wait(60.0)
         pool.send(0, load_episodes(f"scene:{write_room(tmp_path / 'room.glb')}#1")[0])
         os.kill(process, signal.SIGKILL)

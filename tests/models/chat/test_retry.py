@@ -27,7 +27,7 @@ class Time:
 
 
 def patience(time: Time, **settings: float) -> Retry:
-    return Retry(ChatConfig(**settings), sleep=time.sleep, clock=lambda: time.now)
+    return Retry(ChatConfig.model_validate(settings), sleep=time.sleep, clock=lambda: time.now)
 
 
 def failing(times: int, error: Exception) -> Callable[[float], str]:

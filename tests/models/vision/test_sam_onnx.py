@@ -85,7 +85,7 @@ def networks(monkeypatch: pytest.MonkeyPatch) -> tuple[Encoder, Decoder]:
 
 
 def segmenter(**settings: object) -> OnnxSamSegmenter:
-    return OnnxSamSegmenter("encoder.onnx", "decoder.onnx", OnnxSamConfig(**settings))
+    return OnnxSamSegmenter("encoder.onnx", "decoder.onnx", OnnxSamConfig.model_validate(settings))
 
 
 def test_the_best_mask_inside_the_box(networks: tuple[Encoder, Decoder]):

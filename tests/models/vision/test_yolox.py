@@ -64,9 +64,10 @@ def test_same_image_same_answer(detector: YoloxDetector, lounge: np.ndarray):
 def test_boxes_lie_inside_a_image_of_any_size(
     detector: YoloxDetector, lounge: np.ndarray, shape: tuple[int, int]
 ):
-    image = np.asarray(Image.fromarray(lounge).resize(shape[::-1]))
+    height, width = shape
+    image = np.asarray(Image.fromarray(lounge).resize((width, height)))
     for found in detector.detect_all(image):
-        assert found.box == found.box.clipped(shape[1], shape[0])
+        assert found.box == found.box.clipped(width, height)
         assert found.box.area > 0.0
 
 

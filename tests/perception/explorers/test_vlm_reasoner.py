@@ -96,7 +96,7 @@ def test_ill_formed_answers_fall_back_for_this_choice_only(config: VlmReasonerCo
     exchanges = log.drain()
     assert exchanges[-1].asked == "geometric"
     assert all(exchange.remarks for exchange in exchanges[:-1])
-    parrot.says = ["4"]
+    parrot.says[:] = ["4"]
     assert chooser.choose(overview(), BED, NOTHING).number == 4
     assert chooser.fallbacks == 1
 

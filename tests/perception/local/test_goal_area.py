@@ -3,19 +3,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from certainty import certain
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.perception.local.goal_area import GoalArea, points_under_mask
-from images import THING, thing_before_wall
+from images import thing_before_wall, thing_pixels
 
 coordinates = st.floats(-20, 20)
 
 
 def area_of(points, **options):
-    return GoalArea.from_points(np.array(points, dtype=float), resolution_m=0.05, **options)
+    return certain(GoalArea.from_points(np.array(points), resolution_m=0.05, **options))
 
 
 def masked_points(observation, **options):
-    mask = observation.truth.ids == THING
+    mask = thing_pixels(observation)
     return points_under_mask(mask, observation, min_depth_m=0.5, max_depth_m=5.0, **options)
 
 
@@ -55,7 +56,7 @@ def test_a_single_point_grows_by_the_paper_s_dilation(x, y):
 
 
 def test_without_points_there_is_no_area():
-    assert area_of(np.zeros((0, 3))) is None
+    assert GoalArea.from_points(np.zeros((0, 3)), resolution_m=0.05) is None
 
 
 def test_a_leak_to_the_wall_behind_is_cut_off():
@@ -95,7 +96,7 @@ def test_joined_areas_cover_both(x, y, u, v):
 
 
 def looked_at(observation):
-    area = GoalArea.from_points(masked_points(observation), resolution_m=0.05)
+    area = area_of(masked_points(observation))
     return area.entered_from(observation, 0.6)
 
 
@@ -119,7 +120,7 @@ def test_what_was_seen_from_both_sides_is_entered_from_both():
 @given(st.builds(Pose2, coordinates, coordinates, st.floats(-3.2, 3.2)), st.floats(0.2, 0.9))
 def test_the_robot_enters_near_what_was_seen(robot, reach_m):
     observation = thing_before_wall(robot=robot)
-    area = GoalArea.from_points(masked_points(observation), resolution_m=0.05)
+    area = area_of(masked_points(observation))
     entered = area.entered_from(observation, reach_m)
     gaps = np.linalg.norm(entered.entry_points[:, None] - entered.seen_points[None], axis=2)
     assert gaps.min(axis=1).max() <= reach_m + 1e-6

@@ -3,6 +3,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 
+from certainty import certain
 from hypernav.core.embodiment import CameraConfig
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.transforms import Pose2
@@ -56,7 +57,7 @@ def test_a_visible_goal_becomes_a_goal_area_where_it_stands():
     (record,) = local.look(thing_before_wall(thing_m=2.0))
     assert record.accepted
     assert record.outlines
-    assert local.target.area.centre == pytest.approx((2.0, 0.0), abs=0.06)
+    assert certain(local.target).area.centre == pytest.approx((2.0, 0.0), abs=0.06)
 
 
 def test_nothing_seen_is_no_target():
@@ -88,9 +89,9 @@ def test_a_rejected_area_is_remembered():
 def test_a_held_target_is_not_left_for_another():
     local = perception(ScriptedDetector([seen(), seen((5.0, 40.0, 30.0, 80.0))]))
     local.look(thing_before_wall())
-    here = local.target.area.centre
+    here = certain(local.target).area.centre
     local.look(thing_before_wall())
-    assert local.target.area.centre == here
+    assert certain(local.target).area.centre == here
 
 
 def test_the_latest_detection_wins_in_the_paper_s_way():
@@ -98,9 +99,9 @@ def test_the_latest_detection_wins_in_the_paper_s_way():
         ScriptedDetector([seen(), seen((5.0, 40.0, 30.0, 80.0))]), target="latest", pick="first"
     )
     local.look(thing_before_wall())
-    here = local.target.area.centre
+    here = certain(local.target).area.centre
     local.look(thing_before_wall())
-    assert local.target.area.centre != here
+    assert certain(local.target).area.centre != here
 
 
 def test_several_sightings_can_be_asked_for():
@@ -136,16 +137,16 @@ def test_the_best_view_is_the_largest():
     local.look(thing_before_wall())
     local.look(near)
     local.look(thing_before_wall())
-    assert local.target.best_view is near
-    assert local.target.sightings == 3
+    assert certain(local.target).best_view is near
+    assert certain(local.target).sightings == 3
 
 
 def test_a_goal_beyond_the_depth_camera_gives_its_direction():
     local = perception()
     local.look(thing_before_wall(thing_m=7.0, wall_m=9.0, box=(20, 40, 40, 80)))
-    left = local.far_bearing
+    left = certain(local.far_bearing)
     local.look(thing_before_wall(thing_m=7.0, wall_m=9.0, box=(120, 40, 140, 80)))
-    assert left == pytest.approx(-local.far_bearing)
+    assert left == pytest.approx(-certain(local.far_bearing))
     assert left > 0.3
     local.look(thing_before_wall(thing_m=2.0))
     assert local.far_bearing is None
@@ -166,7 +167,7 @@ def test_uncertain_detections_do_not_convince():
     local.look(thing_before_wall())
     assert not local.is_convincing
     local.look(thing_before_wall())
-    assert local.target.mean_score == pytest.approx((0.31 + 0.31 + 0.9) / 3)
+    assert certain(local.target).mean_score == pytest.approx((0.31 + 0.31 + 0.9) / 3)
     assert local.is_convincing
 
 
@@ -205,7 +206,7 @@ def test_what_is_elsewhere_is_no_rival(other):
     local = perception(ScriptedDetector([[*seen(), other] for _ in range(5)]))
     for _ in range(5):
         local.look(thing_before_wall(thing_m=2.0, wall_m=4.0))
-    assert local.target.rival_score == 0.0
+    assert certain(local.target).rival_score == 0.0
 
 
 def test_rivals_are_not_weighed_in_the_paper_s_way():

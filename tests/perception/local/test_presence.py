@@ -1,3 +1,5 @@
+from typing import Literal
+
 import numpy as np
 import pytest
 
@@ -32,7 +34,7 @@ def test_yes_and_no(text: str, present: bool):
 
 
 @pytest.mark.parametrize("unsure", ["yes", "no"])
-def test_neither_counts_as_configured_and_is_told(unsure: str):
+def test_neither_counts_as_configured_and_is_told(unsure: Literal["yes", "no"]):
     log = ExchangeLog()
     check = VlmPresenceCheck(Parrot("perhaps"), log, PresenceConfig(unsure=unsure))
     assert check.is_present(VIEW, BED) is (unsure == "yes")

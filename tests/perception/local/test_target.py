@@ -4,25 +4,29 @@ from dataclasses import replace
 
 import pytest
 
+from certainty import certain
 from hypernav.perception.local.goal_area import GoalArea, points_under_mask
 from hypernav.perception.local.target import Target
-from images import THING, thing_before_wall
+from images import thing_before_wall, thing_pixels
 
 
 def target_at(thing_m=2.0):
     observation = thing_before_wall(thing_m=thing_m)
     points = points_under_mask(
-        observation.truth.ids == THING, observation, min_depth_m=0.5, max_depth_m=5.0
+        thing_pixels(observation), observation, min_depth_m=0.5, max_depth_m=5.0
     )
-    area = GoalArea.from_points(points, resolution_m=0.05).entered_from(observation, 0.6)
-    return Target(area, observation, best_pixels=1600.0, mean_score=1.0)
+    area = certain(GoalArea.from_points(points, resolution_m=0.05))
+    return Target(
+        area.entered_from(observation, 0.6), observation, best_pixels=1600.0, mean_score=1.0
+    )
 
 
 def test_a_place_that_is_cut_off_is_no_entry_until_none_is_left():
     target = target_at()
-    place = tuple(target.entry_points[0].tolist())
+    x, y = target.entry_points[0].tolist()
+    place = (x, y)
     assert target.distance_to(*place) == pytest.approx(0.0)
-    barred = target.barred_at(place)
+    barred = certain(target.barred_at(place))
     assert barred.distance_to(*place) > 0.3
     left = barred
     while (fewer := left.barred_at(tuple(left.entry_points[0].tolist()))) is not None:

@@ -7,6 +7,7 @@ import av
 import numpy as np
 import pytest
 
+from certainty import certain
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2, Transform
@@ -46,7 +47,7 @@ def read(path: Path) -> Film:
         frames = list(container.decode(stream))
         return Film(
             codec=stream.codec_context,
-            length_s=float(stream.duration * stream.time_base),
+            length_s=float(certain(stream.duration) * certain(stream.time_base)),
             images=[frame.to_ndarray(format="rgb24") for frame in frames],
             times=[frame.time for frame in frames],
         )

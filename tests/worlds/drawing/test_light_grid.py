@@ -56,9 +56,8 @@ def test_only_the_corners_of_wanted_cells_are_computed(caster: RayCaster) -> Non
 def test_light_does_not_depend_on_the_order_of_looks(caster: RayCaster) -> None:
     grid, other = grid_of(caster), grid_of(caster)
     layers, rows, columns = grid.nodes.shape[:3]
-    inside = np.ravel_multi_index(
-        np.indices((layers - 1, rows - 1, columns - 1)).reshape(3, -1), (layers, rows, columns)
-    )
+    corners = np.indices((layers - 1, rows - 1, columns - 1)).reshape(3, -1)
+    inside = np.arange(layers * rows * columns).reshape(layers, rows, columns)[tuple(corners)]
     bake_all(grid, inside)
     for part in np.array_split(np.random.default_rng(0).permutation(inside), 5):
         bake_all(other, part)

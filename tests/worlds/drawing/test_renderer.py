@@ -237,7 +237,9 @@ def test_leaves_can_be_looked_through() -> None:
     behind = wall(textured(np.full((1, 1, 3), 240, np.uint8)), size=50.0)
     scene = replace(
         front,
-        vertices=np.concatenate([front.vertices, behind.vertices + np.float32([2.0, 0, 0])]),
+        vertices=np.concatenate(
+            [front.vertices, behind.vertices + np.array([2.0, 0, 0], np.float32)]
+        ),
         faces=np.concatenate([front.faces, behind.faces + 4]),
         uv=np.concatenate([front.uv, behind.uv]),
         colors=np.concatenate([front.colors, behind.colors]),
@@ -347,7 +349,7 @@ def test_strange_numbers_in_a_file_are_survived(wrap: Wrap) -> None:
     uv[1, 1] = 1e30
     normals = np.full((2, 3, 3), np.nan, np.float32)
     needle = scene.vertices.copy()
-    needle[2] = needle[1] + np.float32([0.0, 1e-7, 1e-7])
+    needle[2] = needle[1] + np.array([0.0, 1e-7, 1e-7], np.float32)
     for strange in (
         replace(scene, uv=uv),
         replace(scene, normals=normals),

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 import trimesh
+from trimesh.visual import ColorVisuals
 
 from gltf_writer import GltfWriter
 from hypernav.core.errors import SceneError
@@ -175,7 +176,8 @@ def test_broken_objects_json(tmp_path: Path, text: str, words: str) -> None:
 
 def test_ply_with_colours_is_a_scan(tmp_path: Path) -> None:
     box = trimesh.creation.box()
-    box.visual.vertex_colors = np.tile(np.array([[200, 100, 50, 255]], np.uint8), (8, 1))
+    colours = np.tile(np.array([[200, 100, 50, 255]], np.uint8), (8, 1))
+    box.visual = ColorVisuals(box, vertex_colors=colours)
     box.export(tmp_path / "scan.ply")
     scene = load_scene(tmp_path / "scan.ply")
     assert scene.unlit

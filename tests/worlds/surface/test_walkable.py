@@ -40,7 +40,7 @@ def test_the_robot_keeps_its_radius_from_walls():
 
 def test_walls_on_cell_borders_lose_no_space_on_either_side():
     walkable = WalkableGrid.from_scene(scene_of(*room_boxes(6.0, 4.0)))
-    columns = walkable.standable.any(axis=0).nonzero()[0]
+    columns = np.flatnonzero(walkable.standable.any(axis=0))
     left = walkable.origin[0] + columns[0] * CELL
     right = walkable.origin[0] + (columns[-1] + 1) * CELL
     assert left == pytest.approx(6.0 - right, abs=1e-6)
