@@ -1,7 +1,7 @@
 import pytest
 
 from eval_runs import spec, write_room
-from hypernav.core.errors import EpisodeError, SceneError
+from hypernav.core.errors import ConfigError, EpisodeError, SceneError
 from hypernav.evaluation.datasets import fingerprint, load_episodes, select
 from hypernav.worlds.scenes.loading import load_scene
 from hypernav.worlds.simulation import SimulatedWorld
@@ -33,8 +33,6 @@ def test_a_scene_is_all_its_goals_from_seeded_starts(room):
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("houses-vall", "did you mean 'houses-val'"),
-        ("hm3d", "there are houses-val, houses-ovon"),
         ("houses-train#x", "expected house numbers"),
         ("houses-train#5:", "expected house numbers"),
         ("houses-val#5", "houses-val has the houses"),
@@ -43,6 +41,20 @@ def test_a_scene_is_all_its_goals_from_seeded_starts(room):
 )
 def test_a_data_set_that_does_not_exist_is_named_with_the_remedy(name, words):
     with pytest.raises(EpisodeError, match=words):
+        load_episodes(name)
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("houses-vall", "did you mean 'houses-val'"),
+        ("hm3d", "use houses-val, houses-ovon"),
+        ("habitat", "expected habitat:FILE"),
+        ("houses-val:3", "nothing follows this name"),
+    ],
+)
+def test_a_data_set_that_does_not_exist_is_named_with_those_that_do(name, words):
+    with pytest.raises(ConfigError, match=words):
         load_episodes(name)
 
 

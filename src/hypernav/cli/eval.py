@@ -97,6 +97,7 @@ def _plan(options: Options, config: HyPerNavConfig) -> RunPlan:
         max_steps=options.max_steps,
         success_distance_m=options.success_distance,
         seed=options.seed,
+        scenes_dir=options.scenes_dir,
     )
 
 

@@ -15,7 +15,7 @@ class Options:
     """Which episodes, who searches, on how many cores, and where the results go."""
 
     dataset: tyro.conf.Positional[str]
-    """houses-val, houses-ovon, houses-train[#FIRST:END] or scene:PATH.glb[#STARTS]."""
+    """houses-val, houses-ovon, houses-train[#FIRST:END], scene:GLB[#STARTS] or habitat:FILE."""
     who: FlatAgentOptions = field(default_factory=AgentOptions)
     """How to build the agent."""
     out: Path | None = None
@@ -26,6 +26,8 @@ class Options:
     """Only these scenes, with commas between them: names, house numbers, or places from 0."""
     goals: str | None = None
     """Only these goals, with commas between them."""
+    scenes_dir: Path | None = None
+    """Folder of the scenes that habitat:FILE names; by default the folder of the file."""
     workers: int | None = None
     """Processes, each on one core; all cores by default."""
     ray: str | None = None

@@ -9,8 +9,8 @@ from rich.table import Table
 from hypernav.build.scenes import house_number
 from hypernav.cli.houses_options import Episodes, Export, Show, Splits
 from hypernav.core.errors import ConfigError, EpisodeError
-from hypernav.datasets.habitat_files import write_episodes
 from hypernav.houses.episodes.difficulty import Difficulty, difficulty
+from hypernav.houses.episodes.split_files import is_file_name, write_split
 from hypernav.houses.episodes.splits import SPLITS, load_split, split_named
 from hypernav.houses.export.files import export_house
 from hypernav.houses.export.page import house_page
@@ -47,12 +47,12 @@ def _episodes(options: Episodes) -> None:
             count=options.count,
             progress=lambda done, total: bar.update(task, completed=done, total=total),
         )
-    try:
-        write_episodes(dataset, options.out)
-    except OSError as error:
-        raise EpisodeError(
-            f"{options.out}: cannot be written ({error.strerror or error})"
-        ) from error
+        task = bar.add_task("finding view points", total=None)
+        write_split(
+            dataset,
+            options.out,
+            progress=lambda done, total: bar.update(task, completed=done, total=total),
+        )
     _say(console, difficulty(dataset))
     console.print(f"  wrote {options.out}", soft_wrap=True)
 
@@ -112,10 +112,14 @@ def _range_of(text: str) -> range:
 
 def _check_writable(path: Path) -> None:
     """Refuse a name that cannot be written before the houses are measured."""
-    if not path.name.endswith((".json.gz", ".json")):
-        raise EpisodeError(f"{path}: an episode file ends in .json.gz or .json")
-    if path.is_dir():
-        raise EpisodeError(f"{path}: is a folder, expected the name of a file in it")
+    if is_file_name(path) and path.is_dir():
+        raise EpisodeError(f"{path}: is a folder, expected the name of a file")
+    if not is_file_name(path) and path.suffix:
+        raise EpisodeError(
+            f"{path}: an episode file ends in .json.gz or .json; a folder's name has no ending"
+        )
+    if path.is_file() and not is_file_name(path):
+        raise EpisodeError(f"{path}: is a file, expected a folder")
 
 
 def _progress(console: Console) -> Progress:

@@ -14,7 +14,7 @@ class Episodes:
     split: tyro.conf.Positional[str]
     """houses-val, houses-ovon (phrases) or houses-train (for tuning)."""
     out: Path
-    """File to write; ends in .json.gz or .json."""
+    """File to write (.json.gz or .json), or a folder for a file per house, as Habitat has them."""
     houses: str | None = None
     """Only the houses FIRST:END (END is not included); for houses-train of any numbers."""
     count: int | None = None

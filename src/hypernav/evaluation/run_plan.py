@@ -3,13 +3,15 @@
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field, replace
 from importlib.metadata import version
+from pathlib import Path
 from typing import Any
 
 from hypernav.build.component_specs import ComponentSpecs, PresetName
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.core.episode import MAX_STEPS, Episode
 from hypernav.core.metrics import SUCCESS_DISTANCE_M
-from hypernav.evaluation.datasets import Progress, fingerprint, load_episodes, select
+from hypernav.evaluation.data_sources import Progress
+from hypernav.evaluation.datasets import fingerprint, load_episodes, select
 from hypernav.evaluation.protocol import StopRule
 
 
@@ -41,7 +43,9 @@ class RunPlan:
         config: Values of the method, the robot and the camera.
         max_steps: Step limit.
         success_distance_m: Of the run's own protocol; results can be scored under all others.
-        seed: Of all noise.
+        seed: Seed of all noise.
+        scenes_dir: Folder of the scenes that an episode file names; None is the file's own.
+        scenes_dir: Folder of the scenes that an episode file names; None is the file's own.
     """
 
     dataset: str
@@ -53,6 +57,7 @@ class RunPlan:
     max_steps: int = MAX_STEPS
     success_distance_m: float = SUCCESS_DISTANCE_M
     seed: int = 0
+    scenes_dir: Path | None = None
 
     def episodes(self, progress: Progress | None = None) -> list[Episode]:
         """The chosen episodes of the data set, with the limits of this run.
@@ -66,7 +71,11 @@ class RunPlan:
         """
         chosen = select(
             load_episodes(
-                self.dataset, self.config.world, self.config.embodiment, progress=progress
+                self.dataset,
+                self.config.world,
+                self.config.embodiment,
+                scenes_dir=self.scenes_dir,
+                progress=progress,
             ),
             part=self.selection.episodes,
             scenes=self.selection.scenes,

@@ -1,9 +1,8 @@
 """Generation of one house's episodes, in Habitat's format.
 
-The files hold every third view point in both directions (one every 15 cm) of each goal object.
-That keeps a split near a megabyte, and the next one is at most 11 cm away from anywhere in a goal's
-region but its edges. Success is not judged by them: the evaluation computes the full region of an
-episode's goal from the scene, the same on which ``info.geodesic_distance`` was measured.
+Goals come without view points: a house has fifty thousand, and whoever runs an episode computes
+them from the scene anyway. Files for others get them by `with_view_points`: all of them, with the
+very numbers that the scene gives, so that a file and the scene measure alike.
 """
 
 import math
@@ -24,7 +23,11 @@ from hypernav.datasets.habitat_format import (
     ObjectNavEpisode,
     ViewPoint,
 )
-from hypernav.datasets.habitat_frames import pose_to_habitat, positions_to_habitat
+from hypernav.datasets.habitat_frames import (
+    pose_to_habitat,
+    positions_from_habitat,
+    positions_to_habitat,
+)
 from hypernav.houses.episodes.ground_truth import HouseGroundTruth
 from hypernav.houses.episodes.queries import Query, category_queries, phrase_queries
 from hypernav.houses.episodes.starts import Start, sample_start
@@ -40,7 +43,6 @@ EPISODES_PER_HOUSE = 28
 GoalStyle = Literal["categories", "phrases"]
 
 _MAX_QUERIES = 400
-_THINNING = 3
 _DIGITS = 5
 
 QueryWithStart = tuple[Query, Start]
@@ -71,6 +73,27 @@ def house_episodes(scene: Scene, number: int, style: GoalStyle) -> EpisodeDatase
             for query, _ in drawn
         },
     )
+
+
+def with_view_points(dataset: EpisodeDataset, scene: Scene) -> EpisodeDataset:
+    """The same episodes with every view point of their goals.
+
+    Args:
+        dataset: Episodes of this house alone.
+        scene: The house.
+    """
+    regions, done = HouseGroundTruth.of(scene).regions, dict[int | str, ObjectGoal]()
+    for goal in (goal for goals in dataset.goals_by_category.values() for goal in goals):
+        if goal.object_id not in done:
+            instance = scene.instances[int(goal.object_id)]
+            middle = positions_from_habitat(np.array([goal.position]))[0]
+            points = [_view_point(p, middle) for p in regions.view_points(instance)]
+            done[goal.object_id] = goal.model_copy(update={"view_points": points})
+    goals = {
+        key: [done[goal.object_id] for goal in goals]
+        for key, goals in dataset.goals_by_category.items()
+    }
+    return dataset.model_copy(update={"goals_by_category": goals})
 
 
 def _sample(rng: RandomStream, truth: HouseGroundTruth, style: GoalStyle) -> list[QueryWithStart]:
@@ -134,24 +157,13 @@ class _Writer:
     def goal(self, instance: Instance) -> ObjectGoal:
         if instance.id not in self._goals:
             middle = (np.array(instance.box_min) + np.array(instance.box_max)) / 2.0
-            points = self._thinned(self._site.regions.view_points(instance))
             self._goals[instance.id] = ObjectGoal(
                 object_category=instance.label.category if instance.label else "",
                 object_id=instance.id,
                 object_name=instance.name,
                 position=_rounded3(tuple(positions_to_habitat(middle[None])[0].tolist())),
-                view_points=[_view_point(point, middle) for point in points],
             )
         return self._goals[instance.id]
-
-    def _thinned(self, points: Float64[np.ndarray, "n 3"]) -> Float64[np.ndarray, "kept 3"]:
-        """Every third cell in both directions, but at least one."""
-        walkable = self._site.walkable
-        cells = np.floor((points[:, :2] - walkable.origin) / walkable.cell_m).astype(np.int64)
-        kept = (cells % _THINNING == 0).all(axis=1)
-        if not kept.any():
-            kept[len(kept) // 2] = True
-        return points[kept]
 
     def _nearest(self, query: Query, start: Start) -> int:
         """Id of the instance whose view point ends the shortest path."""
@@ -167,7 +179,9 @@ def _view_point(point: Float64[np.ndarray, "3"], middle: Float64[np.ndarray, "3"
     x, y, z = point.tolist()
     yaw = math.atan2(float(middle[1]) - y, float(middle[0]) - x)
     position, rotation = pose_to_habitat(Pose2(x, y, yaw), z)
-    state = AgentState(position=_rounded3(position), rotation=_rounded4(rotation))
+    # Positions are exact: measures depend on them. Adding 0.0 turns -0.0 into 0.0.
+    x, y, z = (value + 0.0 for value in position)
+    state = AgentState(position=(x, y, z), rotation=_rounded4(rotation))
     return ViewPoint(agent_state=state, iou=None)
 
 

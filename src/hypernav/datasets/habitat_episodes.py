@@ -1,0 +1,56 @@
+"""Habitat's episodes as `hypernav.core.episode.Episode`."""
+
+from collections.abc import Callable
+
+import numpy as np
+from jaxtyping import Float64
+
+from hypernav.core.episode import Episode
+from hypernav.core.errors import EpisodeError
+from hypernav.datasets.habitat_format import EpisodeDataset, ObjectNavEpisode
+from hypernav.datasets.habitat_frames import pose_from_habitat
+
+
+def episodes_of(
+    dataset: EpisodeDataset, scene_of: Callable[[str], str] = lambda scene_id: scene_id
+) -> list[Episode]:
+    """The episodes of a file, in its order.
+
+    Their view points are those of the file's goals. A file whose goals bring none leaves them to
+    the scene.
+
+    Args:
+        dataset: What the file holds.
+        scene_of: Finds the scene that a ``scene_id`` of the file means.
+
+    Raises:
+        EpisodeError: Goals are missing, a start looks up or down, or two episodes have one name.
+    """
+    shared: dict[tuple[str, ...], Float64[np.ndarray, "n 3"] | None] = {}
+    found: dict[tuple[str, str], Episode] = {}
+    for entry in dataset.episodes:
+        key = (entry.goals_key(), *(entry.children_object_categories or ()))
+        if entry.goals or key not in shared:
+            shared[key] = _view_points(dataset, entry)
+        episode = Episode(
+            scene_id=scene_of(entry.scene_id),
+            episode_id=str(entry.episode_id),
+            goal=entry.goal,
+            start=pose_from_habitat(entry.start_position, entry.start_rotation)[0],
+            group=str((entry.info or {}).get("vocabulary", "")),
+            view_points=shared[key],
+        )
+        if episode.key in found:
+            raise EpisodeError(
+                f"two episodes are called {episode.episode_id} in {entry.scene_id}; results are "
+                "kept by scene and name, so each needs a name of its own"
+            )
+        found[episode.key] = episode
+    return list(found.values())
+
+
+def _view_points(
+    dataset: EpisodeDataset, entry: ObjectNavEpisode
+) -> Float64[np.ndarray, "n 3"] | None:
+    points = dataset.view_points_of(entry)
+    return points if len(points) > 0 else None

@@ -1,0 +1,156 @@
+"""The data sets that episodes come from, by name.
+
+A data set is written ``NAME[:ARGUMENT][#PART]``. One more is one entry in `DATA_SOURCES`, or an
+entry point ``hypernav.datasets`` of another package.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from hypernav.build.scenes import build_scene
+from hypernav.core.embodiment import Embodiment
+from hypernav.core.episode import Episode
+from hypernav.core.errors import EpisodeError
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
+from hypernav.core.registry import Entry, Registry
+from hypernav.datasets.habitat_episodes import episodes_of
+from hypernav.datasets.habitat_files import episode_files, read_episodes
+from hypernav.houses.episodes.splits import SPLITS, load_split
+from hypernav.worlds.simulation import SimulatedWorld, SimulationConfig
+from hypernav.worlds.surface.starts import random_start
+
+STARTS_PER_GOAL = 5
+"""Starts of ``scene:`` data sets that don't say how many."""
+
+Progress = Callable[[int, int], None]
+"""Is told how much of how much is done."""
+
+
+@dataclass(frozen=True)
+class DatasetRequest:
+    """What is wanted of a data set.
+
+    Attributes:
+        argument: What follows the name and a colon; empty if nothing does.
+        part: What follows ``#``; empty if nothing does.
+        simulation: How the robot is simulated, for data sets that look for starts.
+        embodiment: What the robot is, likewise.
+        scenes_dir: Folder of scene files; None takes that of the episode file.
+        progress: Is told how far it is.
+    """
+
+    argument: str = ""
+    part: str = ""
+    simulation: SimulationConfig = field(default_factory=SimulationConfig)
+    embodiment: Embodiment = field(default_factory=Embodiment)
+    scenes_dir: Path | None = None
+    progress: Progress | None = None
+
+    def tell(self, done: int, total: int) -> None:
+        """Say how far it is, if anybody wants to know."""
+        if self.progress is not None:
+            self.progress(done, total)
+
+
+DataSource = Callable[[DatasetRequest], list[Episode]]
+"""Gives all episodes of a data set, in its order."""
+
+
+def split_episodes(split: str, request: DatasetRequest) -> list[Episode]:
+    """The episodes of a split of generated houses."""
+    houses = None if not request.part else _house_numbers(split, request.part)
+    return episodes_of(load_split(split, houses=houses, progress=request.progress))
+
+
+def scene_episodes(request: DatasetRequest) -> list[Episode]:
+    """All goals of one scene, each from several drawn starts."""
+    scene, starts = request.argument, request.part
+    if starts and not (starts.isdecimal() and int(starts) > 0):
+        raise EpisodeError(f"scene:{scene}#{starts}: expected the number of starts per goal")
+    world = SimulatedWorld(build_scene(scene), request.simulation, request.embodiment)
+    count = int(starts) if starts else STARTS_PER_GOAL
+    goals = world.regions.categories()
+    if not goals:
+        raise EpisodeError(f"scene:{scene}: no labelled object in it can be reached")
+    episodes = []
+    for done, goal in enumerate(goals):
+        request.tell(done, len(goals))
+        region = world.regions.of(Goal(goal))
+        for number in range(count):
+            spec = Episode(scene, f"{goal}-{number}", Goal(goal), Pose2(0.0, 0.0, 0.0))
+            rng = np.random.default_rng(spec.seed(0))
+            start = random_start(world.walkable, rng, region)
+            episodes.append(replace(spec, start=start))
+    return episodes
+
+
+def habitat_episodes(request: DatasetRequest) -> list[Episode]:
+    """The episodes of a file in Habitat's ObjectNav format, or of a split's folder.
+
+    Scenes are files below the scenes' folder, except those that ``hypernav find --scene`` knows by
+    name.
+    """
+    path = Path(request.argument)
+    if request.part:
+        raise EpisodeError(
+            f"habitat:{path}#{request.part}: nothing follows the file's name; choose episodes with "
+            "--episodes, --scenes and --goals"
+        )
+    folder = request.scenes_dir or (path if path.is_dir() else path.parent)
+    episodes: list[Episode] = []
+    files = episode_files(path)
+    for done, file in enumerate(files):
+        request.tell(done, len(files))
+        try:
+            episodes += episodes_of(read_episodes(file), partial(_scene_below, folder))
+        except EpisodeError as error:
+            named = str(error).startswith(str(file))
+            raise error if named else EpisodeError(f"{file}: {error}") from error
+    return episodes
+
+
+def _scene_below(folder: Path, scene_id: str) -> str:
+    """The scene that an episode file means."""
+    if scene_id == "builtin" or scene_id.startswith("houses:"):
+        return scene_id
+    path = folder / scene_id
+    if not path.is_file():
+        raise EpisodeError(
+            f"there is no scene {path}; scene ids of the file are paths below the folder of the "
+            "file, or below --scenes-dir FOLDER"
+        )
+    return str(path)
+
+
+def _house_numbers(split: str, part: str) -> range:
+    first, colon, end = part.partition(":")
+    if not first.isdecimal() or (colon and not end.isdecimal()):
+        raise EpisodeError(
+            f"{split}#{part}: expected house numbers, for example {split}#3000:3004 (END is not "
+            f"included) or {split}#3000"
+        )
+    return range(int(first), int(end) if colon else int(first) + 1)
+
+
+DATA_SOURCES: Registry[DataSource] = Registry(
+    "data set",
+    "hypernav.datasets",
+    [
+        *(
+            Entry(
+                name,
+                partial(split_episodes, name),
+                form=f"{name}[#FIRST:END]" if split.is_open else name,
+            )
+            for name, split in SPLITS.items()
+        ),
+        Entry("scene", scene_episodes, form="scene:SCENE[#STARTS]"),
+        Entry("habitat", habitat_episodes, form="habitat:FILE"),
+    ],
+)
+"""Every data set that has a name."""

@@ -1,0 +1,67 @@
+"""Episodes of a split written for others: complete, in Habitat's layout of files."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from hypernav.core.errors import EpisodeError
+from hypernav.datasets.habitat_files import write_episodes
+from hypernav.datasets.habitat_format import EpisodeDataset
+from hypernav.houses.episodes.house_episodes import with_view_points
+from hypernav.houses.house_cache import cached_house
+
+_ENDINGS = (".json.gz", ".json")
+
+
+def is_file_name(out: Path) -> bool:
+    """Whether a name means one file, not a folder."""
+    return out.name.endswith(_ENDINGS)
+
+
+def write_split(
+    dataset: EpisodeDataset,
+    out: Path,
+    *,
+    cache: Path | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> None:
+    """Write the episodes of a split with every view point of their goals.
+
+    Args:
+        dataset: What `load_split` gave.
+        out: One file (``.json.gz`` or ``.json``), or a folder in Habitat's layout: the split's file
+            without episodes, and in ``content`` a file for every scene.
+        cache: Cache folder of the houses; the platform's own if None.
+        progress: Is told how many houses of how many are done.
+
+    Raises:
+        EpisodeError: It cannot be written.
+    """
+    scenes = list(dict.fromkeys(episode.scene_id for episode in dataset.episodes))
+    whole = dataset.model_copy(update={"goals_by_category": {}})
+    for done, scene_id in enumerate(scenes):
+        if progress is not None:
+            progress(done, len(scenes))
+        scene = cached_house(int(scene_id.partition(":")[2]), cache)
+        part = with_view_points(_of_scene(dataset, scene_id), scene)
+        if is_file_name(out):
+            whole.goals_by_category.update(part.goals_by_category)
+        else:
+            _write(part, out / "content" / f"{scene_id.replace(':', '-')}.json.gz")
+    if is_file_name(out):
+        _write(whole, out)
+    else:
+        _write(whole.model_copy(update={"episodes": []}), out / f"{out.name}.json.gz")
+
+
+def _of_scene(dataset: EpisodeDataset, scene_id: str) -> EpisodeDataset:
+    episodes = [episode for episode in dataset.episodes if episode.scene_id == scene_id]
+    keys = dict.fromkeys(episode.goals_key() for episode in episodes)
+    goals = {key: dataset.goals_by_category[key] for key in keys}
+    return dataset.model_copy(update={"episodes": episodes, "goals_by_category": goals})
+
+
+def _write(dataset: EpisodeDataset, path: Path) -> None:
+    try:
+        write_episodes(dataset, path)
+    except OSError as error:
+        raise EpisodeError(f"{path}: cannot be written ({error.strerror or error})") from error
