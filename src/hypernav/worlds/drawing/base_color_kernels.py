@@ -1,4 +1,4 @@
-"""Colours of surfaces without light: material, vertex colours, textures. Compiled.
+"""Base colours of surfaces, without light: material, vertex colours, textures (numba kernels).
 
 Second of three passes from rays to colours, see `geometry_kernels`.
 """
@@ -30,7 +30,7 @@ def wrapped(coordinate, mode):
             inside = 2.0 - inside
     else:
         inside = min(max(coordinate, 0.0), 1.0)
-    # A surface seen exactly edge-on gives infinite steps, and those no number at all.
+    # A surface seen exactly edge-on gives infinite steps, and those NaN.
     return inside if 0.0 <= inside <= 1.0 else 0.0
 
 
@@ -98,13 +98,13 @@ def fill_base_colors(
         colors: See `Scene`.
         face_material: See `Scene`.
         material_flags: ``FLAG_…`` of every material, uint8 [materials].
-        material_color: sRGB 0 to 1, float32 [materials, 3].
-        material_wrap: `Wrap` along u and v, uint8 [materials, 2].
+        material_color: Colours, sRGB 0 to 1, float32 [materials, 3].
+        material_wrap: Modes of `Wrap` along u and v, uint8 [materials, 2].
         material_texture: See `TextureSet.of_material`.
         texels: See `TextureSet`.
         levels: See `TextureSet`.
         level_count: See `TextureSet`.
-        rgb: Filled where a triangle is hit: sRGB codes 0 to 255, float32 [rays, 3].
+        rgb: Output where a triangle is hit: sRGB codes 0 to 255, float32 [rays, 3].
     """
     last = -1
     for ray in range(hits.shape[0]):
@@ -196,14 +196,14 @@ def find_holes(
         surface: As filled by `locate`.
         face_material: See `Scene`.
         material_flags: ``FLAG_…`` of every material, uint8 [materials].
-        material_wrap: `Wrap` along u and v, uint8 [materials, 2].
+        material_wrap: Modes of `Wrap` along u and v, uint8 [materials, 2].
         material_texture: See `TextureSet.of_material`.
         texels: See `TextureSet`.
         levels: See `TextureSet`.
-        holes: Filled with the rays' numbers, int64 [rays].
+        holes: Output: numbers of the rays, int64 [rays].
 
     Returns:
-        How many there are.
+        Number of rays through holes.
     """
     count = 0
     for ray in range(hits.shape[0]):

@@ -1,4 +1,4 @@
-"""Finds the pixels that need more than one ray, and mixes their colours. Compiled."""
+"""Detection of edge pixels, which need more than one ray, and mixing of their colours (numba)."""
 
 import numpy as np
 from numba import njit
@@ -10,7 +10,7 @@ _BEND_CONTRAST = 0.35
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _bend(before, near, far, after):
-    """How far four depths in a row are from lying on a plane around the middle two; 0 is no depth.
+    """Deviation of four depths in a row from a plane through the middle two; 0 is no depth.
 
     On a plane the inverse of depth changes evenly from pixel to pixel.
     """
@@ -27,18 +27,18 @@ def _bend(before, near, far, after):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def find_edges(rgb, ids, depth, first_row, last_row, pixels):
-    """Pixels of some rows at which things or faces meet with a visible contrast.
+    """Pixels of some rows at which objects or faces meet with a visible contrast.
 
     Args:
-        rgb: uint8 [height, width, 3].
+        rgb: Colours, uint8 [height, width, 3].
         ids: Instances, int32 [height, width].
-        depth: Metres, 0 where nothing was hit, float32 [height, width].
-        first_row: First row to look at.
-        last_row: One beyond the last.
-        pixels: Filled with pixel numbers, row by row, int64 [rows * width].
+        depth: Depth in metres, 0 where nothing was hit, float32 [height, width].
+        first_row: First row to search.
+        last_row: One beyond the last row.
+        pixels: Output: pixel numbers, row by row, int64 [rows * width].
 
     Returns:
-        How many there are.
+        Number of edge pixels.
     """
     height, width = depth.shape
     marked = np.zeros((last_row - first_row, width), dtype=np.bool_)
@@ -82,7 +82,7 @@ def mix_samples(pixels, samples, rgb):
     Args:
         pixels: Pixel numbers, int64 [pixels].
         samples: Further colours, uint8 [pixels, samples, 3].
-        rgb: Changed, uint8 [height * width, 3].
+        rgb: Colours, changed in place, uint8 [height * width, 3].
     """
     count = samples.shape[1] + 1
     for number in range(pixels.shape[0]):

@@ -17,7 +17,7 @@ from numba import njit
 
 NORMAL = 0  # 3 columns, towards the camera
 POINT = 3  # 3 columns, scene frame
-FACING = 6  # cosine between the normal and the way back to the camera
+FACING = 6  # cosine between the normal and the direction to the camera
 WEIGHT = 7  # 2 columns: of the triangle's second and third corner
 UV = 9  # 2 columns
 UV_RIGHT = 11  # 2 columns: change of uv to the next pixel on the right
@@ -30,12 +30,12 @@ def fill_rays(camera, cx, cy, first_row, directions):
     """Rays through the centres of the pixels of some rows; 1 long along the optical axis.
 
     Args:
-        camera: Rows: position; optical axis; change of direction to the next pixel right; to the
-            next pixel down; float64 [4, 3], scene frame.
+        camera: Camera as rows: position; optical axis; change of direction to the next pixel right;
+            to the next pixel down; float64 [4, 3], scene frame.
         cx: Column of the principal point, pixels.
         cy: Row of the principal point, pixels.
-        first_row: Of the image, that the first row of rays belongs to.
-        directions: Filled, float32 [rows, columns, 3].
+        first_row: Image row of the first row of rays.
+        directions: Output: directions, float32 [rows, columns, 3].
     """
     for row in range(directions.shape[0]):
         y = first_row + row + 0.5 - cy
@@ -55,11 +55,11 @@ def fill_rays_around(camera, cx, cy, width, pixels, offsets, origins, directions
         camera: As for `fill_rays`.
         cx: Column of the principal point, pixels.
         cy: Row of the principal point, pixels.
-        width: Of the image.
+        width: Width of the image, pixels.
         pixels: Numbers of the pixels, row by row, int64 [pixels].
-        offsets: From the centre, ``(right, down)`` in pixels, float64 [offsets, 2].
-        origins: Filled, float32 [pixels * offsets, 3].
-        directions: Filled, float32 [pixels * offsets, 3].
+        offsets: Offsets from the centre, ``(right, down)`` in pixels, float64 [offsets, 2].
+        origins: Output: origins, float32 [pixels * offsets, 3].
+        directions: Output: directions, float32 [pixels * offsets, 3].
     """
     ray = 0
     for pixel in pixels:
@@ -90,17 +90,17 @@ def _triangle(vertices, faces, face, camera):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def measure(hits, directions, camera, vertices, faces, face_instance, depth, ids):
-    """How far away the triangles are where the rays end, and whose they are.
+    """Depth and instance of the triangle that every ray hits.
 
     Args:
         hits: Triangle of every ray, -1 for none, int32 [rays].
-        directions: Scene frame, 1 long along the optical axis, float32 [rays, 3].
+        directions: Directions, scene frame, 1 long along the optical axis, float32 [rays, 3].
         camera: As for `fill_rays`.
         vertices: See `Scene`.
         faces: See `Scene`.
         face_instance: See `Scene`.
-        depth: Filled, along the optical axis, 0 where nothing is hit, float32 [rays].
-        ids: Filled, -1 where nothing is hit, int32 [rays].
+        depth: Output: depth along the optical axis, 0 where nothing is hit, float32 [rays].
+        ids: Output: instances, -1 where nothing is hit, int32 [rays].
     """
     zx, zy, zz = camera[1, 0], camera[1, 1], camera[1, 2]
     last = -1
@@ -122,28 +122,28 @@ def measure(hits, directions, camera, vertices, faces, face_instance, depth, ids
             dc = da + zx * fx + zy * fy + zz * fz
             nearest, farthest = min(da, db, dc), max(da, db, dc)
         dx, dy, dz = directions[ray, 0], directions[ray, 1], directions[ray, 2]
-        way = plane / (nx * dx + ny * dy + nz * dz)
+        distance = plane / (nx * dx + ny * dy + nz * dz)
         # Of a needle seen edge-on the plane is ill defined, but depth lies between its corners'.
-        if not way >= nearest:  # "not" catches what is no number as well
-            way = nearest
-        depth[ray] = min(way, farthest)
+        if not distance >= nearest:  # "not" catches NaN as well
+            distance = nearest
+        depth[ray] = min(distance, farthest)
         ids[ray] = instance
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def locate(hits, directions, depth, camera, vertices, faces, normals, uv, surface):
-    """First pass: where on the triangles the rays end, and how the surface lies there.
+    """First pass: points, normals and texture coordinates where rays hit triangles.
 
     Args:
         hits: Triangle of every ray, -1 for none, int32 [rays].
-        directions: Scene frame, 1 long along the optical axis, float32 [rays, 3].
-        depth: From `measure`, float32 [rays].
+        directions: Directions, scene frame, 1 long along the optical axis, float32 [rays, 3].
+        depth: Depth from `measure`, float32 [rays].
         camera: As for `fill_rays`.
         vertices: See `Scene`.
         faces: See `Scene`.
         normals: See `Scene`; shape [0, 0, 3] where there are none.
         uv: See `Scene`.
-        surface: Filled where a triangle is hit, float32 [rays, SURFACE_COLUMNS].
+        surface: Output where a triangle is hit, float32 [rays, SURFACE_COLUMNS].
     """
     ox, oy, oz = camera[0, 0], camera[0, 1], camera[0, 2]
     rx, ry, rz = camera[2, 0], camera[2, 1], camera[2, 2]
@@ -183,8 +183,8 @@ def locate(hits, directions, depth, camera, vertices, faces, normals, uv, surfac
                 smooth |= abs(sx * kx + sy * ky + sz * kz) < 0.9999
         dx, dy, dz = directions[ray, 0], directions[ray, 1], directions[ray, 2]
         along = 1.0 / (nx * dx + ny * dy + nz * dz)
-        way = np.float64(depth[ray])
-        px, py, pz = way * dx, way * dy, way * dz
+        z = np.float64(depth[ray])
+        px, py, pz = z * dx, z * dy, z * dz
         surface[ray, POINT] = px + ox
         surface[ray, POINT + 1] = py + oy
         surface[ray, POINT + 2] = pz + oz
@@ -195,11 +195,11 @@ def locate(hits, directions, depth, camera, vertices, faces, normals, uv, surfac
         surface[ray, UV] = au + second * eu + third * fu
         surface[ray, UV + 1] = av + second * ev + third * fv
         slide = right * along
-        sx, sy, sz = way * (rx - slide * dx), way * (ry - slide * dy), way * (rz - slide * dz)
+        sx, sy, sz = z * (rx - slide * dx), z * (ry - slide * dy), z * (rz - slide * dz)
         surface[ray, UV_RIGHT] = sx * ux + sy * uy + sz * uz
         surface[ray, UV_RIGHT + 1] = sx * vx + sy * vy + sz * vz
         slide = down * along
-        sx, sy, sz = way * (lx - slide * dx), way * (ly - slide * dy), way * (lz - slide * dz)
+        sx, sy, sz = z * (lx - slide * dx), z * (ly - slide * dy), z * (lz - slide * dz)
         surface[ray, UV_DOWN] = sx * ux + sy * uy + sz * uz
         surface[ray, UV_DOWN + 1] = sx * vx + sy * vy + sz * vz
 

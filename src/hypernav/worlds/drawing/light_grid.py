@@ -1,12 +1,12 @@
-"""Soft light: how much of it reaches a place from each of six sides.
+"""Ambient light: a grid of nodes, each lit from six sides.
 
 A grid of nodes fills the scene. Each node holds the light that arrives from +x, -x, +y, -y, +z and
 -z: a fixed set of rays is cast from the node, the open ones bring the light of a bright ceiling
-above and of dimmer walls and floor, and a thing nearby dims its direction (ambient occlusion). A
+above and of dimmer walls and floor, and an object nearby dims its direction (ambient occlusion). A
 surface reads the eight nodes around the point just in front of it, so a table darkens the floor
 under it and a corner darkens towards its edge. Nodes are computed when a camera first sees a
 surface beside them and kept: a frame that shows nothing new pays nothing, and a node's value
-depends on its place alone, so the order of frames doesn't matter.
+depends on its position alone, so the order of frames doesn't matter.
 """
 
 import math
@@ -36,9 +36,9 @@ class LightGrid:
     """The nodes around a scene.
 
     Attributes:
-        nodes: Bytes 0 to 5 light from +x, -x, +y, -y, +z, -z; byte 7 is 1 where known.
-        origin: Place of node (0, 0, 0), scene frame, metres.
-        cell_m: Distance of nodes.
+        nodes: Bytes 0 to 5: light from +x, -x, +y, -y, +z, -z; byte 7: 1 where known.
+        origin: Position of node (0, 0, 0), scene frame, metres.
+        cell_m: Distance between nodes.
     """
 
     nodes: UInt8[np.ndarray, "z y x 8"]
@@ -57,8 +57,8 @@ class LightGrid:
         Args:
             low: Lowest corner of the scene, metres.
             high: Highest corner.
-            cell_m: Distance of nodes; grows for scenes so large that there would be too many.
-            cast: Measures distances in the scene.
+            cell_m: Distance between nodes; grows for scenes that would need too many.
+            cast: Function that measures distances in the scene.
         """
         margin = 3.0
         while np.prod((high - low) / cell_m + 2 * margin + 1) > _MAX_NODES:
@@ -76,7 +76,7 @@ class LightGrid:
 
         Args:
             cells: Numbers of the cells' lowest nodes.
-            pool: Threads to use.
+            pool: Thread pool that computes them.
         """
         _, rows, columns = self.nodes.shape[:3]
         corners = [z * rows * columns + y * columns + x for z, y, x in np.ndindex(2, 2, 2)]
@@ -90,13 +90,13 @@ class LightGrid:
 
     def _light_at(self, numbers: Int64[np.ndarray, "n"]) -> UInt8[np.ndarray, "n 6"]:
         z, y, x = np.unravel_index(numbers, self.nodes.shape[:3])
-        places = (np.stack([x, y, z], axis=1) * self.cell_m + self.origin).astype(np.float32)
-        # All places along one direction, then the next: neighbouring rays take similar ways.
-        origins = np.tile(places, (len(self._directions), 1))
-        directions = np.repeat(self._directions, len(places), axis=0)
+        positions = (np.stack([x, y, z], axis=1) * self.cell_m + self.origin).astype(np.float32)
+        # All positions along one direction, then the next: neighbouring rays take similar paths.
+        origins = np.tile(positions, (len(self._directions), 1))
+        directions = np.repeat(self._directions, len(positions), axis=0)
         distances = self._cast(origins, directions, _REACH_M)
-        light = np.empty((len(places), 6), dtype=np.uint8)
-        shape = (len(self._directions), len(places))
+        light = np.empty((len(positions), 6), dtype=np.uint8)
+        shape = (len(self._directions), len(positions))
         gather_light(
             distances.reshape(shape), self._directions, self._sky, _REACH_M, _CONTRAST, light
         )

@@ -1,4 +1,4 @@
-"""Light: gathered around places, and shown on surfaces. Compiled.
+"""Light gathered around positions, and applied to surfaces (numba kernels).
 
 `light` is the third of three passes from rays to colours, see `geometry_kernels`.
 """
@@ -50,17 +50,17 @@ def light(
         face_material: See `Scene`.
         material_flags: ``FLAG_…`` of every material, uint8 [materials].
         nodes: Light around the surfaces, see `LightGrid`, as a flat list.
-        shape: Of the nodes: layers, rows, columns, bytes.
-        origin: Place of the first node, float64 [3].
-        cell_m: Distance of nodes.
-        shares: Of the light of the nodes and of the headlight, float64 [2].
+        shape: Shape of the nodes: layers, rows, columns, bytes.
+        origin: Position of the first node, float64 [3].
+        cell_m: Distance between nodes.
+        shares: Weights of the light of the nodes and of the headlight, float64 [2].
         tone: sRGB code of light, uint8 [TONE_STEPS].
         background: Colour where nothing is hit, uint8 [3].
-        rgb: Filled, uint8 [rays, 3].
-        wanted: Filled with the lowest node of cells whose light is not known yet, int64 [rays].
+        rgb: Output: colours, uint8 [rays, 3].
+        wanted: Output: lowest nodes of cells whose light is not known yet, int64 [rays].
 
     Returns:
-        How many cells were wanted; the colours that need them are wrong.
+        Number of wanted cells; the colours that need them are wrong.
     """
     missing = 0
     ox, oy, oz, per_m = origin[0], origin[1], origin[2], 1.0 / cell_m
@@ -124,22 +124,22 @@ def light(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def gather_light(distances, directions, sky, reach_m, contrast, result):
-    """Light from each of the six sides of every place.
+    """Light from each of the six sides of every position.
 
     Args:
-        distances: To the first thing along every direction, float32 [directions, places];
+        distances: Distance to the first hit along every direction, float32 [directions, positions];
             negative or over `reach_m` where it is farther.
         directions: Unit vectors, float32 [directions, 3].
-        sky: Light that arrives from every direction where nothing is in the way, [directions].
-        reach_m: A thing this far away takes no light.
+        sky: Light that arrives from every direction where nothing is hit, [directions].
+        reach_m: Distance from which on a hit takes no light.
         contrast: Exponent of the light; above 1 deepens the shade.
-        result: Filled with light from +x, -x, +y, -y, +z, -z, uint8 [places, 6].
+        result: Output: light from +x, -x, +y, -y, +z, -z, uint8 [positions, 6].
     """
     sums = np.zeros(6)
-    for place in range(distances.shape[1]):
+    for position in range(distances.shape[1]):
         sums[:] = 0.0
         for ray in range(distances.shape[0]):
-            distance = distances[ray, place]
+            distance = distances[ray, position]
             near = distance / reach_m if 0.0 <= distance < reach_m else 1.0
             light = sky[ray] * near
             for axis in range(3):
@@ -152,4 +152,4 @@ def gather_light(distances, directions, sky, reach_m, contrast, result):
         scale = 4.0 / distances.shape[0]
         for side in range(6):
             light = min(sums[side] * scale, 1.0) ** contrast
-            result[place, side] = np.uint8(light * 255.0 + 0.5)
+            result[position, side] = np.uint8(light * 255.0 + 0.5)

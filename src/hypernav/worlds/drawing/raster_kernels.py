@@ -1,9 +1,9 @@
-"""Which triangle every pixel of an image shows first. Compiled.
+"""Rasterization: the nearest triangle in every pixel of an image (numba kernels).
 
 Rasterization in homogeneous coordinates (Olano and Greer, "Triangle Scan Conversion using 2D
 Homogeneous Coordinates", 1997): a ray ``d`` through a pixel meets the triangle ``a b c`` (seen from
 the camera) where ``d.(b x c)``, ``d.(c x a)`` and ``d.(a x b)`` have the sign of ``a.(b x c)``, and
-their sum over it is one over the way. All are linear over the image, so that every row of pixels
+their sum over it is one over the depth. All are linear over the image, so that every row of pixels
 gives one interval, and nothing needs to be clipped, not even what reaches behind the camera.
 """
 
@@ -16,7 +16,7 @@ _IN_FRONT = 1e-3
 _SLACK = 1e-7
 """Pixels: neighbours share an edge, and no pixel may slip between them by rounding."""
 _NEARER = 1.0 + 1e-9
-"""Of surfaces in the same place the first is shown: rounding must not make a pattern of them."""
+"""Of coincident surfaces the first is shown: rounding must not make a pattern of them."""
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -26,16 +26,16 @@ def find_visible(boxes, camera, width, cx, cy, first_row, last_row, seen, distan
     Args:
         boxes: Lowest and highest corner of every group, scene frame, float32 [groups, 2, 3].
         camera: As for `geometry_kernels.fill_rays`.
-        width: Of the image.
+        width: Width of the image, pixels.
         cx: Column of the principal point, pixels.
         cy: Row of the principal point, pixels.
-        first_row: Of those rows.
-        last_row: Not included.
-        seen: Filled from the front with numbers of groups, int64 [groups].
-        distances: Filled with their least way along the optical axis, float64 [groups].
+        first_row: First of the rows.
+        last_row: One beyond the last row.
+        seen: Output: numbers of the visible groups, int64 [groups].
+        distances: Output: their least depth along the optical axis, float64 [groups].
 
     Returns:
-        How many there are.
+        Number of visible groups.
     """
     # A group is outside if it lies behind the camera, or beyond a plane through the camera and a
     # side of the image.
@@ -78,15 +78,16 @@ def draw_triangles(corners, groups, group_size, camera, cx, cy, first_row, shown
     """Draw groups of triangles into some rows of an image.
 
     Args:
-        corners: Of all triangles, scene frame, float32 [triangles, 3, 3].
-        groups: Numbers of those to draw; group k holds the triangles from ``k * group_size`` on.
+        corners: Corners of all triangles, scene frame, float32 [triangles, 3, 3].
+        groups: Numbers of the groups to draw; group k holds the triangles from ``k * group_size``
+            on.
         group_size: Triangles of a group; the last may have fewer.
         camera: As for `geometry_kernels.fill_rays`.
         cx: Column of the principal point, pixels.
         cy: Row of the principal point, pixels.
-        first_row: Of the image, that the first row of `shown` belongs to.
+        first_row: Image row of the first row of `shown`.
         shown: Number of the nearest triangle in every pixel, int32 [rows, columns].
-        nearness: One over its way along the optical axis, float64 [rows, columns].
+        nearness: One over its depth along the optical axis, float64 [rows, columns].
     """
     square_x = camera[2, 0] ** 2 + camera[2, 1] ** 2 + camera[2, 2] ** 2
     square_y = camera[3, 0] ** 2 + camera[3, 1] ** 2 + camera[3, 2] ** 2
@@ -118,12 +119,12 @@ def _draw_triangle(triangle, a, b, c, shift_x, shift_y, shown, nearness):
     """Draw one triangle where it is nearer than what is drawn already.
 
     Args:
-        triangle: Its number.
+        triangle: Number of the triangle.
         a: First corner, from `_in_camera`.
         b: Second corner.
         c: Third corner.
-        shift_x: From column 0 to the ray of its centre, pixels.
-        shift_y: From row 0 to the ray of its centre, pixels.
+        shift_x: Offset of the ray through the centre of column 0, pixels.
+        shift_y: Offset of the ray through the centre of row 0, pixels.
         shown: As for `draw_triangles`.
         nearness: As for `draw_triangles`.
     """
@@ -142,7 +143,7 @@ def _draw_triangle(triangle, a, b, c, shift_x, shift_y, shown, nearness):
             return
     elif max(az, bz, cz) <= 0.0:
         return
-    # The weights of the corners, over the way: value at the first pixel and changes.
+    # The weights of the corners, over the depth: value at the first pixel and changes.
     ux, uy, uz = by * cz - bz * cy, bz * cx - bx * cz, bx * cy - by * cx
     vx, vy, vz = cy * az - cz * ay, cz * ax - cx * az, cx * ay - cy * ax
     wx, wy, wz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx

@@ -1,4 +1,4 @@
-"""Which triangle every pixel of an image shows first, for a whole scene."""
+"""Rasterizer of a scene: the nearest triangle in every pixel of an image."""
 
 import numpy as np
 from jaxtyping import Float32, Float64, Int32, Int64
@@ -23,7 +23,7 @@ class Rasterizer:
         """Sort the triangles.
 
         Args:
-            scene: What is seen.
+            scene: Scene to rasterize.
         """
         corners = scene.vertices[scene.faces]
         self._faces = _along_a_curve(corners).astype(np.int32)
@@ -43,9 +43,9 @@ class Rasterizer:
         """First triangle behind every pixel of some rows, -1 where there is none.
 
         Args:
-            camera: Intrinsics.
-            camera_rows: Its pose, as for `geometry_kernels.fill_rays`.
-            rows: Which; every pixel is the same, whatever others are asked for.
+            camera: Intrinsics of the camera.
+            camera_rows: Pose of the camera, as for `geometry_kernels.fill_rays`.
+            rows: Rows of the image; a pixel does not depend on which others are asked for.
         """
         groups = np.empty(len(self._boxes), dtype=np.int64)
         distances = np.empty(len(self._boxes), dtype=np.float64)

@@ -1,4 +1,4 @@
-"""Rays into a scene: what do they meet first?"""
+"""Ray casting: the first triangle that a ray into a scene meets."""
 
 from typing import Any
 
@@ -53,6 +53,6 @@ class RayCaster:
         directions: Float32[np.ndarray, "rays 3"],
         reach_m: float,
     ) -> Float32[np.ndarray, "rays"]:
-        """Way to the first triangle in lengths of the direction, at most `reach_m`."""
+        """Distance to the first triangle in lengths of the direction, at most `reach_m`."""
         reach = np.full(len(origins), reach_m, dtype=np.float32)
         return self._tree.run(origins, directions, reach, query="DISTANCE")

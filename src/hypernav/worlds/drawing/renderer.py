@@ -37,13 +37,13 @@ class RenderConfig(RoomConfig):
     """How a scene is drawn.
 
     Attributes:
-        exposure: Multiplies all light, before bright tones are compressed.
+        exposure: Factor of all light, before bright tones are compressed.
         ambient: Share of the soft light from ceiling and surroundings.
         headlight: Share of a light at the camera, which gives form to what faces it.
-        light_cell_m: Distance of the nodes at which the soft light is measured.
-        antialias: Several rays for the colour of pixels at the edges of things. Depth and
-            instances always come from the one ray through the pixel's centre.
-        colours: Whether anybody looks at the image; without, it is black, and drawing takes less
+        light_cell_m: Distance between the nodes at which the soft light is computed.
+        antialias: Whether pixels at the edges of objects get several rays for their colour. Depth
+            and instances always come from the one ray through the pixel's centre.
+        colours: Whether the image is drawn; without, it is black, and drawing takes less
             than half the time. Depth and instances are the same.
         background: sRGB colour where nothing is hit.
         texture_budget_mb: Memory for textures; the largest lose resolution beyond it.
@@ -65,15 +65,15 @@ class CpuRenderer:
     """Draws a scene; satisfies `hypernav.core.world.Renderer`.
 
     Attributes:
-        rays: The scene as rays see it, to share with whoever asks what is visible.
+        rays: Ray caster of the scene, shared with code that tests visibility.
     """
 
     def __init__(self, scene: Scene, config: RenderConfig | None = None) -> None:
         """Prepare triangles, textures and light.
 
         Args:
-            scene: What to draw.
-            config: How to draw it.
+            scene: Scene to draw.
+            config: Configuration of the renderer.
 
         Raises:
             MissingExtraError: The package embreex is not installed.
@@ -100,7 +100,7 @@ class CpuRenderer:
         """Colour, depth and instances as seen from a pose in the scene's frame.
 
         Args:
-            camera: Intrinsics.
+            camera: Intrinsics of the camera.
             camera_to_scene: Pose of the optical frame (x right, y down, z forward).
 
         Returns:
@@ -115,26 +115,26 @@ class CpuRenderer:
             )
         )
         bands = _bands(camera.height, _BAND_ROWS)
-        waiting = self._pool.map(lambda rows: self._draw(frame, rows), bands)
-        self._light_up(waiting)
+        pending = self._pool.map(lambda rows: self._draw(frame, rows), bands)
+        self._shade_pending(pending)
         rgb = frame.rgb if self._colours else np.zeros_like(frame.rgb)
         if self._antialias:
             edges = list(self._pool.map(lambda rows: self._resample(frame, rows), bands))
-            self._light_up(edge.unlit for edge in edges)
+            self._shade_pending(edge.pending for edge in edges)
             rgb = frame.rgb.copy()
             for edge in edges:
                 mix_samples(edge.pixels, edge.samples, rgb.reshape(-1, 3))
         return RenderedView(rgb, frame.depth, frame.ids)
 
-    def _light_up(self, waiting: Iterable[PendingRays | None]) -> None:
-        self._shader.shade_pending([unlit for unlit in waiting if unlit is not None], self._pool)
+    def _shade_pending(self, pending: Iterable[PendingRays | None]) -> None:
+        self._shader.shade_pending([rays for rays in pending if rays is not None], self._pool)
 
     def _find_hits(self, frame: "_Frame", rows: slice) -> None:
         """Find the triangles behind the pixels of some rows of a frame."""
         frame.hits[rows] = self._rasterizer.faces(frame.camera, frame.camera_rows, rows)
 
     def _draw(self, frame: "_Frame", rows: slice) -> PendingRays | None:
-        """Fill some rows of a frame; returns what waits for light."""
+        """Fill some rows of a frame; returns the rays that wait for light."""
         shape = (*frame.depth[rows].shape, 3)
         rays = replace(
             self._buffers(shape[0] * shape[1]),
@@ -177,10 +177,10 @@ class CpuRenderer:
 
     def _buffers(self, count: int) -> Rays:
         """Scratch memory of this thread: fresh memory for every band would cost a tenth more."""
-        room: Rays | None = getattr(self._scratch, "room", None)
-        if room is None or len(room.depth) < count:
-            room = self._scratch.room = Rays.allocate(count)
-        return room.first(count)
+        rays: Rays | None = getattr(self._scratch, "rays", None)
+        if rays is None or len(rays.depth) < count:
+            rays = self._scratch.rays = Rays.allocate(count)
+        return rays.first(count)
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,7 +189,7 @@ class _Edges:
 
     pixels: Int64[np.ndarray, "pixels"]
     samples: UInt8[np.ndarray, "pixels samples 3"]
-    unlit: PendingRays | None
+    pending: PendingRays | None
 
 
 @dataclass(frozen=True, eq=False)

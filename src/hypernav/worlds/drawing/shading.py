@@ -1,4 +1,4 @@
-"""From rays to what they see: depth, instance and colour."""
+"""Shading: depth, instance and colour of rays."""
 
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -29,16 +29,16 @@ _KNEE = 0.7
 
 @dataclass(frozen=True, eq=False)
 class Rays:
-    """Rays from one camera with memory for what they see and for the work on the way.
+    """Rays from one camera with memory for their results and for intermediate values.
 
     Attributes:
-        origins: Scene frame, metres.
-        directions: Scene frame, 1 long along the optical axis.
-        depth: Metres along the optical axis, 0 where nothing is hit.
+        origins: Origins, scene frame, metres.
+        directions: Directions, scene frame, 1 long along the optical axis.
+        depth: Depth along the optical axis in metres, 0 where nothing is hit.
         ids: Instances, -1 where nothing is hit.
-        rgb: Colour.
-        surface: How the surface lies, see `geometry_kernels`.
-        base_color: Colour without light.
+        rgb: Colours as shown.
+        surface: Points, normals and texture coordinates, see `geometry_kernels`.
+        base_color: Colours without light.
         wanted: Cells of the light grid that are not known yet.
     """
 
@@ -53,7 +53,7 @@ class Rays:
 
     @staticmethod
     def allocate(count: int) -> "Rays":
-        """Memory for so many rays."""
+        """Memory for a number of rays."""
         return Rays(
             np.empty((count, 3), np.float32),
             np.empty((count, 3), np.float32),
@@ -91,7 +91,7 @@ class PendingRays:
 
 
 class Shader:
-    """Knows a scene's geometry, materials and light in the form that the kernels take."""
+    """A scene's geometry, materials and light in the form that the kernels take."""
 
     def __init__(
         self,
@@ -107,11 +107,11 @@ class Shader:
         """Prepare a scene; the options are those of `RenderConfig`.
 
         Args:
-            scene: What is seen.
-            caster: Its search tree.
-            light_cell_m: Distance of the nodes of the light grid.
-            shares: Of the soft light and of the headlight.
-            exposure: Multiplies all light.
+            scene: Scene to shade.
+            caster: Ray caster of the scene.
+            light_cell_m: Distance between the nodes of the light grid.
+            shares: Weights of the soft light and of the headlight.
+            exposure: Factor of all light.
             background: Colour where nothing is hit.
             texture_budget_mb: Memory for textures.
         """
@@ -141,11 +141,11 @@ class Shader:
         Args:
             camera: As for `geometry_kernels.fill_rays`.
             hits: The first triangle of every ray, -1 for none; replaced where it has a hole.
-            rays: Directions are read, the rest is filled.
+            rays: Rays, whose directions are read and whose results are filled.
             colours: Whether the colours are filled as well.
 
         Returns:
-            What waits for light, None if nothing does.
+            The rays that wait for light, None if none do.
         """
         if self._has_holes:
             self._look_through_holes(camera, hits, rays.directions)

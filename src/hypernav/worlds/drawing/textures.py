@@ -1,4 +1,4 @@
-"""Textures as the renderer reads them: one flat array that holds every image in every size.
+"""Textures in the renderer's form: one flat array that holds every image in every size.
 
 Each image is followed by its halvings down to one texel (mip maps), so that a surface far away
 is read from an image whose texels are as large as the pixels. Halving averages light, not sRGB
@@ -56,7 +56,7 @@ def collect_textures(materials: Sequence[Material], budget_mb: float) -> Texture
     the finest level of the largest ones is left out until they fit.
 
     Args:
-        materials: Of a scene.
+        materials: Materials of a scene.
         budget_mb: Memory for texels, megabytes.
     """
     sources: list[Material] = []
@@ -125,8 +125,8 @@ def _pack(pyramids: list[list[np.ndarray]], of_material: Int32[np.ndarray, "m"])
     start = 0
     for number, levels in enumerate(pyramids):
         counts[number] = len(levels)
-        for place, level in enumerate(levels):
-            table[number, place] = (start, level.shape[1], level.shape[0])
+        for index, level in enumerate(levels):
+            table[number, index] = (start, level.shape[1], level.shape[0])
             start += level.size
     flat = [level.ravel() for levels in pyramids for level in levels]
     texels = np.concatenate(flat) if flat else np.zeros(1, dtype=np.uint32)

@@ -1,8 +1,8 @@
-"""Triangles to columns of solid, as Recast builds its height field (numba kernels).
+"""Height field of solid columns from triangles, as Recast builds it (numba kernels).
 
 A column is one cell of the floor plan. Every triangle leaves in each column that it crosses the
 interval of heights that it covers there; intervals that touch become solids; the top of a solid
-with enough room above it is a place to stand.
+with enough clearance above it is a floor to stand on.
 """
 
 import numpy as np
@@ -167,11 +167,11 @@ def _by_column(upwards, where, cells):
         start[where[k] + 1] += 1
     for k in range(cells):
         start[k + 1] += start[k]
-    place = start.copy()
+    following = start.copy()
     order = np.empty(where.size, dtype=np.int64)
     for k in upwards:
-        order[place[where[k]]] = k
-        place[where[k]] += 1
+        order[following[where[k]]] = k
+        following[where[k]] += 1
     return start, order
 
 
@@ -180,7 +180,7 @@ def _solids(order, low, high, flat, max_step, bottoms, tops, standing):
     """Merge one column's intervals, from low to high, into solids; returns how many there are.
 
     A solid can be stood on where a flat interval ends at most a step below its top: what lies
-    higher than that is in the way.
+    higher than that is an obstacle.
     """
     n = 0
     flat_top = -np.inf
@@ -195,7 +195,7 @@ def _solids(order, low, high, flat, max_step, bottoms, tops, standing):
             flat_top = max(flat_top, np.float64(high[k]))
         standing[n - 1] = flat_top >= tops[n - 1] - max_step
     for k in range(1, n):
-        # A low thing that hovers over a floor is stepped on like one that stands on it.
+        # A low object that hovers over a floor is stepped on like one that stands on it.
         if not standing[k] and standing[k - 1] and tops[k] - tops[k - 1] <= max_step:
             standing[k] = True
     return n
@@ -203,17 +203,17 @@ def _solids(order, low, high, flat, max_step, bottoms, tops, standing):
 
 @njit(cache=True, nogil=True)
 def floors_of_columns(upwards, where, low, high, flat, cells, max_step, clearance):
-    """All places to stand: the column and height of each, in order of columns.
+    """Floors to stand on: the column and height of each, in order of columns.
 
     Args:
         upwards: Numbers of the intervals in order of their lower ends, to the millimetre.
-        where: From `rasterise`, as the following three.
-        low: Lowest z.
-        high: Highest z.
-        flat: Whether one can stand on it.
+        where: Columns of the intervals, from `rasterise`, as the following three.
+        low: Lowest z of the intervals, metres.
+        high: Highest z of the intervals, metres.
+        flat: Whether the intervals are flat enough to stand on.
         cells: Number of columns.
-        max_step: Metres.
-        clearance: Room needed above a floor, metres.
+        max_step: Highest step that the robot takes, metres.
+        clearance: Free height needed above a floor, metres.
     """
     start, order = _by_column(upwards, where, cells)
     longest = 1

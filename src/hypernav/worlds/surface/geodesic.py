@@ -18,7 +18,7 @@ class FreeSpace:
 
     Attributes:
         free: Free cells with one blocked cell all around.
-        kinds: What the lattice points are, see `geodesic_kernels.vertex_kinds`.
+        kinds: Kinds of the lattice points, see `geodesic_kernels.vertex_kinds`.
         cell_m: Side of a cell.
         origin: Lower left corner of the first cell inside the border, metres.
     """
@@ -62,16 +62,18 @@ class FreeSpace:
 
     def distance(self, start: tuple[float, float], end: tuple[float, float]) -> float:
         """Length of the shortest path, metres; infinite if there is none. Symmetric."""
-        return self._one_way(*sorted((start, end))).distance(*max(start, end))
+        return self._field_between(*sorted((start, end))).distance(*max(start, end))
 
     def shortest_path(
         self, start: tuple[float, float], end: tuple[float, float]
     ) -> list[tuple[float, float]]:
         """Start, bends and end of the shortest path, metres; empty if there is none."""
-        path = self._one_way(*sorted((start, end))).path(*max(start, end))
+        path = self._field_between(*sorted((start, end))).path(*max(start, end))
         return path if start > end else path[::-1]
 
-    def _one_way(self, target: tuple[float, float], goal: tuple[float, float]) -> "DistanceField":
+    def _field_between(
+        self, target: tuple[float, float], goal: tuple[float, float]
+    ) -> "DistanceField":
         units = self.units(np.array([target, goal], dtype=np.float64))
         if not self.is_free(units).all():
             return self._field(np.zeros((0, 2)), (_NOWHERE, _NOWHERE))
@@ -95,7 +97,7 @@ class DistanceField:
     Computed once for its targets; a query then costs microseconds.
 
     Attributes:
-        space: Where paths may run.
+        space: Free space in which paths run.
         targets: Lattice coordinates of the targets, by cell.
         cell_start: First target of every cell.
         best: Distance of every lattice point, in lattice units.
@@ -109,11 +111,11 @@ class DistanceField:
     root: Int32[np.ndarray, "vertices"]
 
     def distance(self, x: float, y: float) -> float:
-        """Metres to the nearest target; infinite if there is no way, or no floor here."""
+        """Metres to the nearest target; infinite if no path leads there or no floor is here."""
         return self._look(x, y)[0] * self.space.cell_m / UNITS
 
     def path(self, x: float, y: float) -> list[tuple[float, float]]:
-        """From here over all bends to the nearest target, metres; empty if there is no way."""
+        """From here over all bends to the nearest target, metres; empty if there is no path."""
         _, root = self._look(x, y)
         if root < 0:
             return []

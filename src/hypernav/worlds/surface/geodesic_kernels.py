@@ -190,9 +190,9 @@ def _one_step(free, i, j, di, dj):
 def _bend_between(free, kinds, best, root_x, root_y, via_x, via_y, x, y):
     """The last bend of a taut path from a root to a point that it doesn't see.
 
-    The path leads through a place beside the point that the root does see; pulled tight, it bends
+    The path leads through a position beside the point that the root sees; pulled tight, it bends
     at corners inside the thin triangle of the three. From the point, the last one is the corner
-    farthest to the side of that place.
+    farthest to the side of that position.
 
     Returns:
         The vertex, or -1 if there is none that the point sees.
@@ -200,7 +200,7 @@ def _bend_between(free, kinds, best, root_x, root_y, via_x, via_y, x, y):
     height, width = kinds.shape
     found_i, found_j = -1, -1
     found_x, found_y = root_x - x, root_y - y
-    # Cross products have the sign of this one on the side of the seen place.
+    # Cross products have the sign of this one on the side of the seen position.
     side = (root_x - x) * (via_y - y) - (root_y - y) * (via_x - x)
     if side == 0:
         return -1
@@ -256,8 +256,8 @@ def propagate(free, kinds, targets, goal_x, goal_y):
         free: Free cells, with a blocked border.
         kinds: From `vertex_kinds`.
         targets: Points ``(x, y)`` in free cells.
-        goal_x: In free space, or -1.
-        goal_y: In free space, or -1.
+        goal_x: x of the goal in free space, or -1.
+        goal_y: y of the goal in free space, or -1.
 
     Returns:
         Distances (units; infinite where no path leads) and roots (-1 there).
@@ -289,7 +289,7 @@ def propagate(free, kinds, targets, goal_x, goal_y):
             from_x, from_y = j * UNITS, i * UNITS
             own = best[v]
             to_goal = _length(from_x, from_y, goal_x, goal_y) if directed else 0.0
-            # The vertices along the best way lie beside it, so their ways are a little longer.
+            # The vertices along the best path lie beside it, so their paths are a little longer.
             if key >= bound + 2 * UNITS:
                 break
             if directed and 0 <= i - goal_y // UNITS <= 1 and 0 <= j - goal_x // UNITS <= 1:
@@ -336,17 +336,17 @@ def propagate(free, kinds, targets, goal_x, goal_y):
 
 @njit(cache=True, nogil=True)
 def first_bend(free, kinds, targets, cell_start, best, root, x, y):
-    """Distance from a point to the nearest target, and where to go first.
+    """Distance from a point to the nearest target, and the first bend on the path.
 
     Args:
         free: As for `propagate`.
         kinds: As for `propagate`.
         targets: As for `propagate`, sorted by cell.
         cell_start: First target of every cell, and the number of targets at the end.
-        best: From `propagate`.
-        root: From `propagate`.
-        x: In a free cell.
-        y: In a free cell.
+        best: Distances from `propagate`.
+        root: Roots from `propagate`.
+        x: x of the point, in a free cell.
+        y: y of the point, in a free cell.
 
     Returns:
         Distance in units (infinite if no path leads to a target) and the root that is headed for.

@@ -1,4 +1,4 @@
-"""Where a goal counts as reached, and how far that is."""
+"""Goal regions: positions from which a goal counts as reached, and distances to them."""
 
 from dataclasses import dataclass
 
@@ -19,8 +19,8 @@ class GoalRegion:
     """The view points of everything that satisfies a goal.
 
     Attributes:
-        goal: What was asked for.
-        instances: What satisfies it; empty if the scene holds no such thing.
+        goal: Goal that was asked for.
+        instances: Objects that satisfy the goal; empty if the scene holds none.
         view_points: Points on the floor, metres, scene frame; empty if none can be reached.
         field: Geodesic distance to the nearest view point.
     """
@@ -48,7 +48,7 @@ class GoalRegion:
         return len(self.view_points) > 0
 
     def distance(self, x: float, y: float) -> float:
-        """Geodesic distance to the nearest view point, metres; infinite if there is no way."""
+        """Geodesic distance to the nearest view point, metres; infinite if no path leads there."""
         return self.field.distance(x, y)
 
 
@@ -67,11 +67,11 @@ class GoalRegions:
         """Take a scene.
 
         Args:
-            scene: Holds the objects.
-            walkable: Where the robot can stand.
-            rays: Of the scene.
+            scene: Scene that holds the objects.
+            walkable: Walkable surface of the scene.
+            rays: Ray caster of the scene.
             reach_m: Greatest horizontal distance of a view point to its object's box.
-            eye_height_m: Of the camera above the floor.
+            eye_height_m: Height of the camera above the floor.
         """
         self._scene = scene
         self._walkable = walkable

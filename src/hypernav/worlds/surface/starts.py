@@ -1,4 +1,4 @@
-"""Seeded random starts."""
+"""Seeded random start poses."""
 
 import math
 
@@ -23,8 +23,9 @@ def random_start(
 
     Args:
         walkable: Where the robot can stand.
-        rng: Source of the pose.
-        region: The goal; without one (or if no path can lead to it) the start is any place.
+        rng: Random generator of the pose.
+        region: Region of the goal; without one (or if no path can lead to it) the start is any
+            position.
         nearest_m: Least geodesic distance to the goal.
         farthest_m: Greatest geodesic distance to the goal.
 

@@ -1,4 +1,4 @@
-"""Which places to stand make up one storey of a building."""
+"""Storeys of a building: the floors that make up each."""
 
 import math
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ class Storey:
     """One storey's height map, kept clear of obstacles by the robot's radius.
 
     Attributes:
-        heights: Floor height where the robot's middle may be, metres; NaN elsewhere.
+        heights: Floor height where the robot's centre may be, metres; NaN elsewhere.
         cell_m: Side of a cell.
         origin: Lower left corner of cell (0, 0), scene frame, metres.
     """
@@ -37,7 +37,7 @@ class Storey:
 
 @dataclass(frozen=True, eq=False)
 class _Floors:
-    """Every place to stand, on all storeys: cell number and height."""
+    """Every floor to stand on, on all storeys: cell number and height."""
 
     cell: Int32[np.ndarray, "n"]
     z: Float32[np.ndarray, "n"]

@@ -1,4 +1,4 @@
-"""View points: where a robot stands when it has reached an object.
+"""View points: positions of a robot that has reached an object.
 
 As Habitat's ObjectNav defines them: standable points within 1.0 m (horizontal) of the object's
 axis-aligned box from which the object is really visible. Habitat counts object pixels in images
@@ -32,18 +32,18 @@ def view_points(
     reach_m: float = REACH_M,
     eye_height_m: float = EYE_HEIGHT_M,
 ) -> Float64[np.ndarray, "n 3"]:
-    """Where an object counts as reached.
+    """Positions from which an object counts as reached.
 
     Every cell of the largest connected part of the walkable surface is tried, so the points are one
     cell (5 cm) apart and nobody can stand among them farther than that from one.
 
     Args:
-        scene: Holds the object.
-        walkable: Where the robot can stand.
-        instance: The object.
-        rays: Of the scene.
+        scene: Scene that holds the object.
+        walkable: Walkable surface of the scene.
+        instance: Object to reach.
+        rays: Ray caster of the scene.
         reach_m: Greatest horizontal distance to the object's box.
-        eye_height_m: Of the camera above the floor.
+        eye_height_m: Height of the camera above the floor.
 
     Returns:
         Points on the floor, metres, scene frame; empty if the object is seen from nowhere.

@@ -1,4 +1,4 @@
-"""Where a robot can stand and walk, computed from the triangles of a scene."""
+"""Walkable surface of a storey, computed from the triangles of a scene."""
 
 import math
 from dataclasses import dataclass
@@ -23,10 +23,10 @@ _ROUNDING = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class WalkableGrid:
-    """The truth about one storey: standable cells, their heights, and the ways between them.
+    """The truth about one storey: standable cells, their heights, and the paths between them.
 
     The scene frame's x and y are used throughout, metres. A position is standable if its cell is.
-    Ways may run along the border of standable cells, but never slip between two diagonal cells.
+    Paths may run along the border of standable cells, but never slip between two diagonal cells.
 
     Attributes:
         standable: Cells where the robot's middle may be.
@@ -56,7 +56,7 @@ class WalkableGrid:
 
         Args:
             scene: All its triangles count, whatever they belong to: a closed door blocks.
-            robot: What has to fit.
+            robot: Robot that has to fit.
             cell_m: Side of a cell; the robot's clearance is kept to this accuracy.
             floor_z: Height of the wanted storey's floor, metres; None takes the largest storey.
 
@@ -119,14 +119,14 @@ class WalkableGrid:
     def step(
         self, x: float, y: float, dx: float, dy: float, sliding: bool = False
     ) -> tuple[float, float]:
-        """Where a straight move ends.
+        """End of a straight move.
 
         Args:
-            x: Start, metres.
-            y: Start, metres.
-            dx: Wanted displacement, metres.
-            dy: Wanted displacement, metres.
-            sliding: Slide along what is in the way; by default the robot stops at the contact.
+            x: x of the start, metres.
+            y: y of the start, metres.
+            dx: Wanted displacement along x, metres.
+            dy: Wanted displacement along y, metres.
+            sliding: Whether to slide along obstacles; by default the robot stops at the contact.
 
         Returns:
             The target (or up to half a cell beside it if the robot grazed a corner), or the
@@ -146,13 +146,13 @@ class WalkableGrid:
         )
 
     def distance(self, start: tuple[float, float], end: tuple[float, float]) -> float:
-        """Geodesic distance, metres; infinite if no way exists or a point is not standable."""
+        """Geodesic distance, metres; infinite if no path exists or a point is not standable."""
         return self.free_space.distance(start, end)
 
     def shortest_path(
         self, start: tuple[float, float], end: tuple[float, float]
     ) -> list[tuple[float, float]]:
-        """Corners of the shortest way with both ends; its length is `distance`. Empty if none."""
+        """Corners of the shortest path with both ends; its length is `distance`. Empty if none."""
         return self.free_space.shortest_path(start, end)
 
     def distance_field(self, targets: Float64[np.ndarray, "n 2"]) -> DistanceField:

@@ -87,16 +87,16 @@ def _inside(x, y, row, column):
 
 @njit(cache=True, nogil=True)
 def _cells_to_corner(free, row, column, d_row, d_column, across_row, across_column):
-    """How many cells along a wall its corner is away; 0 if something is in the way before.
+    """How many cells along a wall its corner is away; 0 if an obstacle comes before.
 
     Args:
-        free: The cells.
-        row: Of the cell beside the wall.
-        column: Of the cell beside the wall.
-        d_row: Along the wall.
-        d_column: Along the wall.
-        across_row: Into the wall.
-        across_column: Into the wall.
+        free: Free cells.
+        row: Row of the cell beside the wall.
+        column: Column of the cell beside the wall.
+        d_row: Step in rows along the wall.
+        d_column: Step in columns along the wall.
+        across_row: Step in rows into the wall.
+        across_column: Step in columns into the wall.
     """
     cells = 1
     while _is_free(free, row + cells * d_row, column + cells * d_column):
@@ -162,7 +162,7 @@ def walk(free, x, y, dx, dy):
 
 @njit(cache=True, nogil=True)
 def slide(free, x, y, dx, dy):
-    """Where a walk that may slide along walls ends.
+    """End of a walk that may slide along walls.
 
     As Detour's ``moveAlongSurface``: of all that is connected to the start within the circle whose
     diameter is the walk, the point nearest to the target.
