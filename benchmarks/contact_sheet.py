@@ -2,8 +2,8 @@
 
 Run: python benchmarks/contact_sheet.py --first 4000 --houses 24 --out docs/images/houses.jpg
 
-From every house the view that shows most things is taken, of four in different rooms; which rooms
-these are is turned on from house to house, or there would be nothing but living rooms.
+Every house contributes one of the four views that show most objects, each in another room. The rank
+of the chosen view changes from house to house, so that the sheet does not show living rooms only.
 """
 
 from pathlib import Path
@@ -29,12 +29,12 @@ def main(
     """Write the sheet.
 
     Args:
-        first: First house.
-        houses: So many houses follow each other, one view each.
-        columns: Of the sheet.
-        width: Of one view, pixels.
-        quality: Of the JPEG.
-        out: The image.
+        first: Number of the first house.
+        houses: Number of consecutive houses, one view each.
+        columns: Number of columns of the sheet.
+        width: Width of one view, pixels.
+        quality: Quality of the JPEG, 1 to 95.
+        out: File of the image.
     """
     height = width * 3 // 4
     rows = -(-houses // columns)
@@ -45,8 +45,8 @@ def main(
         views = interior_views(build_house(number), plan_of(number), number, 4)
         view = Image.fromarray(np.ascontiguousarray(views[k % len(views)]))
         row, column = divmod(k, columns)
-        place = (GAP + column * (width + GAP), GAP + row * (height + GAP))
-        sheet.paste(view.resize((width, height), Image.Resampling.LANCZOS), place)
+        corner = (GAP + column * (width + GAP), GAP + row * (height + GAP))
+        sheet.paste(view.resize((width, height), Image.Resampling.LANCZOS), corner)
     out.parent.mkdir(parents=True, exist_ok=True)
     sheet.save(out, quality=quality, optimize=True)
     print(f"{out}: {out.stat().st_size / 1000:.0f} kB")

@@ -32,7 +32,7 @@ MODEL = "Qwen/Qwen2.5-VL-7B-Instruct"
 
 @dataclass
 class ModelServer:
-    """An OpenAI-compatible server that sees nothing, takes its time, and knows how busy it is."""
+    """An OpenAI-compatible server with empty answers, a fixed latency and a record of its load."""
 
     latency_s: float = 0.5
     capacity: int = 8
@@ -42,7 +42,7 @@ class ModelServer:
     _pending: int = 0
 
     def __enter__(self) -> "ModelServer":
-        """Begin to listen."""
+        """Start the server."""
         self._slots = threading.BoundedSemaphore(self.capacity)
         self._lock = threading.Lock()
         self._server = ThreadingHTTPServer(("127.0.0.1", 0), self._handler())
@@ -53,13 +53,13 @@ class ModelServer:
         return self
 
     def __exit__(self, *error: object) -> None:
-        """Stop."""
+        """Stop the server."""
         self._server.shutdown()
         self._server.server_close()
         self._thread.join()
 
     def answer(self) -> None:
-        """Wait for a place in the batch, then for the answer."""
+        """Wait for a free slot of the batch, then for the answer."""
         self._note(working=0, pending=1)
         with self._slots:
             self._note(working=1, pending=0)
@@ -67,7 +67,7 @@ class ModelServer:
             self._note(working=-1, pending=-1)
 
     def busy_share(self, clients: int, until: float) -> float:
-        """Mean share of the places that worked, from when all clients had asked until a time."""
+        """Mean share of busy slots, from the moment when all clients had asked until a time."""
         with self._lock:
             changes = list(self._changes)
         first = next((t for t, _, pending in changes if pending >= clients), None)
@@ -127,7 +127,7 @@ def run(
     *,
     max_steps: int = 500,
 ) -> tuple[RunNews, list[float]]:
-    """Run episodes; returns the news and the moment at which each was done."""
+    """Run episodes; return the state at the end and the time at which each was done."""
     chosen = select(load_episodes(dataset, config.world, config.embodiment), part=f"0:{count}")
     episodes = [replace(episode, max_steps=max_steps) for episode in chosen]
     moments: list[float] = []
@@ -146,8 +146,8 @@ def workers(dataset: str = "houses-train#3000:3004", episodes: int = 16) -> None
     """Compare one worker and two.
 
     Args:
-        dataset: As for `hypernav eval`; not one that results are reported on.
-        episodes: How many.
+        dataset: Name of a data set as for `hypernav eval`; not one that results are reported on.
+        episodes: Number of episodes.
     """
     rates = {}
     for count in (1, 2):
@@ -175,15 +175,15 @@ def server(
     max_steps: int = 40,
     small: bool = False,
 ) -> float:
-    """See how busy concurrent episodes keep a model server.
+    """Measure how busy concurrent episodes keep a model server.
 
     Args:
-        workers: Episodes at the same time.
-        capacity: Questions that the server works on at the same time.
-        latency_s: That an answer takes.
-        dataset: As for `hypernav eval`.
-        episodes: How many.
-        max_steps: Of each.
+        workers: Number of concurrent episodes.
+        capacity: Number of questions that the server answers concurrently.
+        latency_s: Time that an answer takes, seconds.
+        dataset: Name of a data set as for `hypernav eval`.
+        episodes: Number of episodes.
+        max_steps: Maximum number of steps of each episode.
         small: Use a small camera, for machines that are busy with other things.
 
     Returns:

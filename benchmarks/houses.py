@@ -1,11 +1,11 @@
-"""Time houses from their numbers and from the cache, and check that every number gives one.
+"""Time the generation of houses and their loading from the cache.
 
 Run: python benchmarks/houses.py [--first 100000] [--count 500]
 
 Every house is built from its number and written to a fresh cache folder, then loaded from it as
 `hypernav find --scene houses:N` does. The textures that all houses share are painted once a
-process; they count in the first house only. Other programs on the machine show in the times: hence
-the CPU time beside them.
+process; they count in the first house only. Other programs on the machine affect the times: hence
+the CPU time beside them. A number that gives no house ends the program with an error.
 """
 
 import tempfile
@@ -28,20 +28,20 @@ def main(first: int = 100_000, count: int = 500, cached: int = 30) -> None:
     """Print the table.
 
     Args:
-        first: First house.
-        count: Houses that are built.
-        cached: Of these so many are loaded from a cache as well.
+        first: Number of the first house.
+        count: Number of houses to build.
+        cached: Number of houses that are also loaded from the cache.
     """
     console = Console(highlight=False)
     numbers = range(first, first + count)
     built: list[tuple[float, float]] = []
-    things, triangles, kinds = [], [], Counter[str]()
+    objects, triangles, kinds = [], [], Counter[str]()
     for number in numbers:
         scene, wall, cpu = timed(lambda n=number: build_house(n))
         built.append((wall, cpu))
         labels = [i.label for i in scene.instances if i.label is not None]
         kinds.update({label.category for label in labels})
-        things.append(len(labels))
+        objects.append(len(labels))
         triangles.append(len(scene.faces))
     loaded = []
     with tempfile.TemporaryDirectory() as folder:
@@ -57,7 +57,7 @@ def main(first: int = 100_000, count: int = 500, cached: int = 30) -> None:
         table.add_row(name, str(len(spent)), *(f"{value:.2f}" for value in values))
     console.print(table)
     console.print(
-        f"things: median {np.median(things):.0f}, {min(things)} to {max(things)}; "
+        f"objects: median {np.median(objects):.0f}, {min(objects)} to {max(objects)}; "
         f"triangles: median {np.median(triangles):,.0f}, at most {max(triangles):,}; "
         f"{len(kinds)} kinds in all"
     )
@@ -65,7 +65,7 @@ def main(first: int = 100_000, count: int = 500, cached: int = 30) -> None:
 
 
 def timed(make: Callable[[], Scene]) -> tuple[Scene, float, float]:
-    """A scene, the seconds that it took, and those of the processor."""
+    """A scene, the wall-clock seconds that it took, and the processor seconds."""
     wall, cpu = time.perf_counter(), time.process_time()
     scene = make()
     return scene, time.perf_counter() - wall, time.process_time() - cpu

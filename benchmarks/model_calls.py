@@ -1,7 +1,7 @@
-"""How many questions a search takes, per preset and with each saving switched on or off.
+"""Count the questions of a search, per preset and with each saving switched on or off.
 
-Every search runs through the scripted model server of the tests, over a socket, which tells the
-simulator's truth: what differs between the lines is how often it is asked, and when.
+Every search asks the scripted model server of the tests over a socket; it answers with the
+simulator's ground truth, so the lines of the table differ only in how often it is asked, and when.
 
     python benchmarks/model_calls.py                         # small_house, 4 goals from 2 starts
     python benchmarks/model_calls.py --scenes houses:100000 houses:100001 --goals bed sofa
@@ -59,7 +59,7 @@ VARIANTS: dict[str, tuple[PresetName, tuple[str, ...]]] = {
 
 @dataclass
 class Tally:
-    """Sums over the searches of one variant."""
+    """Sums over the searches of one variant of the configuration."""
 
     found: int = 0
     spl: list[float] = field(default_factory=list)
@@ -111,13 +111,13 @@ def main(
     """Run all and print the table so far after every goal.
 
     Args:
-        scenes: As for `hypernav find --scene`.
-        goals: What to find; a scene that lacks one is skipped.
-        seeds: Starts per goal.
-        variants: Lines of the table.
-        question_s: What a question about a camera image would take.
-        map_question_s: What a question about the map would take.
-        set: As for `hypernav find`.
+        scenes: The buildings, as for `hypernav find --scene`.
+        goals: The objects to find; one that a scene lacks is skipped there.
+        seeds: Number of starts per goal.
+        variants: Names of the variants, one line of the table each.
+        question_s: Assumed time of a question about a camera image, seconds.
+        map_question_s: Assumed time of a question about the map, seconds.
+        set: Single values of the configuration, as for `hypernav find --set`.
     """
     tallies = {variant: Tally() for variant in variants}
     console = Console(highlight=False, width=140)

@@ -1,6 +1,6 @@
-"""Does a network that nobody here trained recognise the furniture of generated houses?
+"""Measure whether a network trained on photographs recognises generated furniture.
 
-For every object of eight COCO kinds: views from 1.2 to 3.5 m (camera to the middle of the object,
+Every object of eight COCO kinds is rendered from 1.2 to 3.5 m (camera to the middle of the object,
 on the floor) at the camera's height, where the whole object lies in the image and at least 60%
 of it is visible. Recognised means: a detection of that class with a score of at least 0.3 whose
 box overlaps the box of the object's visible pixels with IoU of at least 0.5.
@@ -52,7 +52,7 @@ TURN_DEG = 12.0
 
 @dataclass
 class View:
-    """One look at one object, and what the network said."""
+    """One view of one object, and the detection in its box."""
 
     house: int
     kind: str
@@ -74,7 +74,7 @@ def kind_of(instance: Instance) -> str | None:
 
 
 def only(scene: Scene, instance: Instance) -> Scene:
-    """The scene with nothing but one object."""
+    """The scene reduced to one object."""
     keep = scene.face_instance == instance.id
     return replace(
         scene,
@@ -88,7 +88,7 @@ def only(scene: Scene, instance: Instance) -> Scene:
 
 
 def pixels_of(caster: RayCaster, number: int, pose: Transform) -> Bool[np.ndarray, "height width"]:
-    """Where an instance is seen, in an image of a quarter of the size."""
+    """Mask of an instance's visible pixels, in an image of a quarter of the size."""
     camera = CameraConfig(width=160, height=120).intrinsics
     rays = camera.rays().reshape(-1, 3) @ pose.rotation.T
     origins = np.repeat(pose.translation[None].astype(np.float32), len(rays), axis=0)
@@ -96,7 +96,7 @@ def pixels_of(caster: RayCaster, number: int, pose: Transform) -> Bool[np.ndarra
     return hit.reshape(camera.height, camera.width)
 
 
-def places(
+def viewing_poses(
     scene: Scene, instance: Instance, grid: WalkableGrid, rng: np.random.Generator, count: int
 ) -> Iterator[Pose2]:
     """Poses that look at an object from the wanted distance, in random order."""
@@ -116,7 +116,7 @@ def box_of(mask: Bool[np.ndarray, "height width"]) -> Box:
 
 
 def judge(view: View, box: Box, detections: list[Detection]) -> View:
-    """Whether the object was recognised, and what else was said about its place."""
+    """Enter into a view whether the object was recognised, and what was detected in its box."""
     right = [d.box.iou(box) for d in detections if canonical(d.label) == canonical(view.kind)]
     view.best_iou = max(right, default=0.0)
     view.recognised = view.best_iou >= LEAST_IOU
@@ -128,10 +128,10 @@ def judge(view: View, box: Box, detections: list[Detection]) -> View:
 
 
 class Album:
-    """Images worth looking at: what was missed, and some rooms."""
+    """A folder of images of hits and misses, for people to look at."""
 
     def __init__(self, folder: Path | None) -> None:
-        """Keep images in a folder, or none."""
+        """Keep images in a folder; None keeps no images."""
         self.folder = folder
         self.counts: dict[str, int] = {}
         if folder is not None:
@@ -181,9 +181,9 @@ def look_around(
             np.float64
         )
         left = views_per_object
-        for place in places(scene, instance, grid, rng, 40):
-            height = grid.height_at(place.x, place.y)
-            pose = place.to_transform(height) @ config.camera_to_base
+        for stand in viewing_poses(scene, instance, grid, rng, 40):
+            height = grid.height_at(stand.x, stand.y)
+            pose = stand.to_transform(height) @ config.camera_to_base
             uv = config.intrinsics.project(pose.inverse().apply(corners))
             if (
                 np.isnan(uv).any()
@@ -205,7 +205,7 @@ def look_around(
                 house,
                 kind,
                 instance.name,
-                place.distance_to(*middle),
+                stand.distance_to(*middle),
                 float(share),
                 False,
                 0.0,
@@ -263,14 +263,14 @@ def main(
     """Measure recall over houses ``first`` to ``first + count - 1``, or in one scene file.
 
     Args:
-        model: YOLOX export.
-        first: First house.
-        count: Houses.
-        views_per_object: At most this many views of one object.
+        model: ONNX export of a YOLOX network.
+        first: Number of the first house.
+        count: Number of houses.
+        views_per_object: Maximum number of views of one object.
         scene: A GLB to measure instead of houses.
-        album: Folder for images of hits and misses.
-        out: JSON file for all views.
-        kinds: Only these kinds.
+        album: Folder of images of hits and misses.
+        out: JSON file with all views.
+        kinds: Kinds to measure; all eight if empty.
     """
     detector = YoloxDetector(model, YoloxConfig(score_threshold=LEAST_SCORE))
     images = Album(album)

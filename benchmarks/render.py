@@ -1,11 +1,11 @@
-"""Time the renderer on small_house as it is, and cut into a million triangles.
+"""Time the renderer on small_house, as it is and subdivided into a million triangles.
 
 Run: python benchmarks/render.py [--scene FILE] [--out DIR]
 
-Poses are spread over the free floor of the scene, chosen by a fixed seed. Each is drawn once
-unmeasured, so that compilation and the light baked at a first look don't count; "first look" is
-timed with that light. Other programs on the machine show in the times: hence the CPU time of all
-threads, and the ray casting alone, for comparison.
+Poses are spread over the free floor of the scene, drawn with a fixed seed. Each is rendered once
+before the measurement, so that compilation and the light baked on a first view don't count; "first
+view" is timed with that light. Other programs on the machine affect the times: hence the CPU time
+of all threads, and the ray casting alone, for comparison.
 """
 
 import math
@@ -42,10 +42,10 @@ def main(
     """Print the table.
 
     Args:
-        scene: A scene file.
-        out: Where to write the images; none are written without it.
-        poses: How many views to draw.
-        triangles: Size of the finer scene.
+        scene: File of the scene.
+        out: Folder of the images; none are written without it.
+        poses: Number of views to render.
+        triangles: Number of triangles of the subdivided scene.
     """
     console = Console()
     start = time.perf_counter()
@@ -59,7 +59,7 @@ def main(
     console.print(table)
     if out is not None:
         write_images(CpuRenderer(loaded), views, out)
-        console.print(f"{len(views)} pictures in {out}")
+        console.print(f"{len(views)} images in {out}")
 
 
 def measure(table: Table, scene: Scene, views: list[Transform]) -> None:
@@ -71,7 +71,7 @@ def measure(table: Table, scene: Scene, views: list[Transform]) -> None:
     plain = CpuRenderer(scene, RenderConfig(antialias=False))
     blind = CpuRenderer(scene, RenderConfig(colours=False, threads=1))
     looks = [timed(lambda v: renderer.render(CAMERA, v), view, 1) for view in views]
-    add(table, name, "first look", looks[1:])
+    add(table, name, "first view", looks[1:])
     for what, draw in (
         ("render", lambda v: renderer.render(CAMERA, v)),
         ("render, one ray a pixel", lambda v: plain.render(CAMERA, v)),
@@ -103,7 +103,7 @@ def timed(
 
 
 def caster(renderer: CpuRenderer, views: list[Transform]) -> Callable[[Transform], object]:
-    """Casts the rays of a view, which are laid out beforehand."""
+    """A function that casts the rays of a view; the rays are prepared beforehand."""
     rays = CAMERA.rays().reshape(-1, 3)
     origins = {
         id(view): np.tile(view.translation.astype(np.float32), (len(rays), 1)) for view in views
@@ -113,7 +113,7 @@ def caster(renderer: CpuRenderer, views: list[Transform]) -> Callable[[Transform
 
 
 def standing_views(scene: Scene, count: int) -> list[Transform]:
-    """Views from random places where the camera has half a metre of air around it."""
+    """Views from random positions with free space around the camera."""
     renderer = CpuRenderer(scene, RenderConfig(antialias=False))
     rng = np.random.default_rng(0)
     low, high = scene.vertices.min(axis=0), scene.vertices.max(axis=0)
@@ -135,7 +135,7 @@ def view_from(x: float, y: float, yaw: float) -> Transform:
 
 
 def subdivided(scene: Scene, triangles: int) -> Scene:
-    """The same surfaces out of more triangles: each is cut into four, the largest first."""
+    """The same surfaces in more triangles: each is cut into four, the largest first."""
     while len(scene.faces) < triangles:
         a, b, c = (scene.vertices[scene.faces[:, corner]] for corner in range(3))
         areas = np.linalg.norm(np.cross(b - a, c - a), axis=1)

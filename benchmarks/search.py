@@ -90,14 +90,14 @@ def main(
     """Search for every goal from every start with every agent.
 
     Args:
-        scene: As for `hypernav find`.
-        goals: What to find.
-        agents: Who searches.
-        seeds: Starts per goal, seeds 0, 1, …
-        detector: As for `hypernav find`.
-        preset: As for `hypernav find`.
-        set: As for `hypernav find`.
-        workers: Processes.
+        scene: The building, as for `hypernav find --scene`.
+        goals: The objects to find.
+        agents: Names of the agents.
+        seeds: Number of starts per goal, with the seeds 0, 1, …
+        detector: The detector, as for `hypernav find --detector`.
+        preset: Name of the preset, as for `hypernav find --preset`.
+        set: Single values of the configuration, as for `hypernav find --set`.
+        workers: Number of processes.
     """
     searches = [
         Search(scene, agent, goal, seed, detector, preset, set)
@@ -119,7 +119,7 @@ def line(search: Search, result: EpisodeResult, events: list[str]) -> str:
     return (
         f"{search.agent:9s} {search.goal:20s} seed {search.seed}  {result.outcome:12s} "
         f"SPL {metrics.spl:.2f}  steps {result.steps:3d}  "
-        f"way {metrics.path_length_m:5.1f} m  shortest {metrics.shortest_path_m:5.1f} m  "
+        f"path {metrics.path_length_m:5.1f} m  shortest {metrics.shortest_path_m:5.1f} m  "
         f"left {metrics.distance_to_goal_m:.2f} m  {'' if metrics.success else events[-4:]}"
     )
 

@@ -50,7 +50,7 @@ TEST_DATA = Path(os.environ.get("HYPERNAV_TEST_DATA", "../shared/data"))
 
 @dataclass
 class Stopwatch:
-    """Milliseconds by name."""
+    """Milliseconds of every timed call, by name."""
 
     times: dict[str, list[float]] = field(default_factory=dict)
 
@@ -67,7 +67,7 @@ def main(data: Path = TEST_DATA, house: str = "houses:100007") -> None:
 
     Args:
         data: Folder of the test data.
-        house: Where the agent searches.
+        house: The building in which the agent searches.
     """
     config, watch = preset("default"), Stopwatch()
     observations = recorded(data, watch)
@@ -115,13 +115,13 @@ def search_in_vain(watch: Stopwatch, house: str) -> None:
     observation = world.reset(Episode(house, "", goal, start), np.random.default_rng(0))
     for _ in range(STEPS):
         action = watch("agent step", agent.act, observation)
-        if action is Action.STOP:
+        if action is None or action is Action.STOP:
             break
         observation = world.step(action)
 
 
 def recorded(data: Path, watch: Stopwatch) -> list[Observation]:
-    """The recorded frames, rendered anew."""
+    """The recorded frames, rendered again."""
     episode = np.load(data / "episodes" / "small_house.npz")
     scene = load_scene(data / "scenes" / "small_house" / "scene.glb")
     renderer, config = CpuRenderer(scene), preset("default").embodiment

@@ -1,9 +1,9 @@
-"""How long a vision-language model of a given shape takes for the two questions of the method.
+"""Time a vision-language model of a given size on the two questions of the method.
 
-Builds Qwen2.5-VL with random weights, so nothing is downloaded: what is measured is the
-arithmetic, not the wisdom. The questions are those of the method in tokens: grounding (640×480
-image, sent as 644×476, 60 answer tokens) and block choice (768×768 image, 8 answer tokens),
-alone and in batches. With 8 tokens a block choice stands for the constrained question.
+The model is Qwen2.5-VL with random weights, so nothing is downloaded: the benchmark measures
+latency, not the quality of answers. The questions are those of the method in tokens: grounding
+(640×480 image, sent as 644×476, 60 answer tokens) and block choice (768×768 image, 8 answer
+tokens), alone and in batches. With 8 tokens a block choice stands for the constrained question.
 
     python benchmarks/vlm_latency.py                      # 7B in bfloat16; needs a GPU of 24 GB
     python benchmarks/vlm_latency.py --size tiny --device cpu
@@ -81,7 +81,7 @@ TASKS = (Task("grounding", 640, 480, 60), Task("block choice", 768, 768, 8))
 
 
 def build(size: Size, device: Any, dtype: Any) -> Any:
-    """The network, its weights drawn at random on the device."""
+    """The network with random weights, on the device."""
     torch = require("torch", extra=EXTRA)
     if device.type == "cpu" and find_spec("torchvision") is not None:
         prepare()
@@ -121,7 +121,7 @@ def build(size: Size, device: Any, dtype: Any) -> Any:
 
 
 def inputs_for(task: Task, batch: int, device: Any, dtype: Any) -> dict[str, Any]:
-    """What the processor would make of a batch of such questions."""
+    """The inputs that the model's processor would produce for a batch of such questions."""
     torch = require("torch", extra=EXTRA)
     width, height = family_named("qwen2.5-vl").sent_size(task.width, task.height)
     grid = (1, height // 14, width // 14)
@@ -140,7 +140,7 @@ def inputs_for(task: Task, batch: int, device: Any, dtype: Any) -> dict[str, Any
 
 
 def measure(model: Any, task: Task, batch: int, rounds: int) -> float:
-    """Median seconds for one batch, answers of exactly the task's length."""
+    """Median seconds of one batch, with answers of exactly the task's length."""
     torch = require("torch", extra=EXTRA)
     inputs = inputs_for(task, batch, model.device, model.dtype)
     length = {"min_new_tokens": task.answer_tokens, "max_new_tokens": task.answer_tokens}

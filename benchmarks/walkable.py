@@ -1,8 +1,9 @@
-"""How fast are the walkable surface, geodesics and view points?
+"""Time the walkable surface, geodesics and view points of a scene.
 
     python benchmarks/walkable.py --scene scene.glb
 
-The scene is also cut into about a million triangles, and a house of 20 × 20 m is made of boxes.
+The scene is also subdivided into about a million triangles; a synthetic house of 20 × 20 m is
+measured beside it.
 """
 
 import statistics
@@ -25,12 +26,12 @@ from hypernav.worlds.surface.walkable import WalkableGrid
 
 @dataclass(frozen=True)
 class Arguments:
-    """What to measure on.
+    """The options of the benchmark.
 
     Attributes:
-        scene: A scene file.
-        repeats: Runs of each measurement; the median is printed.
-        triangles: Size of the large scene.
+        scene: File of the scene.
+        repeats: Number of runs of each measurement; the median is printed.
+        triangles: Number of triangles of the subdivided scene.
     """
 
     scene: Path
@@ -99,7 +100,7 @@ def show(what: str, run: Callable[[], Any], repeats: int, parts: int = 1) -> Non
 
 
 def refined(scene: Scene, triangles: int) -> Scene:
-    """The same surface in at least so many triangles: each is cut into four."""
+    """The same surface in at least the given number of triangles: each is cut into four."""
     vertices, faces, owner = scene.vertices, scene.faces, scene.face_instance
     while len(faces) < triangles:
         a, b, c = (vertices[faces[:, k]] for k in range(3))

@@ -1,4 +1,4 @@
-"""Search for a bed in the built-in house and print what the agent thinks.
+"""Search for a bed in the built-in house and print the reason of every action.
 
 Run: python examples/01_find_in_simulation.py [GOAL]
 """

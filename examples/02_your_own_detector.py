@@ -1,7 +1,7 @@
 """Plug in a detector of your own: anything with a `detect` method.
 
 This one finds red things by their colour. A box is all that it says; the segmenter finds the
-pixels in the box, and the rest of the agent turns them into a place on the map.
+pixels in the box, and the rest of the agent turns them into a position on the map.
 
 Run: python examples/02_your_own_detector.py
 
@@ -26,7 +26,7 @@ from hypernav.worlds.surface.starts import random_start
 
 
 class RedThings:
-    """Sees everything that is strongly red, whatever the goal."""
+    """Detects everything that is strongly red, whatever the goal."""
 
     def detect(self, observation: Observation, goal: Goal) -> list[Detection]:
         hue, saturation, value = cv2.split(cv2.cvtColor(observation.rgb, cv2.COLOR_RGB2HSV))

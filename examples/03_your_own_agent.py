@@ -1,8 +1,8 @@
 """Write an agent of your own: two methods, `reset` and `act`.
 
 This one bounces around like an early robot vacuum, and uses the detector of this package to see
-when it has arrived. `hypernav.check_agent` says in words what would break the contract. The agent
-runs in the same episode loop, under the same referee.
+when it has arrived. `hypernav.check_agent` says what breaks the contract of an agent. The agent
+runs in the same episode loop as all others and is measured by the same referee.
 
 Run: python examples/03_your_own_agent.py
 """

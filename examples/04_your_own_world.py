@@ -1,7 +1,7 @@
 """Check a world of your own: any Gymnasium environment with the observations of ObjectNav.
 
-`hypernav.check_world` drives the world about and says in words what breaks the contract. The world
-here is the built-in one with a mistake in it: it counts yaw clockwise.
+`hypernav.check_world` moves the robot in the world and says what breaks the contract. The world
+here is the built-in one with a mistake in it: yaw is counted clockwise.
 
 Run: python examples/04_your_own_world.py
 """
@@ -17,7 +17,7 @@ from hypernav.worlds.env import ObjectNavEnv
 
 
 class Clockwise(ObjectNavEnv):
-    """Tells poses in a mirrored frame, as some game engines do."""
+    """Reports poses in a mirrored frame, as some game engines do."""
 
     def reset(self, **options: Any) -> tuple[dict[str, Any], dict[str, Any]]:
         seen, info = super().reset(**options)

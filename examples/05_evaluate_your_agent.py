@@ -1,7 +1,8 @@
 """Evaluate an agent of your own on generated houses and write a report about it.
 
-The folder holds one line an episode; run the program again and it goes on where it was. Use houses
-of `houses-train` while you work, and `houses-val` once, for the paper.
+The folder holds one line per episode; run the program again and it continues where it was
+interrupted. Use houses of `houses-train` for development, and `houses-val` once, for the results
+that you publish.
 
 Run: python examples/05_evaluate_your_agent.py [FOLDER]
 """

@@ -111,7 +111,7 @@ def test_a_server_that_dies_leaves_everything_up_to_then(
     assert result["ledger"]["total"]["faults"] == {"unavailable": 1}
     assert len((tmp_path / "trace.jsonl").read_text().splitlines()) == 4
     assert (tmp_path / "map.yaml").is_file()
-    assert "the model stayed away" in capsys.readouterr().err
+    assert "the model was unavailable" in capsys.readouterr().err
     assert "the model did not answer" in (tmp_path / "index.html").read_text()
 
 

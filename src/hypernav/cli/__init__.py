@@ -1,1 +1,1 @@
-"""Commands."""
+"""The commands of `hypernav`: options, progress on the screen, exit statuses."""

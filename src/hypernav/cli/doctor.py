@@ -27,7 +27,7 @@ def run(options: Options) -> int:
     if spec.kind == "replay":
         raise ConfigError(f"--vlm {options.vlm}: a recording cannot be examined, only a model")
     config = layered(preset("default"), file=options.config, assignments=options.set)
-    # A fault is to show now, not after two minutes of trying again.
+    # A fault shall show now, not after two minutes of retries.
     chat = open_chat(spec, config.chat.model_copy(update={"patience_s": 0.0}))
     console = Console(highlight=False, soft_wrap=True)
     faults = []

@@ -1,4 +1,4 @@
-"""What can be said to `hypernav doctor`."""
+"""The options of `hypernav doctor`."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -9,13 +9,13 @@ import tyro
 
 @dataclass(frozen=True)
 class Options:
-    """Which model, and how it is asked."""
+    """The model to examine, and how it is asked."""
 
     vlm: str
     """The model: openai:URL[#MODEL] or local:PATH_OR_ID."""
     config: Path | None = None
-    """YAML file with sections like those of result.json's config; only what differs."""
+    """YAML file with sections like those of result.json's config; only values that differ."""
     set: Annotated[tuple[str, ...], tyro.conf.arg(metavar="SECTION.KEY=VALUE")] = field(
         default_factory=tuple
     )
-    """Single values of the configuration, for example grounding.family=qwen3-vl."""
+    """Single values that override the configuration, for example grounding.family=qwen3-vl."""

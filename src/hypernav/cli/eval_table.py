@@ -1,4 +1,4 @@
-"""What `hypernav eval` shows while it runs, and when it has ended."""
+"""The progress table of `hypernav eval`, and the summary at its end."""
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -14,11 +14,11 @@ _LIVE_DRAWS = 1000
 
 
 def progress_table(news: RunNews, seconds: float) -> Table:
-    """Done, rate, time left, how well it goes, model calls and failures.
+    """Episodes done, rate, time left, success, model calls and failures.
 
     Args:
-        news: Of the run.
-        seconds: Since this session began.
+        news: State of the run.
+        seconds: Time since this session began.
     """
     done, rate = len(news.records), news.done_now / max(seconds, 1e-9)
     left = f"{duration((news.total - done) / rate)} left" if rate > 0.0 else "starting …"
@@ -35,7 +35,7 @@ def progress_table(news: RunNews, seconds: float) -> Table:
 
 
 def progress_line(news: RunNews, seconds: float) -> str:
-    """The same in a line, for log files."""
+    """The progress in one line, for log files."""
     done, rate = len(news.records), news.done_now / max(seconds, 1e-9)
     text = f"{done} of {news.total} episodes, {3600 * rate:.0f} an hour"
     if done:
@@ -45,7 +45,7 @@ def progress_line(news: RunNews, seconds: float) -> str:
 
 
 def outcome_lines(news: RunNews, folder: Path) -> Iterator[str]:
-    """What is said when a run has ended."""
+    """The lines that sum up a run at its end."""
     yield f"{len(news.records)} of {news.total} episodes done"
     if news.records:
         for name, value, remark in _numbers(news):
@@ -77,7 +77,7 @@ def words_of(counts: Mapping[Failure, int]) -> str:
 
 
 def duration(seconds: float) -> str:
-    """For people: "2 h 05 min", "7 min", "40 s"."""
+    """A duration for people: "2 h 05 min", "7 min", "40 s"."""
     if seconds >= 3600:
         return f"{int(seconds // 3600)} h {int(seconds % 3600 // 60):02d} min"
     return f"{int(seconds // 60)} min" if seconds >= 60 else f"{seconds:.0f} s"

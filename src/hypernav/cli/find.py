@@ -1,4 +1,4 @@
-"""`hypernav find`: search for an object and leave a page about it."""
+"""The command `hypernav find`: search for an object and leave a page about the search."""
 
 import re
 from dataclasses import asdict
@@ -24,14 +24,14 @@ from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
 
 MODEL_UNAVAILABLE_STATUS = 3
-"""Exit status of a command whose model stayed away longer than the configured patience."""
+"""Exit status of a command whose model was unavailable for longer than the patience."""
 
-_WORDS = {
+_OUTCOME_WORDS = {
     Outcome.FOUND: "[green]found[/] the {goal}",
     Outcome.WRONG_PLACE: "[red]stopped where no {goal} is[/]",
     Outcome.NOT_FOUND: "[yellow]did not find[/] the {goal}",
-    Outcome.UNREACHABLE: "[yellow]no way leads[/] to the {goal} from this start",
-    Outcome.MODEL_UNAVAILABLE: "[red]the model stayed away[/]; the search is not counted",
+    Outcome.UNREACHABLE: "[yellow]no path leads[/] to the {goal} from this start",
+    Outcome.MODEL_UNAVAILABLE: "[red]the model was unavailable[/]; the search is not counted",
     Outcome.INTERRUPTED: "[yellow]interrupted[/] while looking for the {goal}",
 }
 
@@ -103,7 +103,7 @@ def _start(options: Options, world: SimulatedWorld, goal: Goal, rng: np.random.G
 
 
 def _search(search: EpisodeRun, recorder: EpisodeRecorder, status: Status, goal: str) -> bool:
-    """Run to the end; True if somebody pressed Ctrl-C."""
+    """Run the search to its end; True if Ctrl-C interrupted it."""
     try:
         for step in search:
             recorder.add(step)
@@ -115,7 +115,7 @@ def _search(search: EpisodeRun, recorder: EpisodeRecorder, status: Status, goal:
 
 def _say(console: Console, goal: Goal, result: EpisodeResult, folder: Path) -> None:
     metrics = result.metrics
-    console.print(_WORDS[result.outcome].format(goal=goal.thing))
+    console.print(_OUTCOME_WORDS[result.outcome].format(goal=goal.thing))
     if result.detail:
         console.print(f"  {result.detail}", soft_wrap=True)
     console.print(

@@ -1,4 +1,4 @@
-"""What can be said to `hypernav find`."""
+"""The options of `hypernav find`."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,21 +11,21 @@ from hypernav.cli.agent_options import AgentOptions, FlatAgentOptions
 
 @dataclass(frozen=True)
 class Options:
-    """Which goal, where, who searches, and where the results go."""
+    """The goal, the building, the agent, and the folder of the results."""
 
     goal: tyro.conf.Positional[str]
-    """What to find: bed, "L-shaped sofa", …"""
+    """The object to find: bed, "L-shaped sofa", …"""
     scene: str = "builtin"
     """The building: builtin, houses:N (any whole number N), or the path of a GLB."""
     who: FlatAgentOptions = field(default_factory=AgentOptions)
-    """How to build the agent."""
+    """The options that configure the agent."""
     start: Annotated[tuple[float, float, float] | None, tyro.conf.arg(metavar="X Y YAW")] = None
-    """Where to start in the scene: metres, and degrees counter-clockwise from x; else at random."""
+    """Start pose in the scene: metres, and degrees counter-clockwise from x; else random."""
     seed: int = 0
-    """Of the random start and of all noise."""
+    """Seed of the random start and of all noise."""
     max_steps: int = 500
-    """Step limit."""
+    """Maximum number of steps."""
     out: Path | None = None
-    """Folder for the results; runs/<time>-<goal> by default."""
+    """Folder of the results; runs/<time>-<goal> by default."""
     quiet: bool = False
-    """Say nothing but errors."""
+    """Print errors only."""

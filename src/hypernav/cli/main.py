@@ -1,8 +1,8 @@
 """The `hypernav` command.
 
-A fast start: help and mistakes are answered from the options alone. Of a command NAME the module
-``NAME_options`` holds the class ``Options``, which imports next to nothing, and ``NAME`` the
-function ``run``, which imports all that it needs and is loaded only to be called.
+A fast start: help and mistakes are answered from the options alone. For a command NAME, the module
+``NAME_options`` holds the class ``Options`` and imports next to nothing; the module ``NAME`` holds
+the function ``run``, imports all that it needs, and is loaded only to be called.
 """
 
 import contextlib
@@ -48,7 +48,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 def _parse(name: str, arguments: list[str]) -> Any:
-    """The options of a command; what tyro says in a box is said in one line."""
+    """The options of a command; an error that tyro prints in a box becomes one line."""
     said = io.StringIO()
     try:
         with contextlib.redirect_stderr(said):
@@ -65,7 +65,7 @@ def _parse(name: str, arguments: list[str]) -> Any:
 
 
 def _help() -> NoReturn:
-    """Say what commands there are; stand-ins without options take their places."""
+    """Print the list of commands, by means of empty dataclasses in place of their options."""
     commands = {
         name: make_dataclass(name, [], namespace={"__doc__": words})
         for name, words in COMMANDS.items()
@@ -80,7 +80,7 @@ def _help() -> NoReturn:
 
 
 def _unknown(name: str) -> str:
-    """What to say to a mistyped command, or to none."""
+    """The error message for a mistyped or missing command."""
     close = difflib.get_close_matches(name, COMMANDS, n=1)
     found = f"unknown command '{name}'" if name else "no command"
     hint = f"did you mean '{close[0]}'? " if close else ""
@@ -88,7 +88,7 @@ def _unknown(name: str) -> str:
 
 
 def _with_one_set(arguments: list[str]) -> list[str]:
-    """Several ``--set`` made one, because of a repeated option only the last would count."""
+    """Merge several ``--set`` into one, since tyro keeps only the last of a repeated option."""
     others: list[str] = []
     values: list[str] = []
     into = others

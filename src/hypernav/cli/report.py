@@ -1,4 +1,4 @@
-"""`hypernav report`: one page about a run, or about several side by side."""
+"""The command `hypernav report`: one page about a run, or about several runs side by side."""
 
 from rich.console import Console
 
@@ -12,7 +12,7 @@ def run(options: Options) -> int:
     """Run the command.
 
     Returns:
-        0.
+        0, the exit status of success.
     """
     if not options.runs:
         raise ConfigError("name at least one folder of an evaluation")

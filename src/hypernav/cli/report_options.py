@@ -1,4 +1,4 @@
-"""What can be said to `hypernav report`."""
+"""The options of `hypernav report`."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,13 +8,13 @@ import tyro
 
 @dataclass(frozen=True)
 class Options:
-    """Which evaluations, and where the report goes."""
+    """The evaluations to report on, and the folder of the report."""
 
     runs: tyro.conf.Positional[tuple[Path, ...]]
-    """Folders that hypernav eval wrote; the first is what others are compared with."""
+    """Folders that hypernav eval wrote; the first is the one that others are compared with."""
     compare: bool = False
     """Compare every run with the first one, episode by episode."""
     out: Path | None = None
-    """Folder for the report; by default that of the only run, or the first run's compared/."""
+    """Folder of the report; by default that of the only run, or compared/ in the first run's."""
     quiet: bool = False
-    """Say nothing but errors."""
+    """Print errors only."""

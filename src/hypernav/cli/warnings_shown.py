@@ -1,4 +1,4 @@
-"""Showing the package's warnings to the person at the terminal."""
+"""The package's warnings on the terminal."""
 
 import logging
 from collections.abc import Iterator
@@ -10,7 +10,7 @@ from rich.logging import RichHandler
 
 @contextmanager
 def warnings_on(console: Console) -> Iterator[None]:
-    """While it lasts, warnings (a server that is asked again, …) appear on the console."""
+    """Print warnings (such as the retry of a request) on the console while the block runs."""
     logger = logging.getLogger("hypernav")
     handler = RichHandler(
         logging.WARNING, console, show_time=False, show_level=False, show_path=False
