@@ -5,8 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from hypernav.build.agents import build_scene, build_search
+from hypernav.build.agents import build_search
 from hypernav.build.presets import preset
+from hypernav.build.scenes import build_scene
 from hypernav.core.config import layered
 from hypernav.core.episode import Outcome
 from hypernav.core.geometry.transforms import Pose2
