@@ -62,7 +62,7 @@ def test_quiet_says_nothing(glb, tmp_path, capsys):
         (["find", "bed", "--config", "nowhere.yaml"], "nowhere.yaml"),
         (["find", "bed", "--agnt", "frontier"], "--agent"),
         (["find", "bed", "--reasoner", "vlm"], "name it, for example --vlm openai:http://local"),
-        (["find", "bed", "--agent", "fast"], "hypernav', 'frontier"),
+        (["find", "bed", "--agent", "fast"], "use hypernav, frontier or one"),
         (["find", "bed", "--start", "1", "2"], "--start"),
         (["fnd", "bed"], "find"),
         (["find"], "required"),
