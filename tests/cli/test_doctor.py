@@ -35,7 +35,7 @@ def faults(lines: list[str]) -> list[str]:
 def test_a_healthy_server_is_well(server: ScriptedServer, capsys: pytest.CaptureFixture[str]):
     status, lines = examine(capsys, server.spec)
     assert (status, lines[-1]) == (0, "all is well")
-    for word in ("server", "model name", "pictures", "coordinates", "constraints"):
+    for word in ("server", "model name", "images", "coordinates", "constraints"):
         assert any(line.startswith(f"ok    {word}:") for line in lines)
     timed = [line for line in lines if "tokens in" in line]
     assert [kind for line in timed for kind in ("ground", "choose block", "verify") if kind in line]

@@ -1,4 +1,4 @@
-"""What a component may be able to do beside its protocol: asked for, never demanded."""
+"""Optional abilities of components beside their protocol: asked for, never demanded."""
 
 from collections.abc import Sequence
 from typing import Any, Protocol, runtime_checkable
@@ -17,7 +17,7 @@ class ChecksGoal(Protocol):
         """Refuse a goal before the search begins.
 
         Raises:
-            GoalError: It can never be seen; the message says what can.
+            GoalError: The goal can never be seen; the message says which goals can.
         """
         ...
 
@@ -30,17 +30,17 @@ class ChecksModel(Protocol):
         """Refuse the model before the search begins, if its name is known without asking it.
 
         Raises:
-            ConfigError: It can't be used; the message says what to configure.
+            ConfigError: The model can't be used; the message says what to configure.
         """
         ...
 
 
 @runtime_checkable
 class Reports(Protocol):
-    """A component that counts what is worth telling."""
+    """A component that keeps counts for the results."""
 
     def take_report(self) -> dict[str, Any]:
-        """What was counted since the last call, as JSON values; begins anew."""
+        """Counts since the last call, as JSON values; counting begins anew."""
         ...
 
 
@@ -49,7 +49,7 @@ class Closes(Protocol):
     """A component that holds a thread, a process or a file."""
 
     def close(self) -> None:
-        """Let go of it; the component isn't used again."""
+        """Release it; the component isn't used again."""
         ...
 
 

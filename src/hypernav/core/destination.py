@@ -1,4 +1,4 @@
-"""Where the robot is going while the goal is out of sight."""
+"""Destinations of the robot while the goal is out of sight."""
 
 from dataclasses import dataclass
 
@@ -7,14 +7,14 @@ from hypernav.core.overview import Block
 
 @dataclass(frozen=True)
 class Destination:
-    """Where the robot is going now, by global perception.
+    """A position that the robot is going to, by global perception.
 
     Attributes:
-        x: ``map`` frame, metres.
-        y: ``map`` frame, metres.
-        reason: Why, in one short sentence for people.
-        blocks: The blocks that were offered, for the trace; empty for explorers without blocks.
-        is_sighting: It was not chosen by an explorer: the goal is in sight in this direction.
+        x: Position along the x axis, ``map`` frame, metres.
+        y: Position along the y axis, ``map`` frame, metres.
+        reason: Reason for the choice, in one short sentence for people.
+        blocks: Blocks that were offered, for the trace; empty for explorers without blocks.
+        is_sighting: Whether the goal is in sight in this direction, so that no explorer chose it.
     """
 
     x: float
@@ -25,5 +25,5 @@ class Destination:
 
     @property
     def xy(self) -> tuple[float, float]:
-        """The point, metres."""
+        """The position, metres."""
         return (self.x, self.y)

@@ -97,8 +97,8 @@ class Explorer(Protocol):
 
         Args:
             grid: The map.
-            robot: Where the robot is, ``map`` frame.
-            trajectory: Where it was at every step, the present position included.
+            robot: Pose of the robot, ``map`` frame.
+            trajectory: Positions of the robot at every step, the present one included.
         """
         ...
 

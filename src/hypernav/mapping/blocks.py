@@ -1,4 +1,4 @@
-"""The explored map in numbered squares."""
+"""Division of the explored map into numbered squares."""
 
 import cv2
 import numpy as np
@@ -22,9 +22,9 @@ def divide_into_blocks(
 
     Args:
         grid: The map.
-        robot: Where the robot is.
-        config: Size of the squares, least free floor.
-        clearance_m: How far from obstacles the robot's middle keeps.
+        robot: Pose of the robot.
+        config: Size of the squares, and the free floor that a block needs.
+        clearance_m: Distance from obstacles that the robot's middle keeps, metres.
     """
     reach = ReachableArea.of(grid, robot, config, clearance_m)
     side = config.block_size_m
@@ -94,6 +94,6 @@ def _block(
 
 
 def _largest_part(cells: UInt8[np.ndarray, "rows columns"]) -> Bool[np.ndarray, "rows columns"]:
-    """Those of some cells that hang together with most others, 8-connected."""
+    """The largest connected part of some cells, 8-connected."""
     _, parts, stats, _ = cv2.connectedComponentsWithStats(cells, connectivity=8)
     return parts == 1 + int(stats[1:, cv2.CC_STAT_AREA].argmax())

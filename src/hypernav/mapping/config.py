@@ -1,4 +1,4 @@
-"""How the map is drawn."""
+"""Configuration of the map."""
 
 import math
 from typing import NamedTuple
@@ -10,15 +10,15 @@ from hypernav.core.embodiment import BodyConfig
 from hypernav.core.errors import ConfigError
 
 MAX_LAYERS = 32
-"""Layers of voxels that fit into the bit mask that the map keeps for every cell."""
+"""Number of voxel layers that fit into the bit mask that the map keeps for every cell."""
 
 
 class HeightBand(NamedTuple):
-    """Where things hinder the robot, seen from the side.
+    """The heights at which obstacles hinder the robot.
 
     Attributes:
-        bottom_m: Height above the floor from which on things hinder it.
-        layers: Voxels on top of each other in the band.
+        bottom_m: Lower end of the band above the floor, metres.
+        layers: Number of voxels on top of each other in the band.
     """
 
     bottom_m: float
@@ -26,31 +26,40 @@ class HeightBand(NamedTuple):
 
 
 class MappingConfig(RoomConfig):
-    """How the map is drawn. Heights are above the floor that the robot stands on.
+    """Configuration of the map. Heights are above the floor that the robot stands on.
+
+    The paper gives the order of work (depth to points, voxels, obstacles where a height band holds
+    voxels) and no values: those here are ours, and so is the evidence that voxels gather.
 
     Attributes:
-        cell_size_m: Side of a map cell.
-        voxel_height_m: Height of a voxel; its sides are those of a cell.
-        floor_noise_m: Things that are lower are floor, however little the robot drives over. Else
-            the height band begins at the edge that it drives over (rugs and sills are floor).
-        headroom_m: Top of the height band above the robot's height: things above (ceilings, lamps,
-            shelves) don't hinder it. Just below 0, since that height is rounded up already.
-        min_points: Points that a voxel needs in one frame to count as hit. Noisy single pixels
-            don't draw.
+        cell_size_m: Side of a map cell, metres.
+        voxel_height_m: Height of a voxel, metres; its sides are those of a cell.
+        floor_noise_m: Height, metres, below which everything is floor, however little the robot
+            drives over. Else the height band begins at the edge that it drives over (rugs and sills
+            are floor).
+        headroom_m: Top of the height band above the robot's height, metres; what is higher
+            (ceilings, lamps, shelves) doesn't hinder it. Just below 0, since that height is rounded
+            up already.
+        min_points: Number of points that a voxel needs in one frame to count as hit, so that single
+            noisy pixels draw nothing.
         hit_weight: Evidence that a frame adds to a voxel that it hits.
         pass_weight: Evidence that a frame takes from a voxel that it sees through.
-        occupied_evidence: A cell is occupied where a voxel's evidence reaches this. Up to
+        occupied_evidence: Evidence of a voxel from which on its cell is occupied. Up to
             `hit_weight`, one frame suffices.
-        max_evidence: Upper bound; how many frames it takes to believe that a thing is gone.
-        pass_margin_m: How far behind a voxel the measured surface must lie to see through it.
-        pass_margin_ratio: Added to `pass_margin_m` per metre of depth, as depth noise grows.
-        bump_persistence: Frames with a clear view of its floor before a bumped cell is believed
-            free again; what the robot bumps into is often what its camera cannot see.
-        chunk_cells: The map grows by multiples of this many cells.
-        max_side_m: A pose that would make the map wider than this is refused as wrong.
-        frontier_min_size_m: Shorter boundaries to the unknown are noise, or too narrow for a robot.
-        block_size_m: Side of the numbered squares.
-        block_min_area_m2: Squares with less reachable floor get no number.
+        max_evidence: Upper bound of a voxel's evidence; it limits the frames that a removed object
+            takes to disappear.
+        pass_margin_m: Distance of the measured surface behind a voxel that was seen through,
+            metres.
+        pass_margin_ratio: Addition to `pass_margin_m` per metre of depth, since depth noise grows
+            with it.
+        bump_persistence: Number of frames with a clear view of its floor before a bumped cell
+            counts as free again; a robot often bumps into what its camera cannot see.
+        chunk_cells: Side of the chunks that the map grows by, cells.
+        max_side_m: Width of the map, metres, beyond which a pose is refused as wrong.
+        frontier_min_size_m: Length of the shortest frontier, metres; shorter ones are noise, or too
+            narrow for a robot.
+        block_size_m: Side of the numbered squares, metres.
+        block_min_area_m2: Reachable floor that a square needs to get a number, square metres.
     """
 
     cell_size_m: float = Field(default=0.05, gt=0.0)
@@ -81,10 +90,10 @@ class MappingConfig(RoomConfig):
         return self
 
     def height_band(self, body: BodyConfig) -> HeightBand:
-        """The heights between which things hinder a robot.
+        """The heights between which obstacles hinder a robot.
 
         Raises:
-            ConfigError: They leave no room, or more than the map can keep.
+            ConfigError: The band is empty, or holds more voxels than the map can keep.
         """
         bottom, top = max(body.max_step_m, self.floor_noise_m), body.height_m + self.headroom_m
         if bottom >= top:

@@ -10,19 +10,19 @@ SQRT2 = math.sqrt(2.0)
 
 @njit(cache=True, nogil=True)
 def travel_cells(is_open, start_row, start_column):
-    """Length of the shortest 8-connected way from a cell to every other, in cells.
+    """Length of the shortest 8-connected path from a cell to every other, in cells.
 
     Dijkstra with three lists instead of a heap: no step is shorter than one cell, so all waiting
     cells whose distance lies in the same unit interval are final at once (Denardo and Fox, 1979).
-    Ways never cut the corner of a closed cell.
+    Paths never cut the corner of a closed cell.
 
     Args:
         is_open: uint8 (rows, columns), not 0 where the robot may be.
-        start_row: Of an open cell.
-        start_column: Of an open cell.
+        start_row: Row of the start, an open cell.
+        start_column: Column of the start.
 
     Returns:
-        float32, infinite where no way leads.
+        float32 (rows, columns), infinite where no path leads.
     """
     rows, columns = is_open.shape
     width = columns + 2
@@ -78,9 +78,9 @@ def nearest_open_cell(is_open, row, column, within):
 
     Args:
         is_open: uint8 (rows, columns), not 0 where open.
-        row: Of the cell.
-        column: Of the cell.
-        within: Rows and columns to look at on each side.
+        row: Row of the cell.
+        column: Column of the cell.
+        within: Number of rows and columns to look at on each side.
 
     Returns:
         Row and column; among equally near ones the lowest, leftmost.

@@ -1,4 +1,4 @@
-"""The way out for a robot that stands too close to an obstacle."""
+"""The path to open floor for a robot that stands too close to an obstacle."""
 
 from dataclasses import dataclass
 
@@ -9,19 +9,19 @@ from hypernav.core.geometry.bounds import has_cell
 from hypernav.mapping.distance_kernels import travel_cells
 
 _WITHIN_M = 1.0
-"""How far away an open cell may be."""
+"""Largest distance to an open cell."""
 _WIDTH_CELLS = 1.5
-"""How much longer than the shortest the way out may be: it is driven in long steps."""
+"""Length beyond the shortest that an escape may have, since it is driven in long steps."""
 
 
 @dataclass(frozen=True, eq=False)
 class Escape:
-    """How to get to open floor from a cell where the robot should not be.
+    """Path to open floor from a cell where the robot should not be.
 
     Attributes:
-        exit: The open cell ``(row, column)`` that is nearest by way, not through the air: the one
-            behind a thin wall is none.
-        cells: The cells between, and those around the robot that are no farther away.
+        exit: Open cell ``(row, column)`` that is nearest along a path; one behind a thin wall is
+            none.
+        cells: Mask of the cells between, and of those around the robot that are no farther away.
     """
 
     exit: tuple[int, int]
@@ -34,17 +34,17 @@ class Escape:
         here: tuple[int, int],
         cell_size_m: float,
     ) -> "Escape | None":
-        """Look for it between the obstacles or, if they leave none, across them.
+        """Look for an escape between the obstacles or, if they leave none, across them.
 
         Args:
-            occupied: The obstacles themselves.
-            is_open: 1 where the robot may be.
-            here: ``(row, column)`` of the robot.
-            cell_size_m: Side of a cell.
+            occupied: Mask of the obstacles, not inflated.
+            is_open: Mask of the cells where the robot may be: 1, and 0 elsewhere.
+            here: Cell of the robot, ``(row, column)``.
+            cell_size_m: Side of a cell, metres.
 
         Returns:
-            The way out, empty if the robot stands in the open; None if nothing open is near, or if
-            the robot is off the map.
+            The escape, without cells if the robot stands in the open; None if no open cell is near,
+            or if the robot is off the map.
         """
         row, column = here
         if not has_cell(occupied.shape, row, column):
@@ -57,10 +57,10 @@ class Escape:
         window = (slice(bottom, row + within + 1), slice(left, column + within + 1))
         for passable in (~occupied[window], np.ones_like(occupied[window])):
             passable[row - bottom, column - left] = True
-            way = travel_cells(passable.view(np.uint8), row - bottom, column - left)
-            way_to_open = np.where(is_open[window] > 0, way, np.inf)
-            nearest = np.unravel_index(int(way_to_open.argmin()), way.shape)
-            if np.isfinite(way_to_open[nearest]):
-                cells[window] = way <= way[nearest] + _WIDTH_CELLS
+            travel = travel_cells(passable.view(np.uint8), row - bottom, column - left)
+            travel_to_open = np.where(is_open[window] > 0, travel, np.inf)
+            nearest = np.unravel_index(int(travel_to_open.argmin()), travel.shape)
+            if np.isfinite(travel_to_open[nearest]):
+                cells[window] = travel <= travel[nearest] + _WIDTH_CELLS
                 return Escape((int(nearest[0]) + bottom, int(nearest[1]) + left), cells)
         return None

@@ -1,4 +1,4 @@
-"""Frontiers: where known free floor borders on the unknown."""
+"""Frontiers: the boundaries between known free floor and the unknown."""
 
 from dataclasses import dataclass
 
@@ -19,10 +19,10 @@ class Frontier:
     Source: Yamauchi, "A Frontier-Based Approach for Autonomous Exploration", 1997.
 
     Attributes:
-        points: Middles of its cells, ``(x, y)``, metres.
-        size_m: Its length: number of cells times cell size.
-        destination: Where the robot would go to look across it: a reachable place, metres.
-        travel_m: Length of the way there.
+        points: Middles of the frontier's cells, ``(x, y)``, metres.
+        size_m: Length of the frontier: number of cells times cell size, metres.
+        destination: Reachable position ``(x, y)`` from which the robot can look across it, metres.
+        travel_m: Length of the path there, metres.
     """
 
     points: Float64[np.ndarray, "n 2"]
@@ -38,9 +38,9 @@ def find_frontiers(
 
     Args:
         grid: The map.
-        robot: Where the robot is.
-        config: Smallest size.
-        clearance_m: How far from obstacles the robot's middle keeps.
+        robot: Pose of the robot.
+        config: Length of the shortest frontier.
+        clearance_m: Distance from obstacles that the robot's middle keeps, metres.
     """
     reach = ReachableArea.of(grid, robot, config, clearance_m)
     _, parts = cv2.connectedComponents(reach.frontier.view(np.uint8), connectivity=8)

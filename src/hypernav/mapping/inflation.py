@@ -1,4 +1,4 @@
-"""Growing the obstacles of a map by the size of the robot."""
+"""Inflation of the obstacles of a map by the size of the robot."""
 
 import math
 
@@ -25,10 +25,10 @@ def inflate(
     """All cells within a radius of the given ones, those included: 1, and 0 elsewhere.
 
     Args:
-        cells: The given ones, not 0.
-        radius_m: Between middles of cells.
-        cell_size_m: Side of a cell.
-        outside: Whether all that lies outside the grid is given too.
+        cells: Mask of the given cells, not 0.
+        radius_m: Distance between middles of cells, metres.
+        cell_size_m: Side of a cell, metres.
+        outside: Whether everything outside the grid is given too.
     """
     return cv2.dilate(
         cells.astype(np.uint8),

@@ -1,4 +1,4 @@
-"""One depth frame into the map, compiled.
+"""Integration of one depth frame into the map, compiled.
 
 A frame works inside a window of the map, the box around its field of view. First the points are
 counted per voxel. Then every *cell of the window* is projected into the depth image, instead of
@@ -40,15 +40,15 @@ def count_points(depth, nearest, farthest, start, across, down, columns, layers,
         nearest: Limit of the sensor's range, float32.
         farthest: Limit of the sensor's range, float32.
         start: float32 (3), the camera in voxels of the window, as (column, row, layer).
-        across: float32 (width, 3), what a metre of depth adds for the pixel's column, in voxels.
-        down: float32 (height, 3), what a metre of depth adds for the pixel's row, in voxels.
+        across: float32 (width, 3), change per metre of depth for the pixel's column, in voxels.
+        down: float32 (height, 3), change per metre of depth for the pixel's row, in voxels.
         columns: Width of the window.
         layers: Voxels in the height band.
         counts: uint16, flat (row, column, layer) of the window, zero on entry.
         touched: int32, receives the indices of the counts that are no longer zero.
 
     Returns:
-        How many were touched.
+        Number of touched voxels.
     """
     x0, y0, z0 = start[0], start[1], start[2]
     top = np.float32(layers)
@@ -97,7 +97,7 @@ def add_hits(counts, touched, n, window, weights, arrays):
 
 @njit(nogil=True)
 def state_of(evidence, seen, bumps, row, column, enough):
-    """What a cell is, from all that is known about it."""
+    """State of a cell, from all that is known about it."""
     if bumps[row, column] > 0:
         return OCCUPIED
     for k in range(evidence.shape[2]):
@@ -121,7 +121,7 @@ def sees_floor(depth, lens, pose, x, y, heights):
 
     Far away that is just above the floor. Near the robot, where the floor lies below the image's
     lower edge, it is the lowest ray of the image: else a tall camera would never see its robot's
-    way out of the blind zone around it.
+    path out of the blind zone around it.
 
     Returns:
         2 if seen free down to the floor, 1 if as low as the image shows, 0 if not seen free.
@@ -191,7 +191,7 @@ def sweep_window(depth, lens, pose, heights, window, sizes, weights, margins, co
     A voxel that a ray passes loses evidence, unless it has a point in this very frame.
 
     Args:
-        depth: As in `count_points`.
+        depth: Depth image, as in `count_points`.
         lens: See above.
         pose: See above.
         heights: float64, where a cell is looked at for free floor: just above the floor first, then
@@ -200,7 +200,7 @@ def sweep_window(depth, lens, pose, heights, window, sizes, weights, margins, co
         sizes: See above.
         weights: See above.
         margins: See above.
-        counts: Of `count_points`.
+        counts: Counts of `count_points`.
         arrays: See above, changed in place.
     """
     evidence, raised, seen, bumps, cells = arrays
@@ -241,7 +241,7 @@ def sweep_window(depth, lens, pose, heights, window, sizes, weights, margins, co
 
 @njit(nogil=True)
 def free_footprint(robot, arrays):
-    """Where the robot stands there is no obstacle. `robot`: exact row, column, radius, in cells."""
+    """Free the cells that the robot stands on. `robot`: exact row, column, radius, in cells."""
     evidence, raised, seen, bumps, cells = arrays
     row, column, radius = robot
     reach = int(radius) + 1
@@ -273,23 +273,23 @@ def integrate_frame(
     touched,
     arrays,
 ):
-    """Integrate one frame: count, draw, clear, stand.
+    """Integrate one frame: count points, add hits, free what is seen through, free the footprint.
 
     Args:
         depth: float32 (height, width), metres.
-        rays: ``start``, ``across`` and ``down`` of `count_points`.
+        rays: Tuple of ``start``, ``across`` and ``down`` of `count_points`.
         lens: See above, as are the others that are not listed.
         pose: See above.
         heights: See `sweep_window`.
         window: See above.
-        corner: x and y of the window's lower left corner, metres.
+        corner: Lower left corner ``(x, y)`` of the window, metres.
         robot: See `free_footprint`.
         sizes: See above.
         weights: See above.
         margins: See above.
-        counts: Scratch, see `count_points`; zero on entry and on return.
-        touched: Scratch, see `count_points`.
-        arrays: The map, changed in place.
+        counts: Scratch memory, see `count_points`; zero on entry and on return.
+        touched: Scratch memory, see `count_points`.
+        arrays: Arrays of the map, changed in place.
     """
     start, across, down = rays
     nearest, farthest = np.float32(lens[4]), np.float32(lens[5])

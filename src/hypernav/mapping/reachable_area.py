@@ -1,4 +1,4 @@
-"""What the robot can reach over the known map, and how far that is."""
+"""The part of the known map that the robot can reach, and the distances in it."""
 
 import math
 from dataclasses import dataclass
@@ -17,16 +17,17 @@ from hypernav.mapping.inflation import inflate
 
 @dataclass(frozen=True, eq=False)
 class ReachableArea:
-    """The explored part of the map as seen from where the robot stands.
+    """The explored part of the map as the robot can reach it from its position.
 
     Attributes:
-        grid: The cropped map.
-        travel_m: Length of the way to every cell over free floor, keeping clear of obstacles;
+        grid: Cropped map.
+        travel_m: Length of the path to every cell over free floor, clear of obstacles, metres;
             infinite where none leads.
-        reachable: 1 where `travel_m` is finite.
-        frontier: Free cells that touch the unknown and can be looked into from a reachable cell, in
-            stretches that are long enough.
-        look_within: Rows and columns from a frontier cell that hold such a reachable cell.
+        reachable: Mask of the reachable cells: 1 where `travel_m` is finite.
+        frontier: Mask of the free cells that touch the unknown and can be looked into from a
+            reachable cell, in stretches that are long enough.
+        look_within: Number of rows and columns on each side of a frontier cell within which such a
+            reachable cell lies.
     """
 
     grid: OccupancyGrid
@@ -39,14 +40,14 @@ class ReachableArea:
     def of(
         grid: OccupancyGrid, robot: Pose2, config: MappingConfig, clearance_m: float
     ) -> "ReachableArea":
-        """Look at a map from the robot's place.
+        """Find the reachable area around the robot.
 
         Args:
             grid: The map.
-            robot: Where the robot is. If that is no reachable place itself, the one nearest by way
+            robot: Pose of the robot. If its cell is closed, the nearest open cell along a path
                 counts.
-            config: Least length of a frontier.
-            clearance_m: How far from obstacles the robot's middle keeps.
+            config: Length of the shortest frontier.
+            clearance_m: Distance from obstacles that the robot's middle keeps, metres.
         """
         grid = grid.cropped()
         size = grid.resolution_m
@@ -83,7 +84,7 @@ class ReachableArea:
 def _long_stretches(
     cells: Bool[np.ndarray, "rows columns"], least_cells: float
 ) -> Bool[np.ndarray, "rows columns"]:
-    """The cells that hang together with enough others, 8-connected."""
+    """The cells in connected parts of at least so many cells, 8-connected."""
     _, parts, stats, _ = cv2.connectedComponentsWithStats(cells.view(np.uint8), connectivity=8)
     is_long = stats[:, cv2.CC_STAT_AREA] >= least_cells - 1e-9
     is_long[0] = False  # the background

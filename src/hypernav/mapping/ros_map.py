@@ -28,8 +28,8 @@ def save_ros_map(grid: OccupancyGrid, folder: Path, name: str = "map") -> Path:
 
     Args:
         grid: The map.
-        folder: Made if missing.
-        name: Of both files, without ending.
+        folder: Folder for both files; made if missing.
+        name: Name of both files, without ending.
 
     Returns:
         Path of the YAML file.
@@ -55,7 +55,7 @@ def load_ros_map(path: Path) -> OccupancyGrid:
     """Read a map as Nav2's map_server does in trinary mode.
 
     Args:
-        path: The YAML file.
+        path: Path of the YAML file.
 
     Raises:
         MapError: A file is missing or broken, or the map is turned, which a grid cannot be.

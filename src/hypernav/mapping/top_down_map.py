@@ -17,7 +17,7 @@ from hypernav.mapping.integrate_kernels import FREE, OCCUPIED, UNKNOWN, integrat
 
 
 class _Arrays(NamedTuple):
-    """What the map consists of; see `integrate_kernels`."""
+    """The arrays that the map consists of; see `integrate_kernels`."""
 
     evidence: UInt8[np.ndarray, "rows columns layers"]
     raised: UInt32[np.ndarray, "rows columns"]
@@ -27,7 +27,7 @@ class _Arrays(NamedTuple):
 
 
 class _Window(NamedTuple):
-    """The cells that a frame can reach: row and column in the map, size."""
+    """The cells that a frame can reach: row and column in the map, numbers of rows and columns."""
 
     row: int
     column: int
@@ -51,7 +51,7 @@ class TopDownMap:
         """Begin with an empty map.
 
         Args:
-            config: How the map is drawn.
+            config: Cells, evidence and height band.
             embodiment: Size of the robot and range of its camera.
 
         Raises:
@@ -87,7 +87,7 @@ class TopDownMap:
 
     @property
     def grid(self) -> OccupancyGrid:
-        """The allocated area: a read-only view of the map itself, not a copy.
+        """The allocated area of the map: a read-only view, not a copy.
 
         It changes with the next `integrate`, and it is left behind when the map grows; ask again
         after every frame.
@@ -98,13 +98,13 @@ class TopDownMap:
         return OccupancyGrid(cells, size, (self._first_column * size, self._first_row * size))
 
     def integrate(self, observation: Observation) -> None:
-        """Add what one frame shows.
+        """Add one frame to the map.
 
-        Depth that is 0, NaN, infinite or at and beyond the sensor's limits says nothing. What is
-        seen occupied in this frame is not cleared by it.
+        Depth that is 0, NaN, infinite or at and beyond the sensor's limits is ignored. A frame
+        doesn't clear the voxels that it hits.
 
         Args:
-            observation: The frame, with camera and poses in the ``map`` frame.
+            observation: Frame with camera and poses in the ``map`` frame.
 
         Raises:
             MapError: A pose is not finite, or so far away that the map would grow beyond
@@ -143,7 +143,7 @@ class TopDownMap:
             (
                 robot.y / size - self._first_row,
                 robot.x / size - self._first_column,
-                # Half a cell less: a wall or bump right beside the robot is no part of its place.
+                # Half a cell less: a wall or bump right beside the robot is not under it.
                 max(radius_m / size - 0.5, 0.5),
             ),
             self._sizes,
@@ -155,13 +155,14 @@ class TopDownMap:
         )
 
     def mark_occupied(self, points_xy: Float[np.ndarray, "n 2"]) -> None:
-        """Remember places that the robot bumped into.
+        """Remember positions where the robot bumped into something.
 
         Such a cell stays occupied whatever the camera says, until the robot stands on it or has had
         a clear view of it in `MappingConfig.bump_persistence` frames.
 
         Args:
-            points_xy: Metres, ``map`` frame. May lie outside the map so far.
+            points_xy: Positions ``(x, y)``, ``map`` frame, metres. They may lie outside the map so
+                far.
 
         Raises:
             MapError: A point is not finite, or too far away.
@@ -178,7 +179,7 @@ class TopDownMap:
             self._arrays.cells[row, column] = OCCUPIED
 
     def forget_bumps(self) -> None:
-        """Believe the camera again about places that the robot bumped into."""
+        """Believe the camera again where the robot bumped into something."""
         arrays = self._arrays
         bumped = arrays.bumps > 0
         occupied = (arrays.evidence[bumped] >= self.config.occupied_evidence).any(axis=1)
@@ -247,7 +248,7 @@ class TopDownMap:
         )
 
     def _reserve(self, window: _Window, pixels: int) -> None:
-        """Have scratch memory for a frame."""
+        """Allocate scratch memory for a frame."""
         voxels = window.rows * window.columns * self._band.layers
         if self._counts.size < voxels:
             self._counts = np.zeros(voxels, dtype=np.uint16)
@@ -259,7 +260,7 @@ class TopDownMap:
     ) -> tuple[
         Float32[np.ndarray, "3"], Float32[np.ndarray, "width 3"], Float32[np.ndarray, "height 3"]
     ]:
-        """Camera, and what a metre of depth adds per pixel column and row, in voxels."""
+        """Camera position, and change per metre of depth for pixel columns and rows, in voxels."""
         config = self.config
         camera, pose = observation.camera, observation.camera_to_map
         per_voxel = 1.0 / np.array([config.cell_size_m, config.cell_size_m, config.voxel_height_m])
@@ -272,7 +273,7 @@ class TopDownMap:
 
 
 def _empty_arrays(rows: int, columns: int, layers: int) -> _Arrays:
-    """Zeros: memory that the system hands out only when it is written to."""
+    """Arrays of zeros, for which the system hands out memory only when they are written to."""
     return _Arrays(
         evidence=np.zeros((rows, columns, layers), dtype=np.uint8),
         raised=np.zeros((rows, columns), dtype=np.uint32),

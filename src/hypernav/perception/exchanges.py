@@ -1,4 +1,4 @@
-"""Writing a question to a chat model and its answer into the trace."""
+"""The trace's record of a question to a chat model and its answer."""
 
 from collections.abc import Sequence
 
@@ -14,14 +14,14 @@ def exchange_of(
     excluded: Sequence[int] = (),
     remarks: Sequence[str] = (),
 ) -> Exchange:
-    """What the trace keeps of an answered question.
+    """The trace's record of an answered question.
 
     Args:
-        question: What was asked.
-        answer: What the model said.
-        chosen: The block, for a map question.
-        excluded: Blocks that were ruled out beforehand.
-        remarks: What was odd about the answer.
+        question: Question that was asked.
+        answer: Answer of the model.
+        chosen: Number of the chosen block, for a map question.
+        excluded: Numbers of the blocks that were ruled out beforehand.
+        remarks: Oddities of the answer.
     """
     return Exchange(
         kind=question.kind,

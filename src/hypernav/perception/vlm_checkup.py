@@ -1,7 +1,7 @@
-"""Finding out what is wrong with a model and its server before a robot relies on them.
+"""Examination of a model and its server before a robot relies on them.
 
 Every check asks about something whose answer is known: a plain colour, a rectangle drawn at a known
-place, a question that a free model would answer at length.
+position, a question that a free model would answer at length.
 """
 
 from collections.abc import Generator, Iterator
@@ -25,7 +25,7 @@ from hypernav.perception.local.vlm_detector import VlmDetectorConfig, grounding_
 
 _GOAL = Goal("red rectangle")
 _WIDTH, _HEIGHT = 640, 480
-_PLACE = Box(380.0, 90.0, 560.0, 330.0)
+_SHAPE_BOX = Box(380.0, 90.0, 560.0, 330.0)
 _MAP_SIDE = 768
 _MATCH = 0.5
 _COLOURS: dict[str, tuple[int, int, int]] = {"blue": (30, 60, 220), "green": (40, 160, 60)}
@@ -35,7 +35,7 @@ _WAIT = "look into the server's log; --set chat.timeout_s=… waits longer for a
 
 
 class State(StrEnum):
-    """How a check came out."""
+    """Result of a check."""
 
     GOOD = "good"
     NOTE = "note"
@@ -44,13 +44,13 @@ class State(StrEnum):
 
 @dataclass(frozen=True)
 class Finding:
-    """What one check found.
+    """The finding of one check.
 
     Attributes:
-        check: Its name.
-        state: How it came out.
-        said: What was found.
-        remedy: What to change; empty if nothing.
+        check: Name of the check.
+        state: Result of the check.
+        said: Description of the finding.
+        remedy: Change that helps; empty if none is needed.
     """
 
     check: str
@@ -68,17 +68,17 @@ def check_up(
     """Examine a model, one finding after the other; stops where going on makes no sense.
 
     Args:
-        chat: The model; best without patience, so that faults show at once.
-        grounding: How it is asked for boxes.
-        block_choice: How it is asked the map question.
-        presence: How it is asked whether the goal is there.
+        chat: Model to examine; best without retries, so that faults show at once.
+        grounding: Configuration of the question for boxes.
+        block_choice: Configuration of the map question.
+        presence: Configuration of the question whether the goal is there.
     """
     try:
         answers = True
         if isinstance(chat, OpenAiChat):
             answers = yield from _check_server(chat)
-        if answers and (yield from _check_sight(chat)):
-            yield from _check_places(chat, grounding)
+        if answers and (yield from _check_vision(chat)):
+            yield from _check_coordinates(chat, grounding)
             yield from _check_constraints(chat)
             yield from _time_questions(chat, block_choice, presence)
         elif answers:
@@ -88,15 +88,15 @@ def check_up(
 
 
 def drawn_shape() -> Image:
-    """A red rectangle at a known place on a plain, light ground."""
+    """A red rectangle at a known position on a plain, light ground."""
     image = np.full((_HEIGHT, _WIDTH, 3), 225, dtype=np.uint8)
-    x_min, y_min, x_max, y_max = _PLACE.pixels()
+    x_min, y_min, x_max, y_max = _SHAPE_BOX.pixels()
     image[y_min:y_max, x_min:x_max] = (215, 30, 30)
     return image
 
 
 def _check_server(chat: OpenAiChat) -> Generator[Finding, None, bool]:
-    """Whether it can be reached and has the model."""
+    """Whether the server can be reached and has the model."""
     try:
         server = chat.server()
     except ModelUnavailableError as error:
@@ -120,8 +120,8 @@ def _check_server(chat: OpenAiChat) -> Generator[Finding, None, bool]:
     return True
 
 
-def _check_sight(chat: ChatModel) -> Generator[Finding, None, bool]:
-    """Whether it takes images and tells one colour from another."""
+def _check_vision(chat: ChatModel) -> Generator[Finding, None, bool]:
+    """Whether the model takes images and tells one colour from another."""
     wrong = []
     for colour, rgb in _COLOURS.items():
         plain = np.full((224, 224, 3), rgb, dtype=np.uint8)
@@ -129,23 +129,23 @@ def _check_sight(chat: ChatModel) -> Generator[Finding, None, bool]:
         try:
             answer = chat.ask(Question("colour", text, (plain,), max_tokens=16))
         except ModelRejectedError as error:
-            remedy = "serve a model that takes pictures (llama.cpp: with --mmproj)"
-            yield Finding("pictures", State.FAULT, f"no vision: {error}", remedy)
+            remedy = "serve a model that takes images (llama.cpp: with --mmproj)"
+            yield Finding("images", State.FAULT, f"no vision: {error}", remedy)
             return False
         said = without_thinking(answer.text)
         if colour not in said.lower():
             wrong.append(f"{colour} is '{shortened(said, 30)}'")
     if wrong:
         said = f"no vision: asked about plain colours, it says that {', '.join(wrong)}"
-        remedy = "serve a model that takes pictures; some servers drop them silently"
-        yield Finding("pictures", State.FAULT, said, remedy)
+        remedy = "serve a model that takes images; some servers drop them silently"
+        yield Finding("images", State.FAULT, said, remedy)
         return False
-    yield Finding("pictures", State.GOOD, "it tells blue from green")
+    yield Finding("images", State.GOOD, "it tells blue from green")
     return True
 
 
-def _check_places(chat: ChatModel, config: VlmDetectorConfig) -> Iterator[Finding]:
-    """In which coordinates it answers, by a shape at a known place."""
+def _check_coordinates(chat: ChatModel, config: VlmDetectorConfig) -> Iterator[Finding]:
+    """In which coordinates the model answers, by a shape at a known position."""
     family, unknown = _family(chat, config)
     answer = chat.ask(grounding_question(config, family, drawn_shape(), _GOAL))
     best = max(_READINGS, key=lambda name: _overlap(answer.text, family_named(name)))
@@ -156,7 +156,7 @@ def _check_places(chat: ChatModel, config: VlmDetectorConfig) -> Iterator[Findin
         why = unknown or f"boxes are wrong when read as '{family.name}', and right as '{best}'"
         yield Finding("coordinates", State.FAULT, why, f"--set grounding.family={best}")
     elif scale is not None:
-        said = f"boxes are {scale:.2f} times too large: the server resizes pictures"
+        said = f"boxes are {scale:.2f} times too large: the server resizes images"
         remedy = "raise its limit of pixels (vLLM: --mm-processor-kwargs with max_pixels)"
         yield Finding("coordinates", State.FAULT, said, remedy)
     else:
@@ -192,7 +192,7 @@ def _check_constraints(chat: ChatModel) -> Iterator[Finding]:
 def _time_questions(
     chat: ChatModel, block_choice: VlmReasonerConfig, presence: PresenceConfig
 ) -> Iterator[Finding]:
-    """What the other questions of a search take."""
+    """Time and tokens of the other questions of a search."""
     image = drawn_shape()
     overview = np.full((_MAP_SIDE, _MAP_SIDE, 3), 200, dtype=np.uint8)
     yield _timed(chat.ask(map_question(block_choice, overview, _GOAL, _BLOCKS)), "choose block")
@@ -206,7 +206,7 @@ def _timed(answer: Answer, kind: str) -> Finding:
 
 
 def _family(chat: ChatModel, config: VlmDetectorConfig) -> tuple[VlmFamily, str]:
-    """The configured family, and why it is not known, if so."""
+    """The configured family, and the reason why it is not known, if so."""
     if config.family != "auto":
         return family_named(config.family), ""
     name = chat.identify()
@@ -217,17 +217,17 @@ def _family(chat: ChatModel, config: VlmDetectorConfig) -> tuple[VlmFamily, str]
 
 
 def _overlap(text: str, family: VlmFamily) -> float:
-    """Of the best box, when read as of this family, with the shape."""
+    """Overlap of the best box, read as this family's, with the shape, 0 to 1."""
     boxes = read_grounding(text, family, _WIDTH, _HEIGHT).boxes
-    return max((one.box.iou(_PLACE) for one in boxes), default=0.0)
+    return max((one.box.iou(_SHAPE_BOX) for one in boxes), default=0.0)
 
 
 def _scale(text: str) -> float | None:
-    """By which one factor the answer differs from the shape in pixels, if there is one."""
+    """The one factor by which the answer differs from the shape in pixels, if there is one."""
     huge = VlmFamily("pixels", "pixels")
     for one in read_grounding(text, huge, 20 * _WIDTH, 20 * _HEIGHT).boxes:
-        factor = (one.box.x_max - one.box.x_min) / (_PLACE.x_max - _PLACE.x_min)
-        edges = (_PLACE.x_min, _PLACE.y_min, _PLACE.x_max, _PLACE.y_max)
+        factor = (one.box.x_max - one.box.x_min) / (_SHAPE_BOX.x_max - _SHAPE_BOX.x_min)
+        edges = (_SHAPE_BOX.x_min, _SHAPE_BOX.y_min, _SHAPE_BOX.x_max, _SHAPE_BOX.y_max)
         if one.box.iou(Box(*(factor * edge for edge in edges))) >= _MATCH:
             return factor
     return None

@@ -1,1 +1,1 @@
-"""A* on the inflated map, steering, and the navigator that puts them together."""
+"""A* on the costmap, path following, and the navigator that puts them together."""

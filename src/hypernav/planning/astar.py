@@ -1,4 +1,4 @@
-"""Searches over the costs of a terrain."""
+"""A* search over a costmap."""
 
 import numpy as np
 from jaxtyping import Float32, Int64, UInt8
@@ -11,16 +11,16 @@ def astar(
     start: tuple[int, int],
     targets: UInt8[np.ndarray, "rows columns"],
 ) -> tuple[Int64[np.ndarray, "n 2"], float]:
-    """The cheapest way from a cell to any target cell.
+    """The cheapest path from a cell to any target cell.
 
     Args:
-        costs: Factor on the length of a way through a cell, at least 1; 0 where closed.
-        start: An open cell ``(row, column)``.
-        targets: Not 0 at the cells to reach.
+        costs: Factor on the length of a path through a cell, at least 1; 0 where closed.
+        start: Open cell ``(row, column)`` to start from.
+        targets: Mask of the cells to reach, not 0 there.
 
     Returns:
         Cells ``[row, column]`` from start to target, and the cost in cells; an empty path and
-        infinity if there is no way.
+        infinity if there is no path.
     """
     rows = np.flatnonzero(targets.max(axis=1))
     columns = np.flatnonzero(targets.max(axis=0))
@@ -39,16 +39,16 @@ def costs_to_go(
     robot: tuple[int, int],
     slack: float,
 ) -> Float32[np.ndarray, "rows columns"]:
-    """What the way to a cell costs from the robot's surroundings.
+    """Costs of the paths to a cell from the robot's surroundings.
 
     Args:
-        costs: As for `astar`.
-        end: An open cell, where to go.
-        robot: The cell whose surroundings matter.
-        slack: How much dearer than the robot's own way they may be, in cells.
+        costs: Costs of cells, as for `astar`.
+        end: Open cell ``(row, column)`` to go to.
+        robot: Cell ``(row, column)`` of the robot, whose surroundings matter.
+        slack: Cost beyond that of the robot's path up to which paths are searched, in cells.
 
     Returns:
-        Cost in cells; infinite where there is no way, and for most of what is farther away.
+        Cost in cells; infinite where there is no path, and for most of what is farther away.
     """
     rows, columns = costs.shape
     targets = np.zeros(costs.shape, dtype=np.uint8)

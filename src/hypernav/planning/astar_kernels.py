@@ -1,8 +1,6 @@
-"""Cheapest ways over a grid of costs, compiled.
+"""Cheapest paths over a grid of costs, compiled.
 
-A cell's cost is the factor on the length of a way through it; 0 means closed. Ways are 8-connected,
-a step costs its length times the mean of its two cells' costs, and none cuts the corner of a closed
-cell.
+A cell's cost is the factor on the length of a path through it; 0 means closed. Paths are
 """
 
 import math
@@ -12,7 +10,7 @@ from numba import njit
 
 SQRT2 = math.sqrt(2.0)
 BUCKETS_PER_CELL = 2
-"""How finely waiting cells are sorted; finer means fewer cells visited twice, but more buckets."""
+"""Number of buckets per cell of cost; more mean fewer cells visited twice."""
 
 
 @njit(nogil=True)
@@ -36,7 +34,7 @@ def with_rim(costs, price):
 
 @njit(nogil=True)
 def octile_to_box(row, column, box):
-    """Length of the shortest 8-connected way to a box over open cells of cost 1, in cells."""
+    """Length of the shortest 8-connected path to a box over open cells of cost 1, in cells."""
     down = max(box[0] - row, 0, row - box[1])
     across = max(box[2] - column, 0, column - box[3])
     return max(down, across) + (SQRT2 - 1.0) * min(down, across)
@@ -44,7 +42,7 @@ def octile_to_box(row, column, box):
 
 @njit(cache=True, nogil=True)
 def expand(costs, start_row, start_column, targets, box, slack):
-    """Costs of the ways from a cell to others, until a target is reached.
+    """Costs of the paths from a cell to others, until a target is reached.
 
     A* with buckets instead of a heap: waiting cells of similar estimated cost share a list, and a
     list is worked off until it stays empty. So the result is exact, and taking out, putting in and
@@ -52,16 +50,16 @@ def expand(costs, start_row, start_column, targets, box, slack):
 
     Args:
         costs: float32 (rows, columns), at least 1 where open, 0 where closed.
-        start_row: Of an open cell.
-        start_column: Of an open cell.
+        start_row: Row of the start, an open cell.
+        start_column: Column of the start.
         targets: uint8 (rows, columns), not 0 at the cells to reach.
         box: Lowest and highest row, lowest and highest column of the targets.
-        slack: How much further to spread after a target was reached, in cells.
+        slack: Cost up to which the search goes on after it reached a target, in cells.
 
     Returns:
-        Flat arrays with a rim of one cell around the grid: float32, the cost of the way to every
+        Flat arrays with a rim of one cell around the grid: float32, the cost of the path to every
         cell that was looked at, in cells, infinite for others; int32, the cell before it, -1 if
-        none. Then the flat place of the cheapest target, -1 if there is no way.
+        none. Then the flat index of the cheapest target, -1 if there is no path.
     """
     width = costs.shape[1] + 2
     size = width * (costs.shape[0] + 2)
@@ -117,7 +115,7 @@ def expand(costs, start_row, start_column, targets, box, slack):
             if not cost < spent[other]:
                 continue
             if came_from[other] < 0:
-                # Never longer than the true rest of the way, so A* is exact.
+                # Never longer than the true rest of the path, so A* is exact.
                 estimate[other] = octile_to_box(other // width - 1, other % width - 1, box)
             spent[other] = cost
             came_from[other] = cell
@@ -146,7 +144,7 @@ def expand(costs, start_row, start_column, targets, box, slack):
 
 @njit(cache=True, nogil=True)
 def path_back(came_from, cell, width):
-    """The cells from the start of a `spread` to a cell, ``[row, column]`` without the rim."""
+    """The cells from the start of `expand` to a cell, ``[row, column]`` without the rim."""
     length, at = 0, cell
     while at >= 0:
         length += 1

@@ -1,4 +1,4 @@
-"""Noticing that the robot ran into something that the camera did not show."""
+"""Detection of collisions with what the camera did not show."""
 
 import numpy as np
 from jaxtyping import Float64
@@ -11,19 +11,19 @@ from hypernav.mapping.inflation import inflate
 from hypernav.planning.config import PlanningConfig
 
 _MOVED_SHARE = 0.6
-"""A step shorter than this share of what was ordered has bumped into something."""
+"""Share of the ordered length below which a step has bumped into something."""
 _TOUCHES_M = 0.1
-"""How much larger than seen a thing may be that the robot touches."""
+"""Length by which an obstacle that the robot touches may be larger than seen."""
 
 
 class BumpSensor:
-    """Compares how far the robot came with what it was ordered to do."""
+    """Compares the robot's motion with the action that was ordered."""
 
     def __init__(self, config: PlanningConfig, embodiment: Embodiment) -> None:
         """Create it.
 
         Args:
-            config: Room between the robot and obstacles.
+            config: Margin between the robot and obstacles.
             embodiment: Length of a step and size of the robot.
         """
         self._forward_m = embodiment.motion.forward_m
@@ -35,17 +35,17 @@ class BumpSensor:
         self._last: tuple[Pose2, Action] | None = None
 
     def note_action(self, robot: Pose2, action: Action) -> None:
-        """Remember what the robot was ordered to do, to notice a bump in the next step."""
+        """Remember the ordered action, to notice a bump in the next step."""
         self._last = (robot, action)
 
     def points(self, robot: Pose2, grid: OccupancyGrid) -> Float64[np.ndarray, "n 2"]:
-        """Where something unseen must be, since the last step forward was cut short.
+        """Points where something unseen must be, since the last step forward was cut short.
 
         If the map shows obstacles beside the robot's front, the robot has touched one of them that
         is a little larger than it was seen; else something unseen is right before it.
 
         Args:
-            robot: Where the robot is.
+            robot: Pose of the robot.
             grid: The map.
 
         Returns:

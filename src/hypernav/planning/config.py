@@ -1,4 +1,4 @@
-"""How the robot drives."""
+"""Configuration of planning and path following."""
 
 from typing import Literal
 
@@ -9,28 +9,33 @@ from hypernav.core.embodiment import BodyConfig
 
 
 class PlanningConfig(RoomConfig):
-    """How ways are planned and followed.
+    """How paths are planned and followed.
+
+    Values not marked with "paper" are ours: the paper is silent on them.
 
     Attributes:
-        margin_m: Room between the robot and obstacles: these are dilated by its radius and this.
-        squeeze_m: Where no way leads, or nothing is left to explore, obstacles are dilated by so
-            much less; 0 (paper) does without.
-        comfort_m: Within this distance beyond the inflation a way costs more, so that it keeps to
-            the middle of doors where there is room.
-        comfort_cost: By how much; 0 switches it off (paper).
-        unknown_cost: Factor on ways through unknown cells; 0 forbids them.
-        end_in_unknown: A way may end in unknown cells of the destination if it has no other open
-            ones; else only in known ones (paper).
-        targets: Of the destination's cells, go to the "nearest-straight" (paper) or to the
+        margin_m: Margin between the robot and obstacles, metres: these are dilated by the robot's
+            radius and this.
+        squeeze_m: Reduction of that dilation where no path leads, or nothing is left to explore,
+            metres; 0 (paper) does without.
+        comfort_m: Distance beyond the dilation, metres, within which a path costs more, so that it
+            keeps to the middle of doors where there is room.
+        comfort_cost: Addition to the cost factor of 1 within that distance; 0 switches it off
+            (paper).
+        unknown_cost: Cost factor of unknown cells; 0 forbids them.
+        end_in_unknown: Whether a path may end in unknown cells of the destination if it has no
+            other open ones; else it ends in known ones only (paper).
+        targets: Choice among the destination's cells: the "nearest-straight" (paper) or the
             "nearest-by-path".
-        max_gap_m: A destination that cannot be entered (it lies on a table) is gone to if a
-            reachable place is this near; else there is no path.
-        replan_every_steps: A path is kept this long unless it is blocked (paper: 10).
-        steering: "waypoint": turn if the next waypoint is too far off, else go (paper).
-            "lattice": search the sequence of turns and steps that leads on best without touching
-            an inflated obstacle, and do its first.
-        heading_tolerance_deg: For "waypoint" (paper: 15).
-        waypoint_tolerance_m: A waypoint counts as passed within this distance.
+        max_gap_m: Distance, metres, within which a reachable cell stands in for a destination that
+            cannot be entered (it lies on a table); beyond it there is no path.
+        replan_every_steps: Number of steps that a path is kept unless it is blocked (paper: 10).
+        steering: Manner of following a path. "waypoint": turn if the next waypoint is too far off
+            the heading, else go forward (paper). "lattice": search the sequence of turns and steps
+            that leads on best without touching an inflated obstacle, and take its first action.
+        heading_tolerance_deg: Largest angle off the heading at which "waypoint" steering goes
+            forward, degrees (paper: 15).
+        waypoint_tolerance_m: Distance within which a waypoint counts as passed, metres.
     """
 
     margin_m: float = Field(default=0.04, ge=0.0)
@@ -47,7 +52,7 @@ class PlanningConfig(RoomConfig):
     waypoint_tolerance_m: float = Field(default=0.25, gt=0.0)
 
     def clearances_m(self, body: BodyConfig) -> tuple[float, ...]:
-        """How far from obstacles the robot's middle keeps, in the order to try, metres."""
+        """Distances from obstacles that the robot's middle keeps, in the order to try, metres."""
         clearance_m = body.radius_m + self.margin_m
         if self.squeeze_m <= 0.0:
             return (clearance_m,)

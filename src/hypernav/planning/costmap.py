@@ -1,4 +1,4 @@
-"""What a way over the map costs: obstacles inflated, narrow and unknown places dearer."""
+"""The costmap: obstacles inflated, narrow and unknown cells dearer."""
 
 from dataclasses import dataclass
 
@@ -11,9 +11,9 @@ from hypernav.mapping.inflation import inflate
 from hypernav.planning.config import PlanningConfig
 
 _MARGIN_M = 1.0
-"""How far beyond the explored part a way may lead."""
-_WAY_OUT_COST = np.float32(3.0)
-"""Factor on a way out of an inflated obstacle: the robot may scrape along it."""
+"""Distance beyond the explored part that a path may lead."""
+_ESCAPE_COST = np.float32(3.0)
+"""Cost factor of an escape from an inflated obstacle: the robot may scrape along it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,10 +21,12 @@ class Costmap:
     """The explored part of the map with the cost of every cell.
 
     Attributes:
-        grid: The cropped map.
-        costs: Factor on the length of a way through a cell; 0 where the robot cannot be.
-        is_open: 1 where the robot may stay: the cost is not 0, and the cell is no way out.
-        way_out: From the robot to open floor; its cells are priced too. None if there is none.
+        grid: Cropped map.
+        costs: Factor on the length of a path through a cell; 0 where the robot cannot be.
+        is_open: Mask of the cells where the robot may stay: 1 where the cost is not 0 and the cell
+            is no part of the escape.
+        escape: Path from the robot to open floor, whose cells have costs too; None if there is
+            none.
         is_squeezed: Whether obstacles are inflated less than they should be.
     """
 
@@ -43,20 +45,21 @@ class Costmap:
         *,
         is_squeezed: bool = False,
     ) -> "Costmap":
-        """Inflate the obstacles of a map and price the rest.
+        """Inflate the obstacles of a map and give the other cells their costs.
 
         Args:
             grid: The map.
-            config: Prices.
-            robot: ``(x, y)``, metres. If that is inside an inflated obstacle, a way out is priced.
-            clearance_m: How far from obstacles the robot's middle keeps.
-            is_squeezed: Whether that is less than it should be.
+            config: Cost factors.
+            robot: Position of the robot ``(x, y)``, metres. Inside an inflated obstacle, the cells
+                of an escape get a cost.
+            clearance_m: Distance from obstacles that the robot's middle keeps, metres.
+            is_squeezed: Whether that distance is less than it should be.
         """
         grid = grid.cropped(_MARGIN_M)
         size = grid.resolution_m
         occupied = grid.cells == Cell.OCCUPIED
         closed = inflate(occupied, clearance_m, size)
-        # One price for every state of a cell, away from obstacles and near them.
+        # One cost for every state of a cell, away from obstacles and near them.
         prices = np.array([config.unknown_cost, 1.0, 1.0], dtype=np.float32)
         prices = np.concatenate([prices, prices * np.float32(1.0 + config.comfort_cost)])
         kind = grid.cells
@@ -67,12 +70,12 @@ class Costmap:
         is_open = (costs > 0.0).view(np.uint8)
         escape = Escape.find(occupied, is_open, grid.cell_of(*robot), size)
         if escape is not None:
-            costs[escape.cells & (is_open == 0)] = _WAY_OUT_COST
+            costs[escape.cells & (is_open == 0)] = _ESCAPE_COST
         return Costmap(grid, costs, is_open, escape, is_squeezed)
 
     @property
     def is_tight(self) -> bool:
-        """Whether the robot is where steps of full length may not fit."""
+        """Whether steps of full length may not fit around the robot."""
         return self.is_squeezed or self.escape is None or bool(self.escape.cells.any())
 
     def continuous(self, x: float, y: float) -> tuple[float, float]:

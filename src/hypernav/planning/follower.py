@@ -1,4 +1,4 @@
-"""From a path to the next discrete action."""
+"""Path following: the next discrete action along a path."""
 
 import math
 from itertools import pairwise
@@ -17,18 +17,18 @@ from hypernav.planning.motion_kernels import plan_actions
 from hypernav.planning.planner import PlannedPath, is_blocked
 
 _TURN_COST_M = 0.05
-"""What a turn of 30 degrees weighs against a longer path: enough to prevent zigzags."""
+"""Cost of a turn of 30 degrees, as length of path: enough to prevent zigzags."""
 _LEAST_GAIN_M = 0.05
-"""Actions that bring the robot less far are not worth taking."""
+"""Smallest gain for which a sequence of actions is worth taking."""
 _HORIZON_M = 2.0
-"""How far ahead actions are searched: beyond the next door."""
+"""Length of path over which actions are searched: beyond the next door."""
 _LOOK_AHEAD_M = 3.0
-"""Where on the path the actions aim, if the path is longer; beyond the horizon."""
+"""Length of path to the point that the actions aim at; beyond the horizon."""
 _SURROUNDINGS_M = 4.0
 """Half the side of the part of the map that actions are searched in."""
 _SIDEWAYS_M = 1.0
-"""How much longer than now the way to the aim may become in between."""
-_SAME_PLACE_M = 0.02
+"""Length by which the path to the aim may grow in between."""
+_SAME_POSITION_M = 0.02
 _SAME_HEADING_RAD = 0.02
 _ANGLE_SLACK = 1e-9
 """A bearing of exactly the tolerance must not turn into a turn by rounding."""
@@ -36,14 +36,14 @@ _ACTIONS = (Action.MOVE_FORWARD, Action.TURN_LEFT, Action.TURN_RIGHT)
 
 
 class PathFollower:
-    """Follows one path at a time; knows how far along it the robot is."""
+    """Follows one path at a time and tracks the robot's progress along it."""
 
     def __init__(self, config: PlanningConfig, motion: MotionConfig) -> None:
         """Begin without a path.
 
         Args:
             config: Steering and tolerances.
-            motion: Step and turn.
+            motion: Length of a step and angle of a turn.
         """
         self._config = config
         self._motion = motion
@@ -70,19 +70,19 @@ class PathFollower:
         return self._arrived
 
     def remaining(self, robot: Pose2) -> tuple[tuple[float, float], ...]:
-        """The way still to go, from the robot over the waypoints that it has not passed, metres."""
+        """The path that is left: the robot and the waypoints that it has not passed, metres."""
         if self._path is None:
             return ()
         self._pass_waypoints(self._path, robot)
         return (robot.xy, *self._path.waypoints[self._next :])
 
     def next_action(self, robot: Pose2, costmap: Costmap | None = None) -> Action | None:
-        """What to do now.
+        """The next action along the path.
 
         Args:
-            robot: Where the robot is.
-            costmap: The inflated map, for ``steering: lattice``. Without it the robot steers to the
-                next waypoint whatever the configuration says.
+            robot: Pose of the robot.
+            costmap: Costmap around the robot, for ``steering: lattice``. Without it the robot
+                steers to the next waypoint whatever the configuration says.
 
         Returns:
             A turn or a step. None if there is no path, if the robot is at its end (`arrived`), or
@@ -123,7 +123,7 @@ class PathFollower:
             self._next += 1
 
     def _to_waypoint(self, path: PlannedPath, robot: Pose2) -> Action | None:
-        """The paper's follower: turn if the next waypoint is too far off, else go."""
+        """The paper's follower: turn if the next waypoint is too far off the heading, else go."""
         aim = path.waypoints[min(self._next, len(path.waypoints) - 1)]
         if self._next >= len(path.waypoints) - 1:
             off = robot.distance_to(*path.end)
@@ -143,9 +143,9 @@ class PathFollower:
         return Action.TURN_LEFT if bearing > 0.0 else Action.TURN_RIGHT
 
     def _by_lattice(self, path: PlannedPath, robot: Pose2, costmap: Costmap) -> Action | None:
-        """The next of the actions that lead on best, searched some steps ahead.
+        """The next action of the best sequence, searched some steps ahead.
 
-        They are carried out to their end, where less is left to go than before. To choose anew
+        A sequence is carried out to its end, where less is left to go than before. A new choice
         after every action could go in circles.
         """
         if robot.distance_to(*path.end) <= self._tolerance:
@@ -164,7 +164,7 @@ class PathFollower:
     def _goes_as_planned(self, robot: Pose2, costmap: Costmap) -> bool:
         """Whether the robot is where its plan has it, and the plan's next step is still open."""
         expected = self._expected
-        if expected.distance_to(*robot.xy) > _SAME_PLACE_M:
+        if expected.distance_to(*robot.xy) > _SAME_POSITION_M:
             return False
         if abs(wrap_angle(expected.yaw - robot.yaw)) > _SAME_HEADING_RAD:
             return False
@@ -176,7 +176,7 @@ class PathFollower:
         return True
 
     def _after(self, robot: Pose2, action: Action) -> Pose2:
-        """Where an action leads, if nothing is in the way."""
+        """Pose after an action, if nothing blocks it."""
         if action is Action.MOVE_FORWARD:
             step = self._motion.forward_m
             return Pose2(
@@ -190,7 +190,7 @@ class PathFollower:
     def _search_actions(
         self, path: PlannedPath, robot: Pose2, costmap: Costmap
     ) -> list[Action] | None:
-        """Actions that lead on; empty if none does, None if the search cannot be made here."""
+        """The best sequence; empty if none leads on, None if the search is not possible here."""
         size = costmap.grid.resolution_m
         costs, (bottom, left) = _surroundings(costmap, robot)
         row, column = costmap.continuous(*robot.xy)
@@ -221,7 +221,7 @@ class PathFollower:
         return [_ACTIONS[action] for action in actions]
 
     def _ahead(self, path: PlannedPath, robot: Pose2) -> tuple[float, float]:
-        """The place on the path that is `_LOOK_AHEAD_M` farther along it than the robot."""
+        """The point on the path that is `_LOOK_AHEAD_M` farther along it than the robot."""
         left = _LOOK_AHEAD_M
         for start, end in list(pairwise(path.waypoints))[self._next - 1 :]:
             length = math.dist(start, end)
@@ -243,7 +243,7 @@ class PathFollower:
 def _along(
     start: tuple[float, float], end: tuple[float, float], robot: Pose2
 ) -> tuple[float, float]:
-    """How far the robot is along a line, and how far to its left, metres."""
+    """Distance of the robot along a line, and to the left of it, metres."""
     length = math.dist(start, end) or 1.0
     dx, dy = (end[0] - start[0]) / length, (end[1] - start[1]) / length
     x, y = robot.x - start[0], robot.y - start[1]
@@ -253,7 +253,7 @@ def _along(
 def _surroundings(
     costmap: Costmap, robot: Pose2
 ) -> tuple[Float32[np.ndarray, "rows columns"], tuple[int, int]]:
-    """The costs around the robot, and row and column of their corner."""
+    """Costs of the cells around the robot, and row and column of their corner."""
     row, column = costmap.grid.cell_of(*robot.xy)
     reach = math.ceil(_SURROUNDINGS_M / costmap.grid.resolution_m)
     bottom, left = max(row - reach, 0), max(column - reach, 0)

@@ -1,9 +1,9 @@
 """Straight lines and sequences of actions over a grid of costs, compiled.
 
-A step is long against the width of a door, and headings come in few: which steps fit through a door
-is decided some steps before it. So whole sequences are searched.
+A step is long against the width of a door, and headings are few: the steps that fit through a door
+are decided some steps before it. So whole sequences are searched.
 
-A cell's cost is the factor on the length of a way through it; 0 means closed. Places are in
+A cell's cost is the factor on the length of a path through it; 0 means closed. Positions are in
 continuous cells ``(row, column)``: cell 0 spans 0 to 1, its middle is 0.5.
 """
 
@@ -13,26 +13,26 @@ import numpy as np
 from numba import njit
 
 SLACK = 1.0
-"""Cells of cost by which a straight line may exceed the way it replaces; evens out rounding."""
+"""Cost by which a line may exceed the path that it replaces, cells; evens out rounding."""
 GO, LEFT, RIGHT = 0, 1, 2
 MOST_NODES = 8000
-"""Bound of the search for actions; it is far from reached but in hopeless places."""
+"""Bound on the nodes of a search for actions; only hopeless searches come near it."""
 DETOUR_COST = 0.2
-"""What a way costs, per cell, that does not lead as far as it should."""
+"""Cost per cell of a sequence that does not lead as far as it should."""
 
 
 @njit(cache=True, nogil=True)
 def cost_of_line(costs, row_a, column_a, row_b, column_b):
-    """Cost of the straight way between two places, in cells; infinite if it touches a closed cell.
+    """Cost of the line between two positions, in cells; infinite if it touches a closed cell.
 
     A line that passes exactly through a corner touches all four cells there.
 
     Args:
-        costs: float32 (rows, columns), as for `astar`.
-        row_a: Of the first place.
-        column_a: Of the first place.
-        row_b: Of the second place.
-        column_b: Of the second place.
+        costs: Costs, float32 (rows, columns), as for `astar`.
+        row_a: Row of the first position.
+        column_a: Column of the first position.
+        row_b: Row of the second position.
+        column_b: Column of the second position.
     """
     rows, columns = costs.shape
     r, c = math.floor(row_a), math.floor(column_a)
@@ -72,13 +72,13 @@ def shortcut(costs, path, start_row, start_column):
     """Straighten a path: leave out cells where the direct line is open and costs no more.
 
     Args:
-        costs: As for `cost_of_line`.
+        costs: Costs, as for `cost_of_line`.
         path: int64 (n, 2), cells ``[row, column]``.
-        start_row: The exact place in the path's first cell.
-        start_column: Likewise.
+        start_row: Exact row of the start, in the path's first cell.
+        start_column: Exact column of the start.
 
     Returns:
-        Places of the kept cells in the path, first and last included.
+        Indices of the kept cells in the path, first and last included.
     """
     n = len(path)
     kept = np.empty(n, dtype=np.int64)
@@ -130,29 +130,29 @@ def drop_first(keys, nodes, size):
 def plan_actions(costs, to_go, row, column, sines, cosines, step, turn_cost, arrive, horizon):
     """The best sequence of turns and steps, as far as a horizon.
 
-    A* over places and headings; what is left to go from a place guides it. No step touches a closed
+    A* over positions and headings, guided by the cost that is left to go. No step touches a closed
     cell.
 
     Args:
         costs: float32 (rows, columns), 0 where closed.
         to_go: float32 (rows, columns), cost from there to the end, cells; infinite if unknown.
-        row: Of the robot, continuous.
-        column: Of the robot, continuous.
-        sines: float64 (turns), of all headings, the present one first, then to the left.
-        cosines: float64 (turns).
+        row: Row of the robot, continuous.
+        column: Column of the robot, continuous.
+        sines: float64 (turns), sines of all headings, the present one first, then to the left.
+        cosines: float64 (turns), cosines of the same headings.
         step: Length of a step, cells.
-        turn_cost: What a turn costs, cells.
-        arrive: The search ends where no more than this is left to go, cells.
-        horizon: The search ends where this much less is left to go than now, cells.
+        turn_cost: Cost of a turn, cells.
+        arrive: Cost left to go at which the search ends, cells.
+        horizon: Reduction of the cost left to go at which the search ends, cells.
 
     Returns:
-        Actions (`GO`, `LEFT`, `RIGHT`) and what is left to go after them. If the search does not
-        get as far, the sequence that leaves least, its own length weighed; it may be empty.
+        Actions (`GO`, `LEFT`, `RIGHT`) and the cost left to go after them. If the search does not
+        get as far, the sequence that leaves least to go, its length weighed; it may be empty.
     """
     turns = len(sines)
     reach = int(horizon + 4.0 * step)
     done = np.zeros((2 * reach + 1, 2 * reach + 1, turns), dtype=np.uint8)
-    places = np.empty((MOST_NODES, 2))
+    positions = np.empty((MOST_NODES, 2))
     headings = np.empty(MOST_NODES, dtype=np.int64)
     spent = np.empty(MOST_NODES)
     parents = np.empty(MOST_NODES, dtype=np.int64)
@@ -163,14 +163,14 @@ def plan_actions(costs, to_go, row, column, sines, cosines, step, turn_cost, arr
     first_row, first_column = math.floor(row), math.floor(column)
     start = to_go[first_row, first_column]
     goal = max(arrive, start - horizon)
-    places[0, 0], places[0, 1], headings[0], spent[0], parents[0] = row, column, 0, 0.0, -1
+    positions[0, 0], positions[0, 1], headings[0], spent[0], parents[0] = row, column, 0, 0.0, -1
     keys[0], nodes[0] = start, 0
     used, size, best, best_value = 1, 1, 0, start
     while size > 0 and used + 3 <= MOST_NODES:
         node = nodes[0]
         drop_first(keys, nodes, size)
         size -= 1
-        y, x, heading = places[node, 0], places[node, 1], headings[node]
+        y, x, heading = positions[node, 0], positions[node, 1], headings[node]
         r, c = math.floor(y), math.floor(x)
         i, j = r - first_row + reach, c - first_column + reach
         if i < 0 or j < 0 or i > 2 * reach or j > 2 * reach or done[i, j, heading] > 0:
@@ -195,7 +195,7 @@ def plan_actions(costs, to_go, row, column, sines, cosines, step, turn_cost, arr
             left = to_go[math.floor(end_y), math.floor(end_x)]
             if np.isinf(left):
                 continue
-            places[used, 0], places[used, 1], headings[used] = end_y, end_x, new
+            positions[used, 0], positions[used, 1], headings[used] = end_y, end_x, new
             spent[used], parents[used], actions[used] = spent[node] + cost, node, action
             push(keys, nodes, size, spent[used] + left, used)
             size += 1
@@ -209,4 +209,4 @@ def plan_actions(costs, to_go, row, column, sines, cosines, step, turn_cost, arr
     for k in range(length - 1, -1, -1):
         sequence[k] = actions[at]
         at = parents[at]
-    return sequence, to_go[math.floor(places[best, 0]), math.floor(places[best, 1])]
+    return sequence, to_go[math.floor(positions[best, 0]), math.floor(positions[best, 1])]

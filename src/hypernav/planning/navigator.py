@@ -1,4 +1,4 @@
-"""Driving to a destination, one action at a time."""
+"""Navigation to a destination, one action at a time."""
 
 import math
 from itertools import pairwise
@@ -23,8 +23,8 @@ class Navigator:
         """Create it.
 
         Args:
-            config: How it drives.
-            embodiment: Size of the robot, step and turn.
+            config: Planning and path following.
+            embodiment: Size of the robot, length of a step and angle of a turn.
         """
         self._config = config
         self._clearances_m = config.clearances_m(embodiment.body)
@@ -40,26 +40,26 @@ class Navigator:
 
     @property
     def path(self) -> PlannedPath | None:
-        """The way that is being followed."""
+        """The path that is being followed."""
         return self._follower.path
 
     @property
     def arrived(self) -> bool:
-        """Whether the latest `towards` gave no action because the way is done."""
+        """Whether the latest `towards` gave no action because the robot is at the path's end."""
         return self._follower.arrived
 
     def towards(
         self, grid: OccupancyGrid, robot: Pose2, targets: Float64[np.ndarray, "n 2"]
     ) -> Action | None:
-        """The next action on the way to a destination.
+        """The next action on the path to a destination.
 
         Args:
             grid: The map.
-            robot: Where the robot is.
-            targets: Points of the destination, metres.
+            robot: Pose of the robot.
+            targets: Points of the destination, ``(x, y)``, metres.
 
         Returns:
-            The action. None if there is no way, or if no step brings the robot nearer; `arrived`
+            The action. None if there is no path, or if no step brings the robot nearer; `arrived`
             tells which.
         """
         self._age += 1
@@ -72,12 +72,12 @@ class Navigator:
         return self._plan(grid, robot, targets)
 
     def remaining(self, robot: Pose2) -> list[tuple[float, float]]:
-        """The way still to go, from the robot on, metres; empty without a path."""
+        """The path that is left, from the robot on, metres; empty without a path."""
         points = self._follower.remaining(robot)
         return [*points[:1], *((round(x, 3), round(y, 3)) for x, y in points[1:])]
 
     def left_m(self, robot: Pose2) -> float:
-        """Length of the way still to go, metres; 0 without a path."""
+        """Length of the path that is left, metres; 0 without a path."""
         return sum(math.dist(*leg) for leg in pairwise(self._follower.remaining(robot)))
 
     def _path_is_fresh(self, targets: Float64[np.ndarray, "n 2"]) -> bool:
@@ -90,7 +90,7 @@ class Navigator:
     def _plan(
         self, grid: OccupancyGrid, robot: Pose2, targets: Float64[np.ndarray, "n 2"]
     ) -> Action | None:
-        """Plan anew, closer to obstacles where there is no way otherwise, and begin."""
+        """Plan anew, closer to obstacles where there is no path otherwise, and begin."""
         self._targets, self._age = targets, 0
         for clearance_m in self._clearances_m:
             self._clearance_m = clearance_m

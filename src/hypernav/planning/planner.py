@@ -1,4 +1,4 @@
-"""Ways over the map."""
+"""Paths over the map."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -17,12 +17,12 @@ from hypernav.planning.motion_kernels import cost_of_line, shortcut
 
 @dataclass(frozen=True)
 class PlannedPath:
-    """A way for the robot's middle, ``map`` frame.
+    """A path for the robot's middle, ``map`` frame.
 
     Attributes:
         waypoints: Corners ``(x, y)`` from the start to the end, metres.
-        gap_m: From the path's end to the nearest cell of the destination; more than 0 where the
-            destination itself cannot be entered.
+        gap_m: Distance from the path's end to the nearest cell of the destination, metres; more
+            than 0 where the destination itself cannot be entered.
     """
 
     waypoints: tuple[tuple[float, float], ...]
@@ -30,12 +30,12 @@ class PlannedPath:
 
     @property
     def end(self) -> tuple[float, float]:
-        """Where it leads."""
+        """Last waypoint."""
         return self.waypoints[-1]
 
     @property
     def length_m(self) -> float:
-        """Of the polyline."""
+        """Length of the polyline, metres."""
         corners = np.array(self.waypoints)
         return float(np.linalg.norm(np.diff(corners, axis=0), axis=1).sum())
 
@@ -47,7 +47,7 @@ class Planner:
         """Create the planner.
 
         Args:
-            config: Prices and margins.
+            config: Cost factors and margins.
             body: Size of the robot.
         """
         self._config = config
@@ -59,19 +59,19 @@ class Planner:
         start: tuple[float, float],
         targets: Float64[np.ndarray, "n 2"],
     ) -> PlannedPath | None:
-        """The cheapest way to a destination.
+        """The cheapest path to a destination.
 
-        From inside an inflated obstacle the way first leads out of it. A destination that cannot
+        From inside an inflated obstacle the path first leads out of it. A destination that cannot
         be entered moves to the reachable cell nearest to it, at most `PlanningConfig.max_gap_m`
-        away. Where no way leads, obstacles are inflated less (`PlanningConfig.squeeze_m`).
+        away. Where no path leads, obstacles are inflated less (`PlanningConfig.squeeze_m`).
 
         Args:
             grid: The map.
-            start: ``(x, y)``, metres.
+            start: Position of the robot ``(x, y)``, metres.
             targets: Points ``(x, y)`` of the destination, metres; at least one.
 
         Returns:
-            The way; None if there is none.
+            The path; None if there is none.
         """
         for clearance_m in self._clearances_m:
             costmap = Costmap.of(grid, self._config, start, clearance_m)
@@ -86,7 +86,7 @@ class Planner:
         start: tuple[float, float],
         targets: Float64[np.ndarray, "n 2"],
     ) -> PlannedPath | None:
-        """The same over a map that is inflated already."""
+        """The cheapest path on a costmap; see `plan`."""
         if self._config.targets == "nearest-straight":
             offsets = ((targets - np.array(start)) ** 2).sum(axis=1)
             targets = targets[[int(offsets.argmin())]]
@@ -108,11 +108,11 @@ def is_blocked(points: tuple[tuple[float, float], ...], costmap: Costmap) -> boo
     """Whether the map shows an obstacle on a polyline.
 
     Args:
-        points: Its corners, metres.
-        costmap: The inflated map.
+        points: Corners of the polyline, ``(x, y)``, metres.
+        costmap: Costmap of the robot's surroundings.
     """
-    places = [costmap.continuous(*point) for point in points]
-    return any(np.isinf(cost_of_line(costmap.costs, *a, *b)) for a, b in pairwise(places))
+    corners = [costmap.continuous(*point) for point in points]
+    return any(np.isinf(cost_of_line(costmap.costs, *a, *b)) for a, b in pairwise(corners))
 
 
 def _reachable_goal(
@@ -121,7 +121,7 @@ def _reachable_goal(
     targets: Float64[np.ndarray, "n 2"],
     end_in_unknown: bool,
 ) -> tuple[UInt8[np.ndarray, "rows columns"], float]:
-    """Cells to go to (1), and how far from the destination they are, metres."""
+    """Mask of the cells to go to (1), and their distance from the destination, metres."""
     # Diagonal steps need both neighbours, so what is 8-reachable is 4-connected.
     passable = (costmap.costs > 0.0).view(np.uint8)
     _, parts = cv2.connectedComponents(passable, connectivity=4)
@@ -136,7 +136,7 @@ def _reachable_goal(
         if goal.any():
             return goal.view(np.uint8), 0.0
     # Beside a destination that cannot be entered only known cells count: a goal area reaches into
-    # the wall that it hangs on, and what lies behind that wall is no way to it.
+    # the wall that it hangs on, and no path to it begins behind that wall.
     if inside.any():
         away = cv2.distanceTransform((~wanted).view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
     else:  # beyond the explored map: the reachable cell nearest to the first target

@@ -11,7 +11,7 @@ from hypernav.core.overview import BlockChoice
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.config import MappingConfig
 from hypernav.perception.explorers.block_explorer import BlockExplorer, OverviewConfig
-from hypernav.perception.explorers.explorer import last_free_towards
+from hypernav.perception.explorers.line_of_sight import last_free_towards
 from hypernav.perception.explorers.nearest_frontier import NearestFrontierExplorer
 
 HERE = Pose2(0.0, 0.0, 0.0)

@@ -18,7 +18,7 @@ from hypernav.core.goal import Goal
 from hypernav.core.overview import Block
 from hypernav.core.protocols import Explorer
 from hypernav.core.trace import BlockRecord, Mode
-from hypernav.perception.explorers.explorer import last_free_towards
+from hypernav.perception.explorers.line_of_sight import last_free_towards
 from hypernav.perception.local.local_perception import LocalPerception
 from hypernav.planning.navigator import Navigator
 

@@ -1,1 +1,1 @@
-"""Global perception: where to go next while the goal is out of sight."""
+"""Global perception: the choice of destinations while the goal is out of sight."""

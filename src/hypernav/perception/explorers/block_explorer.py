@@ -18,12 +18,13 @@ from hypernav.show.drawing.map_images import draw_overview
 
 
 class OverviewConfig(RoomConfig):
-    """How the map question is asked.
+    """Configuration of the map question. The paper gives no values for it: these are ours.
 
     Attributes:
-        picture_px: Side of the image of the map.
-        visited_radius_m: A destination this near to a visited place counts as visited.
-        max_questions: The most times that one choice is asked for, with visited blocks excluded.
+        image_px: Side of the image of the map, pixels.
+        visited_radius_m: Distance from a visited position, metres, within which a destination
+            counts as visited.
+        max_questions: Largest number of questions for one choice, with visited blocks excluded.
     """
 
     image_px: int = Field(default=768, ge=64, le=4096)
@@ -34,7 +35,7 @@ class OverviewConfig(RoomConfig):
 class BlockExplorer:
     """Asks a reasoner which block of the map to visit (paper: global perception).
 
-    If the answer lies near a place already visited, the question is asked again with that block
+    If the answer lies near a position already visited, the question is asked again with that block
     excluded (paper: "don't answer number [x, …]").
     """
 
@@ -48,10 +49,10 @@ class BlockExplorer:
         """Create it.
 
         Args:
-            reasoner: Chooses a block.
-            config: How it is asked.
+            reasoner: Reasoner that chooses a block.
+            config: Configuration of the question.
             mapping: Size of the blocks.
-            clearances_m: How far from obstacles their destinations lie, in the order to try.
+            clearances_m: Distances of destinations from obstacles, in the order to try, metres.
         """
         self._reasoner = reasoner
         self._config = config
@@ -107,9 +108,9 @@ class BlockExplorer:
 
     def _was_visited(self, block: Block) -> bool:
         radius = self._config.visited_radius_m
-        return any(math.dist(block.destination, place) < radius for place in self._visited)
+        return any(math.dist(block.destination, position) < radius for position in self._visited)
 
 
 def _squares(blocks: tuple[Block, ...]) -> set[tuple[float, float, int]]:
-    """Where there are blocks, and how much boundary to the unknown they have."""
+    """Corners of the blocks, and the length of their boundaries to the unknown."""
     return {(block.x_min, block.y_min, block.frontier_cells) for block in blocks}

@@ -1,4 +1,4 @@
-"""Choosing a block without a model: by unexplored boundary and travel cost."""
+"""Choice of a block without a model: by unexplored boundary and travel cost."""
 
 import math
 
@@ -12,13 +12,14 @@ from hypernav.core.trace import Exchange, ExchangeLog
 
 
 class GeometricConfig(RoomConfig):
-    """How blocks are weighed.
+    """Weights of the blocks. The paper always asks a model, so these values are ours.
 
     Attributes:
-        min_frontier_cells: A block with less unexplored boundary holds nothing new.
-        travel_scale_m: A block this much farther away is worth 1/e as much.
-        turn_cost_m: A turn by one radian on the way out is as dear as so many metres.
-        gain_exponent: How much a longer boundary counts; 0 ignores its length.
+        min_frontier_cells: Length of unexplored boundary, cells, below which a block holds nothing
+            new.
+        travel_scale_m: Length of path over which the value of a block falls to 1/e, metres.
+        turn_cost_m: Cost of the first turn towards a block, metres of path per radian.
+        gain_exponent: Exponent of the boundary's length in the value; 0 ignores the length.
     """
 
     min_frontier_cells: int = Field(default=6, ge=1)
@@ -31,7 +32,7 @@ class GeometricReasoner:
     """Prefers long unexplored boundaries that are near; knows nothing of the goal.
 
     The value of a block is ``gain**gain_exponent * exp(-cost / travel_scale)``, where the cost is
-    the way there and a turn to begin with: the trade of information gain against travel cost of
+    the path there and a turn to begin with: the trade of information gain against travel cost of
     González-Baños and Latombe, "Navigation Strategies for Exploring Indoor Environments", 2002.
     """
 
@@ -39,8 +40,8 @@ class GeometricReasoner:
         """Create the reasoner.
 
         Args:
-            log: Where every choice is written for the trace.
-            config: Weights.
+            log: Log of all choices, for the trace.
+            config: Weights of the blocks.
         """
         self._log = log
         self._config = config or GeometricConfig()

@@ -1,4 +1,4 @@
-"""The classic baseline: go to the nearest frontier."""
+"""The classic baseline of exploration: the nearest frontier."""
 
 import math
 from collections.abc import Sequence
@@ -26,10 +26,11 @@ class NearestFrontierExplorer:
         """Create it.
 
         Args:
-            log: Where every choice is written for the trace.
-            mapping: Smallest frontier.
-            clearances_m: How far from obstacles destinations lie, in the order to try.
-            visited_radius_m: A frontier this near to a place already visited is passed over.
+            log: Log of all choices, for the trace.
+            mapping: Length of the shortest frontier.
+            clearances_m: Distances of destinations from obstacles, in the order to try, metres.
+            visited_radius_m: Distance from a visited position, metres, within which frontiers are
+                passed over.
         """
         self._log = log
         self._mapping = mapping
@@ -71,6 +72,6 @@ class NearestFrontierExplorer:
 
     def _was_visited(self, frontier: Frontier) -> bool:
         return any(
-            math.dist(frontier.destination, place) < self._visited_radius_m
-            for place in self._visited
+            math.dist(frontier.destination, position) < self._visited_radius_m
+            for position in self._visited
         )

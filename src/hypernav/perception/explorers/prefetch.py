@@ -1,4 +1,4 @@
-"""Asking the map question while the robot is still driving, so that it need not wait for it."""
+"""Prefetching: the next map question is asked while the robot is still driving."""
 
 from collections.abc import Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -16,12 +16,12 @@ from hypernav.core.trace import ExchangeLog
 
 
 class PrefetchConfig(RoomConfig):
-    """When the next map question is asked. The paper asks it when the robot has arrived.
+    """Time of the next map question. The paper asks it when the robot has arrived; this is ours.
 
     Attributes:
-        enabled: Ask it on the way.
-        within_m: So near to the present destination, in a straight line.
-        good_for_steps: An answer that is older is not used.
+        enabled: Whether to ask on the way to the present destination.
+        within_m: Straight distance to the present destination at which to ask, metres.
+        good_for_steps: Age up to which an answer is used, steps.
     """
 
     enabled: bool = False
@@ -34,8 +34,8 @@ class _Pending:
     """A question under way.
 
     Attributes:
-        answer: To come.
-        step: When it was asked.
+        answer: Destination to come.
+        step: Number of the step in which it was asked.
     """
 
     answer: "Future[Destination | None]"
@@ -46,7 +46,7 @@ class PrefetchingExplorer:
     """Lets an explorer choose the next destination in a thread of its own.
 
     When an answer is used depends on the steps of the robot only, never on how fast the model is,
-    so that a replayed search takes the same way. `close` it to end the thread.
+    so that a replayed search takes the same path. `close` ends the thread.
     """
 
     def __init__(
@@ -55,10 +55,10 @@ class PrefetchingExplorer:
         """Create it.
 
         Args:
-            explorer: Chooses.
-            own_log: Which the explorer's reasoner, and nobody else, writes into.
-            log: The agent's; exchanges come into it when an answer is used or dropped.
-            config: When to ask.
+            explorer: Explorer that chooses.
+            own_log: Log that only the explorer's reasoner writes into.
+            log: Log of the agent; exchanges are moved into it when an answer is used or dropped.
+            config: Time of the questions.
         """
         self._own_log = own_log
         self._explorer = explorer
@@ -70,7 +70,7 @@ class PrefetchingExplorer:
     def reset(self, goal: Goal) -> None:
         """Forget all visits and whatever is under way."""
         if self._pending is not None:
-            # The thread may still be at work on the last search; its words belong to nobody.
+            # The thread may still be at work on the last search, whose exchanges are dropped.
             self._pending.answer.exception()
             self._pending = None
         self._own_log.drain()
@@ -96,24 +96,24 @@ class PrefetchingExplorer:
         """Ask where to go after the present destination, if it is near and nothing was asked yet.
 
         Args:
-            grid: The map; copied.
-            robot: Where the robot is.
-            trajectory: Where it has been, a place a step.
-            destination: Where it is going.
+            grid: The map, which is copied.
+            robot: Pose of the robot.
+            trajectory: Positions of the robot so far, one a step.
+            destination: Present destination.
         """
         near = robot.distance_to(*destination.xy) <= self._config.within_m
         if self._pending is not None or not near or destination.is_sighting:
             return
         self._explorer.remember_visit(*destination.xy)
         still = replace(grid, cells=grid.cells.copy())
-        places = list(trajectory)
-        answer = self._pool.submit(self._explorer.next_destination, still, robot, places)
-        self._pending = _Pending(answer, len(places))
+        positions = list(trajectory)
+        answer = self._pool.submit(self._explorer.next_destination, still, robot, positions)
+        self._pending = _Pending(answer, len(positions))
 
     def next_destination(
         self, grid: OccupancyGrid, robot: Pose2, trajectory: Sequence[tuple[float, float]]
     ) -> Destination | None:
-        """The answer that was asked for ahead, if it is still good; else one that is asked now."""
+        """The prefetched answer, if it is still good; else the answer to a new question."""
         pending, self._pending = self._pending, None
         if pending is None:
             return self._asked_now(grid, robot, trajectory)
@@ -131,7 +131,7 @@ class PrefetchingExplorer:
         return destination
 
     def _tell(self, remark: str = "") -> None:
-        """Move what was asked into the agent's log."""
+        """Move the explorer's exchanges into the agent's log."""
         for exchange in self._own_log.drain():
             remarks = [*exchange.remarks, remark] if remark else exchange.remarks
             self._log.record(exchange.model_copy(update={"remarks": remarks}))

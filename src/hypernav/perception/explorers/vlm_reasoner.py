@@ -1,4 +1,4 @@
-"""Choosing a block with a vision-language model that looks at the map (paper: global)."""
+"""Choice of a block by a vision-language model that looks at the map (paper: global)."""
 
 import re
 from collections.abc import Sequence
@@ -33,14 +33,15 @@ _CONSTRAINED = (
 
 
 class VlmReasonerConfig(RoomConfig):
-    """How the map question is put to a model.
+    """Configuration of the map question to a model. Values not marked with "paper" are ours.
 
     Attributes:
-        mode: "paper": free text, summarised to a number by rules and, where they fail, by a second
-            short question. "constrained": the numbers are the only possible answers.
-        attempts: How often an answer that gives no number is asked for again before falling back.
-        max_tokens: The longest free answer.
-        skip_only_block: Do not ask where only one block is left.
+        mode: Form of the answer. "paper": free text, summarised to a number by rules and, where
+            they fail, by a second short question. "constrained": the numbers are the only possible
+            answers.
+        attempts: Number of questions, where answers give no number, before the fallback chooses.
+        max_tokens: Limit on the length of a free answer, tokens.
+        skip_only_block: Whether to go without a question where only one block is left.
     """
 
     mode: Literal["paper", "constrained"] = "constrained"
@@ -58,7 +59,7 @@ def map_question(
     *,
     hint: str = "",
 ) -> Question:
-    """What a model is asked about one image of a map."""
+    """Question to a model about one image of a map."""
     paper = config.mode == "paper"
     context = _CONTEXT.format(goal=goal.text.strip(), numbers=", ".join(map(str, blocks)))
     asked = (_FREE if paper else _CONSTRAINED).format(goal=goal.text.strip())
@@ -86,23 +87,23 @@ class VlmReasoner:
         """Create the reasoner.
 
         Args:
-            chat: Who is asked.
-            log: Where every question and answer is written for the trace.
-            fallback: Chooses where the model gives no usable answer.
-            config: How it is asked.
+            chat: Chat model to ask.
+            log: Log of all questions and answers, for the trace.
+            fallback: Reasoner that chooses where the model gives no usable answer.
+            config: Configuration of the question.
         """
         self._chat = chat
         self._log = log
         self._fallback = fallback
         self._config = config or VlmReasonerConfig()
         self.fallbacks = 0
-        """How often the fallback had to choose so far."""
+        """Number of choices of the fallback so far."""
 
     def choose(self, overview: Overview, goal: Goal, excluded: frozenset[int]) -> BlockChoice:
         """The block that the model names; the fallback's if it names none.
 
         Raises:
-            ModelUnavailableError: The model stayed away for longer than the configured patience.
+            ModelUnavailableError: The model did not answer within the configured patience.
         """
         numbers = [block.number for block in overview.blocks if block.number not in excluded]
         if not numbers:
@@ -125,20 +126,20 @@ class VlmReasoner:
         )
 
     def take_report(self) -> dict[str, Any]:
-        """How often the fallback had to choose since the last call."""
+        """Number of choices of the fallback since the last call."""
         report, self.fallbacks = {"geometric_choices": self.fallbacks}, 0
         return report
 
     def question(
         self, overview: Overview, goal: Goal, excluded: frozenset[int], *, hint: str = ""
     ) -> Question:
-        """What is asked about one map.
+        """Question about one map.
 
         Args:
-            overview: The map and its blocks.
-            goal: What is searched for.
-            excluded: Blocks that must not be answered.
-            hint: Said in addition, about an answer that could not be used.
+            overview: Map and blocks.
+            goal: Target of the search.
+            excluded: Numbers of the blocks that must not be answered.
+            hint: Additional text about an answer that could not be used.
         """
         blocks = [block.number for block in overview.blocks]
         return map_question(self._config, overview.image, goal, blocks, excluded, hint=hint)
@@ -167,7 +168,7 @@ class VlmReasoner:
     def _ask_for_summary(
         self, answer: Answer, numbers: list[int], excluded: frozenset[int]
     ) -> int | None:
-        """Have the model itself say in one word which number it meant (paper: summariser)."""
+        """Ask the model itself which number it meant (paper: summariser)."""
         question = Question(
             kind="summarise",
             text=(

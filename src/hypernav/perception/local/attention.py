@@ -1,4 +1,4 @@
-"""Which camera images are worth a question, where questions cost time or money."""
+"""Choice of the camera images that are worth a question, since questions cost time or money."""
 
 from collections import deque
 from dataclasses import dataclass
@@ -22,19 +22,20 @@ _SAME_SURFACE_SHARE = 0.05
 
 
 class AttentionConfig(RoomConfig):
-    """When the detector is not asked. The paper asks it at every step.
+    """Conditions under which the detector is not asked. The paper asks it at every step.
 
     Both savings are off unless switched on: in our measurement they cost success (docs/models.md).
 
     Attributes:
-        skip_seen_views: Not about an image that shows nothing but what was asked about before.
-        seen_share: Of an image's surfaces must have been seen before for that.
-        closer_factor: A surface counts as new again once it is nearer than this part of the
-            distance that it was seen from.
-        edge_share: Of an image's sides; what was seen within it may have been cut off.
-        skip_held_target: Not on the way to a target, until it is ``held_factor`` as far as when it
-            was last looked at. Only for ``local.target=hold``.
-        held_factor: See there.
+        skip_seen_views: Whether to skip images that show nothing but surfaces of earlier questions.
+        seen_share: Share of an image's surfaces that must have been seen before to skip it.
+        closer_factor: Share of the distance that a surface was seen from; nearer than that it
+            counts as new again.
+        edge_share: Width of an image's edge, as a share of its sides; objects seen there may be cut
+            off.
+        skip_held_target: Whether to skip images on the path to a target, until the distance has
+            fallen to ``held_factor`` of that at the last question. Only for ``local.target=hold``.
+        held_factor: Share of the distance at the last question; see ``skip_held_target``.
     """
 
     skip_seen_views: bool = False
@@ -47,7 +48,7 @@ class AttentionConfig(RoomConfig):
 
 @dataclass(frozen=True, eq=False)
 class _View:
-    """What is kept of an image that was asked about."""
+    """Depth and pose of an image that the detector was asked about."""
 
     depth: Float32[np.ndarray, "height width"]
     camera: PinholeCamera
@@ -63,12 +64,12 @@ class _View:
         distance: Float64[np.ndarray, " n"],
         config: AttentionConfig,
     ) -> Bool[np.ndarray, " n"]:
-        """Which points were seen in it, large enough and not at its edge.
+        """Which points the image shows large enough and not at its edge.
 
         Args:
-            points: ``map`` frame, metres.
-            distance: From which each is seen now, along the optical axis.
-            config: What is large enough, and what the edge.
+            points: Points in the ``map`` frame, metres.
+            distance: Distance that each point is seen from now, along the optical axis, metres.
+            config: Distance factor and width of the edge.
         """
         camera, depth = self.camera, self.depth
         ahead = self.map_to_camera.apply(points)
@@ -85,14 +86,14 @@ class _View:
 
 
 class Attention:
-    """Remembers what was asked about, and says whether an image shows anything else."""
+    """Memory of the images asked about; tells whether an image shows anything else."""
 
     def __init__(self, log: ExchangeLog, config: AttentionConfig) -> None:
         """Create it.
 
         Args:
-            log: Where every image that is not asked about is written for the trace.
-            config: When that is.
+            log: Log of the skipped images, for the trace.
+            config: Conditions for skipping images.
         """
         self._log = log
         self._config = config
@@ -109,8 +110,8 @@ class Attention:
         Images are kept only if ``skip_seen_views`` is on.
 
         Args:
-            observation: What the camera sees.
-            target: The goal area that is held; None while the goal is searched for.
+            observation: Present frame.
+            target: Goal area that is held; None while the goal is searched for.
         """
         if target is not None and self._config.skip_held_target:
             distance_m = target.distance_to(*observation.robot.xy)

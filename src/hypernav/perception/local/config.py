@@ -1,4 +1,4 @@
-"""How a detection becomes a goal area, and when that is believed."""
+"""Configuration of local perception: from detections to goal areas."""
 
 from typing import Annotated, Literal
 
@@ -16,36 +16,38 @@ def _odd(side: int) -> int:
 
 
 OddSide = Annotated[int, Field(ge=1, le=101), AfterValidator(_odd)]
-"""Side of a kernel."""
+"""Side of a kernel, an odd number of cells or pixels."""
 
 
 class LocalConfig(RoomConfig):
     """How a detection becomes a goal area.
 
+    Values not marked with "paper" are ours: the paper is silent on them.
+
     Attributes:
-        erosion_px: Side of the kernel that erodes the mask, so that its edge does not spill onto
-            the background (paper: "the mask is eroded"); 1 does not erode.
-        min_points: Fewer points of the target with depth are not trusted.
-        dilation_kernel: Side of the kernel that dilates the cells (paper: 5×5).
-        dilation_iterations: How often (paper: 3).
-        largest_cluster_only: Keep only the cells that hang together with most points.
-        entry_reach_m: The robot goes to where it is so near to cells that it saw, but not behind
-            a wall; 0 (paper) sends it to the dilated cells.
-        target: "latest": every new detection moves the goal area (paper). "hold": the robot keeps
-            to one target, whose area grows with every look at it, and other detections do not
-            distract it.
-        pick: Which of several detections becomes the target: the detector's "first" (paper), or
-            the one "nearest" to the robot.
-        min_sightings: A target counts only when seen in this many images.
-        min_mean_score: A target whose detections were less certain on average is rejected when the
+        erosion_px: Side of the kernel that erodes the mask, pixels, so that its edge does not spill
+            onto the background (paper: "the mask is eroded", its size is ours); 1 does not erode.
+        min_points: Number of points with depth that a goal area needs.
+        dilation_kernel: Side of the kernel that dilates the cells, cells (paper: 5×5).
+        dilation_iterations: Number of dilations (paper: 3).
+        largest_cluster_only: Whether to keep only the connected cells that most points fall into.
+        entry_reach_m: Distance from the seen cells, metres, within which the robot may enter the
+            goal area, but not behind a wall; 0 (paper) sends it to the dilated cells.
+        target: Rule for new detections. "latest": every new detection moves the goal area (paper).
+            "hold": the robot keeps to one target, whose area grows with every look at it, and other
+            detections do not distract it.
+        pick: Choice among several detections: the detector's "first" (paper), or the one "nearest"
+            to the robot.
+        min_sightings: Number of images that must show a target before it counts.
+        min_mean_score: Mean score of a target's detections below which it is rejected when the
             robot stands before it.
-        sure_score: A target whose detections were less certain on average is looked at once more,
-            from another side, before it is believed; 0 (paper) does without.
-        weigh_rivals: Take what the detector calls by other names into account: a target that looks
-            more like something else is dropped.
-        max_missed_share: A held target is dropped when, of the images that should have shown it,
-            more than this share did not. 1 never drops one.
-        min_verdicts: Images needed before that share is believed.
+        sure_score: Mean score of a target's detections below which it needs a second look, from
+            another side; 0 (paper) does without.
+        weigh_rivals: Whether detections of other labels count as evidence against a target: one
+            that looks more like something else is dropped.
+        max_missed_share: Share of the images that should have shown a held target and did not,
+            above which it is dropped; 1 never drops one.
+        min_verdicts: Number of images needed before that share is believed.
     """
 
     erosion_px: OddSide = 5

@@ -1,4 +1,4 @@
-"""Box-prompted segmentation without weights: cut the box by depth, then by colour."""
+"""Box-prompted segmentation without weights: a cut by depth, then by colour."""
 
 import cv2
 import numpy as np
@@ -14,19 +14,20 @@ _BIN_M = 0.10
 
 
 class DepthCutConfig(RoomConfig):
-    """How a box is cut.
+    """Configuration of the depth cut, which replaces the paper's MobileSAM; its values are ours.
 
     Attributes:
-        work_size_px: The longer side of the box is reduced to this before the colour cut.
-        margin: Part of the box's size that is taken around it as certain background.
-        depth_gap_m: A jump in depth of this size ends the object.
-        iterations: Of GrabCut.
-        floor_height_m: What is lower than this is floor, not the object: it touches the object
-            without a jump in depth and often has its colour. 0 keeps it.
-        max_empty_share: If more of the box than this has no depth, the object is beyond the range
+        work_size_px: Length that the longer side of the box is reduced to before the colour cut,
+            pixels.
+        margin: Width of the certain background around the box, as a share of the box's size.
+        depth_gap_m: Jump in depth that ends the object, metres.
+        iterations: Number of GrabCut's iterations.
+        floor_height_m: Height below which a pixel is floor, not the object, metres: floor touches
+            the object without a jump in depth and often has its colour. 0 keeps it.
+        max_empty_share: Share of the box without depth above which the object lies beyond the range
             of depth, and what has depth stands before it.
-        max_floor_share: If more of the box than this is floor, the object lies on it (a rug), and
-            the floor is kept.
+        max_floor_share: Share of the box on the floor above which the object lies on it (a rug),
+            and the floor is kept.
     """
 
     work_size_px: int = Field(default=120, ge=16, le=4096)
@@ -120,7 +121,7 @@ class DepthCutSegmenter:
         cv2.grabCut(
             np.ascontiguousarray(rgb),
             labels,
-            (0, 0, 0, 0),  # unused: the mask says where the thing is
+            (0, 0, 0, 0),  # unused: the mask says where the object is
             np.zeros((1, 65)),
             np.zeros((1, 65)),
             self._config.iterations,

@@ -1,4 +1,4 @@
-"""The cells that the refined detection projects to."""
+"""Goal areas: the cells that refined detections project to."""
 
 import math
 from dataclasses import dataclass, replace
@@ -28,11 +28,11 @@ def points_under_mask(
     a wall.
 
     Args:
-        mask: Pixels of the target.
-        observation: The frame that the mask was made from.
-        min_depth_m: Lower limit of the sensor's range.
-        max_depth_m: Upper limit of the sensor's range.
-        stride: Use every n-th pixel in both directions.
+        mask: Mask of the target's pixels.
+        observation: Frame that the mask was made from.
+        min_depth_m: Lower limit of the sensor's range, metres.
+        max_depth_m: Upper limit of the sensor's range, metres.
+        stride: Step between the pixels in use, in both directions.
     """
     rows, columns = np.nonzero(mask[::stride, ::stride])
     depth = observation.depth[::stride, ::stride][rows, columns].astype(np.float64)
@@ -45,17 +45,17 @@ def points_under_mask(
 
 @dataclass(frozen=True, eq=False)
 class GoalArea:
-    """Where the target is, on the floor plan.
+    """The area of the target on the floor plan.
 
     Cells are kept as metres, since the map's own cells move when it grows.
 
     Attributes:
-        mask: Dilated cells.
-        seen: Cells that points of the target really fall into.
-        entry: Cells that the robot may go to.
+        mask: Mask of the dilated cells.
+        seen: Mask of the cells that points of the target fall into.
+        entry: Mask of the cells that the robot may go to.
         origin: Lower left corner of the masks, metres.
-        resolution_m: Side of a cell.
-        height_m: Of the target's middle above the floor.
+        resolution_m: Side of a cell, metres.
+        height_m: Height of the target's middle above the floor, metres.
     """
 
     mask: Bool[np.ndarray, "rows columns"]
@@ -77,12 +77,12 @@ class GoalArea:
         """Project points to cells and dilate them (paper: 5×5 kernel, 3 iterations).
 
         Args:
-            points: Of the target, ``map`` frame, metres.
-            resolution_m: Cell size of the map.
+            points: Points of the target, ``map`` frame, metres.
+            resolution_m: Side of a map cell, metres.
             kernel: Side of the dilation kernel, cells.
-            iterations: Dilations.
-            largest_cluster_only: Keep only the cluster that most points fall into, so that a mask
-                that leaks to the wall behind does not move the goal there.
+            iterations: Number of dilations.
+            largest_cluster_only: Whether to keep only the cluster that most points fall into, so
+                that a mask that leaks to the wall behind does not move the goal there.
 
         Returns:
             The area, or None without points.
@@ -109,7 +109,7 @@ class GoalArea:
         return GoalArea(mask, seen, mask, origin, resolution_m, float(np.median(points[:, 2])))
 
     def joined(self, other: "GoalArea") -> "GoalArea":
-        """The cells of both areas: what two looks at the same thing have shown of it."""
+        """The cells of both areas, from two looks at the same target."""
         size = self.resolution_m
         corners = [np.round(np.array(a.origin)[::-1] / size).astype(int) for a in (self, other)]
         low = np.minimum(*corners)
@@ -127,14 +127,14 @@ class GoalArea:
         return GoalArea(mask, seen, entry, origin, size, self.height_m)
 
     def entered_from(self, observation: Observation, reach_m: float) -> "GoalArea":
-        """The same, to be entered near what was seen, but not behind a wall.
+        """The same area, to be entered near the seen cells, but not behind a wall.
 
         Cells are dilated in all directions, also through a thin wall into the next room. An image
         that shows the target shows as well what lies on its own side of the walls.
 
         Args:
-            observation: The image that shows the target.
-            reach_m: Of the robot to what was seen.
+            observation: Frame that shows the target.
+            reach_m: Distance of the robot from the seen cells, metres.
         """
         margin = math.ceil(reach_m / self.resolution_m)
         wide = self._widened(margin)
@@ -146,7 +146,7 @@ class GoalArea:
         return replace(wide, entry=entry) if entry.any() else self
 
     def _widened(self, margin: int) -> "GoalArea":
-        """The same in a larger window."""
+        """The same area in a larger window."""
         shift = margin * self.resolution_m
         return GoalArea(
             np.pad(self.mask, margin),

@@ -1,4 +1,4 @@
-"""Reading boxes out of what a vision-language model wrote. Never raises, whatever that was.
+"""Reading boxes out of the text of a vision-language model. Never raises, whatever the text.
 
 Read are: JSON, bare, fenced or amid prose; lists, single objects and objects around lists; JSON
 that was cut off or that has single quotes and trailing commas; lists of numbers without keys; and
@@ -43,7 +43,7 @@ _FLAT_OBJECT = re.compile(r"\{[^{}]{0,2000}\}")
 
 
 class Rejection(StrEnum):
-    """Why a box was not taken."""
+    """Reason for not taking a box."""
 
     NOT_FOUR = "not four numbers"
     NOT_A_NUMBER = "not a number"
@@ -56,12 +56,12 @@ class Rejection(StrEnum):
 
 @dataclass(frozen=True)
 class GroundedBox:
-    """One box that a model gave.
+    """One box of an answer.
 
     Attributes:
-        box: In pixels of the image, clipped to it.
-        label: The model's own word; empty if it gave none.
-        score: The model's own confidence; 1 if it gave none.
+        box: Box in pixels of the image, clipped to it.
+        label: Label from the model; empty if it gave none.
+        score: Confidence from the model; 1 if it gave none.
     """
 
     box: Box
@@ -71,11 +71,11 @@ class GroundedBox:
 
 @dataclass(frozen=True)
 class Grounding:
-    """All that an answer holds.
+    """The boxes of an answer.
 
     Attributes:
-        boxes: The usable ones, in the model's order.
-        rejected: How many were not, by reason.
+        boxes: Usable boxes, in the model's order.
+        rejected: Number of the other boxes, by reason.
     """
 
     boxes: tuple[GroundedBox, ...] = ()
@@ -104,12 +104,12 @@ def read_grounding(
     """Read the boxes of an answer.
 
     Args:
-        text: What the model wrote; anything.
-        family: Whose coordinates it wrote.
-        width: Of the image that the boxes are wanted in, pixels.
-        height: Of the same.
-        max_boxes: Further ones are rejected.
-        min_side_px: Boxes with a shorter side, in the image's pixels, are rejected.
+        text: Text of the answer; anything.
+        family: Family of the model, which tells its coordinates.
+        width: Width of the image that the boxes are wanted in, pixels.
+        height: Height of the same image, pixels.
+        max_boxes: Largest number of boxes; further ones are rejected.
+        min_side_px: Shortest side of a box, in the image's pixels; smaller boxes are rejected.
     """
     boxes: list[GroundedBox] = []
     rejected: Counter[Rejection] = Counter()
@@ -191,15 +191,15 @@ def _json_values(text: str) -> list[Any]:
     """All JSON values of a text that are lists or objects, also within broken ones."""
     decoder = json.JSONDecoder()
     values: list[Any] = []
-    place = 0
+    at = 0
     for _ in range(_MOST_ATTEMPTS):
-        begin = _OPENING.search(text, place)
+        begin = _OPENING.search(text, at)
         if begin is None:
             break
         try:
-            value, place = decoder.raw_decode(text, begin.start())
+            value, at = decoder.raw_decode(text, begin.start())
         except (ValueError, RecursionError):
-            value, place = _mended(text, begin.start())
+            value, at = _mended(text, begin.start())
         if value is not None:
             values.append(value)
     return values

@@ -1,4 +1,4 @@
-"""Local perception: is the goal in the image, and where on the floor plan is it?"""
+"""Local perception: the goal in the image and its area on the floor plan."""
 
 import math
 from dataclasses import dataclass, replace
@@ -17,7 +17,7 @@ from hypernav.core.trace import DetectionRecord
 from hypernav.perception.local.attention import Attention
 from hypernav.perception.local.config import LocalConfig
 from hypernav.perception.local.goal_area import GoalArea, points_under_mask
-from hypernav.perception.local.target import Target, same_place
+from hypernav.perception.local.target import Target, areas_touch
 from hypernav.perception.local.visibility import is_cut_off, seems_to_hold, should_be_visible
 
 _NO_DEPTH = "too few points with depth"
@@ -31,7 +31,7 @@ class _Candidate:
 
 
 class LocalPerception:
-    """Detect, segment, refine, project; remembers the target and what was rejected."""
+    """Detects, segments, refines and projects; remembers the target and rejected areas."""
 
     def __init__(
         self,
@@ -46,12 +46,13 @@ class LocalPerception:
         """Create it.
 
         Args:
-            detector: Finds boxes of the goal.
-            segmenter: Finds the pixels in a box; not asked where a detection has its own mask.
-            config: Values of the method.
-            camera: Range of its depth.
-            cell_size_m: Of the map.
-            attention: Says which images the detector is asked about; None asks about all.
+            detector: Detector that finds boxes of the goal.
+            segmenter: Segmenter of the pixels in a box; not asked where a detection has its own
+                mask.
+            config: Configuration of the method.
+            camera: Camera, whose range of depth counts.
+            cell_size_m: Side of a map cell, metres.
+            attention: Choice of the images that the detector is asked about; None asks about all.
         """
         self._detector = detector
         self._attention = attention
@@ -118,13 +119,13 @@ class LocalPerception:
             self._target = replace(self._target, confirmed=True)
 
     def bar_position(self, observation: Observation) -> bool:
-        """Look for another place at the target if something hides it from a robot that faces it.
+        """Look for another position at the target if something hides it from a robot that faces it.
 
         Args:
-            observation: What the robot sees, turned to the target; it has been looked at.
+            observation: Present frame of a robot that faces the target, after `look`.
 
         Returns:
-            Whether the target is hidden and there is another place.
+            Whether the target is hidden and there is another position.
         """
         target = self._target
         is_seen = self._score_now > 0.0
@@ -148,7 +149,7 @@ class LocalPerception:
         """Search one image and update the target.
 
         Returns:
-            Every detection of the image, and why it did or did not give a goal area.
+            Every detection of the image, and whether it gave a goal area or the reason why not.
         """
         records: list[DetectionRecord] = []
         candidates: list[_Candidate] = []
@@ -184,7 +185,7 @@ class LocalPerception:
             mask = self._segmenter.segment(observation, detection.box)
         kernel = np.ones((self._config.erosion_px, self._config.erosion_px), np.uint8)
         eroded = cv2.erode(mask.astype(np.uint8), kernel).astype(bool)
-        # A thin thing would vanish; a little background is the smaller evil.
+        # A thin object would vanish; a little background is the smaller evil.
         return eroded if 4 * int(eroded.sum()) >= int(mask.sum()) else mask
 
     def _area(
@@ -231,7 +232,7 @@ class LocalPerception:
         if target is None or self._config.target == "latest":
             same = candidates[0] if candidates else None
         else:
-            same = next((c for c in candidates if same_place(c.area, target.area)), None)
+            same = next((c for c in candidates if areas_touch(c.area, target.area)), None)
         self._score_now = 0.0 if same is None else float(same.detection.score)
         if same is not None:
             self._target = self._merged(same, observation)
@@ -244,11 +245,11 @@ class LocalPerception:
             self._drop_if_refuted()
 
     def _weigh_rivals(self, others: list[Detection], observation: Observation) -> None:
-        """Note by what score the target looks like something else in this image."""
+        """Note the score by which the target looks like something else in this image."""
         if self._target is None:
             return
-        places = self._target.area.seen_points
-        scores = [float(one.score) for one in others if seems_to_hold(one.box, places, observation)]
+        seen = self._target.area.seen_points
+        scores = [float(one.score) for one in others if seems_to_hold(one.box, seen, observation)]
         if scores:
             strongest = max(scores)
             self._target = replace(self._target, rival_score=self._target.rival_score + strongest)
@@ -257,7 +258,7 @@ class LocalPerception:
 
     def _merged(self, candidate: _Candidate, observation: Observation) -> Target:
         old, detection = self._target, candidate.detection
-        if old is None or not same_place(candidate.area, old.area):
+        if old is None or not areas_touch(candidate.area, old.area):
             score = float(detection.score)
             return Target(candidate.area, observation, detection.box.area, score)
         hold = self._config.target == "hold"

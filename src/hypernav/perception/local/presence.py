@@ -1,4 +1,4 @@
-"""Looking once more, at the goal, before the robot declares success (paper: Stop)."""
+"""The presence check at the goal, before the robot declares success (paper: Stop)."""
 
 from typing import Any, Literal
 
@@ -16,13 +16,13 @@ _PROMPT = "Is there a {goal} in this picture? Answer yes or no."
 
 
 class PresenceConfig(RoomConfig):
-    """How the last question is asked.
+    """Configuration of the presence check. The paper does not give its question: this one is ours.
 
     Attributes:
-        enabled: Ask it at all, where a chat model is at hand.
-        prompt: The question; ``{goal}`` is filled in.
-        unsure: What an answer that is neither counts as. "yes" trusts the detector.
-        min_probability: Of "yes", where the model tells probabilities.
+        enabled: Whether to ask, where there is a chat model.
+        prompt: Text of the question; ``{goal}`` is filled in.
+        unsure: Value of an answer that is neither yes nor no. "yes" trusts the detector.
+        min_probability: Probability that "yes" needs, where the model tells probabilities.
     """
 
     enabled: bool = True
@@ -32,7 +32,7 @@ class PresenceConfig(RoomConfig):
 
 
 def presence_question(config: PresenceConfig, image: Image, goal: Goal) -> Question:
-    """What a model is asked at the goal."""
+    """Question to a model at the goal."""
     return Question(
         kind="verify",
         text=config.prompt.replace("{goal}", goal.text.strip()),
@@ -51,18 +51,18 @@ class VlmPresenceCheck:
         """Create the check.
 
         Args:
-            chat: Who is asked.
-            log: Where every question and answer is written for the trace.
-            config: How it is asked.
+            chat: Chat model to ask.
+            log: Log of all questions and answers, for the trace.
+            config: Configuration of the question.
         """
         self._chat = chat
         self._log = log
         self._config = config or PresenceConfig()
         self.unsure = 0
-        """Answers so far that were neither yes nor no."""
+        """Number of answers so far that were neither yes nor no."""
 
     def take_report(self) -> dict[str, Any]:
-        """The answers that were neither yes nor no since the last call."""
+        """Number of answers that were neither yes nor no since the last call."""
         report, self.unsure = {"unsure_presence_checks": self.unsure}, 0
         return report
 
@@ -70,7 +70,7 @@ class VlmPresenceCheck:
         """Ask yes or no.
 
         Raises:
-            ModelUnavailableError: The model stayed away for longer than the configured patience.
+            ModelUnavailableError: The model did not answer within the configured patience.
         """
         question = presence_question(self._config, observation.rgb, goal)
         answer = self._chat.ask(question)

@@ -1,4 +1,4 @@
-"""What the robot believes to be the goal, and the evidence for and against it."""
+"""The target of an approach, and the evidence for and against it."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -11,24 +11,24 @@ from hypernav.core.observation import Observation
 from hypernav.perception.local.goal_area import GoalArea
 
 _BARRED_M = 0.4
-"""So far around a place that is cut off from the target all others are, too."""
+"""Radius around a position that is cut off from the target, within which all others are, too."""
 
 
 @dataclass(frozen=True, eq=False)
 class Target:
-    """What the robot believes to be the goal.
+    """The object that the robot takes for the goal.
 
     Attributes:
-        area: Where it is.
-        best_view: The image that showed it largest.
-        best_pixels: How large that was, square pixels of the box.
-        mean_score: Of the detections in the images that showed it.
-        sightings: Images that showed it.
-        misses: Images that should have shown it and did not.
-        rival_score: Sum over all images of the score by which the detector took it for something
+        area: Goal area of the target.
+        best_view: Frame that showed the target largest.
+        best_pixels: Area of its box in that frame, square pixels.
+        mean_score: Mean score of its detections.
+        sightings: Number of images that showed it.
+        misses: Number of images that should have shown it and did not.
+        rival_score: Sum of the scores, over all images, by which the detector took it for something
             else.
-        confirmed: Whether it was looked at once more, from another side.
-        barred: Places ``(x, y)``, metres, that turned out to be cut off from it.
+        confirmed: Whether a second look, from another side, was taken.
+        barred: Positions ``(x, y)``, metres, that turned out to be cut off from it.
     """
 
     area: GoalArea
@@ -43,53 +43,53 @@ class Target:
 
     @cached_property
     def entry_points(self) -> Float64[np.ndarray, "n 2"]:
-        """Where the robot may go to be at the target, ``(x, y)``, metres.
+        """Points where the robot may enter the goal area, ``(x, y)``, metres.
 
-        Not where it is barred, unless it is barred everywhere.
+        Barred positions are left out, unless all are barred.
         """
         points = self.area.entry_points
         is_open = _far_from(points, self.barred)
         return points[is_open] if is_open.any() else points
 
     def distance_to(self, x: float, y: float) -> float:
-        """Straight distance to the nearest place where the robot may go, metres."""
+        """Straight distance to the nearest entry point, metres."""
         return float(np.linalg.norm(self.entry_points - np.array([x, y]), axis=1).min())
 
-    def barred_at(self, place: tuple[float, float]) -> "Target | None":
-        """The same, not to be entered around a place ``(x, y)``.
+    def barred_at(self, position: tuple[float, float]) -> "Target | None":
+        """The same target, not to be entered around a position ``(x, y)``.
 
-        None if no other place is left, or if there is nothing to enter around this one.
+        None if no other entry point is left, or if there is none around this position.
         """
-        other = _far_from(self.entry_points, (place,))
+        other = _far_from(self.entry_points, (position,))
         if other.all() or not other.any():
             return None
-        return replace(self, barred=(*self.barred, place))
+        return replace(self, barred=(*self.barred, position))
 
     @property
     def is_outdone(self) -> bool:
-        """Whether it looked more like something else than like the goal."""
+        """Whether the target looked more like something else than like the goal."""
         return self.rival_score > self.mean_score * self.sightings
 
     @property
     def missed_share(self) -> float:
-        """Of the images that should have shown it, the share that did not."""
+        """Share of the images that should have shown the target and did not."""
         return self.misses / self.verdicts
 
     @property
     def verdicts(self) -> int:
-        """Images that showed it or should have."""
+        """Number of images that showed the target or should have."""
         return self.sightings + self.misses
 
     def seen_again(
         self, area: GoalArea, detection: Detection, observation: Observation, *, join: bool
     ) -> "Target":
-        """After one more image that shows it.
+        """The target after one more image that shows it.
 
         Args:
-            area: Where that image shows it.
-            detection: What the detector said.
-            observation: The image.
-            join: Keep what other images have shown of it, instead of the latest alone.
+            area: Goal area in that image.
+            detection: Detection in that image.
+            observation: Frame of that image.
+            join: Whether to keep the areas of earlier images, instead of the latest alone.
         """
         pixels, score = detection.box.area, float(detection.score)
         better = pixels > self.best_pixels
@@ -103,16 +103,16 @@ class Target:
         )
 
 
-def same_place(a: GoalArea, b: GoalArea) -> bool:
+def areas_touch(a: GoalArea, b: GoalArea) -> bool:
     """Whether two areas touch."""
     return a.covers(b) > 0.0 or b.covers(a) > 0.0
 
 
 def _far_from(
-    points: Float64[np.ndarray, "n 2"], places: tuple[tuple[float, float], ...]
+    points: Float64[np.ndarray, "n 2"], positions: tuple[tuple[float, float], ...]
 ) -> Bool[np.ndarray, " n"]:
-    """Whether points are not right beside one of some places."""
+    """Whether points are not right beside one of some positions."""
     is_far = np.ones(len(points), dtype=bool)
-    for place in places:
-        is_far &= np.linalg.norm(points - np.array(place), axis=1) > _BARRED_M
+    for position in positions:
+        is_far &= np.linalg.norm(points - np.array(position), axis=1) > _BARRED_M
     return is_far

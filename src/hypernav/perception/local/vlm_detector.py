@@ -1,4 +1,4 @@
-"""Seeing the goal with a vision-language model: it is asked for boxes (paper: VLM grounding)."""
+"""Detection by a vision-language model that is asked for boxes (paper: VLM grounding)."""
 
 from collections import Counter
 from typing import Any, Literal
@@ -25,17 +25,19 @@ _PROMPT = (
 
 
 class VlmDetectorConfig(RoomConfig):
-    """How a vision-language model is asked for boxes.
+    """Configuration of the question for boxes. Its wording and limits are ours.
 
     Attributes:
-        family: Whose coordinates it answers in; "auto" reads it off the model's name.
-        prompt: The question. ``{goal}``, ``{key}`` (of a box) and ``{example}`` are filled in.
-        constrained: Enforce the JSON form where the server can. The models were trained on free
-            answers and these are read tolerantly, so it is rarely needed.
-        drop_other_labels: Reject boxes that the model itself labels as something else.
-        max_tokens: The longest answer; a box takes about 40.
-        max_boxes: Further candidates are dropped.
-        min_side_px: Boxes with a shorter side are dropped.
+        family: Family of models whose coordinates the model answers in; "auto" reads it off the
+            model's name.
+        prompt: Text of the question. ``{goal}``, ``{key}`` (of a box) and ``{example}`` are filled
+            in.
+        constrained: Whether to enforce the JSON form where the server can. The models were trained
+            on free answers and these are read tolerantly, so it is rarely needed.
+        drop_other_labels: Whether to reject boxes that the model itself labels as something else.
+        max_tokens: Limit on the length of the answer, tokens; a box takes about 40.
+        max_boxes: Largest number of boxes; further ones are dropped.
+        min_side_px: Shortest side of a box, pixels; smaller boxes are dropped.
     """
 
     family: Literal["auto"] | FamilyName = "auto"
@@ -76,7 +78,7 @@ class _Things(BaseModel):
 def grounding_question(
     config: VlmDetectorConfig, family: VlmFamily, image: Image, goal: Goal
 ) -> Question:
-    """What a model of a family is asked about one image."""
+    """Question to a model of a family about one image."""
     example = "[y1, x1, y2, x2]" if family.rows_first else "[x1, y1, x2, y2]"
     return Question(
         kind="ground",
@@ -88,7 +90,7 @@ def grounding_question(
 
 
 class VlmDetector:
-    """Asks for boxes of the goal. Whatever comes back is read, counted and never raises."""
+    """Asks for boxes of the goal. Every answer is read and counted; none raises an error."""
 
     def __init__(
         self, chat: ChatModel, log: ExchangeLog, config: VlmDetectorConfig | None = None
@@ -96,23 +98,23 @@ class VlmDetector:
         """Create the detector.
 
         Args:
-            chat: Who is asked.
-            log: Where every question and answer is written for the trace.
-            config: How it is asked.
+            chat: Chat model to ask.
+            log: Log of all questions and answers, for the trace.
+            config: Configuration of the question.
         """
         self._chat = chat
         self._log = log
         self._config = config or VlmDetectorConfig()
         self._family: VlmFamily | None = None
         self.rejected: Counter[str] = Counter()
-        """Boxes and answers that could not be used so far, by reason."""
+        """Number of boxes and answers that could not be used so far, by reason."""
 
     @property
     def family(self) -> VlmFamily:
-        """Whose coordinates the model answers in.
+        """Family of models whose coordinates the model answers in.
 
         Raises:
-            ConfigError: The model's name does not tell, and none is configured.
+            ConfigError: The model's name does not tell the family, and none is configured.
             ModelUnavailableError: The model's name cannot be found out.
         """
         if self._family is None:
@@ -122,24 +124,24 @@ class VlmDetector:
         return self._family
 
     def check_model(self) -> VlmFamily:
-        """Refuse a model of which it isn't known in which coordinates it answers, as `family`."""
+        """Refuse a model whose coordinates are not known, as `family` does."""
         return self.family
 
     def take_report(self) -> dict[str, Any]:
-        """The boxes and answers that could not be used since the last call, by reason."""
+        """Number of boxes and answers that could not be used since the last call, by reason."""
         report = {"rejected_boxes": dict(sorted(self.rejected.items()))}
         self.rejected.clear()
         return report
 
     def question(self, observation: Observation, goal: Goal) -> Question:
-        """What is asked about one image."""
+        """Question about one image."""
         return grounding_question(self._config, self.family, observation.rgb, goal)
 
     def detect(self, observation: Observation, goal: Goal) -> list[Detection]:
         """All candidates, in the model's order.
 
         Raises:
-            ModelUnavailableError: The model stayed away for longer than the configured patience.
+            ModelUnavailableError: The model did not answer within the configured patience.
         """
         question = self.question(observation, goal)
         return self.read(question, self._chat.ask(question), observation, goal)
@@ -164,7 +166,7 @@ class VlmDetector:
     def _judge(
         self, answer: Answer, grounding: Grounding, goal: Goal
     ) -> tuple[list[GroundedBox], list[str]]:
-        """The boxes to keep, and what was odd."""
+        """The boxes to keep, and oddities of the answer."""
         remarks = [
             f"{count} {'box' if count == 1 else 'boxes'} {reason.value}"
             for reason, count in grounding.rejected.items()
@@ -187,7 +189,7 @@ class VlmDetector:
 
 
 def labels_agree(label: str, goal: Goal) -> bool:
-    """Whether a model's label can mean the goal: the same thing, or one named wider or narrower.
+    """Whether a model's label can mean the goal: the same name, or a wider or narrower one.
 
     "sofa" agrees with the goal "L-shaped sofa", "corner sofa" with the goal "sofa"; a "window
     curtain" is no "shower curtain".

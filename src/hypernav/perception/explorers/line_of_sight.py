@@ -1,4 +1,4 @@
-"""How far one can see along a line on the map."""
+"""Lines of sight on the map."""
 
 import math
 
@@ -15,12 +15,12 @@ def last_free_towards(
 
     Args:
         grid: The map.
-        robot: Where the robot is.
+        robot: Pose of the robot.
         bearing: Direction from the robot's heading, radians, positive to the left.
-        reach_m: How far to look.
+        reach_m: Length of the line, metres.
 
     Returns:
-        ``(x, y)``, metres; the robot's own place if nothing ahead is free.
+        Point ``(x, y)``, metres; the robot's own position if nothing ahead is free.
     """
     angle = robot.yaw + bearing
     along = np.arange(grid.resolution_m, reach_m, grid.resolution_m)
