@@ -81,7 +81,7 @@ def test_a_start_inside_a_wall_names_a_better_one(glb, tmp_path, capsys):
         "find", "bed", "--scene", glb, "--out", tmp_path, "--start", -1, 0, 0, "--quiet"
     )
     assert status == 2
-    assert "nearest place is" in capsys.readouterr().err
+    assert "nearest position is" in capsys.readouterr().err
 
 
 def test_help_names_every_option(capsys):

@@ -148,7 +148,7 @@ def test_misuse_is_told_in_words(tmp_path):
         env.reset(options={"gaol": "bed"})
     with pytest.raises(WorldError, match=r"\(x, y, yaw\)"):
         env.reset(options={"start": (1.0, 2.0)})
-    with pytest.raises(StartError, match="nearest place"):
+    with pytest.raises(StartError, match="nearest position"):
         env.reset(options={"start": (5.0, 2.0, 0.0)})
     with pytest.raises(GoalError, match="empty"):
         env.reset(options={"goal": " "})

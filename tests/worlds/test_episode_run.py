@@ -78,5 +78,5 @@ def test_an_interrupted_episode_has_a_result():
 
 
 def test_a_start_inside_a_wall_is_refused():
-    with pytest.raises(StartError, match="nearest place"):
+    with pytest.raises(StartError, match="nearest position"):
         run(Action.STOP, start=Pose2(5.0, 1.0, 0.0))

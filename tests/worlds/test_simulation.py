@@ -155,7 +155,7 @@ def test_labels_name_what_is_seen_and_can_be_switched_off(world):
     "start", [Pose2(5.2, 2.0, 0.0), Pose2(0.1, 2.0, 0.0), Pose2(40.0, -3.0, 0.0)]
 )
 def test_a_start_in_an_obstacle_or_outside_names_the_nearest_place(world, start):
-    with pytest.raises(StartError, match=r"the nearest place is \(") as caught:
+    with pytest.raises(StartError, match=r"the nearest position is \(") as caught:
         world.reset(episode_from(start))
     x, y = str(caught.value).rsplit("(", 1)[1].strip(")").split(",")
     assert world.walkable.is_standable(float(x), float(y))

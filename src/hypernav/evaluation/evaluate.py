@@ -1,4 +1,4 @@
-"""Evaluating an agent of your own from a program; `hypernav eval` does the same for ours."""
+"""The evaluation of an agent of your own from a program, as `hypernav eval` does by command."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -22,18 +22,21 @@ def evaluate(
     save: SaveChoice = "none",
     watch: Callable[[RunNews], None] | None = None,
 ) -> RunNews:
-    """Run an agent of your own over a data set; the same call goes on where it was interrupted.
+    """Run an agent of your own over a data set; the same call resumes an interrupted run.
 
     Workers are processes, so a program that calls this needs ``if __name__ == "__main__":``, and
     the factory must be a function or class that they can import.
 
     Args:
         plan: Data set, robot and protocol. What `RunPlan.who` leaves open is filled in.
-        folder: Of the run; `hypernav.evaluation.report.write_report` reads it.
-        make_agent: Builds the agent, once in every worker.
-        workers: How many processes.
-        save: Which episodes keep page and video.
-        watch: Is told whenever something has happened.
+        folder: Folder of the run; `hypernav.evaluation.report.report_page.write_report` reads it.
+        make_agent: Factory of the agent, called once in every worker.
+        workers: Number of processes.
+        save: Choice of episodes that keep page and video.
+        watch: Function that is called with the state of the run whenever it has changed.
+
+    Returns:
+        The state of the run at its end, with the records of all episodes.
 
     Raises:
         RunFolderError: The folder can't be used.

@@ -1,8 +1,8 @@
-"""What counts as success: every protocol in use scores the same episode at once.
+"""The protocols under which an episode is scored.
 
 Publications differ in two things. The success distance runs from 0.1 m (Habitat's challenges) to
-1.0 m. And some count a robot that runs out of steps beside the goal, without ever having said that
-it is there. A result keeps the lengths that all of them need, so nothing has to be run again.
+1.0 m. And some count a robot that runs out of steps beside the goal without STOP. A record keeps
+the lengths that all of them need, so no episode has to be run again.
 """
 
 from dataclasses import dataclass
@@ -16,21 +16,21 @@ SUCCESS_DISTANCES_M = (0.1, 0.2, 0.25, 0.3, 1.0)
 
 
 class StopRule(StrEnum):
-    """Who must say that the goal is reached."""
+    """Whether a success needs a STOP."""
 
     STOP_REQUIRED = "stop required"
-    """The robot itself, by STOP (Habitat, Anderson et al. 2018)."""
+    """A success needs a STOP near the goal (Habitat, Anderson et al. 2018)."""
     TIMEOUT_COUNTS = "time-out near the goal counts"
-    """Nobody: an episode that ends near the goal is a success however it ended."""
+    """An episode that ends near the goal is a success, however it ended."""
 
 
 @dataclass(frozen=True)
 class EvaluationProtocol:
-    """One way to score an episode.
+    """A success distance with a stop rule.
 
     Attributes:
-        success_distance_m: Geodesic distance to the nearest view point that is near enough.
-        stop_rule: Who must say so.
+        success_distance_m: Geodesic distance to the nearest view point that counts as reached.
+        stop_rule: Whether a success needs a STOP.
     """
 
     success_distance_m: float = SUCCESS_DISTANCE_M

@@ -1,4 +1,4 @@
-"""What is kept of an episode: one line of ``episodes.jsonl``."""
+"""The record of an episode: one line of ``episodes.jsonl``."""
 
 import math
 from typing import Annotated
@@ -17,36 +17,36 @@ Length = Annotated[
         when_used="json",
     ),
 ]
-"""Metres; an infinite length is ``null`` in JSON, which knows no infinity."""
+"""A length in metres; an infinite one is ``null`` in JSON, which has no infinity."""
 
 EpisodeKey = tuple[str, str]
-"""Scene and episode: what no two lines of a run share."""
+"""Scene and episode, which together identify a record of a run."""
 
 
 class EpisodeRecord(BaseModel):
-    """What came of one episode. Everything but ``seconds`` is the same in every run of it.
+    """The result of one episode. Everything but ``seconds`` is the same in every run of it.
 
     Attributes:
-        scene_id: Where.
-        episode_id: Unique within the scene.
-        goal: What was to be found.
+        scene_id: Name of the scene.
+        episode_id: Name of the episode, unique within the scene.
+        goal: The object to find.
         group: Part of the data set that the episode belongs to ("unseen"); empty if there is none.
-        outcome: How it ended.
-        failure: Why it failed; None for a success.
-        why: The rule that says so, in a sentence with this episode's numbers.
-        success: Under the run's own protocol, as are `spl` and `soft_spl`.
-        spl: Success weighted by path length.
-        soft_spl: The same with progress in place of success.
-        distance_to_goal_m: Geodesic, at the end, to the nearest view point.
-        shortest_path_m: The same at the start.
-        path_length_m: Summed displacement in space.
-        stopped: Whether the robot said that it is there.
-        steps: Actions taken.
-        model_calls: Questions that were put to a model.
-        questions: All questions by kind, those included that no model was needed for.
-        tokens_in: Prompt tokens.
-        tokens_out: Answer tokens.
-        saved: Folder of the episode's page and video within the run's; empty if not kept.
+        outcome: How the episode ended.
+        failure: Class of the failure; None for a success.
+        why: The reason for that class, in a sentence with this episode's numbers.
+        success: Whether the episode is a success under the run's own protocol.
+        spl: Success weighted by path length, under the run's own protocol.
+        soft_spl: Progress weighted by path length, under the run's own protocol.
+        distance_to_goal_m: Geodesic distance from the end to the nearest view point.
+        shortest_path_m: Geodesic distance from the start to the nearest view point.
+        path_length_m: Sum of the displacements in space.
+        stopped: Whether the robot took STOP.
+        steps: Number of actions.
+        model_calls: Number of questions that a model was asked.
+        questions: Number of questions by kind, those included that needed no model.
+        tokens_in: Number of prompt tokens.
+        tokens_out: Number of answer tokens.
+        saved: Folder of page and video, relative to the run's; empty if they are not kept.
         seconds: Wall-clock time: "total", "world" (the simulator) and by module of the agent.
     """
 
@@ -76,10 +76,10 @@ class EpisodeRecord(BaseModel):
 
     @property
     def key(self) -> EpisodeKey:
-        """What no two lines of a run share."""
+        """Scene and episode, which identify the record."""
         return (self.scene_id, self.episode_id)
 
     @property
     def counts(self) -> bool:
-        """Whether the episode says something about navigation."""
+        """Whether the episode counts in rates: model outages and simulator errors do not."""
         return self.failure is None or not self.failure.is_apart

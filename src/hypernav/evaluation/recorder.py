@@ -1,4 +1,4 @@
-"""The files that an episode leaves behind."""
+"""The files that record an episode."""
 
 import json
 import math
@@ -16,19 +16,19 @@ from hypernav.worlds.episode_run import EpisodeStep
 
 
 class EpisodeRecorder:
-    """Writes trace and video while the episode runs, maps, result and page when it ends.
+    """Writes trace and video while the episode runs, and maps, result and page when it ends.
 
-    What was recorded survives an interruption: the trace is flushed step by step, and leaving the
-    ``with`` block finishes the video in any case.
+    An interruption loses nothing that was recorded: the trace is flushed step by step, and leaving
+    the ``with`` block finishes the video in any case.
 
     ============================ =====================================================
-    ``trace.jsonl``              one `StepTrace` a line, equal for equal runs
-    ``timings.jsonl``            seconds per module, a line for each of the trace
+    ``trace.jsonl``              one `StepTrace` per line, equal for equal runs
+    ``timings.jsonl``            seconds per module, one line for each step
     ``trajectory.tum``           ``step x y z qx qy qz qw`` in the ``map`` frame
-    ``episode.mp4``              what the robot saw, knew and decided
-    ``map.png``                  the final map with the whole way
+    ``episode.mp4``              camera image, map and decision of every step
+    ``map.png``                  the final map with the whole trajectory
     ``map.pgm``, ``map.yaml``    the final map for ROS
-    ``result.json``              the numbers
+    ``result.json``              outcome, measures, times and configuration
     ``index.html``               all of it on one page
     ============================ =====================================================
     """
@@ -46,12 +46,12 @@ class EpisodeRecorder:
         """Open the files.
 
         Args:
-            folder: Made if missing; files of an earlier run in it are replaced.
-            goal: What to find.
-            agent: Who searches.
-            detector: Who sees, in words.
-            reasoner: Who chooses where to look, in words.
-            step_limit: The most steps that the episode may take.
+            folder: Folder of the files; created if missing, and files of an earlier run replaced.
+            goal: The object to find.
+            agent: Name of the agent.
+            detector: Description of the detector, for people.
+            reasoner: Description of the reasoner, for people.
+            step_limit: Maximum number of steps of the episode.
         """
         folder.mkdir(parents=True, exist_ok=True)
         self.folder = folder
@@ -84,7 +84,7 @@ class EpisodeRecorder:
         self._video.close()
 
     def add(self, step: EpisodeStep) -> None:
-        """Record a step: what the agent saw, what it did, and its map if it has one."""
+        """Record a step: its observation, its trace, and the agent's map if it has one."""
         self.steps.append(step.trace)
         self._trace.write(step.trace.model_dump_json(exclude={"seconds"}) + "\n")
         self._trace.flush()
@@ -96,10 +96,10 @@ class EpisodeRecorder:
             self._video.add(step.observation, step.trace, step.grid)
 
     def finish(self, result: dict[str, Any]) -> None:
-        """Write all that is known only at the end.
+        """Write the files that are complete only at the end of the episode.
 
         Args:
-            result: The content of ``result.json``; lengths that are infinite become null.
+            result: Content of ``result.json``; infinite lengths become null.
         """
         self._video.finish(result)
         self._video.close()

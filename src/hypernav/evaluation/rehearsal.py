@@ -1,9 +1,9 @@
-"""A first run on two cores: the agent's kernels are compiled beside those of the world.
+"""The warm-up of compiled kernels on the first run on a machine.
 
-Numba compiles a kernel where it is first called, once on a machine, and keeps it on disk. It holds
-Python's global lock meanwhile, so that only another process can compile at the same time. While
-this one builds and draws the world, that one lets an agent search an empty room, which needs no
-world: it calls, and so compiles, what maps and plans.
+Numba compiles a kernel on its first call, once on a machine, and keeps it on disk. It holds
+Python's global lock meanwhile, so only another process can compile at the same time. While this
+process builds and draws the world, the warm-up process lets an agent search an empty room, and so
+compiles the kernels of mapping and planning.
 """
 
 import os
@@ -25,7 +25,7 @@ _STEPS = 12
 
 
 def is_compiled() -> bool:
-    """Whether kernels were compiled on this machine before, as far as the first one tells."""
+    """Whether the kernels are compiled on this machine, judged by the first of them."""
     folder = integrate_frame.stats.cache_path
     name = f"integrate_kernels.{integrate_frame.__name__}-*.nbi"
     return folder is not None and any(Path(folder).glob(name))
@@ -33,12 +33,12 @@ def is_compiled() -> bool:
 
 @contextmanager
 def rehearsal(say: Callable[[str], object]) -> Iterator[None]:
-    """Compile in another process beside the block; does nothing on a machine that has compiled.
+    """Compile kernels in another process while the block runs, unless they are compiled already.
 
-    Nothing depends on that process: what it has not compiled in time is compiled in this one.
+    Nothing depends on that process: kernels that it has not compiled in time are compiled here.
 
     Args:
-        say: Is told that this run takes longer.
+        say: Function that is called with the message that this run takes longer.
     """
     if is_compiled():
         yield
@@ -57,7 +57,7 @@ def rehearsal(say: Callable[[str], object]) -> Iterator[None]:
 
 
 def rehearse() -> None:
-    """Let the default agent look for the door of an empty room, and for what is not there."""
+    """Let the default agent search an empty room for its door, and for a missing object."""
     agent = build_agent(preset("default")).agent
     for goal in (DOOR, "nothing of the kind"):
         room = BoxRoom()

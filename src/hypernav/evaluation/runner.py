@@ -1,4 +1,4 @@
-"""One owner runs all episodes: hands them to workers and alone writes what comes back."""
+"""The run of all episodes: hands them to workers and alone writes their records."""
 
 import logging
 from collections.abc import Callable, Sequence
@@ -22,7 +22,7 @@ from hypernav.evaluation.workers.worker_pool import (
 )
 
 POLL_S = 0.5
-"""How often somebody is told that nothing has happened, so that clocks on screens go on."""
+"""Period of the calls to ``watch`` while nothing happens, so that clocks on screens go on."""
 
 _CRASHES_IN_A_ROW = 3
 _OUTAGES_IN_A_ROW = 3
@@ -31,20 +31,20 @@ _LOGGER = logging.getLogger(__name__)
 
 
 class RunHaltedError(HyPerNavError):
-    """A run stopped before its end; what was done is safe, and the same command goes on."""
+    """A run stopped before its end; finished episodes are safe, and the same command resumes."""
 
 
 @dataclass
 class RunNews:
-    """What happens in a run, for those who watch it.
+    """The state of a run, for progress displays.
 
     Attributes:
-        records: What is done, in the order in which it was done, earlier sessions first.
-        total: Episodes in all.
-        done_now: Episodes done in this session.
-        peak_mb: Most memory that each worker has used.
-        losses: Workers that were lost.
-        crashes: Episodes whose worker's program failed, with the traceback; they have no record.
+        records: Records in the order in which they were done, those of earlier sessions first.
+        total: Number of all episodes of the run.
+        done_now: Number of episodes done in this session.
+        peak_mb: Peak memory of each worker, megabytes.
+        losses: Number of lost workers.
+        crashes: Tracebacks of episodes whose worker's program failed; they have no record.
     """
 
     records: list[EpisodeRecord]
@@ -66,16 +66,20 @@ def run_episodes(
     """Run all episodes that the store doesn't hold yet.
 
     Args:
-        episodes: All of the run, the finished ones included.
-        store: Open.
-        pool: Nobody needs to be hired yet. It is closed in any case.
-        workers: How many to hire at most.
-        watch: Is told whenever something has happened, and from time to time.
+        episodes: All episodes of the run, the finished ones included.
+        store: Store of the run, open.
+        pool: Pool without workers; it is closed in any case.
+        workers: Maximum number of workers.
+        watch: Function that is called with the state of the run when it has changed, and every
+            `POLL_S` seconds.
+
+    Returns:
+        The state of the run at its end.
 
     Raises:
-        RunHaltedError: The model is away, or the program fails again and again.
+        RunHaltedError: The model is unavailable, or the program fails again and again.
         RunFolderError: The disk is full.
-        HyPerNavError: A worker said that the run can't go on.
+        HyPerNavError: A worker reported that the run can't go on.
     """
     waiting = [episode for episode in episodes if episode.key not in store.records]
     owner = _Owner(Schedule(waiting), store, pool, RunNews(list(store.records.values()), 0))
@@ -94,7 +98,7 @@ def run_episodes(
 
 @dataclass
 class _Owner:
-    """The state of a run."""
+    """The owner of a run: keeps its state and acts on the reports of workers."""
 
     schedule: Schedule
     store: RunStore
@@ -111,7 +115,7 @@ class _Owner:
             self.pool.start(worker)
 
     def take(self, report: Report) -> None:
-        """Deal with what happened to one worker."""
+        """Act on the report of one worker."""
         match report:
             case Ready(worker):
                 self._give_work(worker)
@@ -121,7 +125,7 @@ class _Owner:
                 self._keep(record)
                 self._give_work(worker)
             case Lost(worker, why):
-                _LOGGER.warning("worker %d is lost: %s; another takes its place", worker, why)
+                _LOGGER.warning("worker %d is lost: %s; another one replaces it", worker, why)
                 self._lose(why)
                 if (given_up := self.schedule.lost(worker)) is not None:
                     self._keep(broken(given_up, f"its worker was lost {ATTEMPTS} times: {why}"))
@@ -168,7 +172,7 @@ class _Owner:
             )
 
     def _replace(self, worker: int) -> None:
-        """Hire a new worker for a lost one, if anything waits."""
+        """Start a new worker for a lost one, if an episode waits."""
         if self.schedule.has_waiting:
             self.pool.start(worker)
 

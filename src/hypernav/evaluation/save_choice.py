@@ -1,6 +1,6 @@
-"""Which episodes of an evaluation keep their page and video."""
+"""The choice of episodes that keep their page and video."""
 
 from typing import Literal
 
 SaveChoice = Literal["videos", "failures", "none"]
-"""All episodes, those that failed, or none."""
+"""All episodes keep page and video, those that failed, or none."""

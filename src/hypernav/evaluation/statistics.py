@@ -1,8 +1,8 @@
-"""How sure a number is: intervals and paired tests that know that episodes share scenes.
+"""Confidence intervals and paired tests over episodes that share scenes.
 
-Episodes of one scene are alike, so they are no independent samples. All methods here draw or flip
-whole scenes (clusters). With a single scene, where nothing is known about others, single episodes
-take the scenes' place, and the interval says nothing about other scenes.
+Episodes of one scene are alike, so they are not independent samples. All methods here resample or
+flip whole scenes (clusters). With a single scene, its episodes are the clusters instead, and the
+interval says nothing about other scenes.
 """
 
 from collections.abc import Sequence
@@ -21,13 +21,13 @@ _EXACT_FLIPS = 13
 
 @dataclass(frozen=True)
 class Estimate:
-    """A mean with its interval.
+    """A mean with its confidence interval.
 
     Attributes:
-        mean: Over episodes.
+        mean: Mean over episodes.
         low: Lower end of the 95% interval.
-        high: Upper end.
-        count: Episodes.
+        high: Upper end of the 95% interval.
+        count: Number of episodes.
     """
 
     mean: float
@@ -38,12 +38,12 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Comparison:
-    """How two runs of the same episodes differ: the second minus the first.
+    """Difference of two runs over the same episodes: the second minus the first.
 
     Attributes:
         difference: Mean difference with its interval.
-        p_value: Two-sided, from flipping the runs scene by scene: how often a difference at least
-            as large arises if it doesn't matter which run is which.
+        p_value: Two-sided p-value of a permutation test that swaps the runs scene by scene: how
+            often a difference at least as large arises by chance.
     """
 
     difference: Estimate
@@ -52,14 +52,14 @@ class Comparison:
 
 @dataclass(frozen=True)
 class Discordance:
-    """Episodes in which just one of two runs succeeded.
+    """Agreement of two runs in success, episode by episode.
 
     Attributes:
-        only_first: Successes of the first run alone.
-        only_second: Successes of the second run alone.
-        both: Successes of both.
-        neither: Failures of both.
-        p_value: Exact McNemar test, which takes episodes as independent.
+        only_first: Number of episodes in which only the first run succeeded.
+        only_second: Number of episodes in which only the second run succeeded.
+        both: Number of episodes in which both succeeded.
+        neither: Number of episodes in which both failed.
+        p_value: P-value of McNemar's exact test, which takes episodes as independent.
     """
 
     only_first: int
@@ -79,10 +79,10 @@ def mean_with_interval(
     """The mean over episodes, with the percentile bootstrap interval over scenes.
 
     Args:
-        values: One per episode.
-        scenes: Its scene.
-        rng: Source of the draws; always the same one by default, so that a report can be repeated.
-        draws: Bootstrap samples.
+        values: Values, one per episode.
+        scenes: Scenes, one per episode.
+        rng: Generator of the draws; by default one of a fixed seed, so that reports are repeatable.
+        draws: Number of bootstrap samples.
 
     Returns:
         The estimate; NaN without episodes.
@@ -107,14 +107,14 @@ def compare(
     rng: np.random.Generator | None = None,
     draws: int = DRAWS,
 ) -> Comparison:
-    """Whether the second run is better than the first, episode by episode.
+    """Difference of two runs over the same episodes, with its interval and p-value.
 
     Args:
-        first: One value per episode.
-        second: Of the same episodes, in the same order.
-        scenes: Of the episodes.
-        rng: Source of draws and flips; always the same one by default.
-        draws: Bootstrap samples, and flips if there are too many to try all.
+        first: Values of the first run, one per episode.
+        second: Values of the second run, of the same episodes in the same order.
+        scenes: Scenes, one per episode.
+        rng: Generator of draws and flips; by default one of a fixed seed.
+        draws: Number of bootstrap samples, and of flips if there are too many to try all.
     """
     rng = rng or np.random.default_rng(_SEED)
     gaps = np.asarray(second, dtype=np.float64) - np.asarray(first, dtype=np.float64)
@@ -126,7 +126,7 @@ def compare(
 
 
 def discordance(first: Sequence[bool], second: Sequence[bool]) -> Discordance:
-    """In which episodes two runs differ in success."""
+    """Count the episodes in which two runs agree and differ in success."""
     a, b = np.asarray(first, dtype=bool), np.asarray(second, dtype=bool)
     only_first, only_second = int((a & ~b).sum()), int((b & ~a).sum())
     count = only_first + only_second
@@ -150,7 +150,7 @@ def _by_cluster(
 def _flip_p_value(
     sums: Float64[np.ndarray, "clusters"], rng: np.random.Generator, draws: int
 ) -> float:
-    """Two-sided p-value of the total when every cluster's sign is a coin's throw."""
+    """Two-sided p-value of the total under random signs of the clusters."""
     observed = abs(float(sums.sum()))
     if sums.size <= _EXACT_FLIPS:
         bits = np.arange(2**sums.size)[:, None] >> np.arange(sums.size)

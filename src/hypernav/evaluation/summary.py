@@ -1,4 +1,4 @@
-"""The numbers of a run, or of a part of it."""
+"""Mean results of a run, or of a part of it."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -12,13 +12,13 @@ from hypernav.evaluation.statistics import DRAWS, Estimate, mean_with_interval
 
 @dataclass(frozen=True)
 class Summary:
-    """How well some episodes went under one protocol. Episodes that don't count are left out.
+    """Mean results of some episodes under one protocol; episodes that don't count are left out.
 
     Attributes:
         success: Success rate.
         spl: Mean SPL.
         soft_spl: Mean SoftSPL.
-        distance_to_goal_m: Mean over episodes whose goal can be reached.
+        distance_to_goal_m: Mean distance at the end, over episodes whose goal can be reached.
         steps: Mean number of actions.
     """
 
@@ -30,7 +30,7 @@ class Summary:
 
 
 def counted(records: Sequence[EpisodeRecord]) -> list[EpisodeRecord]:
-    """The episodes that say something about navigation."""
+    """The records that count in rates."""
     return [record for record in records if record.counts]
 
 
@@ -40,12 +40,12 @@ def summarise(
     *,
     draws: int = DRAWS,
 ) -> Summary:
-    """The numbers of some episodes.
+    """Mean results of some episodes.
 
     Args:
-        records: Of one run.
-        protocol: What counts as success; Habitat's by default.
-        draws: Bootstrap samples of the intervals.
+        records: Records of one run.
+        protocol: Protocol that decides about success; Habitat's by default.
+        draws: Number of bootstrap samples of the intervals.
     """
     protocol = protocol or EvaluationProtocol()
     records = counted(records)
@@ -68,6 +68,6 @@ def summarise(
 
 
 def failure_counts(records: Sequence[EpisodeRecord]) -> dict[Failure, int]:
-    """How often each class occurs, in the order of `Failure`; those that don't are left out."""
+    """Number of episodes of each failure class that occurs, in the order of `Failure`."""
     counts = Counter(record.failure for record in records if record.failure is not None)
     return {failure: counts[failure] for failure in Failure if counts[failure]}

@@ -39,13 +39,13 @@ _CHARACTERS = "".join(chr(code) for code in range(32, 0x250) if chr(code).isprin
 
 
 class ObjectNavConfig(RoomConfig):
-    """The task.
+    """The task of the environment.
 
     Attributes:
-        embodiment: What the robot is.
-        simulation: How it is simulated.
-        max_steps: Actions until an episode is cut short.
-        success_distance_m: How near to a view point (geodesic) a STOP counts.
+        embodiment: Body, camera and motion of the robot.
+        simulation: How the robot is simulated.
+        max_steps: Number of actions after which an episode is truncated.
+        success_distance_m: Greatest geodesic distance to a view point at which STOP is a success.
         nearest_start_m: Least geodesic distance of a random start to the goal.
         farthest_start_m: Greatest geodesic distance of a random start to the goal.
     """
@@ -70,9 +70,9 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
     goal and 0 otherwise. ``info`` holds the measures of `hypernav.core.metrics.EpisodeMetrics`,
     ``steps`` and ``collided``.
 
-    `reset` takes the options ``goal`` (text) and ``start`` (``(x, y, yaw)`` in the scene's frame).
-    What they don't say is as the constructor says, else drawn: the goal from the categories with
-    view points, the start from where the goal can be reached.
+    `reset` takes the options ``goal`` (text) and ``start`` (``(x, y, yaw)`` in the scene frame).
+    Without them the goal is the constructor's, else drawn from the categories with view points, and
+    the start is drawn from the positions from which the goal can be reached.
     """
 
     # Gymnasium declares it as an attribute of instances.
@@ -89,13 +89,13 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
         """Open a scene.
 
         Args:
-            scene: A scene, its file, or a world that stands ready (its own configuration holds).
-            goal: What to find in every episode; None draws a goal at each reset.
-            config: The task.
+            scene: A scene, its file, or an existing world, which keeps its own configuration.
+            goal: The object to find in every episode; None draws a goal at each reset.
+            config: The task of the environment.
             render_mode: "rgb_array" or None.
 
         Raises:
-            SceneError: The file is no scene, or the robot fits nowhere.
+            SceneError: The file is not a scene, or the robot fits nowhere.
             WorldError: The render mode doesn't exist.
         """
         if render_mode not in (None, "rgb_array"):
@@ -124,7 +124,7 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
 
     @property
     def observation(self) -> Observation:
-        """The latest observation, typed, with camera and labels.
+        """The latest observation with its camera and labels.
 
         Raises:
             WorldError: Before the first `reset`.
@@ -133,7 +133,7 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
 
     @property
     def trial(self) -> Trial:
-        """The present episode: how far it is, how it ended, and who measures it.
+        """The state of the present episode: its steps, its ending and its measures.
 
         Raises:
             WorldError: Before the first `reset`.
@@ -144,7 +144,7 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
 
     @property
     def goal(self) -> Goal:
-        """What to find in the present episode.
+        """The object to find in the present episode.
 
         Raises:
             WorldError: Before the first `reset`.
@@ -157,8 +157,8 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
         """Begin an episode.
 
         Args:
-            seed: Of everything that is drawn in this and the following episodes.
-            options: ``goal`` and ``start``, see the class.
+            seed: Seed of everything that is drawn in this and the following episodes.
+            options: The options ``goal`` and ``start``, see the class.
 
         Raises:
             GoalError: The goal is empty or too long, or none was given and the scene has none.
@@ -190,7 +190,7 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
         return self._observed(), self._info()
 
     def step(self, action: Any) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:
-        """Do something and look.
+        """Take an action and observe.
 
         Raises:
             WorldError: The action doesn't exist, or the episode is over or has not begun.
@@ -206,7 +206,7 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
         return self._observed(), float(info["success"]), terminated, truncated, info
 
     def render(self) -> UInt8[np.ndarray, "height width 3"] | None:  # pyright: ignore[reportIncompatibleMethodOverride]
-        """What the camera sees, if the render mode is "rgb_array"."""
+        """The camera image if the render mode is "rgb_array", else None."""
         return self.observation.rgb if self.render_mode == "rgb_array" else None
 
     def _choose_goal(self, options: Mapping[str, Any]) -> Goal:
@@ -218,7 +218,7 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
         if not categories:
             raise GoalError(
                 f"scene '{self.world.scene.name}' has no labelled object that can be reached; "
-                "say what to find: options={'goal': ...}"
+                "name a goal: options={'goal': ...}"
             )
         return Goal(categories[int(self.np_random.integers(len(categories)))])
 
@@ -247,7 +247,7 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
 
 
 def _checked_goal(text: str) -> Goal:
-    """A goal that the observation space can hold."""
+    """A goal whose text fits the observation space."""
     if len(text) > _LONGEST_GOAL or any(character not in _CHARACTERS for character in text):
         raise GoalError(
             f"a goal here is a line of at most {_LONGEST_GOAL} Latin characters, got {text!r}"

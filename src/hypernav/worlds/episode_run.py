@@ -1,4 +1,4 @@
-"""Running one episode: an agent, a world, and a referee who knows the truth."""
+"""The loop of one episode: an agent, a world, and a referee who knows the truth."""
 
 import time
 from collections.abc import Iterator
@@ -21,12 +21,12 @@ from hypernav.worlds.trial import Trial
 
 @dataclass(frozen=True, eq=False)
 class EpisodeStep:
-    """One step as a watcher sees it.
+    """One step, for whoever watches or records the episode.
 
     Attributes:
-        observation: What the agent saw.
-        trace: What it did, and why if it explains itself.
-        grid: Its map, if it has one.
+        observation: The observation that the agent was given.
+        trace: The action, with its reason if the agent explains itself.
+        grid: The agent's map; None if it has none.
     """
 
     observation: Observation
@@ -36,13 +36,13 @@ class EpisodeStep:
 
 @dataclass(frozen=True)
 class EpisodeResult:
-    """What came of an episode.
+    """The result of an episode.
 
     Attributes:
-        outcome: How it ended.
-        metrics: How well it went.
-        steps: Actions taken, STOP included.
-        model_calls: Questions that were put to a model.
+        outcome: How the episode ended.
+        metrics: Success, SPL, SoftSPL and lengths.
+        steps: Number of actions, STOP included.
+        model_calls: Number of questions that a model was asked.
         seconds: Wall-clock time: "total", "world" (the simulator's share) and per module.
         detail: Why a model was not available; empty otherwise.
     """
@@ -58,8 +58,9 @@ class EpisodeResult:
 class EpisodeRun:
     """One search by one agent, step by step, so that it can be watched, recorded and interrupted.
 
-    Everyone who lets an agent search stands on this loop. It also ends when a model stays away
-    longer than the configured patience: the steps up to then stand, and the outcome says so.
+    Every command, the evaluation and the examples run episodes by this loop. It also ends when a
+    model is unavailable for longer than the patience: the steps up to then are kept, and the
+    outcome says so.
 
     Attributes:
         trial: The state of the episode.
@@ -80,13 +81,13 @@ class EpisodeRun:
         *,
         rng: np.random.Generator | None = None,
     ) -> None:
-        """Place the robot and tell the agent what to find.
+        """Place the robot and give the agent its goal.
 
         Args:
-            agent: Who searches.
-            world: Where.
-            episode: What, from where, and how long.
-            rng: Source of the world's noise.
+            agent: The agent that searches.
+            world: The world that the agent acts in.
+            episode: Goal, start and limits.
+            rng: Generator of the world's noise.
 
         Raises:
             StartError: The robot cannot stand at the start.
@@ -101,7 +102,7 @@ class EpisodeRun:
         agent.reset(episode.goal)
 
     def __iter__(self) -> Iterator[EpisodeStep]:
-        """Run to the end, one step at a time."""
+        """Run the episode to its end, one step at a time."""
         while not self.trial.is_over:
             try:
                 step = self._step()
@@ -137,13 +138,13 @@ class EpisodeRun:
         ), None
 
     def result(self, *, interrupted: bool = False) -> EpisodeResult:
-        """What came of the episode so far.
+        """The result of the episode so far.
 
         Args:
-            interrupted: Somebody stopped the program before the episode ended.
+            interrupted: Whether the program was stopped before the episode ended.
 
         Raises:
-            WorldError: The world knows no truth to measure by.
+            WorldError: The world has no ground truth to measure by.
         """
         metrics = self.trial.measure()
         return EpisodeResult(

@@ -1,4 +1,4 @@
-"""What is wrong with real sensors and motors. Everything is off by default."""
+"""Noise of sensors, motion and odometry. All of it is off by default."""
 
 import math
 
@@ -21,14 +21,14 @@ class NoiseConfig(RoomConfig):
     Attributes:
         depth_sigma_m: Standard deviation of depth at 1 m; it grows with the square of the distance,
             as for every sensor that triangulates.
-        depth_edge_px: So many pixels on both sides of a depth edge have no return.
-        depth_edge_jump: What makes an edge: neighbouring depths differ by more than this share.
+        depth_edge_px: Pixels without a return on either side of a depth edge.
+        depth_edge_jump: Share by which neighbouring depths differ at an edge.
         forward_sigma: Standard deviation of a forward step, as a share of its length.
-        turn_sigma_deg: Standard deviation of a turn.
+        turn_sigma_deg: Standard deviation of a turn, degrees.
         odometry_sigma: Standard deviation of the reported motion, as a share of its length. The
             errors add up: the reported pose drifts from the true one.
         odometry_turn_sigma_deg: Standard deviation of the reported rotation of an action that turns
-            the robot.
+            the robot, degrees.
     """
 
     depth_sigma_m: float = Field(default=0.0, ge=0.0)
@@ -41,7 +41,7 @@ class NoiseConfig(RoomConfig):
 
     @property
     def is_off(self) -> bool:
-        """Whether nothing is random."""
+        """Whether no kind of noise is switched on."""
         return not (
             self.depth_sigma_m
             or self.depth_edge_px
@@ -55,15 +55,15 @@ class NoiseConfig(RoomConfig):
 def noisy_depth(
     depth: Float32[np.ndarray, "height width"], config: NoiseConfig, rng: np.random.Generator
 ) -> Float32[np.ndarray, "height width"]:
-    """Depth as an imperfect sensor sees it.
+    """Depth as a sensor with noise measures it.
 
     Args:
-        depth: Metres, 0 where there is no return.
-        config: What is wrong with the sensor.
-        rng: Source of the noise.
+        depth: True depth, metres, 0 where there is no return.
+        config: Kinds and sizes of noise.
+        rng: Generator of the noise.
 
     Returns:
-        A new image (or the same one if the sensor is perfect); never negative.
+        Measured depth, metres, never negative; the same array if the sensor has no noise.
     """
     sensed = depth
     if config.depth_sigma_m > 0.0:
@@ -81,26 +81,26 @@ def noisy_depth(
 
 
 def noisy_forward(length_m: float, config: NoiseConfig, rng: np.random.Generator) -> float:
-    """How far the robot really tries to go; never backwards."""
+    """Length of a forward step with noise, metres; never negative."""
     if config.forward_sigma == 0.0:
         return length_m
     return max(0.0, length_m * (1.0 + config.forward_sigma * float(rng.standard_normal())))
 
 
 def noisy_turn(angle: float, config: NoiseConfig, rng: np.random.Generator) -> float:
-    """How far the robot really turns, radians."""
+    """Angle of a turn with noise, radians."""
     if config.turn_sigma_deg == 0.0:
         return angle
     return angle + math.radians(config.turn_sigma_deg) * float(rng.standard_normal())
 
 
 def reported_motion(motion: Pose2, config: NoiseConfig, rng: np.random.Generator) -> Pose2:
-    """What odometry reports of a motion.
+    """A motion as odometry reports it.
 
     Args:
         motion: The true new pose in the frame of the pose before.
-        config: What is wrong with the odometry.
-        rng: Source of the noise.
+        config: Kinds and sizes of noise.
+        rng: Generator of the noise.
     """
     x, y, yaw = motion.x, motion.y, motion.yaw
     length = math.hypot(x, y)

@@ -1,4 +1,4 @@
-"""Who measures an episode: knows where the goal is, watches the path, never tells the agent."""
+"""The measurement of an episode against ground truth that no agent ever gets."""
 
 import math
 
@@ -10,18 +10,18 @@ class Referee:
     """Measures one episode as habitat-lab does.
 
     Attributes:
-        goal: Where the goal counts as reached.
+        goal: The region in which the goal counts as reached.
         shortest_path_m: Geodesic distance from the start to the nearest view point.
         path_length_m: Sum of the displacements in space so far.
-        distance_to_goal_m: Geodesic distance from here to the nearest view point.
+        distance_to_goal_m: Geodesic distance from the robot to the nearest view point.
     """
 
     def __init__(self, goal: GoalTruth, start: tuple[float, float, float]) -> None:
         """Begin an episode.
 
         Args:
-            goal: Where the goal counts as reached.
-            start: Where the robot stands, scene frame, metres.
+            goal: The region in which the goal counts as reached.
+            start: Position of the robot, scene frame, metres.
         """
         self.goal = goal
         self.shortest_path_m = goal.distance(start[0], start[1])
@@ -30,7 +30,7 @@ class Referee:
         self._position = start
 
     def watch(self, position: tuple[float, float, float]) -> None:
-        """Note where the robot is after an action, scene frame, metres."""
+        """Enter the position of the robot after an action, scene frame, metres."""
         if position == self._position:
             return
         self.path_length_m += math.dist(self._position, position)
@@ -43,9 +43,10 @@ class Referee:
         """The measures so far.
 
         Args:
-            stopped: Whether the robot has said that it is there. To count a time-out near the goal
-                as a success as well, some publications pass True at the end in any case.
-            success_distance_m: How near counts; ask several times to score several protocols.
+            stopped: Whether the agent took STOP. Some publications also count a time-out near the
+                goal as a success; for their rule pass True at the end in any case.
+            success_distance_m: Greatest distance that counts as success; call again with another
+                one to score another protocol.
         """
         return measure(
             stopped=stopped,

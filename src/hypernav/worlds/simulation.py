@@ -1,4 +1,4 @@
-"""A robot in a scene: takes actions, yields observations."""
+"""A simulated robot in a scene: takes actions, yields observations."""
 
 import math
 
@@ -36,10 +36,11 @@ class SimulationConfig(RoomConfig):
 
     Attributes:
         sliding: Slide along obstacles instead of stopping at them; off, as in Habitat's challenges.
-        noise: What is imperfect; nothing by default.
+        noise: Noise of sensors and motion; none by default.
         labels: Whether observations carry ground-truth labels.
-        cell_m: Side of the walkable surface's cells.
-        floor_z: Height of the storey's floor; None takes the largest storey.
+        cell_m: Side of the walkable surface's cells, metres.
+        floor_z: Height of the storey's floor in the scene frame, metres; None takes the largest
+            storey.
     """
 
     sliding: bool = False
@@ -50,18 +51,18 @@ class SimulationConfig(RoomConfig):
 
 
 class SimulatedWorld:
-    """A robot in a scene: a `World`, and the `SceneTruth` about it.
+    """A robot in a scene: a `World`, and the `SceneTruth` of that scene.
 
-    Poses and positions of this class are true ones in the scene's frame. What an agent gets is in
-    the ``map`` frame, which starts at the start pose (x forward, y left, z up from the floor), with
+    Poses and positions of this class are ground truth in the scene frame. Observations are in the
+    ``map`` frame, which starts at the start pose (x forward, y left, z up from the floor), with
     the robot's pose as odometry reports it.
 
     Attributes:
-        scene: Where the robot is.
+        scene: The scene that the robot is in.
         config: How the robot is simulated.
-        embodiment: What the robot is.
-        walkable: Where it can stand.
-        regions: Where goals count as reached.
+        embodiment: Body, camera and motion of the robot.
+        walkable: The surface on which the robot can stand.
+        regions: The regions in which goals count as reached.
     """
 
     def __init__(
@@ -73,14 +74,14 @@ class SimulatedWorld:
         renderer: Renderer | None = None,
         walkable: WalkableGrid | None = None,
     ) -> None:
-        """Put a robot into a scene; `reset` places it.
+        """Open a scene for a robot; `reset` places the robot.
 
         Args:
-            scene: Where the robot is.
+            scene: The scene that the robot is in.
             config: How the robot is simulated.
-            embodiment: What the robot is; by default Habitat's HM3D robot.
-            renderer: Draws the scene; by default `CpuRenderer` does.
-            walkable: Where the robot can stand; by default computed from the scene.
+            embodiment: Body, camera and motion of the robot; by default Habitat's HM3D robot.
+            renderer: Renderer of the scene; by default a `CpuRenderer`.
+            walkable: The surface on which the robot can stand; by default computed from the scene.
 
         Raises:
             SceneError: The robot fits nowhere.
@@ -112,14 +113,14 @@ class SimulatedWorld:
         """Place the robot at the start of an episode.
 
         Args:
-            episode: In this scene.
-            rng: Source of all noise; needed only if noise is switched on.
+            episode: An episode in this scene.
+            rng: Generator of all noise; needed only if noise is switched on.
 
         Returns:
             The first observation; its robot pose is the origin of the ``map`` frame.
 
         Raises:
-            StartError: The robot can't stand there.
+            StartError: The robot can't stand at the start.
             WorldError: Noise is switched on and there is no generator for it.
         """
         if not self.config.noise.is_off and rng is None:
@@ -137,9 +138,9 @@ class SimulatedWorld:
         return self._observation
 
     def step(self, action: Action) -> Observation:
-        """Do something and look.
+        """Take an action and observe.
 
-        After STOP the robot sees what it saw before, and the episode is over.
+        STOP ends the episode and returns the latest observation again.
 
         Raises:
             WorldError: Before the first `reset`, or after STOP.
@@ -169,22 +170,22 @@ class SimulatedWorld:
 
     @property
     def pose(self) -> Pose2:
-        """The true pose, scene frame."""
+        """True pose of the robot, scene frame."""
         return self._pose
 
     @property
     def position(self) -> tuple[float, float, float]:
-        """The true place on the floor, scene frame, metres."""
+        """True position of the robot on the floor, ``(x, y, z)``, scene frame, metres."""
         return (self._pose.x, self._pose.y, self._height)
 
     @property
     def is_over(self) -> bool:
-        """Whether the robot has said that it is there."""
+        """Whether the robot has taken STOP."""
         return self._stopped
 
     @property
     def collided(self) -> bool:
-        """Whether something was in the way of the latest action."""
+        """Whether an obstacle stopped the latest action."""
         return self._collided
 
     @property
@@ -194,7 +195,7 @@ class SimulatedWorld:
 
     @property
     def map_to_scene(self) -> Transform:
-        """From the ``map`` frame of this episode to the scene's.
+        """Transform from the ``map`` frame of this episode to the scene frame.
 
         Raises:
             WorldError: Before the first `reset`.
@@ -205,18 +206,23 @@ class SimulatedWorld:
 
     @property
     def instances(self) -> tuple[Instance, ...]:
-        """Everything that the scene consists of."""
+        """All instances of the scene; an instance's id is its index."""
         return self.scene.instances
 
     @property
     def truth(self) -> "SimulatedWorld":
-        """The truth about the scene: a simulated world knows it all."""
+        """The ground truth of the scene, which a simulated world always has."""
         return self
 
     def goal_truth(
         self, goal: Goal, view_points: Float64[np.ndarray, "n 3"] | None = None
     ) -> GoalRegion:
-        """Where a goal counts as reached: at the view points of a data set, else the scene's."""
+        """The region in which a goal counts as reached.
+
+        Args:
+            goal: The goal.
+            view_points: View points of a data set, scene frame, metres; None takes the scene's own.
+        """
         return self.regions.of(goal, view_points)
 
     @property
@@ -224,19 +230,19 @@ class SimulatedWorld:
         return self.walkable.height_at(self._pose.x, self._pose.y)
 
     def _generator(self) -> np.random.Generator:
-        """The source of noise; an unused one where all noise is off."""
+        """The generator of noise; an unused one where all noise is off."""
         return self._rng if self._rng is not None else np.random.default_rng(0)
 
     def _move(self, action: Action) -> None:
         noise, rng = self.config.noise, self._generator()
-        before, place = self._pose, self.position
+        before, position = self._pose, self.position
         if action == Action.MOVE_FORWARD:
             length = noisy_forward(self.embodiment.motion.forward_m, noise, rng)
             dx, dy = length * math.cos(before.yaw), length * math.sin(before.yaw)
             x, y = self.walkable.step(before.x, before.y, dx, dy, sliding=self.config.sliding)
             self._collided = math.hypot(x - before.x - dx, y - before.y - dy) > 1e-6
             self._pose = Pose2(x, y, before.yaw)
-            self._path_length_m += math.dist(place, self.position)
+            self._path_length_m += math.dist(position, self.position)
         else:
             angle = math.radians(self.embodiment.motion.turn_angle_deg)
             turn = noisy_turn(angle if action == Action.TURN_LEFT else -angle, noise, rng)
@@ -262,7 +268,7 @@ class SimulatedWorld:
         )
 
     def _sensed(self, view: RenderedView) -> Float32[np.ndarray, "height width"]:
-        """Depth as the sensor gives it: noisy, and 0 outside its range."""
+        """Depth as the sensor measures it: with noise, and 0 outside its range."""
         camera, noise = self.embodiment.camera, self.config.noise
         depth = view.depth
         if noise.depth_sigma_m > 0.0 or noise.depth_edge_px > 0:
@@ -275,25 +281,25 @@ def check_start(walkable: WalkableGrid, start: Pose2) -> None:
     """Make sure that the robot can stand at a pose.
 
     Raises:
-        StartError: It can't; the message names the nearest place where it can.
+        StartError: It can't; the message names the nearest position where it can.
     """
     if not walkable.is_standable(start.x, start.y):
         x, y = walkable.nearest_standable(start.x, start.y)
         raise StartError(
             f"the robot can't stand at ({start.x:.2f}, {start.y:.2f}): it is inside or too close "
-            f"to an obstacle, or off the floor; the nearest place is ({x:.2f}, {y:.2f})"
+            f"to an obstacle, or off the floor; the nearest position is ({x:.2f}, {y:.2f})"
         )
 
 
 def _motion(before: Pose2, after: Pose2) -> Pose2:
-    """The pose after in the frame of the pose before."""
+    """The second pose in the frame of the first."""
     dx, dy = after.x - before.x, after.y - before.y
     c, s = math.cos(before.yaw), math.sin(before.yaw)
     return Pose2(c * dx + s * dy, c * dy - s * dx, wrap_angle(after.yaw - before.yaw))
 
 
 def _moved(pose: Pose2, motion: Pose2) -> Pose2:
-    """A pose after a motion in its own frame."""
+    """The pose that a motion, given in a pose's own frame, leads to."""
     c, s = math.cos(pose.yaw), math.sin(pose.yaw)
     return Pose2(
         pose.x + c * motion.x - s * motion.y,

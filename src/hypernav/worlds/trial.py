@@ -1,4 +1,4 @@
-"""One try at an episode, whoever chooses the actions."""
+"""The state of one episode while it runs, whoever chooses the actions."""
 
 import numpy as np
 
@@ -13,15 +13,15 @@ from hypernav.worlds.referee import Referee
 
 
 class Trial:
-    """Counts steps, knows how it ended, and lets a referee measure where the truth is known.
+    """The state of one episode: its steps, its ending, and its measures where the truth is known.
 
     Attributes:
-        world: Where.
-        episode: What.
+        world: The world that the episode takes place in.
+        episode: Goal, start and limits.
         observation: The latest observation.
-        referee: Who measures; None in a world that knows no truth.
-        steps: Actions so far; STOP and giving up count.
-        ending: What the searcher said at the end; None before, and if it ran out of steps.
+        referee: Referee that measures the episode; None in a world without ground truth.
+        steps: Number of actions so far; STOP and giving up count.
+        ending: Claim of the agent at the end; None before, and if the steps ran out.
     """
 
     def __init__(
@@ -30,9 +30,9 @@ class Trial:
         """Place the robot.
 
         Args:
-            world: Where.
-            episode: What.
-            rng: Source of the world's noise.
+            world: The world that the episode takes place in.
+            episode: Goal, start and limits.
+            rng: Generator of the world's noise.
 
         Raises:
             StartError: The robot cannot stand at the start.
@@ -46,24 +46,27 @@ class Trial:
 
     @property
     def is_over(self) -> bool:
-        """Whether no further action is taken."""
+        """Whether the episode takes no further action."""
         out_of_steps = self.steps >= self.episode.max_steps
         return self.ending is not None or out_of_steps or self.world.is_over
 
     @property
     def holds_goal(self) -> bool:
-        """Whether the scene or the data set knows of something that satisfies the goal."""
+        """Whether the scene or the data set holds something that satisfies the goal."""
         goal = None if self.referee is None else self.referee.goal
         return goal is not None and (len(goal.instances) > 0 or len(goal.view_points) > 0)
 
     def take(self, action: Action | None) -> Observation:
-        """Do something and look.
+        """Take an action and observe.
 
         Args:
-            action: None gives up; STOP says "here it is".
+            action: The action; STOP claims that the goal is here, None gives up.
+
+        Returns:
+            The new observation; after giving up the latest one.
 
         Raises:
-            WorldError: The trial is over.
+            WorldError: The episode is over.
         """
         if self.is_over:
             raise WorldError("the episode is over; begin another one")
@@ -79,12 +82,12 @@ class Trial:
         """The measures so far.
 
         Raises:
-            WorldError: The world knows no truth to measure by.
+            WorldError: The world has no ground truth to measure by.
         """
         if self.referee is None:
             raise WorldError(
-                "nothing can be measured: this world knows no truth about its scene; read ending "
-                "instead, which is what the searcher said"
+                "nothing can be measured: this world has no ground truth about its scene; read "
+                "ending instead, the claim of the agent"
             )
         return self.referee.measure(
             stopped=self.ending is Ending.FOUND,

@@ -182,7 +182,7 @@ def test_map_quality_when_the_map_closes_what_is_open():
     agent = believing(square(7.4, 0.9), start=FACING_BED, wall=(0.3, 0.9))
     record = run(agent, start=FACING_BED, max_steps=4)
     assert record.failure is Failure.MAP_QUALITY
-    assert "no way to the bed, though there is one" in record.why
+    assert "no path to the bed, though there is one" in record.why
 
 
 def test_target_surrounded():
@@ -196,7 +196,7 @@ def test_target_surrounded():
 def test_path_planning():
     record = run(search(), start=Pose2(5.6, 3.1, -0.5), max_steps=3)
     assert record.failure is Failure.PATH_PLANNING
-    assert "held the bed for the goal, rightly, and ran out of steps" in record.why
+    assert "took the bed for the goal, rightly, and ran out of steps" in record.why
 
 
 def test_stopped_too_far():
@@ -214,7 +214,7 @@ def test_never_seen():
 def test_seen_but_missed():
     record = run(search(Blind()), start=FACING_BED, max_steps=5)
     assert record.failure is Failure.SEEN_BUT_MISSED
-    assert "in the picture in" in record.why
+    assert "in the image in" in record.why
 
 
 def test_unreachable():

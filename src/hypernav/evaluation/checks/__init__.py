@@ -1,1 +1,1 @@
-"""Checkers for agents and worlds of your own: what the contract says, and what breaks it."""
+"""Checkers of the contracts of agents and worlds, for those of your own."""

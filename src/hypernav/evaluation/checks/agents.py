@@ -1,4 +1,4 @@
-"""Whether an agent keeps the contract of `hypernav.core.protocols.Agent`."""
+"""The checker of the contract `hypernav.core.protocols.Agent`."""
 
 from dataclasses import replace
 from typing import Any
@@ -19,23 +19,23 @@ _ACTIONS = ", ".join(action.name for action in Action)
 
 
 def check_agent(agent: Any, *, goal: str = DOOR, steps: int = 30, repeatable: bool = True) -> None:
-    """Run an agent through its contract and say in words what breaks it.
+    """Check an agent against its contract, and list in words what breaks it.
 
     The agent searches an empty room with a door, which needs no simulator. It must answer every
     observation with an `Action`, leave observations as they are, live with an image without any
     depth, forget everything at `reset`, and, if it explains itself, do so consistently.
 
     Args:
-        agent: Has ``reset(goal)`` and ``act(observation)``.
-        goal: What it is told to find.
-        steps: How long it is tried.
+        agent: The agent, with ``reset(goal)`` and ``act(observation)``.
+        goal: Text of the goal that it is given.
+        steps: Number of steps that it is tried for.
         repeatable: Whether the same search must take the same actions again. An agent that draws
             random numbers keeps this if `reset` seeds them; evaluation needs it, since episodes run
             in any order.
 
     Raises:
-        ContractError: With everything that is wrong. What the agent itself raises is not caught,
-            but gets a note that says when it happened.
+        ContractError: The agent breaks the contract; the message lists all faults. Errors that the
+            agent itself raises are not caught, but get a note that says when they happened.
     """
     faults = Faults()
     name = type(agent).__name__
@@ -98,7 +98,7 @@ def _act(agent: Any, observation: Observation, faults: Faults) -> Action | None:
 
 
 def _see_nothing(agent: Any, goal: str, faults: Faults) -> None:
-    """An image without any return of depth is legal, and so is one without labels."""
+    """Check that the agent lives with an image without depth, and with one without labels."""
     seen = BoxRoom(labels=False).observe()
     with While("called reset(goal)"):
         agent.reset(Goal(goal))
@@ -106,13 +106,13 @@ def _see_nothing(agent: Any, goal: str, faults: Faults) -> None:
         with While("called act with an observation that has no labels and no depth at all"):
             _act(agent, replace(seen, depth=np.zeros_like(seen.depth)), faults)
     except LabelsMissingError:
-        return  # An agent for simulated worlds alone says so in this way.
+        return  # This is how an agent for simulated worlds alone refuses.
 
 
 def _check_explanation(
     agent: Any, step: int, observation: Observation, action: Action, faults: Faults
 ) -> None:
-    """What it says about its step must be what it did."""
+    """Check that the trace of a step agrees with the step."""
     if not isinstance(agent, ExplainsItself):
         halves = [name for name in ("last_step", "grid") if hasattr(agent, name)]
         faults.expect(

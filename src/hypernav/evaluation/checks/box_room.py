@@ -23,23 +23,23 @@ _FARTHEST_M = 5.0
 _COLORS = np.array([[190, 180, 170], [170, 185, 190], [180, 170, 190]], np.uint8)
 
 DOOR = "door"
-"""What there is to be found: it fills the middle of the wall ahead."""
+"""The one object of the room: a door in the middle of the wall ahead."""
 
 
 @dataclass
 class BoxRoom:
-    """A robot in the room; starts in the ``map`` frame's origin, looking at the door.
+    """A robot in the room; it starts at the origin of the ``map`` frame and faces the door.
 
     Attributes:
-        pose: Where it is, ``map`` frame.
-        labels: Whether observations carry ground truth.
+        pose: Pose of the robot, ``map`` frame.
+        labels: Whether observations carry ground-truth labels.
     """
 
     pose: Pose2 = field(default_factory=lambda: Pose2(0.0, 0.0, 0.0))
     labels: bool = True
 
     def observe(self) -> Observation:
-        """What the robot sees."""
+        """The observation at the present pose."""
         camera = PinholeCamera.from_hfov(160, 120, 79.0)
         camera_to_map = self.pose.to_transform() @ optical_to_base(0.88)
         rays = camera.rays() @ camera_to_map.rotation.T
@@ -58,7 +58,7 @@ class BoxRoom:
         )
 
     def step(self, action: Action) -> None:
-        """Do something; walls stop the robot."""
+        """Take an action; walls stop the robot."""
         x, y, yaw = self.pose.x, self.pose.y, self.pose.yaw
         if action is Action.MOVE_FORWARD:
             low, high = _LOW[:2] + _MARGIN_M, _HIGH[:2] - _MARGIN_M
@@ -72,11 +72,11 @@ class BoxRoom:
 def _cast(
     origin: Float64[np.ndarray, "3"], rays: Float64[np.ndarray, "height width 3"]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Depth along the optical axis, the axis of the wall that is hit, and where."""
+    """Depth along the optical axis, axis of the wall that a ray hits, and the point hit."""
     with np.errstate(divide="ignore"):
         inverse = 1.0 / rays
-    ways = np.where(rays > 0.0, (_HIGH - origin) * inverse, (_LOW - origin) * inverse)
-    ways = np.where(rays == 0.0, np.inf, ways)
-    side = ways.argmin(axis=-1)
-    depth = ways.min(axis=-1)
+    distances = np.where(rays > 0.0, (_HIGH - origin) * inverse, (_LOW - origin) * inverse)
+    distances = np.where(rays == 0.0, np.inf, distances)
+    side = distances.argmin(axis=-1)
+    depth = distances.min(axis=-1)
     return depth, side, origin + depth[..., None] * rays

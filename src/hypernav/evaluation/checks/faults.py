@@ -1,4 +1,4 @@
-"""What a checker found, and where it was when something was raised."""
+"""The faults that a checker finds, and notes on errors that a call raises."""
 
 from collections.abc import Sequence
 from types import TracebackType
@@ -8,37 +8,37 @@ from hypernav.core.errors import ContractError
 
 
 class Faults:
-    """Collects what is wrong, so that everything is said at once."""
+    """Collects faults, so that one error lists them all."""
 
     def __init__(self) -> None:
-        """Begin with nothing wrong."""
+        """Begin without faults."""
         self.found: list[str] = []
 
     def expect(self, holds: bool, fault: str) -> bool:
-        """Note a fault unless something holds; returns whether it does."""
+        """Add a fault unless a condition holds; return whether it holds."""
         if not holds and fault not in self.found:
             self.found.append(fault)
         return holds
 
     def raise_if_any(self, what: str) -> None:
-        """Say all faults in one error.
+        """Raise one error that lists all faults.
 
         Raises:
-            ContractError: There are any.
+            ContractError: There are faults.
         """
         if self.found:
             raise ContractError(f"{what} breaks its contract: {_listed(self.found)}")
 
 
 class While:
-    """Adds to whatever is raised in the ``with`` block where that happened."""
+    """Adds a note to an error raised in the ``with`` block: what the checker was doing."""
 
     def __init__(self, where: str) -> None:
-        """Say where."""
+        """Say what the checker does in the block, for example "called reset(goal)"."""
         self._where = where
 
     def __enter__(self) -> None:
-        """Nothing to do."""
+        """Enter the block."""
 
     def __exit__(
         self,

@@ -1,4 +1,4 @@
-"""Whether a world keeps the contract of ``hypernav/ObjectNav-v0``."""
+"""The checker of the contract ``hypernav/ObjectNav-v0``."""
 
 import math
 import warnings
@@ -24,7 +24,7 @@ _EXPLORED = 40
 
 
 def check_world(env: Any, *, seed: int = 0) -> None:
-    """Run a world through the contract of object-goal navigation and say in words what breaks it.
+    """Check a world against the contract of object-goal navigation, and list what breaks it.
 
     The world is a Gymnasium environment like `hypernav.worlds.env.ObjectNavEnv`: observations with
     ``rgb``, ``depth`` (float32 metres, 0 where there is no return), ``pose`` (x forward, y left,
@@ -33,12 +33,12 @@ def check_world(env: Any, *, seed: int = 0) -> None:
     measured along the optical axis, not along each ray, cannot be told from outside.
 
     Args:
-        env: The world. It is reset and driven about.
-        seed: Of the episodes.
+        env: The world; the check resets it and moves its robot.
+        seed: Seed of the episodes.
 
     Raises:
-        ContractError: With everything that is wrong. What the world itself raises is not caught,
-            but gets a note that says when it happened.
+        ContractError: The world breaks the contract; the message lists all faults. Errors that the
+            world itself raises are not caught, but get a note that says when they happened.
     """
     faults = Faults()
     name = type(getattr(env, "unwrapped", env)).__name__
@@ -94,7 +94,7 @@ def _check_as_gymnasium_does(env: Any, faults: Faults) -> None:
 
 
 class _Driver:
-    """Drives a world about and compares what happens with what must."""
+    """Moves the robot of a world and compares observations with the contract."""
 
     def __init__(self, env: Any, seed: int, faults: Faults) -> None:
         self._env, self._seed, self._faults = env, seed, faults
@@ -152,9 +152,9 @@ class _Driver:
             length = _moved(before, seen)
             driven += length
             if action is Action.MOVE_FORWARD and length > _SAME_M:
-                way = seen["pose"][:2] - before["pose"][:2]
+                motion = seen["pose"][:2] - before["pose"][:2]
                 heading = float(before["pose"][2])
-                aside = abs(wrap_angle(math.atan2(way[1], way[0]) - heading))
+                aside = abs(wrap_angle(math.atan2(motion[1], motion[0]) - heading))
                 expect(
                     aside < math.pi / 2.0,
                     f"MOVE_FORWARD went {math.degrees(aside):.0f}° beside the robot's heading; x "

@@ -1,1 +1,1 @@
-"""Why an episode failed."""
+"""The classification of failed episodes."""

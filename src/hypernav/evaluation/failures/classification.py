@@ -1,28 +1,29 @@
-"""Why an episode failed, decided by written rules.
+"""The classification of failed episodes by written rules.
 
-The classes are those of the paper's failure analysis. What the rules look at is gathered from trace
-and truth by `hypernav.evaluation.failures.failure_evidence`. They are asked in the order in which
-they stand in `RULES`, and the first that holds decides:
+The classes are those of the paper's failure analysis. The evidence is gathered from trace and
+ground truth by `hypernav.evaluation.failures.failure_evidence`. The rules are applied in the order
+of `RULES`, and the first that holds decides:
 
 =================== ============================================================================
-model unavailable   A model stayed away for longer than the patience. Apart: not counted.
-simulator error     The world, or the process that ran it, failed. Apart: not counted.
-unreachable         The scene holds the goal, but no way leads there from the start.
+model unavailable   A model was unavailable for longer than the patience. Not counted in rates.
+simulator error     The world, or the process that ran it, failed. Not counted in rates.
+unreachable         The scene holds the goal, but no path leads there from the start.
 language            What the robot took for the goal comes near it by name: a shower curtain for a
                     window curtain.
 false detection     What it took for the goal is neither the goal nor near it by name.
-map quality         It took the goal for the goal, but its map is wrong: the goal area lies more
+map quality         It believed in the right object, but its map is wrong: the goal area lies more
                     than `MISPLACED_M` beside the object; or the map closes off what is open.
-target surrounded   It took the goal for the goal, but around the goal area there is no place where
-                    a robot could stand within its stop distance.
-stopped too far     It took the goal for the goal and stopped, but beyond the success distance.
-path planning       It took the goal for the goal and its map has a way there, but it didn't arrive.
+target surrounded   It believed in the right object, but around the goal area there is no position
+                    where a robot could stand within its stop distance.
+stopped too far     It believed in the right object and stopped, but beyond the success distance.
+path planning       It believed in the right object and its map has a path there, but it didn't
+                    arrive.
 seen but missed     The goal was in the image, but the robot ended without a goal area.
 never seen          The goal was never in the image.
 =================== ============================================================================
 
-"What the robot took for the goal" is the goal area that it held when the episode ended; a robot
-that explains nothing and stops is taken to mean the thing beside it.
+"What the robot took for the goal" is the object at its goal area when the episode ended. A robot
+without a trace that stops is assumed to mean the object beside it.
 """
 
 from collections.abc import Callable
@@ -32,11 +33,11 @@ from enum import StrEnum
 from hypernav.core.episode import Outcome
 
 MISPLACED_M = 1.0
-"""A goal area this far beside the object that gave it is the map's fault."""
+"""Distance between a goal area and its object beyond which the map is at fault, metres."""
 
 
 class Failure(StrEnum):
-    """Why an episode failed."""
+    """Classes of failures."""
 
     FALSE_DETECTION = "false_detection"
     LANGUAGE = "language"
@@ -52,12 +53,12 @@ class Failure(StrEnum):
 
     @property
     def is_apart(self) -> bool:
-        """Whether it says nothing about navigation and is left out of all rates."""
+        """Whether the class says nothing about navigation and is left out of all rates."""
         return self in (Failure.MODEL_UNAVAILABLE, Failure.SIMULATOR_ERROR)
 
     @property
     def words(self) -> str:
-        """For people."""
+        """The name of the class for people."""
         return _WORDS.get(self, self.value.replace("_", " "))
 
 
@@ -68,7 +69,7 @@ _WORDS = {
 
 
 class Belief(StrEnum):
-    """What that which the robot took for the goal really is."""
+    """What the object that the robot took for the goal really is."""
 
     GOAL = "the goal"
     NEAR_MISS = "a near miss"
@@ -77,14 +78,14 @@ class Belief(StrEnum):
 
 @dataclass(frozen=True)
 class Held:
-    """What the robot took for the goal when the episode ended.
+    """The object that the robot took for the goal when the episode ended.
 
     Attributes:
-        belief: What it really is.
-        name: Of the object, for people.
-        offset_m: From the middle of the goal area to the object's box, horizontally.
-        is_surrounded: Whether in truth no place within the stop distance can be stood on.
-        map_leads_there: Whether the robot's map has a way to within the stop distance; None if it
+        belief: What the object really is.
+        name: Name of the object, for people.
+        offset_m: Horizontal distance of the goal area's middle to the object's box, metres.
+        is_surrounded: Whether in truth there is no position to stand within the stop distance.
+        map_leads_there: Whether the robot's map has a path to within the stop distance; None if it
             has no map.
     """
 
@@ -97,17 +98,17 @@ class Held:
 
 @dataclass(frozen=True)
 class Facts:
-    """All that the rules look at.
+    """The evidence about an episode that the rules look at.
 
     Attributes:
         outcome: How the episode ended.
-        stopped: Whether the robot said that it is there.
-        gave_up: Whether it said that nothing is left to explore.
-        distance_to_goal_m: Geodesic, at the end.
-        success_distance_m: What would have been near enough.
-        sights: Steps in which the goal was in the image.
-        held: What it took for the goal at the end; None if nothing.
-        trouble: What broke, if something did.
+        stopped: Whether the robot took STOP.
+        gave_up: Whether the robot gave up.
+        distance_to_goal_m: Geodesic distance to the nearest view point at the end, metres.
+        success_distance_m: Greatest distance that counts as success, metres.
+        sights: Number of steps in which the goal was in the image.
+        held: The object that the robot took for the goal at the end; None if there was none.
+        trouble: Message of the outage or of the simulator's error; empty if there was none.
     """
 
     outcome: Outcome
@@ -121,12 +122,12 @@ class Facts:
 
     @property
     def held_goal(self) -> Held | None:
-        """The same, if it was the goal."""
+        """The object that the robot took for the goal if it really was the goal, else None."""
         return self.held if self.held is not None and self.held.belief is Belief.GOAL else None
 
     @property
     def ending(self) -> str:
-        """How it ended, for people."""
+        """How the episode ended, for people."""
         if self.stopped:
             return "it stopped"
         return "it gave up" if self.gave_up else "it ran out of steps"
@@ -134,14 +135,14 @@ class Facts:
 
 @dataclass(frozen=True)
 class Verdict:
-    """Why an episode failed, and the rule's reason in a sentence."""
+    """The class of a failure, and the rule's reason in a sentence."""
 
     failure: Failure
     why: str
 
 
 def classify(facts: Facts) -> Verdict | None:
-    """Why an episode failed; None for a success."""
+    """The class of an episode's failure; None for a success."""
     if facts.outcome is Outcome.FOUND:
         return None
     for failure, rule in RULES:
@@ -161,7 +162,7 @@ def _simulator_error(facts: Facts) -> str | None:
 def _unreachable(facts: Facts) -> str | None:
     if facts.outcome is not Outcome.UNREACHABLE:
         return None
-    return "no way leads from the start to the goal"
+    return "no path leads from the start to the goal"
 
 
 def _language(facts: Facts) -> str | None:
@@ -185,7 +186,7 @@ def _map_quality(facts: Facts) -> str | None:
     if held.offset_m > MISPLACED_M:
         return f"its goal area lay {held.offset_m:.1f} m beside the {held.name}"
     if not facts.stopped and held.map_leads_there is False and not held.is_surrounded:
-        return f"its map showed no way to the {held.name}, though there is one; {facts.ending}"
+        return f"its map showed no path to the {held.name}, though there is one; {facts.ending}"
     return None
 
 
@@ -193,7 +194,7 @@ def _target_surrounded(facts: Facts) -> str | None:
     held = facts.held_goal
     if held is None or not held.is_surrounded:
         return None
-    return f"no place near its goal area on the {held.name} can be stood on; {facts.ending}"
+    return f"no position near its goal area on the {held.name} can be stood on; {facts.ending}"
 
 
 def _stopped_too_far(facts: Facts) -> str | None:
@@ -209,7 +210,7 @@ def _path_planning(facts: Facts) -> str | None:
     if facts.held_goal is None:
         return None
     return (
-        f"it held the {facts.held_goal.name} for the goal, rightly, and {facts.ending} "
+        f"it took the {facts.held_goal.name} for the goal, rightly, and {facts.ending} "
         f"{facts.distance_to_goal_m:.2f} m away from it"
     ).replace("and it ", "and ")
 
@@ -218,11 +219,11 @@ def _seen_but_missed(facts: Facts) -> str | None:
     if facts.sights == 0:
         return None
     steps = "step" if facts.sights == 1 else "steps"
-    return f"the goal was in the picture in {facts.sights} {steps}; {facts.ending} without it"
+    return f"the goal was in the image in {facts.sights} {steps}; {facts.ending} without it"
 
 
 def _never_seen(facts: Facts) -> str:
-    return f"the goal was never in the picture; {facts.ending}"
+    return f"the goal was never in the image; {facts.ending}"
 
 
 RULES: tuple[tuple[Failure, Callable[[Facts], str | None]], ...] = (
@@ -238,4 +239,4 @@ RULES: tuple[tuple[Failure, Callable[[Facts], str | None]], ...] = (
     (Failure.SEEN_BUT_MISSED, _seen_but_missed),
     (Failure.NEVER_SEEN, _never_seen),
 )
-"""The classes with their rules, in the order in which they are asked."""
+"""The classes with their rules, in the order in which they are applied."""

@@ -1,4 +1,4 @@
-"""Who watches an episode for the failure analysis: knows the truth, never tells the agent."""
+"""The evidence for the classification of a failure, gathered from trace and ground truth."""
 
 import math
 from collections import Counter
@@ -18,24 +18,24 @@ from hypernav.planning.planner import Planner
 from hypernav.worlds.episode_run import EpisodeResult, EpisodeStep
 
 SIGHT_SHARE = 0.0005
-"""Things that fill less of the image don't count as seen: 12×12 pixels of 640×480."""
+"""Least share of the image that counts as seen: 12×12 pixels of 640×480."""
 
 _STRIDE = 2
 _SPACING_M = 0.05
 _BESIDE_M = 1.5
-"""A robot that explains nothing means by STOP what is this near."""
+"""Distance within which a robot without a trace is assumed to mean an object by STOP, metres."""
 
 
 class FailureEvidence:
-    """Gathers what the rules of failure classification look at, step by step."""
+    """Gathers the evidence for the rules of failure classification, step by step."""
 
     def __init__(self, truth: SceneTruth, goal: GoalTruth, config: HyPerNavConfig) -> None:
         """Begin an episode.
 
         Args:
-            truth: About the scene that it takes place in.
-            goal: Where its goal counts as reached.
-            config: Of the agent: how near it goes, and how it plans.
+            truth: Ground truth of the scene.
+            goal: The region in which the goal counts as reached.
+            config: Configuration of the agent: its stop distance and its planner.
         """
         self._truth = truth
         self._goal = goal.goal
@@ -47,7 +47,7 @@ class FailureEvidence:
         self.sights = 0
 
     def watch(self, step: EpisodeStep) -> None:
-        """Note one step."""
+        """Add the evidence of one step."""
         self._last = step
         self._explains = self._explains or step.grid is not None
         truth = step.observation.truth
@@ -61,12 +61,12 @@ class FailureEvidence:
                 self._votes[number] += 1
 
     def facts(self, result: EpisodeResult, *, stopped: bool, success_distance_m: float) -> Facts:
-        """All that is known when the episode has ended.
+        """The evidence about the episode at its end.
 
         Args:
-            result: Of the episode.
-            stopped: Whether the robot said that it is there.
-            success_distance_m: What would have been near enough.
+            result: Result of the episode.
+            stopped: Whether the robot took STOP.
+            success_distance_m: Greatest distance that counts as success, metres.
         """
         last = self._last
         return Facts(
@@ -86,7 +86,7 @@ class FailureEvidence:
         return bool((pixels[self._goal_ids + 1] >= SIGHT_SHARE * ids.size).any())
 
     def _held(self, last: EpisodeStep, stopped: bool) -> Held | None:
-        """What the robot took for the goal."""
+        """The object that the robot took for the goal."""
         if not self._explains:
             return self._beside_robot() if stopped else None
         if not last.trace.goal_area:
@@ -105,16 +105,16 @@ class FailureEvidence:
         )
 
     def _in_scene(self, points: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "n 2"]:
-        """Points of the robot's map where it believes them to be in the scene."""
+        """Points of the robot's map in the scene frame, by the robot's own odometry."""
         lifted = np.concatenate([points, np.zeros((len(points), 1))], axis=1)
         return self._truth.map_to_scene.apply(lifted)[:, :2]
 
     def _object_of(self, area: Float64[np.ndarray, "n 2"]) -> Instance | None:
         """The object that the goal area stands for; None if that is part of the building.
 
-        It is one whose pixels were accepted while there was a goal area. An image may show several
-        such objects and the robot holds only one: of those at the goal area that with most
-        sightings, and if there is none, the nearest.
+        It is one whose pixels were accepted while there was a goal area. There may be several, and
+        the goal area belongs to one: of those at the goal area that with most sightings, else the
+        nearest.
         """
         middle = (area.min(axis=0) + area.max(axis=0)) / 2.0
         if not self._votes:
@@ -129,9 +129,9 @@ class FailureEvidence:
         return winner if winner.label is not None else None
 
     def _beside_robot(self) -> Held:
-        """What a robot that explains nothing means by STOP: the goal if it is near, else the next.
+        """The object that a robot without a trace means by STOP: a goal nearby, else the nearest.
 
-        A goal that is near is what a stop there most likely means; so this errs to the mild side.
+        A goal nearby is what a STOP most likely means, so this errs on the lenient side.
         """
         here = np.array(self._truth.position[:2])
         goals = [self._truth.instances[int(n)] for n in self._goal_ids]
@@ -148,20 +148,20 @@ class FailureEvidence:
         return Belief.NEAR_MISS if instance.id in {i.id for i in misses} else Belief.OTHER
 
     def _is_surrounded(self, area: Float64[np.ndarray, "n 2"]) -> bool:
-        """Whether in truth no place near the area can be stood on and gone to."""
+        """Whether in truth no reachable position to stand is near the area."""
         walkable = self._truth.walkable
         here = walkable.component_of(*self._truth.position[:2])
-        places = walkable.centres(max(here, 0))
+        positions = walkable.centres(max(here, 0))
         low, high = area.min(axis=0), area.max(axis=0)
         stop_m = self._config.stop_reach_m
-        near = ((places > low - stop_m) & (places < high + stop_m)).all(axis=1)
+        near = ((positions > low - stop_m) & (positions < high + stop_m)).all(axis=1)
         if not near.any():
             return True
-        gaps = places[near][:, None, :] - area[None, :, :]
+        gaps = positions[near][:, None, :] - area[None, :, :]
         return bool((gaps**2).sum(axis=2).min() > stop_m**2)
 
     def _map_leads_there(self, last: EpisodeStep) -> bool | None:
-        """Whether the agent's own planner finds a way to its goal area."""
+        """Whether the agent's own planner finds a path to its goal area."""
         grid: OccupancyGrid | None = last.grid
         if grid is None:
             return None
@@ -173,7 +173,7 @@ class FailureEvidence:
 
 
 def _outline_points(polygons: list[list[tuple[float, float]]]) -> Float64[np.ndarray, "n 2"]:
-    """Points all along the outlines, at most `_SPACING_M` apart."""
+    """Points along the outlines, at most `_SPACING_M` apart."""
     points = []
     for polygon in polygons:
         corners = np.array(polygon, dtype=np.float64)
@@ -184,7 +184,7 @@ def _outline_points(polygons: list[list[tuple[float, float]]]) -> Float64[np.nda
 
 
 def _instance_under(detection: DetectionRecord, truth: LabelledPixels) -> int:
-    """The instance that most pixels of a detection show, -1 if most show none."""
+    """Id of the instance that most pixels of a detection show, -1 if most show none."""
     ids = truth.ids
     mask: Bool[np.ndarray, "height width"] = np.zeros(ids.shape, dtype=bool)
     if detection.outlines:

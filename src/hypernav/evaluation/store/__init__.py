@@ -1,1 +1,1 @@
-"""The folder of a run, which survives everything."""
+"""The folder of a run, written so that crashes and full disks lose no finished episode."""

@@ -1,4 +1,4 @@
-"""Files that are whole at any moment, whatever happens to the program or the disk."""
+"""Writing of files that are complete at any moment, even after a crash or on a full disk."""
 
 import os
 from pathlib import Path
@@ -7,7 +7,7 @@ from hypernav.core.errors import RunFolderError
 
 
 def append_line(path: Path, line: str) -> None:
-    """Add a line to a file and wait until it is on the disk; all of it, or none.
+    """Append a line to a file, all of it or nothing, and wait until it is on the disk.
 
     Raises:
         RunFolderError: The disk is full, or the file can't be written. The file is as before.
@@ -23,7 +23,7 @@ def append_line(path: Path, line: str) -> None:
             _write_all(file, data)
             os.fsync(file)
         except OSError as error:
-            # Making a file shorter needs no room on the disk.
+            # Truncating a file needs no space on the disk.
             os.ftruncate(file, size)
             raise _unwritable(path, error) from error
     finally:
@@ -31,7 +31,7 @@ def append_line(path: Path, line: str) -> None:
 
 
 def write_whole(path: Path, content: str | bytes) -> None:
-    """Write a file so that nobody ever sees half of it, and wait until it is on the disk.
+    """Replace a file in one step, so that nobody reads half of it, and wait for the disk.
 
     Raises:
         RunFolderError: The disk is full, or the file can't be written. The file is as before.
@@ -56,5 +56,5 @@ def _write_all(file: int, data: bytes) -> None:
 def _unwritable(path: Path, error: OSError) -> RunFolderError:
     return RunFolderError(
         f"{path} cannot be written ({error.strerror or error}); every episode up to now is safe. "
-        "Make room, then run the same command again: it goes on from here"
+        "Free some space, then run the same command again: it resumes from here"
     )

@@ -1,6 +1,6 @@
-"""One owner at a time for a folder, kept by the operating system.
+"""A lock that lets one process at a time write a folder, kept by the operating system.
 
-A lock that a killed process held is free at once, so no stale lock ever needs to be removed.
+The system releases the lock of a killed process at once, so no stale lock is ever left.
 """
 
 import os
@@ -15,10 +15,10 @@ LOCK_NAME = ".lock"
 
 
 class FolderLock:
-    """Holds a folder while the ``with`` block runs."""
+    """Lock of a folder, held while the ``with`` block runs."""
 
     def __init__(self, folder: Path) -> None:
-        """Name the folder; it must exist when the lock is taken."""
+        """Name the folder, which must exist when the lock is taken."""
         self._path = folder / LOCK_NAME
         self._file: int | None = None
 
@@ -47,7 +47,7 @@ class FolderLock:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Give it back."""
+        """Release the lock."""
         if self._file is not None:
             os.close(self._file)
             self._file = None

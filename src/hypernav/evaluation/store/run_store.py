@@ -1,15 +1,15 @@
-"""The folder of a run: what was asked for, and one line for every episode that is done.
+"""The folder of a run: its configuration, and one line for every episode that is done.
 
 ======================= ============================================================================
 ``run.json``            the whole configuration; never changes
-``episodes.jsonl``      one `EpisodeRecord` a line, in the order in which they were done
-``retried.jsonl``       lines that were taken out because their episodes run again
+``episodes.jsonl``      one `EpisodeRecord` per line, in the order in which they were done
+``retried.jsonl``       records that were withdrawn because their episodes run again
 ``sessions.jsonl``      one line for every start of the program: workers, time, memory
 ``episodes/``           pages and videos of single episodes, if they are kept
 ======================= ============================================================================
 
-A line is on the disk before the next episode is counted as done, so whatever happens to the
-program, only episodes in flight are lost. Lines are only ever added.
+A line is on the disk before the next episode is counted as done, so a crash loses only episodes in
+flight.
 """
 
 import json
@@ -37,20 +37,20 @@ _LOGGER = logging.getLogger(__name__)
 
 
 class RunStore:
-    """The folder of a run, open for its only writer.
+    """The folder of a run, locked by its only writer.
 
     Attributes:
-        folder: Where it is.
-        records: What is done, by episode.
+        folder: Folder of the run.
+        records: Records of the finished episodes, by key.
     """
 
     def __init__(self, folder: Path, configuration: Mapping[str, Any]) -> None:
         """Name the folder.
 
         Args:
-            folder: Made if missing.
-            configuration: All that decides about results, as JSON data. A folder that was begun
-                with another one is refused.
+            folder: Folder of the run; created if missing.
+            configuration: Everything that decides about results, as JSON data. A folder with
+                another configuration is refused.
         """
         self.folder = folder
         self.records: dict[EpisodeKey, EpisodeRecord] = {}
@@ -58,10 +58,10 @@ class RunStore:
         self._stack = ExitStack()
 
     def __enter__(self) -> "RunStore":
-        """Take the folder, check it, and read what is done.
+        """Lock the folder, check it, and read the finished episodes.
 
         Raises:
-            RunFolderError: It is in use, of another configuration, damaged, or can't be written.
+            RunFolderError: The folder is in use, of another configuration, damaged, or read-only.
         """
         with ExitStack() as stack:
             try:
@@ -83,14 +83,14 @@ class RunStore:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Give the folder back."""
+        """Release the folder."""
         self._stack.close()
 
     def add(self, record: EpisodeRecord) -> None:
-        """Put one episode on the disk.
+        """Write the record of one episode to the disk.
 
         Raises:
-            RunFolderError: It is there already, or the disk is full.
+            RunFolderError: The episode has a record already, or the disk is full.
         """
         if record.key in self.records:
             raise RunFolderError(f"{self.folder}: episode {'/'.join(record.key)} is done already")
@@ -98,13 +98,13 @@ class RunStore:
         self.records[record.key] = record
 
     def take_out(self, unwanted: Callable[[EpisodeRecord], bool]) -> int:
-        """Take lines out, so that their episodes run again; they are kept in ``retried.jsonl``.
+        """Withdraw records, so that their episodes run again; ``retried.jsonl`` keeps them.
 
         Args:
-            unwanted: Which.
+            unwanted: Predicate of the records to withdraw.
 
         Returns:
-            How many.
+            Number of withdrawn records.
         """
         out = [record for record in self.records.values() if unwanted(record)]
         if out:
@@ -116,7 +116,7 @@ class RunStore:
         return len(out)
 
     def note_session(self, session: Mapping[str, Any]) -> None:
-        """Keep what one start of the program did."""
+        """Write the figures of one start of the program to ``sessions.jsonl``."""
         append_line(self.folder / SESSIONS_FILE, json.dumps(session, ensure_ascii=False))
 
     def _check_configuration(self) -> None:
@@ -146,7 +146,7 @@ def read_configuration(folder: Path) -> dict[str, Any]:
     """The configuration of a run.
 
     Raises:
-        RunFolderError: The folder is not one of a run.
+        RunFolderError: The folder is not that of a run.
     """
     path = folder / RUN_FILE
     try:
@@ -190,7 +190,7 @@ def read_records(folder: Path) -> list[EpisodeRecord]:
 
 
 def read_sessions(folder: Path) -> list[dict[str, Any]]:
-    """What every start of the program noted; lines that cannot be read are left out."""
+    """The figures of every start of the program; unreadable lines are left out."""
     path = folder / SESSIONS_FILE
     sessions = []
     for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else []:
@@ -202,7 +202,7 @@ def read_sessions(folder: Path) -> list[dict[str, Any]]:
 
 
 def differences(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
-    """Where two configurations differ, in words: "search.endurance_steps was 40, is now 60"."""
+    """Differences of two configurations, such as "search.endurance_steps was 40, is now 60"."""
     before, after = _flat(old), _flat(new)
     return [
         f"{key} was {_shown(before, key)}, is now {_shown(after, key)}"
@@ -226,7 +226,7 @@ def _shown(values: Mapping[str, Any], key: str) -> str:
 
 
 def _repair_last_line(path: Path) -> None:
-    """Cut off a last line that was not written to its end, and keep a copy of it."""
+    """Move a last line that was not written to its end into a file of its own."""
     if not path.exists():
         return
     content = path.read_bytes()

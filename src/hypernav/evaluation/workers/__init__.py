@@ -1,1 +1,1 @@
-"""Processes and clusters that run the episodes of an evaluation."""
+"""Workers that run the episodes of an evaluation: processes, or actors on a cluster."""

@@ -1,4 +1,4 @@
-"""Workers as processes of this machine. Each uses one core."""
+"""Workers as processes of this machine, one core each."""
 
 import multiprocessing
 import os
@@ -35,22 +35,22 @@ class _Process:
     log: Path
 
     def said(self) -> str:
-        """The end of what it wrote to its standard error."""
+        """The end of the process's standard error."""
         return self.log.read_text(errors="replace")[-4000:].strip()
 
 
 class ProcessPool:
-    """A `WorkerPool` of processes that die when their owner does."""
+    """A `WorkerPool` of processes that end when their owner does."""
 
     def __init__(self, job: Job) -> None:
-        """Take the job; nobody is hired yet."""
+        """Take the job; no worker is started yet."""
         self._job = job
         self._context = multiprocessing.get_context("spawn")
         self._logs = tempfile.TemporaryDirectory(prefix="hypernav-workers-")
         self._hired: dict[int, _Process] = {}
 
     def start(self, worker: int) -> None:
-        """Hire a worker."""
+        """Start a worker."""
         ours, theirs = self._context.Pipe()
         log = Path(self._logs.name) / f"{worker}.log"
         log.write_bytes(b"")
@@ -59,25 +59,25 @@ class ProcessPool:
         )
         with _environment(ONE_THREAD):
             process.start()
-        # Ours alone must keep the pipe open, else nobody notices when the worker is gone.
+        # With our copy of their end open, the end of the worker would go unnoticed.
         theirs.close()
         self._hired[worker] = _Process(process, ours, log)
 
     def send(self, worker: int, episode: Episode) -> None:
-        """Give an idle worker an episode."""
+        """Send an idle worker an episode."""
         try:
             self._hired[worker].pipe.send(episode)
         except OSError:
-            return  # It is gone; waiting will tell.
+            return  # It has ended; `wait` reports that.
 
     def wait(self, seconds: float) -> list[Report]:
-        """What has happened."""
+        """The reports since the last call."""
         pipes = {hired.pipe: worker for worker, hired in self._hired.items()}
         ready = wait(list(pipes), timeout=seconds)
         return [self._report(pipes[pipe]) for pipe in ready if isinstance(pipe, Connection)]
 
     def close(self) -> None:
-        """Dismiss everyone."""
+        """End all workers."""
         for hired in self._hired.values():
             hired.process.terminate()
         for hired in self._hired.values():
@@ -117,9 +117,12 @@ class ProcessPool:
 
 
 def _work(job: Job, pipe: Connection, log: Path) -> None:
-    """A worker's life. It says None when it is ready, and why if the run can't go on."""
+    """Run episodes in a worker's process.
+
+    It sends None when it is ready, records, and a message if the run can't go on.
+    """
     _die_with_owner()
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the owner's business
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the owner handles Ctrl-C
     os.dup2(os.open(log, os.O_WRONLY | os.O_APPEND), sys.stderr.fileno())
     try:
         bench = EpisodeWorker(job)
@@ -130,11 +133,11 @@ def _work(job: Job, pipe: Connection, log: Path) -> None:
     except HyPerNavError as error:
         pipe.send(str(error))
     except (EOFError, BrokenPipeError):
-        return  # The owner is gone.
+        return  # The owner has ended.
 
 
 def _die_with_owner() -> None:
-    """End this process as soon as its owner ends, even if that is killed."""
+    """End this process as soon as its owner ends, even if the owner is killed."""
     owner = multiprocessing.parent_process()
     if owner is None:
         return
@@ -148,7 +151,7 @@ def _die_with_owner() -> None:
 
 @contextmanager
 def _environment(values: dict[str, str]) -> Iterator[None]:
-    """Set variables for processes that are started meanwhile."""
+    """Set environment variables for processes that are started in the block."""
     before = {name: os.environ.get(name) for name in values}
     os.environ.update(values)
     try:

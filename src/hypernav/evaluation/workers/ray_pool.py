@@ -1,7 +1,7 @@
-"""Workers as actors on a Ray cluster (extra ``ray``): the same work, on any machine of it.
+"""Workers as actors on a Ray cluster (extra ``ray``).
 
-Results come back to the owner, who alone writes them. The houses are generated where they are
-needed; files of scenes and models must be at the same place on every machine.
+Records come back to the owner, who alone writes them. Houses are generated on the machine that
+needs them; files of scenes and models must have the same path on every machine.
 """
 
 import os
@@ -27,7 +27,7 @@ class RayPool:
         """Connect to a cluster.
 
         Args:
-            job: What every worker does.
+            job: The job of every worker.
             address: ``HOST:PORT`` of the cluster's head, or ``auto`` for that of this machine.
 
         Raises:
@@ -59,7 +59,7 @@ class RayPool:
         self._waiting: dict[Any, int] = {}
 
     def start(self, worker: int) -> None:
-        """Hire a worker."""
+        """Start a worker."""
         actor_class = self._ray.remote(num_cpus=1, max_restarts=0, runtime_env=_environment())(
             _Worker
         )
@@ -68,11 +68,11 @@ class RayPool:
         self._waiting[actor.begin.remote()] = worker
 
     def send(self, worker: int, episode: Episode) -> None:
-        """Give a ready worker an episode."""
+        """Send an idle worker an episode."""
         self._waiting[self._actors[worker].run.remote(episode)] = worker
 
     def wait(self, seconds: float) -> list[Report]:
-        """What has happened."""
+        """The reports since the last call."""
         waiting = list(self._waiting)
         ready, _ = self._ray.wait(waiting, num_returns=len(waiting), timeout=0)
         if not ready:
@@ -80,7 +80,7 @@ class RayPool:
         return [self._report(answer, self._waiting.pop(answer)) for answer in ready]
 
     def close(self) -> None:
-        """Dismiss everyone; the cluster stays."""
+        """End all workers; the cluster stays."""
         for actor in self._actors.values():
             self._ray.kill(actor)
         self._actors.clear()
@@ -106,7 +106,7 @@ class RayPool:
 
 
 class _Worker:
-    """What runs on the cluster. Says None when it is ready, and why if the run can't go on."""
+    """The actor on the cluster. Returns None when ready, and a message if the run can't go on."""
 
     def __init__(self, job: Job) -> None:
         self._job = job
@@ -132,11 +132,11 @@ class _Worker:
 
 
 def _knock(address: str) -> None:
-    """Make sure that somebody listens: Ray itself would try for minutes.
+    """Make sure that a cluster listens: Ray itself would try for minutes.
 
     Raises:
-        OSError: Nobody does.
-        ValueError: The address is none.
+        OSError: Nothing listens at the address.
+        ValueError: The port is not a number.
     """
     host, colon, port = address.removeprefix("ray://").rpartition(":")
     if colon:

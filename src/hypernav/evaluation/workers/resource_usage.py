@@ -1,4 +1,4 @@
-"""What workers have used: memory and processor time."""
+"""Memory and processor time of workers."""
 
 import sys
 

@@ -1,4 +1,4 @@
-"""Which worker runs which episode next, so that scenes are loaded as seldom as possible."""
+"""The assignment of episodes to workers, with as few loads of scenes as possible."""
 
 from collections import Counter, deque
 from collections.abc import Iterable
@@ -7,18 +7,18 @@ from hypernav.core.episode import Episode
 from hypernav.evaluation.record import EpisodeKey
 
 ATTEMPTS = 3
-"""An episode whose worker was lost this often is not tried again."""
+"""Number of lost workers after which an episode is not tried again."""
 
 
 class Schedule:
-    """Hands out every episode once; those of a lost worker again.
+    """Hands out every episode once, and those of a lost worker again.
 
-    A worker keeps to its scene as long as that has episodes left. Then it takes the scene that
-    nobody works in with most episodes, and when there is none, it joins where most are left.
+    A worker keeps to its scene as long as that has episodes left. Then it takes the scene with most
+    episodes among those without a worker, or, if there is none, among all.
     """
 
     def __init__(self, episodes: Iterable[Episode]) -> None:
-        """Take what has to be done."""
+        """Take the episodes to run."""
         self._waiting: dict[str, deque[Episode]] = {}
         for episode in episodes:
             self._waiting.setdefault(episode.scene_id, deque()).append(episode)
@@ -28,21 +28,21 @@ class Schedule:
 
     @property
     def left(self) -> int:
-        """Episodes that are not done, those in flight included."""
+        """Number of unfinished episodes, those in flight included."""
         return sum(len(queue) for queue in self._waiting.values()) + len(self._running)
 
     @property
     def is_finished(self) -> bool:
-        """Whether nothing is left."""
+        """Whether all episodes are done."""
         return self.left == 0
 
     @property
     def has_waiting(self) -> bool:
-        """Whether some are not in flight."""
+        """Whether some episodes wait for a worker."""
         return any(self._waiting.values())
 
     def next_for(self, worker: int) -> Episode | None:
-        """What an idle worker shall run; None if nothing waits (others may still be running)."""
+        """The next episode for an idle worker; None if none waits (others may be in flight)."""
         scene = self._scene_for(worker)
         if scene is None:
             return None
@@ -51,19 +51,18 @@ class Schedule:
         return self._running[worker]
 
     def is_running(self, worker: int) -> bool:
-        """Whether a worker has an episode in hand."""
+        """Whether a worker has an episode in flight."""
         return worker in self._running
 
     def done(self, worker: int) -> Episode:
-        """Note that a worker has finished its episode."""
+        """Mark the episode of a worker as done, and return it."""
         return self._running.pop(worker)
 
     def lost(self, worker: int) -> Episode | None:
-        """Note that a worker is gone.
+        """Mark a worker as lost.
 
         Returns:
-            Its episode if that has been tried often enough; None if it will be tried again, or if
-            the worker was idle.
+            Its episode if that is not tried again; None if it is, or if the worker was idle.
         """
         self._scene_of.pop(worker, None)
         episode = self._running.pop(worker, None)

@@ -1,4 +1,4 @@
-"""What workers are to the one who owns a run, wherever they are."""
+"""The protocol of worker pools, and the reports that they give."""
 
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
@@ -9,10 +9,10 @@ from hypernav.evaluation.record import EpisodeRecord
 
 @dataclass(frozen=True)
 class Ready:
-    """A worker that was hired can take its first episode.
+    """A started worker can take its first episode.
 
     Attributes:
-        worker: Which.
+        worker: Number of the worker.
     """
 
     worker: int
@@ -23,9 +23,9 @@ class Done:
     """A worker has finished its episode.
 
     Attributes:
-        worker: Which.
-        record: What came of the episode.
-        peak_mb: The most memory that the worker has used up to now.
+        worker: Number of the worker.
+        record: Record of the episode.
+        peak_mb: Peak memory of the worker up to now, megabytes.
     """
 
     worker: int
@@ -35,11 +35,11 @@ class Done:
 
 @dataclass(frozen=True)
 class Lost:
-    """A worker is gone: killed, out of memory, its machine switched off.
+    """A worker is lost: killed, out of memory, its machine switched off.
 
     Attributes:
-        worker: Which.
-        why: In words.
+        worker: Number of the worker.
+        why: Reason in words.
     """
 
     worker: int
@@ -48,11 +48,11 @@ class Lost:
 
 @dataclass(frozen=True)
 class Crashed:
-    """The program of a worker failed: a bug, not bad luck; the worker is gone.
+    """The program of a worker failed by a bug; the worker has ended.
 
     Attributes:
-        worker: Which.
-        error: Its traceback.
+        worker: Number of the worker.
+        error: Traceback of the failure.
     """
 
     worker: int
@@ -61,11 +61,11 @@ class Crashed:
 
 @dataclass(frozen=True)
 class Refused:
-    """A worker says that the run can't go on like this (no model file, disk full, …).
+    """A worker reports that the run can't go on (no model file, disk full, …).
 
     Attributes:
-        worker: Which.
-        error: In words.
+        worker: Number of the worker.
+        error: Message of the error.
     """
 
     worker: int
@@ -77,20 +77,20 @@ Report = Ready | Done | Lost | Crashed | Refused
 
 @runtime_checkable
 class WorkerPool(Protocol):
-    """Workers. Each runs one episode at a time; results come back through `wait` alone."""
+    """A pool of workers, each running one episode at a time; `wait` returns their reports."""
 
     def start(self, worker: int) -> None:
-        """Hire a worker of this number, or another one for a lost one; `wait` says: ready."""
+        """Start a worker under a number, new or of a lost worker; `wait` reports it `Ready`."""
         ...
 
     def send(self, worker: int, episode: Episode) -> None:
-        """Give a ready worker an episode. That it is gone will be reported by `wait`."""
+        """Send an idle worker an episode; `wait` reports it `Lost` if it has ended."""
         ...
 
     def wait(self, seconds: float) -> list[Report]:
-        """What has happened; waits for something to happen, but no longer than this."""
+        """The reports since the last call; waits for one, but no longer than this."""
         ...
 
     def close(self) -> None:
-        """Dismiss everyone at once, whatever they are doing."""
+        """End all workers at once, whatever they are doing."""
         ...
