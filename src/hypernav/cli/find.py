@@ -1,6 +1,7 @@
 """The command `hypernav find`: search for an object and leave a page about the search."""
 
 import re
+from contextlib import closing
 from dataclasses import asdict
 from datetime import datetime
 from pathlib import Path
@@ -52,11 +53,14 @@ def run(options: Options) -> int:
     parts.check_goal(goal)
     console = Console(stderr=True, quiet=options.quiet, highlight=False)
     with (
+        closing(parts),
         warnings_on(console),
         rehearsal(console.print),
         console.status("loading the building …") as status,
+        closing(
+            SimulatedWorld(build_scene(options.scene), config.world, config.embodiment)
+        ) as world,
     ):
-        world = SimulatedWorld(build_scene(options.scene), config.world, config.embodiment)
         rng = np.random.default_rng(options.seed)
         start = _start(options, world, goal, rng)
         episode = Episode(options.scene, "", goal, start, max_steps=options.max_steps)
@@ -86,7 +90,6 @@ def run(options: Options) -> int:
                     "config": config.model_dump(mode="json"),
                 }
             )
-    parts.close()
     _say(console, goal, outcome, folder)
     if interrupted:
         raise KeyboardInterrupt

@@ -101,6 +101,7 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
         if render_mode not in (None, "rgb_array"):
             raise WorldError(f"render_mode must be 'rgb_array' or None, got {render_mode!r}")
         self.config = config or ObjectNavConfig()
+        self._owns_world = not isinstance(scene, SimulatedWorld)
         if isinstance(scene, SimulatedWorld):
             self.world = scene
         else:
@@ -208,6 +209,11 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
     def render(self) -> UInt8[np.ndarray, "height width 3"] | None:  # pyright: ignore[reportIncompatibleMethodOverride]
         """The camera image if the render mode is "rgb_array", else None."""
         return self.observation.rgb if self.render_mode == "rgb_array" else None
+
+    def close(self) -> None:
+        """Close the world, unless it was passed ready."""
+        if self._owns_world:
+            self.world.close()
 
     def _choose_goal(self, options: Mapping[str, Any]) -> Goal:
         if options.get("goal") is not None:

@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Float32, Float64
 from pydantic import Field
 
+from hypernav.core.abilities import Closes
 from hypernav.core.actions import Action
 from hypernav.core.config import RoomConfig
 from hypernav.core.embodiment import Embodiment
@@ -108,6 +109,11 @@ class SimulatedWorld:
         self._stopped = False
         self._path_length_m = 0.0
         self._collided = False
+
+    def close(self) -> None:
+        """Close the renderer, if it holds threads; the world isn't used again."""
+        if isinstance(self._renderer, Closes):
+            self._renderer.close()
 
     def reset(self, episode: Episode, rng: np.random.Generator | None = None) -> Observation:
         """Place the robot at the start of an episode.

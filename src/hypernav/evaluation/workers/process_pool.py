@@ -7,7 +7,7 @@ import sys
 import tempfile
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
@@ -125,11 +125,11 @@ def _work(job: Job, pipe: Connection, log: Path) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the owner handles Ctrl-C
     os.dup2(os.open(log, os.O_WRONLY | os.O_APPEND), sys.stderr.fileno())
     try:
-        bench = EpisodeWorker(job)
-        pipe.send(None)
-        while True:
-            record = bench.run(pipe.recv())
-            pipe.send((record, peak_memory_mb()))
+        with closing(EpisodeWorker(job)) as bench:
+            pipe.send(None)
+            while True:
+                record = bench.run(pipe.recv())
+                pipe.send((record, peak_memory_mb()))
     except HyPerNavError as error:
         pipe.send(str(error))
     except (EOFError, BrokenPipeError):

@@ -43,6 +43,7 @@ class RayPool:
         self._ray: Any = require("ray", extra="ray")
         try:
             _knock(address)
+            self._connects = not self._ray.is_initialized()
             self._ray.init(
                 address=address,
                 ignore_reinit_error=True,
@@ -80,11 +81,13 @@ class RayPool:
         return [self._report(answer, self._waiting.pop(answer)) for answer in ready]
 
     def close(self) -> None:
-        """End all workers; the cluster stays."""
+        """End all workers, and leave the cluster, which stays."""
         for actor in self._actors.values():
             self._ray.kill(actor)
         self._actors.clear()
         self._waiting.clear()
+        if self._connects:
+            self._ray.shutdown()
 
     def _report(self, answer: Any, worker: int) -> Report:
         errors = self._ray.exceptions

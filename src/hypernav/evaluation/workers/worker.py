@@ -15,6 +15,7 @@ from hypernav.build.agents import build_agent
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.scenes import build_scene
+from hypernav.core.abilities import Closes
 from hypernav.core.episode import Episode, Outcome
 from hypernav.core.errors import CameraError, SceneError, StartError, WorldError
 from hypernav.core.metrics import EpisodeMetrics, measure
@@ -68,7 +69,7 @@ class EpisodeWorker:
             HyPerNavError: It can't be built.
         """
         self._job = job
-        self._agent, self._words, looks = _agent_of(job)
+        self._agent, self._words, looks, self._parts = _agent_of(job)
         # Drawing is most of the work, and ground truth needs no colours.
         self._render = RenderConfig(threads=1, colours=looks or job.save != "none")
         self._scene_id = ""
@@ -95,9 +96,20 @@ class EpisodeWorker:
         except _SIMULATOR_ERRORS as error:
             return broken(episode, f"{type(error).__name__}: {error}")
 
+    def close(self) -> None:
+        """End what scene and agent hold; no episode is run any more."""
+        self._leave_scene()
+        if isinstance(self._parts, Closes):
+            self._parts.close()
+
+    def _leave_scene(self) -> None:
+        if self._world is not None:
+            self._world.close()
+        self._world, self._scene_id = None, ""
+
     def _world_of(self, scene_id: str) -> SimulatedWorld:
         if self._world is None or self._scene_id != scene_id:
-            self._world, self._scene_id = None, ""  # the old one's memory, before the new one's
+            self._leave_scene()  # the old one's memory, before the new one's
             scene = self._job.open_scene(scene_id)
             renderer = CpuRenderer(scene, self._render)
             config = self._job.config
@@ -223,19 +235,19 @@ def folder_name(episode: Episode) -> str:
     return re.sub(r"[^a-z0-9]+", "-", text).strip("-")[:120]
 
 
-def _agent_of(job: Job) -> tuple[Agent, dict[str, str], bool]:
-    """The agent, who in it sees and thinks in words, and whether it looks at colours."""
+def _agent_of(job: Job) -> tuple[Agent, dict[str, str], bool, object]:
+    """The agent, who in it sees and thinks, whether it looks at colours, and what to close."""
     if job.make_agent is not None:
         agent = job.make_agent()
         words = {"agent": type(agent).__name__, "detector": "its own", "reasoner": "its own"}
-        return agent, words, True
+        return agent, words, True, agent
     parts = build_agent(job.config, job.specs)
     words = {
         "agent": job.specs.agent,
         "detector": parts.detector_words,
         "reasoner": parts.reasoner_words,
     }
-    return parts.agent, words, parts.looks_at_colours
+    return parts.agent, words, parts.looks_at_colours, parts
 
 
 def _count(step: EpisodeStep, questions: Counter[str], tokens: Counter[str]) -> None:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -116,7 +117,8 @@ def view_from_above(scene: Scene, width: int = 1280) -> Image:
     looking_down = np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]])
     middle = (low + high) / 2.0
     pose = Transform(looking_down, np.array([middle[0], middle[1], above]))
-    return CpuRenderer(open_scene).render(camera, pose).rgb
+    with closing(CpuRenderer(open_scene)) as renderer:
+        return renderer.render(camera, pose).rgb
 
 
 def interior_views(scene: Scene, plan: FloorPlan, number: int, count: int) -> list[Image]:
@@ -128,9 +130,15 @@ def interior_views(scene: Scene, plan: FloorPlan, number: int, count: int) -> li
         number: Number of the house, the seed of the poses.
         count: Greatest number of images.
     """
+    with closing(CpuRenderer(scene)) as renderer:
+        return _best_views(scene, plan, RandomStream(number, "views"), count, renderer)
+
+
+def _best_views(
+    scene: Scene, plan: FloorPlan, rng: RandomStream, count: int, renderer: CpuRenderer
+) -> list[Image]:
     config = CameraConfig()
-    grid, renderer = WalkableGrid.from_scene(scene), CpuRenderer(scene)
-    rng = RandomStream(number, "views")
+    grid = WalkableGrid.from_scene(scene)
     best: list[tuple[float, Pose2]] = []
     for room in plan.rooms:
         positions = _positions_in(room.inner, grid)

@@ -62,7 +62,7 @@ class RenderConfig(RoomConfig):
 
 
 class CpuRenderer:
-    """Draws a scene; satisfies `hypernav.core.world.Renderer`.
+    """Draws a scene; satisfies `hypernav.core.world.Renderer`. Its threads end with `close`.
 
     Attributes:
         rays: Ray caster of the scene, shared with code that tests visibility.
@@ -125,6 +125,10 @@ class CpuRenderer:
             for edge in edges:
                 mix_samples(edge.pixels, edge.samples, rgb.reshape(-1, 3))
         return RenderedView(rgb, frame.depth, frame.ids)
+
+    def close(self) -> None:
+        """End the threads; nothing is drawn any more."""
+        self._pool.shutdown()
 
     def _shade_pending(self, pending: Iterable[PendingRays | None]) -> None:
         self._shader.shade_pending([rays for rays in pending if rays is not None], self._pool)

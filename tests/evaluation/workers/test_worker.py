@@ -1,0 +1,63 @@
+"""A worker leaves no thread behind, however it ends."""
+
+import threading
+from contextlib import closing
+from dataclasses import replace
+
+import pytest
+
+from eval_runs import write_room
+from hypernav.core.errors import ModelError
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.evaluation.workers.worker import EpisodeWorker, Job
+from small_episodes import episode_from
+from small_worlds import small_config, two_rooms
+
+START = Pose2(2.5, 1.0, 0.0)
+
+
+class Stands:
+    """Gives up at once; may fail instead."""
+
+    def __init__(self, error=None):
+        self.error, self.closed = error, False
+
+    def reset(self, goal):
+        pass
+
+    def act(self, observation):
+        if self.error is not None:
+            raise self.error
+        return None
+
+    def close(self):
+        self.closed = True
+
+
+def threads():
+    return {thread for thread in threading.enumerate() if thread.is_alive()}
+
+
+def test_a_closed_world_has_no_threads():
+    before = threads()
+    with closing(two_rooms()) as world:
+        world.reset(episode_from(START))
+        assert threads() > before
+    assert threads() == before
+
+
+@pytest.mark.parametrize("error", [None, ModelError("no such file")])
+def test_a_worker_closes_world_and_agent_also_after_an_error(tmp_path, error):
+    before, agent = threads(), Stands(error)
+    room = write_room(tmp_path / "room.glb")
+    job = Job(tmp_path, small_config(), make_agent=lambda: agent)
+    episode = replace(episode_from(START), scene_id=f"{room}")
+    with closing(EpisodeWorker(job)) as worker:
+        if error is None:
+            worker.run(episode)
+        else:
+            with pytest.raises(ModelError):
+                worker.run(episode)
+        assert threads() > before
+    assert threads() == before
+    assert agent.closed
