@@ -1,39 +1,39 @@
-"""Whether a robot gets on along a way that changes while it is driven."""
+"""Progress of a robot along a path that changes while it is driven."""
 
 import math
 
 _STEP_M = 0.1
-"""Less is not nearer."""
+"""Smallest shortening of the path that counts as progress."""
 _DETOUR_STEPS_PER_M = 4
-"""Steps and turns of a detour that turned out to be necessary."""
+"""Number of steps and turns granted per metre of a detour."""
 
 
 class Progress:
     """Notices a robot that goes to and fro, or stands still, instead of coming nearer.
 
-    It is the way that must get shorter: who walks around a wall gets farther away as the crow
-    flies. If the way turns out to be longer, that detour is waited for.
+    It is the path that must get shorter: a robot that drives around a wall gets farther away in a
+    straight line. If the path turns out to be longer, the steps of that detour are granted.
     """
 
     def __init__(self, patience_steps: int) -> None:
-        """Begin a way.
+        """Begin a path.
 
         Args:
-            patience_steps: Steps that may bring the robot no nearer, on top of those that a detour
-                takes.
+            patience_steps: Number of steps that may bring the robot no nearer, on top of those of a
+                detour.
         """
         self._patience_steps = patience_steps
         self.reset()
 
     def reset(self) -> None:
-        """Begin another way."""
+        """Begin another path."""
         self._shortest_m, self._longest_m, self._steps = math.inf, 0.0, 0
 
     def is_made(self, left_m: float) -> bool:
-        """Whether the robot still gets on; to be asked once a step.
+        """Whether the robot still makes progress; to be asked once a step.
 
         Args:
-            left_m: Length of the way that is left.
+            left_m: Length of the path that is left, metres.
         """
         if left_m < self._shortest_m - _STEP_M:
             self._shortest_m, self._longest_m, self._steps = left_m, left_m, 0

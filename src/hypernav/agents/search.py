@@ -1,4 +1,4 @@
-"""The search that the agents of this package share; they differ in how they explore."""
+"""The search that the agents of this package share; they differ in their explorers."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -29,17 +29,17 @@ from hypernav.planning.navigator import Navigator
 
 @dataclass(frozen=True, eq=False)
 class SearchComponents:
-    """What a search is made of; `hypernav.build` puts it together from a configuration.
+    """The components of a search; `hypernav.build` puts them together from a configuration.
 
     Attributes:
-        new_map: Makes an empty map.
-        local: Sees the goal and says where it is.
-        explorer: Says where to go while the goal is out of sight.
-        planning: How the robot drives.
-        embodiment: What the robot is.
-        presence: Looks once more before STOP; None trusts the goal area.
-        log: What detectors and reasoners were asked, for the trace.
-        config: Values of the method.
+        new_map: Function that makes an empty map.
+        local: Local perception: finds the goal in images and on the floor plan.
+        explorer: Explorer: chooses destinations while the goal is out of sight.
+        planning: Configuration of planning and path following.
+        embodiment: Body, camera, step and turn of the robot.
+        presence: Presence check before STOP; None trusts the goal area.
+        log: Log of the questions to detectors and reasoners, for the trace.
+        config: Configuration of the search.
     """
 
     new_map: Callable[[], TopDownMap]
@@ -104,7 +104,7 @@ class _Search:
         self._trajectory: list[tuple[float, float]] = []
         self._steps = 0
         self._motion = embodiment.motion
-        # Each keeps to a plan of its own: steps that lead to two places by turns lead to none.
+        # Each keeps to its own plan: steps that lead to two positions by turns lead to neither.
         navigator = Navigator(planning, embodiment)
         roaming = Navigator(planning, embodiment)
         self._look_around = LookAround(embodiment.motion)

@@ -1,1 +1,1 @@
-"""The one place that turns a configuration into objects."""
+"""Construction: the one place where a configuration becomes objects."""

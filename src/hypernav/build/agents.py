@@ -1,4 +1,4 @@
-"""The one place that turns a configuration into objects."""
+"""Construction of agents: here alone a configuration becomes objects."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -38,17 +38,17 @@ _PROTOCOLS = {"detector": Detector, "segmenter": Segmenter, "reasoner": BlockRea
 
 @dataclass(frozen=True)
 class BuiltAgent:
-    """An agent, who in it sees and thinks, and the books about what they were asked.
+    """An agent with its components and the ledger of its chat model.
 
     Attributes:
-        agent: Ready for `reset`.
-        chosen: What it was built from.
-        detector_words: Who sees the goal, in words.
-        reasoner_words: Who chooses where to look, in words.
-        segmenter_words: Who finds the pixels, in words.
-        components: All that was built, for what they can do beside their protocols.
-        ledger: What the chat model was asked; stays at zero without one.
-        price: Of its tokens.
+        agent: Agent, ready for `reset`.
+        chosen: Choices that it was built from.
+        detector_words: Name of the detector for people.
+        reasoner_words: Name of the reasoner or explorer for people.
+        segmenter_words: Name of the segmenter for people.
+        components: All components, for their optional abilities.
+        ledger: Ledger of the questions to the chat model; empty without one.
+        price: Price of the chat model's tokens.
     """
 
     agent: Agent
@@ -64,7 +64,7 @@ class BuiltAgent:
         """Refuse a goal that a component can never find, a detector of fixed classes for example.
 
         Raises:
-            GoalError: It cannot; the message names the nearest classes.
+            GoalError: The goal can never be found; the message names the nearest classes.
         """
         for component in self.components:
             if isinstance(component, ChecksGoal):
@@ -77,7 +77,7 @@ class BuiltAgent:
         return self.chosen.vlm is not None or any(map(looks_at_colours, given_images))
 
     def take_report(self) -> dict[str, Any]:
-        """What was asked and counted since the last report, for ``result.json``.
+        """Questions and counts since the last report, for ``result.json``.
 
         Returns:
             ``ledger``: calls, tokens, seconds and retries per kind of question, and the cost if a
@@ -111,9 +111,9 @@ def build_agent(
     """Put an agent together.
 
     Args:
-        config: Values of the method.
-        specs: Who sees and thinks; without a model by default.
-        record: Where to write every exchange with the chat model.
+        config: Configuration of everything.
+        specs: Specifications of the components; without a model by default.
+        record: File for every exchange with the chat model; None records nothing.
 
     Raises:
         ConfigError: Components that do not exist, or do not go together.
@@ -125,7 +125,7 @@ def build_agent(
     chosen = choose_components(specs or ComponentSpecs(), presence=config.presence.enabled)
     log, ledger = ExchangeLog(), Ledger()
     chat, recording = wrap_chat(chosen.vlm, config.chat, ledger, record)
-    # Who is asked while the robot drives to the last answer needs a log of its own.
+    # A reasoner that is asked while the robot drives to its last answer needs its own log.
     ahead = config.prefetch.enabled and _asks_chat(chosen.reasoner)
     map_log = ExchangeLog() if ahead else log
     built: dict[str, Any] = {}
@@ -177,13 +177,13 @@ def build_search(
     """An agent around components that exist already, for example a detector of your own.
 
     Args:
-        config: Values of the method.
-        detector: Sees the goal.
-        log: Where detector and reasoner write what they were asked.
-        agent: Names an explorer.
-        segmenter: Finds the pixels in a box; cuts by depth unless given.
-        reasoner: Chooses blocks; geometric unless given.
-        presence: Looks once more before STOP; nobody unless given.
+        config: Configuration of everything.
+        detector: Detector of the goal.
+        log: Log of the questions to detector and reasoner.
+        agent: Name of an explorer.
+        segmenter: Segmenter of the pixels in a box; cuts by depth unless given.
+        reasoner: Reasoner that chooses blocks; geometric unless given.
+        presence: Presence check before STOP; None trusts the goal area.
     """
     offers = _offers(config, log)
     offers["reasoner"] = reasoner or offers["fallback"]
@@ -223,7 +223,7 @@ def _search(
 
 
 def _offers(config: HyPerNavConfig, log: ExchangeLog) -> dict[str, Any]:
-    """What the constructor of any component may ask for."""
+    """Arguments that the constructor of any component may ask for."""
     return {
         "log": log,
         "embodiment": config.embodiment,

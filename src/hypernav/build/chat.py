@@ -1,4 +1,4 @@
-"""The chat model that a person names, with its books."""
+"""The chat model of ``--vlm``, with its ledger and recording."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -14,7 +14,7 @@ from hypernav.models.chat.vlm_spec import VlmSpec, open_chat, parse_vlm_spec
 def wrap_chat(
     vlm: str | None, config: ChatConfig, ledger: Ledger, record: Path | None
 ) -> tuple[ChatModel | None, RecordingChat | None]:
-    """The chat model with its books, and the recording if there is one.
+    """The chat model with its ledger, and the recording if there is one.
 
     Raises:
         ConfigError: There is nothing to record.

@@ -1,4 +1,4 @@
-"""Who sees and who thinks: what was left open filled in, and what contradicts itself refused."""
+"""Choice of the components: gaps are filled in, and contradictions refused."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -16,15 +16,15 @@ _EXAMPLE = "--vlm openai:http://localhost:8000/v1"
 
 @dataclass(frozen=True)
 class ChosenComponents:
-    """`ComponentSpecs` with nothing left open. What is None is not asked.
+    """`ComponentSpecs` with nothing left open. Components that are None are not asked.
 
     Attributes:
-        agent: Who searches.
-        vlm: The chat model.
-        detector: Who sees the goal.
-        reasoner: Who chooses where to look.
-        segmenter: Who finds the pixels in a box; None where detections carry their masks.
-        presence: Whether the chat model looks once more at the goal.
+        agent: Agent, or explorer of the search.
+        vlm: Specification of the chat model.
+        detector: Detector of the goal.
+        reasoner: Reasoner that chooses the block to visit.
+        segmenter: Segmenter of the pixels in a box; None where detections carry their masks.
+        presence: Whether the chat model checks the presence of the goal before STOP.
     """
 
     agent: Choice[Factory]
@@ -36,7 +36,7 @@ class ChosenComponents:
 
     @property
     def by_kind(self) -> dict[str, Choice[Factory]]:
-        """All that are asked; who is made of others comes after them."""
+        """All components that are asked, each after those that it is made of."""
         return {
             kind: choice
             for kind in ("detector", "segmenter", "reasoner", "agent")
@@ -45,11 +45,11 @@ class ChosenComponents:
 
     @property
     def is_whole_agent(self) -> bool:
-        """Whether the agent acts itself, in place of an explorer that this package drives for."""
+        """Whether the agent acts itself, so that the search of this package isn't needed."""
         return hasattr(self.agent.load(), "act")
 
     def as_dict(self) -> dict[str, str | None]:
-        """What to write to have the same again, for ``result.json``."""
+        """Specifications that choose the same components again, for ``result.json``."""
         return {
             "agent": self.agent.spec,
             "vlm": self.vlm,
@@ -67,12 +67,12 @@ def choose_components(specs: ComponentSpecs, *, presence: bool = True) -> Chosen
     another component was named for one of these.
 
     Args:
-        specs: What was asked for.
-        presence: Whether a chat model, if there is one, looks once more at the goal.
+        specs: Specifications of the user.
+        presence: Whether a chat model, if there is one, checks the presence of the goal before
+            STOP.
 
     Raises:
-        ConfigError: It does not go together, or there is no such component; the message says what
-            there is.
+        ConfigError: Components do not go together, or do not exist; the message says which do.
         ContractError: A component of another package can't be built.
     """
     model = specs.vlm is not None
@@ -102,7 +102,7 @@ def with_own_sections(config: HyPerNavConfig, chosen: ChosenComponents) -> HyPer
     """The configuration with the whole sections of components from other packages in it.
 
     Raises:
-        ConfigError: ``own`` holds values that nobody uses, or that can't be used.
+        ConfigError: ``own`` holds values for no component in use, or impossible ones.
         ContractError: A component doesn't say what its section holds.
     """
     own: dict[str, Any] = {}
@@ -136,7 +136,7 @@ def _choice(
 
 
 def _check_model(chosen: ChosenComponents) -> None:
-    """Make sure that there is a chat model for who needs one, and somebody who asks it."""
+    """Make sure that no component lacks a chat model, and that no chat model goes unasked."""
     asking = {kind: asked_by(choice) for kind, choice in chosen.by_kind.items()}
     for kind, choice in chosen.by_kind.items():
         if chosen.vlm is None and asking[kind].get("chat", False):
@@ -145,8 +145,8 @@ def _check_model(chosen: ChosenComponents) -> None:
             )
     is_asked = chosen.presence or any("chat" in asked for asked in asking.values())
     if chosen.vlm is not None and not is_asked:
-        who = ", ".join(f"--{kind} {choice.spec}" for kind, choice in chosen.by_kind.items())
+        named = ", ".join(f"--{kind} {choice.spec}" for kind, choice in chosen.by_kind.items())
         raise ConfigError(
-            f"--vlm {chosen.vlm} would never be asked: {who}, presence.enabled=false; give it "
+            f"--vlm {chosen.vlm} would never be asked: {named}, presence.enabled=false; give it "
             "something to do or drop --vlm"
         )

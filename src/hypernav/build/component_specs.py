@@ -1,4 +1,4 @@
-"""Who sees and who thinks, as people write it."""
+"""Specifications of components, as people write them."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -8,16 +8,16 @@ PresetName = Literal["default", "paper"]
 
 @dataclass(frozen=True)
 class ComponentSpecs:
-    """Who sees and thinks. What is None is filled in to fit the rest.
+    """Specifications of an agent's components. Those that are None are chosen to fit the rest.
 
     All but ``vlm`` are names of `hypernav.build.registries`, or ``package.module:Name``.
 
     Attributes:
-        agent: Who searches: ``hypernav``, ``frontier``, an explorer or an agent of one's own.
-        vlm: The chat model: ``openai:URL[#MODEL]``, ``local:ID`` or ``replay:FILE``.
-        detector: Who sees the goal.
-        reasoner: Who chooses the block to visit.
-        segmenter: Who finds the pixels in a box.
+        agent: Agent or explorer: ``hypernav``, ``frontier``, or a user's own.
+        vlm: Chat model: ``openai:URL[#MODEL]``, ``local:ID`` or ``replay:FILE``.
+        detector: Detector of the goal.
+        reasoner: Reasoner that chooses the block to visit.
+        segmenter: Segmenter of the pixels in a box.
     """
 
     agent: str = "hypernav"

@@ -1,6 +1,6 @@
-"""Calling a component's constructor with what it asks for, by the names of its parameters.
+"""Construction of a component from what its parameters ask for by their names.
 
-What follows the component's name on the command line comes first, by position: ``yolox:net.onnx``
+Arguments after the component's name on the command line come first, by position: ``yolox:net.onnx``
 makes ``YoloxDetector("net.onnx", ...)``. Everything else is optional and given by name:
 
 ============  ====================================================================================
@@ -36,11 +36,11 @@ from hypernav.core.registry import Choice
 
 
 def asked_by(choice: Choice[Factory]) -> dict[str, bool]:
-    """What a component's constructor asks for by name, and whether it can't do without.
+    """Names that a component's constructor asks for, and whether each is required.
 
     Raises:
-        ConfigError: What follows the component's name is more than it takes.
-        ContractError: It is neither a class nor a function.
+        ConfigError: The specification has more arguments than the constructor takes.
+        ContractError: The component is neither a class nor a function.
         ImportTargetError: It cannot be imported.
     """
     factory = choice.load()
@@ -60,14 +60,14 @@ def asked_by(choice: Choice[Factory]) -> dict[str, bool]:
 
 
 def make(choice: Choice[Factory], offers: Mapping[str, Any]) -> Any:
-    """A component.
+    """Make a component.
 
     Args:
-        choice: Which, and what follows its name.
-        offers: What its constructor may ask for.
+        choice: Component and its arguments.
+        offers: Arguments that its constructor may ask for.
 
     Raises:
-        ContractError: It asks for something else.
+        ContractError: The constructor asks for something else.
         ImportTargetError: It cannot be imported.
     """
     asked = asked_by(choice)

@@ -1,4 +1,4 @@
-"""All that can be configured, and the named configurations."""
+"""The whole configuration, and the presets."""
 
 from typing import Any
 
@@ -28,11 +28,11 @@ from hypernav.worlds.simulation import SimulationConfig
 
 
 class PriceConfig(RoomConfig):
-    """What a model's tokens cost; None leaves the cost out of the results.
+    """Prices of a model's tokens; None leaves the cost out of the results.
 
     Attributes:
-        in_per_million: A million prompt tokens, in any currency.
-        out_per_million: A million answer tokens.
+        in_per_million: Price of a million prompt tokens, in any currency.
+        out_per_million: Price of a million answer tokens, in the same currency.
     """
 
     in_per_million: float | None = Field(default=None, ge=0.0)
@@ -43,10 +43,10 @@ class OwnConfig(RoomConfig):
     """Sections of components from other packages; each is checked by the component's own model.
 
     Attributes:
-        agent: Of the agent or explorer in use.
-        detector: Of the detector in use.
-        reasoner: Of the reasoner in use.
-        segmenter: Of the segmenter in use.
+        agent: Section of the agent or explorer in use.
+        detector: Section of the detector in use.
+        reasoner: Section of the reasoner in use.
+        segmenter: Section of the segmenter in use.
     """
 
     agent: dict[str, Any] = Field(default_factory=dict)
@@ -56,30 +56,30 @@ class OwnConfig(RoomConfig):
 
 
 class HyPerNavConfig(RoomConfig):
-    """Everything that can be set, one section a room.
+    """The whole configuration, one section for each part.
 
     Attributes:
-        embodiment: What the robot is: body, camera, step and turn.
-        world: How the robot is simulated.
-        mapping: How the map is drawn.
-        local: How a detection becomes a goal area.
-        overview: How the map question is drawn and repeated.
-        geometric: How blocks are weighed without a model.
-        planning: How the robot drives.
-        search: When to look, when to stop, when to think again.
-        chat: How chat models are reached and how patient we are with them.
-        grounding: How a chat model is asked for boxes.
-        attention: Which images a chat model is asked about.
-        prefetch: When a chat model is asked the next map question.
-        block_choice: How a chat model is asked the map question.
-        presence: How a chat model is asked whether the goal is really there.
-        price: Of tokens, for the cost in the results.
-        depth_cut: How the pixels in a box are found without a model.
-        yolox: How a YOLOX export is used.
-        zero_shot: How an open-vocabulary detector is used.
-        sam: How a SAM model is used.
-        onnx_sam: How an exported SAM is used.
-        own: How components from other packages are used.
+        embodiment: Body, camera, step and turn of the robot.
+        world: Simulation of the robot.
+        mapping: Cells, evidence and height band of the map.
+        local: Local perception, from detections to goal areas.
+        overview: Drawing and repetition of the map question.
+        geometric: Weights of blocks without a model.
+        planning: Planning and path following.
+        search: Conditions for looking, stopping and changing the destination.
+        chat: Connection to chat models, timeouts and retries.
+        grounding: Question to a chat model for boxes.
+        attention: Choice of the images that a chat model is asked about.
+        prefetch: Time of the next map question.
+        block_choice: Map question to a chat model.
+        presence: Question to a chat model whether the goal is really there.
+        price: Prices of tokens, for the cost in the results.
+        depth_cut: Segmentation of a box without a model.
+        yolox: Use of a YOLOX export.
+        zero_shot: Use of an open-vocabulary detector.
+        sam: Use of a SAM model.
+        onnx_sam: Use of an exported SAM.
+        own: Sections of components from other packages.
     """
 
     embodiment: Embodiment = Embodiment()
@@ -111,7 +111,7 @@ class HyPerNavConfig(RoomConfig):
 
     @property
     def stop_reach_m(self) -> float:
-        """How far from the outline of a goal area the robot stops at most, metres."""
+        """Largest distance from the outline of a goal area at which the robot stops, metres."""
         local = self.local
         dilated_m = (
             local.dilation_kernel // 2 * local.dilation_iterations * self.mapping.cell_size_m
@@ -120,7 +120,7 @@ class HyPerNavConfig(RoomConfig):
 
 
 def preset(name: PresetName) -> HyPerNavConfig:
-    """A named configuration: the published method, or the one that we measured to be better."""
+    """A named configuration: the published method, or the one measured to be better."""
     if name == "default":
         return HyPerNavConfig()
     return HyPerNavConfig(

@@ -1,6 +1,6 @@
-"""Everything that is found by name. A component of this package is one line here.
+"""The registries of everything that is found by name. A component of this package is one entry.
 
-Others register theirs as entry points of the group that each registry names.
+Other packages register theirs as entry points of the group that each registry names.
 """
 
 from collections.abc import Callable
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from hypernav.worlds.scenes.scene import Scene
 
 Factory = Callable[..., Any]
-"""A class or function that is called with what it asks for by name, see `construction.make`."""
+"""A class or function that makes a component from named arguments; see `construction.make`."""
 
 DETECTORS: Registry[Factory] = Registry(
     "detector",
@@ -44,7 +44,7 @@ DETECTORS: Registry[Factory] = Registry(
         ),
     ],
 )
-"""Who sees the goal (`hypernav.core.protocols.Detector`)."""
+"""Detectors of the goal (`hypernav.core.protocols.Detector`)."""
 
 SEGMENTERS: Registry[Factory] = Registry(
     "segmenter",
@@ -65,7 +65,7 @@ SEGMENTERS: Registry[Factory] = Registry(
         ),
     ],
 )
-"""Who finds the pixels in a box (`hypernav.core.protocols.Segmenter`)."""
+"""Segmenters of the pixels in a box (`hypernav.core.protocols.Segmenter`)."""
 
 REASONERS: Registry[Factory] = Registry(
     "reasoner",
@@ -84,7 +84,7 @@ REASONERS: Registry[Factory] = Registry(
         ),
     ],
 )
-"""Who chooses the block of the map to visit (`hypernav.core.protocols.BlockReasoner`)."""
+"""Reasoners that choose the block to visit (`hypernav.core.protocols.BlockReasoner`)."""
 
 AGENTS: Registry[Factory] = Registry(
     "agent",
@@ -102,8 +102,8 @@ AGENTS: Registry[Factory] = Registry(
         ),
     ],
 )
-"""Who searches: an explorer that the search of this package drives for
-(`hypernav.core.protocols.Explorer`), or an agent that does everything itself (`Agent`)."""
+"""Explorers, for which the search of this package drives (`hypernav.core.protocols.Explorer`),
+and whole agents (`hypernav.core.protocols.Agent`)."""
 
 SCENES: "Registry[Callable[..., Scene]]" = Registry(
     "scene",
@@ -113,4 +113,4 @@ SCENES: "Registry[Callable[..., Scene]]" = Registry(
         Entry("houses", "hypernav.build.scenes:numbered_house", form="houses:N"),
     ],
 )
-"""Buildings that are no files: called with what follows the name, as text."""
+"""Scenes that are no files: functions of the text after the name."""

@@ -1,4 +1,4 @@
-"""Scenes by name."""
+"""Construction of scenes by name."""
 
 from pathlib import Path
 
@@ -16,8 +16,8 @@ def build_scene(spec: str) -> Scene:
     """A scene by name.
 
     Args:
-        spec: ``builtin``, ``houses:N`` for the generated house of number N, a name that an
-            installed package brings, or the path of a GLB.
+        spec: Name of the scene: ``builtin``, ``houses:N`` for the generated house of number N, a
+            name that an installed package brings, or the path of a GLB.
 
     Raises:
         SceneError: The file cannot be used, or there is no such house.
@@ -37,7 +37,7 @@ def numbered_house(number: str) -> Scene:
     """A generated house.
 
     Raises:
-        SceneError: That is no number of a house.
+        SceneError: The text is no number of a house.
     """
     return cached_house(house_number(number))
 
@@ -46,7 +46,7 @@ def house_number(text: str) -> int:
     """The number of a house, as people write it.
 
     Raises:
-        SceneError: It is none.
+        SceneError: The text is no such number.
     """
     if not (text.isascii() and text.isdecimal() and len(text) <= _HOUSE_DIGITS):
         raise SceneError(

@@ -1,4 +1,4 @@
-"""What an agent can do."""
+"""Actions of an agent."""
 
 from enum import IntEnum
 

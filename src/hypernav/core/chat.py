@@ -65,7 +65,7 @@ class Usage:
 
 
 class Fault(StrEnum):
-    """Why an answer cannot be used."""
+    """Reasons why an answer cannot be used."""
 
     REFUSED = "refused"
     UNPARSABLE = "unparsable"

@@ -106,7 +106,7 @@ class MotionConfig(RoomConfig):
         return self
 
     def actions_for(self, paper_actions: int) -> int:
-        """As many actions as do what so many of the paper's do, steps of 0.5 m and turns of 30°."""
+        """Number of actions that equals so many of the paper's, steps of 0.5 m and turns of 30°."""
         return math.ceil(paper_actions * max(0.5 / self.forward_m, 30.0 / self.turn_angle_deg))
 
     @property

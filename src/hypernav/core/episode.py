@@ -57,7 +57,7 @@ class Episode:
 
 
 class Outcome(StrEnum):
-    """How an episode ended.
+    """Outcomes of an episode.
 
     A model outage or a simulator error is never counted as a failure of navigation.
     """

@@ -29,7 +29,7 @@ class Entry(Generic[T]):
     Attributes:
         name: Name that people write.
         target: The component itself, or where it is imported from: ``package.module:name``.
-        form: How it is written in full: ``yolox:PATH.onnx``, ``mine[:ARGUMENT]``. The bare name
+        form: Full form of a specification: ``yolox:PATH.onnx``, ``mine[:ARGUMENT]``. The bare name
             unless given. As many arguments are expected as have commas between them here.
         words: Description for people. ``{files}`` stands for the file names that follow the name;
             other fields are filled in by the caller of `Choice.words`. The name unless given.
@@ -78,7 +78,7 @@ class Choice(Generic[T]):
 
     @property
     def spec(self) -> str:
-        """What somebody wrote."""
+        """Specification that names the choice."""
         name = self.entry.name
         return f"{name}:{','.join(self.arguments)}" if self.arguments else name
 

@@ -12,7 +12,7 @@ from hypernav.core.actions import Action
 
 
 class Mode(StrEnum):
-    """What an agent is doing in a step."""
+    """Modes of an agent."""
 
     LOOK_AROUND = "look around"
     EXPLORE = "explore"
@@ -22,7 +22,7 @@ class Mode(StrEnum):
 
 
 class Ending(StrEnum):
-    """How an agent ended its search."""
+    """Endings of a search, as the agent claims them."""
 
     FOUND = "found"
     """The agent says that the goal is here."""
@@ -110,7 +110,7 @@ class StepTrace(_Record):
         step: Number of the step, from 0.
         pose: Pose of the robot ``(x, y, yaw)`` before the action.
         action: Action of the step; None in the last step of a search that was given up.
-        mode: What the agent is doing.
+        mode: Mode of the agent.
         reason: Reason for the action, in one short sentence for people.
         destination: Position ``(x, y)`` that the robot is going to.
         path: Rest of the path there.

@@ -9,7 +9,7 @@ from hypernav.core.embodiment import BodyConfig
 
 
 class PlanningConfig(RoomConfig):
-    """How paths are planned and followed.
+    """Configuration of planning and path following.
 
     Values not marked with "paper" are ours: the paper is silent on them.
 

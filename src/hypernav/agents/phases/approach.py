@@ -1,4 +1,4 @@
-"""Going to the goal area."""
+"""The approach to the goal area."""
 
 from hypernav.agents.config import SearchConfig
 from hypernav.agents.phases.explore import Explore
@@ -11,7 +11,7 @@ from hypernav.perception.local.local_perception import LocalPerception
 from hypernav.planning.navigator import Navigator
 
 _CLOSE_BY_M = 1.5
-"""A robot that gets no nearer than this is at the goal area: something stands around it."""
+"""Length of path below which a stuck robot is at the goal area: something stands around it."""
 
 
 class Approach:
@@ -19,7 +19,7 @@ class Approach:
 
     Attributes:
         as_near_as_possible: Whether everything else is explored, so that the end of the nearest
-            path has to do.
+            path must suffice.
     """
 
     def __init__(
@@ -34,12 +34,12 @@ class Approach:
         """Begin with no approach under way.
 
         Args:
-            goal: What to find.
-            local: Knows the target.
-            navigator: Drives there.
-            explore: Left when the robot goes to the target: local perception wins.
-            look_around: Left likewise.
-            config: Distances, and patience.
+            goal: Target of the search.
+            local: Local perception, which knows the target.
+            navigator: Navigator that drives there.
+            explore: Exploration, left when the robot goes to the target: local perception wins.
+            look_around: Turn around, left likewise.
+            config: Distances, and the steps until the robot is stuck.
         """
         self._goal = goal
         self._local = local
@@ -52,18 +52,18 @@ class Approach:
         self.as_near_as_possible = False
 
     def forget(self) -> None:
-        """Begin the next approach with new patience."""
+        """Measure progress anew in the next approach."""
         self._progress.reset()
 
     def rests(self) -> bool:
-        """Whether the robot explores for now because it got nowhere; to be asked once a step."""
+        """Whether the robot explores for now because it was stuck; to be asked once a step."""
         if self._rest_steps == 0 or self.as_near_as_possible:
             return False
         self._rest_steps -= 1
         return True
 
     def act(self, step: Step) -> Decision | PhaseName:
-        """The next action towards the goal area, or who takes over there or instead."""
+        """The next action towards the goal area, or the phase that takes over."""
         target, robot, config = self._local.target, step.robot, self._config
         if target is None:
             return PhaseName.LOOK_AROUND
@@ -89,6 +89,6 @@ class Approach:
         return PhaseName.VERIFY
 
     def _leave_exploration(self, step: Step) -> None:
-        """Local perception wins."""
+        """Leave exploration: local perception wins."""
         self._look_around.cancel()
         self._explore.leave(step)

@@ -1,4 +1,4 @@
-"""The end of exploration: nothing is left to explore."""
+"""The end of exploration, when nothing is left to explore."""
 
 from hypernav.agents.config import SearchConfig
 from hypernav.agents.phases.approach import Approach
@@ -31,14 +31,14 @@ class End:
         """Put it together.
 
         Args:
-            goal: What to find.
-            local: Knows whether a target is in sight.
-            navigator: Drives to the target.
-            world_map: Forgets what the robot bumped into.
-            explore: Forgets what was visited.
-            look_around: Turns once around.
-            approach: Goes as near to the target as possible.
-            config: Whether to look once more, and what counts as the same position.
+            goal: Target of the search.
+            local: Local perception, which knows whether a target is in sight.
+            navigator: Navigator that drives to the target.
+            world_map: Map, which forgets bumps.
+            explore: Exploration, which forgets visits.
+            look_around: Turn around, begun once more.
+            approach: Approach, which goes as near to the target as possible.
+            config: Whether to look once more, and the distance of equal positions.
         """
         self._goal = goal
         self._local = local
@@ -51,7 +51,7 @@ class End:
         self._ends: list[tuple[float, float]] = []
 
     def act(self, step: Step) -> Decision | PhaseName:
-        """What is left to try, or the end of the search."""
+        """The last thing left to try, or the end of the search."""
         if self._local.target is not None and not self._approach.as_near_as_possible:
             self._approach.as_near_as_possible = True
             reason = f"all is explored, going as near to the {self._goal.thing} as possible"

@@ -1,4 +1,4 @@
-"""Driving from one destination of global perception to the next, while the goal is out of sight."""
+"""Exploration from one destination of global perception to the next."""
 
 import math
 
@@ -24,14 +24,14 @@ from hypernav.planning.navigator import Navigator
 
 _CHOICES_PER_STEP = 4
 _WORTH_A_TURN_M = 0.3
-"""A shorter boundary to the unknown is noise."""
+"""Length of the shortest boundary to the unknown that is no noise."""
 
 
 class Explore:
     """Holds a destination until it is reached, given up or explored; then asks for the next.
 
     Attributes:
-        destination: Where the robot is going.
+        destination: Present destination of the robot; None if there is none.
     """
 
     def __init__(
@@ -45,11 +45,12 @@ class Explore:
         """Begin without a destination.
 
         Args:
-            goal: What to find.
-            local: Knows the direction of a goal that is in sight but too far away to be measured.
-            explorer: Says where to go.
-            navigator: Drives there.
-            config: When a destination ends.
+            goal: Target of the search.
+            local: Local perception, which knows the direction of a goal that is too far away to be
+                measured.
+            explorer: Explorer that chooses destinations.
+            navigator: Navigator that drives there.
+            config: Conditions under which a destination ends.
         """
         explorer.reset(goal)
         self._goal = goal
@@ -141,7 +142,7 @@ class Explore:
     def _look_across(self, step: Step) -> Action | None:
         """At the destination, the turn towards what is still unexplored around it.
 
-        Who comes to a door sideways has not yet looked through it.
+        A robot that comes to a door sideways has not yet looked through it.
         """
         destination, config, grid, robot = self.destination, self._config, step.grid, step.robot
         if (
@@ -189,7 +190,7 @@ class Explore:
 def unexplored_boundary(
     grid: OccupancyGrid, position: tuple[float, float], radius_m: float
 ) -> Float64[np.ndarray, "n 2"]:
-    """Where free floor borders on the unknown around a position ``(x, y)``; all in metres."""
+    """Free cells beside unknown ones around a position; points ``(x, y)``, all in metres."""
     row, column = grid.cell_of(*position)
     reach = math.ceil(radius_m / grid.resolution_m)
     bottom, left = max(row - reach, 0), max(column - reach, 0)

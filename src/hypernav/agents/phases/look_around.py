@@ -1,4 +1,4 @@
-"""Turning once around."""
+"""A full turn around."""
 
 from hypernav.agents.phases.step import Decision, PhaseName, Step
 from hypernav.core.actions import Action
@@ -13,7 +13,7 @@ class LookAround:
         """Begin with nothing to turn.
 
         Args:
-            motion: Rotation of a turn.
+            motion: Angle of a turn.
         """
         self._turns_of_a_circle = motion.turns_of_a_circle
         self._turns_left = 0

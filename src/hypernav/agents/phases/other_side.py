@@ -1,4 +1,4 @@
-"""Where a target can be seen from another side."""
+"""Positions that show a target from another side."""
 
 import math
 
@@ -12,11 +12,11 @@ from hypernav.mapping.reachable_area import ReachableArea
 from hypernav.perception.local.goal_area import GoalArea
 
 _OTHER_SIDE_DEG = 60.0
-"""How far around the target the second position lies, at least."""
+"""Smallest angle around the target between the first and the second position."""
 _NEAREST_M, _FARTHEST_M = 1.5, 3.0
-"""From the target's middle: the whole of it fits into the image, and is large in it."""
+"""Distances to the target's middle at which all of it fits into the image, and is large in it."""
 _APART_CELLS = 4
-"""Positions are tried this far apart."""
+"""Spacing of the positions that are tried."""
 
 
 def position_on_other_side(
@@ -31,11 +31,11 @@ def position_on_other_side(
 
     Args:
         grid: The map.
-        robot: Where the robot is.
-        area: Where the goal seems to be.
-        seen_from: ``(x, y)``, metres: the position of the first look.
-        mapping: How the map is drawn.
-        clearance_m: How far from obstacles the robot's middle keeps, metres.
+        robot: Pose of the robot.
+        area: Goal area of the target.
+        seen_from: Position ``(x, y)`` of the first look, metres.
+        mapping: Configuration of the map.
+        clearance_m: Distance from obstacles that the robot's middle keeps, metres.
 
     Returns:
         ``(x, y)``, metres; None if no such position can be reached.
@@ -61,7 +61,7 @@ def position_on_other_side(
 def _in_sight(
     grid: OccupancyGrid, positions: Float64[np.ndarray, "n 2"], area: GoalArea
 ) -> Bool[np.ndarray, "n"]:
-    """From which positions nothing on the map hides the middle of an area but the area itself."""
+    """Whether each position sees the middle of an area, hidden by nothing but the area itself."""
     hides = grid.occupied.copy()
     own = grid.cells_of(area.points)
     own = own[grid.contains(own)]

@@ -30,13 +30,13 @@ class SecondLook:
         """Begin with no second look under way.
 
         Args:
-            goal: What to find.
-            local: Knows the target, and what the latest image says of it.
-            navigator: Drives to the other side.
-            approach: Begun anew when the look is done.
-            mapping: How the map is drawn.
-            clearance_m: How far from obstacles the robot's middle keeps, metres.
-            config: How long it may take.
+            goal: Target of the search.
+            local: Local perception, which knows the target and the latest evidence.
+            navigator: Navigator that drives to the other side.
+            approach: Approach, begun anew when the look is done.
+            mapping: Configuration of the map.
+            clearance_m: Distance from obstacles that the robot's middle keeps, metres.
+            config: Limit on its steps.
         """
         self._goal = goal
         self._local = local
@@ -50,7 +50,7 @@ class SecondLook:
 
     @property
     def is_under_way(self) -> bool:
-        """Whether the robot is on its way to the other side, or turns to the target there."""
+        """Whether the robot drives to the other side, or turns to the target there."""
         return self._position is not None
 
     def begin(self, step: Step, target: Target) -> bool:
@@ -70,11 +70,11 @@ class SecondLook:
         return self.is_under_way
 
     def cancel(self) -> None:
-        """Forget about it."""
+        """End the second look without a verdict."""
         self._position = None
 
     def act(self, step: Step) -> Decision | PhaseName:
-        """Drive there, turn to the target, and judge it by what is seen then."""
+        """Drive to the other side, turn to the target, and judge it by the image there."""
         target, position, robot, thing = (
             self._local.target,
             self._position,

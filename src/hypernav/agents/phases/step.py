@@ -1,4 +1,4 @@
-"""One step of a search as the phases see it, and what they make of it."""
+"""One step of a search as the phases see it, and the decision that they make."""
 
 import math
 from collections.abc import Sequence
@@ -20,12 +20,12 @@ class Step:
     """Everything that a phase may know about the present step, and where it notes what happened.
 
     Attributes:
-        observation: The frame of this step.
-        grid: The map, with this frame in it.
+        observation: Frame of this step.
+        grid: Map, with this frame in it.
         trajectory: Positions of the robot so far, this one included; ``map`` frame, metres.
-        motion: What the actions do.
-        clock: Time per module.
-        events: Things worth finding again, for the trace.
+        motion: Length of a step and angle of a turn.
+        clock: Clock of the modules.
+        events: Events worth finding again, for the trace.
     """
 
     observation: Observation
@@ -43,14 +43,14 @@ class Step:
 
 @dataclass(frozen=True)
 class Decision:
-    """What to do in this step, and why.
+    """The decision in one step, and its reason.
 
     Attributes:
-        action: The action; None ends the search without a claim.
-        mode: What the agent is doing.
-        reason: One short sentence for people.
-        path: The rest of the path, from the robot on, metres.
-        ending: How the search ends, if this is its last step.
+        action: Action to take; None ends the search without a claim.
+        mode: Mode of the agent, for the trace.
+        reason: Reason in one short sentence for people.
+        path: Rest of the path, from the robot on, ``(x, y)``, metres.
+        ending: End of the search, if this is its last step.
     """
 
     action: Action | None
@@ -61,7 +61,7 @@ class Decision:
 
 
 class PhaseName(Enum):
-    """The phases, for handing a step on from one to another."""
+    """Names of the phases, for handing a step on from one to another."""
 
     LOOK_AROUND = auto()
     EXPLORE = auto()

@@ -29,13 +29,13 @@ class Verify:
         """Put it together.
 
         Args:
-            goal: What to find.
-            local: Knows the target.
-            navigator: Drove here.
-            approach: Begun anew when the target turns out to be cut off or wrong.
-            second_look: Begun when the target is uncertain.
-            presence: Looks once more before STOP; None trusts the goal area.
-            config: What is checked.
+            goal: Target of the search.
+            local: Local perception, which knows the target.
+            navigator: Navigator that drove to the goal area.
+            approach: Approach, begun anew when the target turns out to be cut off or wrong.
+            second_look: Second look, begun when the target is uncertain.
+            presence: Presence check before STOP; None trusts the goal area.
+            config: Checks to make.
         """
         self._goal = goal
         self._local = local

@@ -29,7 +29,7 @@ class GeometricConfig(RoomConfig):
 
 
 class GeometricReasoner:
-    """Prefers long unexplored boundaries that are near; knows nothing of the goal.
+    """Prefers long unexplored boundaries that are near; does not use the goal.
 
     The value of a block is ``gain**gain_exponent * exp(-cost / travel_scale)``, where the cost is
     the path there and a turn to begin with: the trade of information gain against travel cost of

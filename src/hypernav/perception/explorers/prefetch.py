@@ -65,7 +65,7 @@ class PrefetchingExplorer:
         self._log = log
         self._config = config
         self._pending: _Pending | None = None
-        self._pool = ThreadPoolExecutor(1, thread_name_prefix="hypernav-ask-ahead")
+        self._pool = ThreadPoolExecutor(1, thread_name_prefix="hypernav-prefetch")
 
     def reset(self, goal: Goal) -> None:
         """Forget all visits and whatever is under way."""

@@ -20,7 +20,7 @@ OddSide = Annotated[int, Field(ge=1, le=101), AfterValidator(_odd)]
 
 
 class LocalConfig(RoomConfig):
-    """How a detection becomes a goal area.
+    """Configuration of local perception, from detections to goal areas.
 
     Values not marked with "paper" are ours: the paper is silent on them.
 

@@ -1,4 +1,4 @@
-"""Perfect labels from a simulated world, for work on everything but recognition."""
+"""Detection by perfect labels from a simulated world, for work on everything but recognition."""
 
 from functools import lru_cache
 
@@ -33,8 +33,8 @@ class GroundTruthDetector:
         """Create the detector.
 
         Args:
-            min_area_share: Things that fill less of the image are overlooked, as a real detector
-                would; the default is a patch of 12×12 pixels in 640×480.
+            min_area_share: Share of the image below which objects are overlooked, as by a real
+                detector; the default is a patch of 12×12 pixels in 640×480.
         """
         self._min_area_share = min_area_share
 

@@ -49,7 +49,7 @@ class LocalPerception:
             detector: Detector that finds boxes of the goal.
             segmenter: Segmenter of the pixels in a box; not asked where a detection has its own
                 mask.
-            config: Configuration of the method.
+            config: Refinement, projection and evidence.
             camera: Camera, whose range of depth counts.
             cell_size_m: Side of a map cell, metres.
             attention: Choice of the images that the detector is asked about; None asks about all.
@@ -173,7 +173,7 @@ class LocalPerception:
 
     @property
     def _held(self) -> GoalArea | None:
-        """The area of a target that one look was enough to believe in."""
+        """Goal area of a held target that needs no second look."""
         target, holds = self.target, self._config.target == "hold"
         return target.area if target and holds and not self.needs_second_look else None
 
