@@ -62,7 +62,7 @@ def test_every_number_has_a_bound_and_is_a_number(name):
         ("local.erosion_px=4", "odd side"),
         ("local.dilation_kernel=2", "odd side"),
         ("planning.margin_m=-0.1", "greater than or equal to 0"),
-        ("search.patience_steps=0", "greater than or equal to 1"),
+        ("search.patience_steps=-1", "greater than or equal to 0"),
         ("embodiment.body.radius_m=.nan", "finite"),
         ("embodiment.body.max_step_m=1", "max_step_m must be below height_m"),
         ("embodiment.camera.min_depth_m=6", "min_depth_m must be below max_depth_m"),

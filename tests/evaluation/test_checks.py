@@ -12,7 +12,7 @@ from hypernav.build.agents import build_search
 from hypernav.core.actions import Action
 from hypernav.core.embodiment import CameraConfig, Embodiment
 from hypernav.core.errors import ContractError
-from hypernav.core.trace import ExchangeLog, Mode, StepTrace
+from hypernav.core.trace import Ending, ExchangeLog, Mode, StepTrace
 from hypernav.evaluation.checks.box_room import BoxRoom
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.worlds.env import ObjectNavConfig, ObjectNavEnv
@@ -93,7 +93,7 @@ def explained(**values):
         (agent(act=None), "no method act"),
         (agent(act=lambda self, observation: 2), r"act returned 2, .* return Action\(2\)"),
         (agent(act=lambda self, observation: "left"), "act returned 'left', expected an Action"),
-        (agent(act=lambda self, observation: None), "act returned None"),
+        (agent(act=lambda self, observation: False), "act returned False, expected an Action"),
         (agent(act=paints), "act changed the observation's images"),
         (agent(reset=forgets_nothing, act=turns_then_goes), "reset must forget"),
         (agent(grid=None), "it has grid alone"),
@@ -106,6 +106,15 @@ def explained(**values):
 def test_what_breaks_an_agents_contract_is_said(odd, words):
     with pytest.raises(ContractError, match=words):
         hypernav.check_agent(odd)
+
+
+def test_an_agent_may_give_up():
+    hypernav.check_agent(agent(act=lambda self, observation: None))
+
+
+def test_a_claim_in_the_trace_must_be_the_one_that_the_action_makes():
+    with pytest.raises(ContractError, match=r"last_step\.ending is"):
+        hypernav.check_agent(explained(ending=Ending.GAVE_UP))
 
 
 def test_an_agent_may_draw_at_random_if_one_says_so():

@@ -47,7 +47,7 @@ class SearchConfig(RoomConfig):
 
     stop_distance_m: float = Field(default=0.15, ge=0.0)
     approach_gap_m: float = Field(default=0.15, ge=0.0)
-    patience_steps: int = Field(default=16, ge=1)
+    patience_steps: int = Field(default=16, ge=0)
     arrival_distance_m: float = Field(default=0.5, gt=0.0)
     endurance_steps: int = Field(default=40, ge=1)
     give_up_when_stuck: bool = True

@@ -60,6 +60,11 @@ class SearchAgent:
         self._components = components
         self._search: _Search | None = None
 
+    @property
+    def embodiment(self) -> Embodiment:
+        """What the robot is that the agent was built for."""
+        return self._components.embodiment
+
     def reset(self, goal: Goal) -> None:
         """Forget everything and begin a new search."""
         self._search = _Search(goal, self._components)

@@ -4,9 +4,20 @@ from collections.abc import Sequence
 from typing import Any, Protocol, runtime_checkable
 
 from hypernav.core.destination import Destination
+from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
+
+
+@runtime_checkable
+class BuiltForRobot(Protocol):
+    """An agent that only drives the robot that it was built for."""
+
+    @property
+    def embodiment(self) -> Embodiment:
+        """What that robot is."""
+        ...
 
 
 @runtime_checkable

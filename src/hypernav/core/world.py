@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Float32, Float64, Int32, UInt8
 
 from hypernav.core.actions import Action
+from hypernav.core.embodiment import Embodiment
 from hypernav.core.episode import Episode
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Transform
@@ -130,6 +131,11 @@ class SceneTruth(Protocol):
 @runtime_checkable
 class World(Protocol):
     """Anything that yields observations and takes actions: a simulated scene, Habitat, a robot."""
+
+    @property
+    def embodiment(self) -> Embodiment:
+        """What the robot is; an agent that was built for another one is refused."""
+        ...
 
     @property
     def is_over(self) -> bool:

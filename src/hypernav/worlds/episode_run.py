@@ -6,10 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hypernav.core.abilities import BuiltForRobot
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
 from hypernav.core.episode import Episode, Outcome
-from hypernav.core.errors import ModelUnavailableError
+from hypernav.core.errors import ConfigError, ModelUnavailableError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.metrics import EpisodeMetrics
 from hypernav.core.observation import Observation
@@ -90,8 +91,10 @@ class EpisodeRun:
             rng: Generator of the world's noise.
 
         Raises:
+            ConfigError: The agent was built for another robot.
             StartError: The robot cannot stand at the start.
         """
+        _check_robot(agent, world)
         self._agent = agent
         self._began = time.perf_counter()
         self._clock = ModuleClock()
@@ -166,3 +169,20 @@ class EpisodeRun:
         if self.trial.holds_goal and not np.isfinite(metrics.shortest_path_m):
             return Outcome.UNREACHABLE
         return Outcome.NOT_FOUND
+
+
+def _check_robot(agent: Agent, world: World) -> None:
+    """Refuse to let an agent drive a robot that it was not built for."""
+    if not isinstance(agent, BuiltForRobot) or agent.embodiment == world.embodiment:
+        return
+    built_for, found = agent.embodiment.model_dump(), world.embodiment.model_dump()
+    differences = [
+        f"{part}.{name} {value} instead of {found[part][name]}"
+        for part, values in built_for.items()
+        for name, value in values.items()
+        if value != found[part][name]
+    ]
+    raise ConfigError(
+        f"the agent was built for another robot than this world has: {', '.join(differences)}; "
+        "build both from one embodiment"
+    )

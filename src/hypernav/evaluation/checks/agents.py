@@ -5,13 +5,14 @@ from typing import Any
 
 import numpy as np
 
+from hypernav.core.abilities import BuiltForRobot
 from hypernav.core.actions import Action
 from hypernav.core.errors import LabelsMissingError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.protocols import ExplainsItself
-from hypernav.core.trace import StepTrace
+from hypernav.core.trace import Ending, StepTrace
 from hypernav.evaluation.checks.box_room import DOOR, BoxRoom
 from hypernav.evaluation.checks.faults import Faults, While
 
@@ -59,20 +60,25 @@ def check_agent(agent: Any, *, goal: str = DOOR, steps: int = 30, repeatable: bo
     faults.raise_if_any(name)
 
 
-def _search(agent: Any, goal: str, steps: int, faults: Faults) -> list[Action]:
+def _room_for(agent: Any) -> BoxRoom:
+    """The room with the robot that the agent was built for, if it was built for one."""
+    return BoxRoom(embodiment=agent.embodiment) if isinstance(agent, BuiltForRobot) else BoxRoom()
+
+
+def _search(agent: Any, goal: str, steps: int, faults: Faults) -> list[Action | None]:
     """One search; returns the actions up to the first that is none."""
-    room, actions = BoxRoom(), list[Action]()
+    room, actions = _room_for(agent), list[Action | None]()
     with While("called reset(goal)"):
         agent.reset(Goal(goal))
     for step in range(steps):
         observation = room.observe()
         with While(f"called act(observation) at step {step}"):
             action = _act(agent, observation, faults)
-        if action is None:
+        if faults.found:
             break
         _check_explanation(agent, step, observation, action, faults)
         actions.append(action)
-        if action is Action.STOP:
+        if action is None or action is Action.STOP:
             break
         room.step(action)
     return actions
@@ -88,18 +94,20 @@ def _act(agent: Any, observation: Observation, faults: Faults) -> Action | None:
     faults.expect(
         unchanged, "act changed the observation's images; work on a copy, others read them too"
     )
-    if isinstance(action, Action):
+    if action is None or isinstance(action, Action):
         return action
     hint = ""
     if isinstance(action, int | np.integer) and int(action) in set(Action):
         hint = f"; return Action({int(action)})"
-    faults.expect(False, f"act returned {action!r}, expected an Action ({_ACTIONS}){hint}")
+    faults.expect(
+        False, f"act returned {action!r}, expected an Action ({_ACTIONS}), or None to give up{hint}"
+    )
     return None
 
 
 def _see_nothing(agent: Any, goal: str, faults: Faults) -> None:
     """Check that the agent lives with an image without depth, and with one without labels."""
-    seen = BoxRoom(labels=False).observe()
+    seen = replace(_room_for(agent), labels=False).observe()
     with While("called reset(goal)"):
         agent.reset(Goal(goal))
     try:
@@ -110,7 +118,7 @@ def _see_nothing(agent: Any, goal: str, faults: Faults) -> None:
 
 
 def _check_explanation(
-    agent: Any, step: int, observation: Observation, action: Action, faults: Faults
+    agent: Any, step: int, observation: Observation, action: Action | None, faults: Faults
 ) -> None:
     """Check that the trace of a step agrees with the step."""
     if not isinstance(agent, ExplainsItself):
@@ -129,6 +137,11 @@ def _check_explanation(
     faults.expect(
         trace.action is action,
         f"last_step.action is {trace.action!r}, but act returned {action!r}",
+    )
+    faults.expect(
+        trace.ending is Ending.of(action),
+        f"last_step.ending is {trace.ending!r} where act returned {action!r}, expected "
+        f"{Ending.of(action)!r}: STOP says that the goal is here, None gives up",
     )
     faults.expect(
         trace.step == step,

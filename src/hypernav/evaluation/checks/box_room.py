@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from hypernav.core.actions import Action
-from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
+from hypernav.core.embodiment import CameraConfig, Embodiment
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.core.labels import ObjectLabel
@@ -17,10 +17,9 @@ _LOW = np.array([-2.0, -2.0, 0.0])
 _HIGH = np.array([4.0, 2.0, 2.5])
 _DOOR_HALF_M = 0.5
 _MARGIN_M = 0.3
-_FORWARD_M = 0.5
-_TURN_RAD = math.radians(30.0)
-_FARTHEST_M = 5.0
 _COLORS = np.array([[190, 180, 170], [170, 185, 190], [180, 170, 190]], np.uint8)
+
+_ROBOT = Embodiment(camera=CameraConfig(width=160, height=120))
 
 DOOR = "door"
 """The one object of the room: a door in the middle of the wall ahead."""
@@ -33,15 +32,18 @@ class BoxRoom:
     Attributes:
         pose: Pose of the robot, ``map`` frame.
         labels: Whether observations carry ground-truth labels.
+        embodiment: Embodiment of the robot.
     """
 
     pose: Pose2 = field(default_factory=lambda: Pose2(0.0, 0.0, 0.0))
     labels: bool = True
+    embodiment: Embodiment = _ROBOT
 
     def observe(self) -> Observation:
         """The observation at the present pose."""
-        camera = PinholeCamera.from_hfov(160, 120, 79.0)
-        camera_to_map = self.pose.to_transform() @ optical_to_base(0.88)
+        lens = self.embodiment.camera
+        camera = lens.intrinsics
+        camera_to_map = self.pose.to_transform() @ lens.camera_to_base
         rays = camera.rays() @ camera_to_map.rotation.T
         depth, side, points = _cast(camera_to_map.translation, rays)
         shade = (points * 4.0).astype(np.int64).sum(axis=-1) % 2 * 20
@@ -50,7 +52,9 @@ class BoxRoom:
         ids = np.where(is_door, np.int32(0), np.int32(-1))
         return Observation(
             rgb=rgb,
-            depth=np.where(is_measured(depth, 0.0, _FARTHEST_M), depth, 0.0).astype(np.float32),
+            depth=np.where(
+                is_measured(depth, lens.min_depth_m, lens.max_depth_m), depth, 0.0
+            ).astype(np.float32),
             camera=camera,
             camera_to_map=camera_to_map,
             robot=self.pose,
@@ -62,10 +66,22 @@ class BoxRoom:
         x, y, yaw = self.pose.x, self.pose.y, self.pose.yaw
         if action is Action.MOVE_FORWARD:
             low, high = _LOW[:2] + _MARGIN_M, _HIGH[:2] - _MARGIN_M
-            ahead = np.array([x + _FORWARD_M * math.cos(yaw), y + _FORWARD_M * math.sin(yaw)])
+            ahead = np.array(
+                [
+                    x + self.embodiment.motion.forward_m * math.cos(yaw),
+                    y + self.embodiment.motion.forward_m * math.sin(yaw),
+                ]
+            )
             x, y = (float(value) for value in np.clip(ahead, low, high))
         elif action is not Action.STOP:
-            yaw = wrap_angle(yaw + (_TURN_RAD if action is Action.TURN_LEFT else -_TURN_RAD))
+            yaw = wrap_angle(
+                yaw
+                + (
+                    math.radians(self.embodiment.motion.turn_angle_deg)
+                    if action is Action.TURN_LEFT
+                    else -math.radians(self.embodiment.motion.turn_angle_deg)
+                )
+            )
         self.pose = Pose2(x, y, yaw)
 
 
