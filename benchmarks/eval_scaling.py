@@ -21,7 +21,7 @@ import tyro
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.presets import HyPerNavConfig, preset
 from hypernav.evaluation.datasets import load_episodes, select
-from hypernav.evaluation.runner import RunNews, run_episodes
+from hypernav.evaluation.runner import RunProgress, run_episodes
 from hypernav.evaluation.store.run_store import RunStore
 from hypernav.evaluation.workers.process_pool import ProcessPool
 from hypernav.evaluation.workers.resource_usage import cpu_seconds_of_ended_workers
@@ -126,20 +126,20 @@ def run(
     specs: ComponentSpecs | None = None,
     *,
     max_steps: int = 500,
-) -> tuple[RunNews, list[float]]:
+) -> tuple[RunProgress, list[float]]:
     """Run episodes; return the state at the end and the time at which each was done."""
     chosen = select(load_episodes(dataset, config.world, config.embodiment), part=f"0:{count}")
     episodes = [replace(episode, max_steps=max_steps) for episode in chosen]
     moments: list[float] = []
 
-    def watch(news: RunNews) -> None:
-        moments.extend([time.monotonic()] * (news.done_now - len(moments)))
+    def watch(progress: RunProgress) -> None:
+        moments.extend([time.monotonic()] * (progress.done_now - len(moments)))
 
     with tempfile.TemporaryDirectory() as folder:
         job = Job(Path(folder), config, specs or ComponentSpecs())
         with RunStore(Path(folder), {"benchmark": "scaling"}) as store:
-            news = run_episodes(episodes, store, ProcessPool(job), workers=workers, watch=watch)
-    return news, moments
+            progress = run_episodes(episodes, store, ProcessPool(job), workers=workers, watch=watch)
+    return progress, moments
 
 
 def workers(dataset: str = "houses-train#3000:3004", episodes: int = 16) -> None:
@@ -152,12 +152,12 @@ def workers(dataset: str = "houses-train#3000:3004", episodes: int = 16) -> None
     rates = {}
     for count in (1, 2):
         used = cpu_seconds_of_ended_workers()
-        news, moments = run(dataset, episodes, count, preset("default"))
+        progress, moments = run(dataset, episodes, count, preset("default"))
         # From the first result until workers begin to run out of work: neither start nor end.
         last = max(len(moments) - count, 1)
         rates[count] = 3600.0 * last / (moments[last] - moments[0])
-        peak = max(news.peak_mb.values())
-        steps = sum(record.steps for record in news.records) / len(news.records)
+        peak = max(progress.peak_mb.values())
+        steps = sum(record.steps for record in progress.records) / len(progress.records)
         print(
             f"{count} worker(s): {rates[count]:.0f} episodes an hour, once it runs; "
             f"{steps:.0f} steps an episode, peak memory of a worker {peak:.0f} MB, "
@@ -196,10 +196,10 @@ def server(
         config = HyPerNavConfig.model_validate(values)
     with ModelServer(latency_s, capacity) as model:
         specs = ComponentSpecs(vlm=model.address, reasoner="geometric")
-        news, moments = run(dataset, episodes, workers, config, specs, max_steps=max_steps)
+        progress, moments = run(dataset, episodes, workers, config, specs, max_steps=max_steps)
         # From then on fewer episodes are left than there are workers.
         share = model.busy_share(workers, until=moments[len(moments) - workers])
-    calls = sum(record.model_calls for record in news.records)
+    calls = sum(record.model_calls for record in progress.records)
     print(f"{workers} episodes at a time, {calls} questions: the server was busy {share:.1%}")
     return share
 

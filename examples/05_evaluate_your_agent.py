@@ -44,8 +44,8 @@ def main() -> None:
     folder = Path(sys.argv[1] if len(sys.argv) > 1 else "runs/left-handed")
     hypernav.check_agent(LeftHanded())
     plan = RunPlan("houses-train#3000", selection=Selection(episodes="0:3"), max_steps=60)
-    news = evaluate(plan, folder, LeftHanded)
-    for record in news.records:
+    progress = evaluate(plan, folder, LeftHanded)
+    for record in progress.records:
         print(f"{record.goal:15s} {record.outcome:12s} {record.why}")
     print(f"open {write_report(folder, load_runs([folder]))}")
 

@@ -28,8 +28,8 @@ def plan(tmp_path):
 
 
 def test_an_agent_of_ones_own_gets_a_run_and_a_report(tmp_path):
-    news = evaluate(plan(tmp_path), tmp_path / "run", Quitter)
-    assert (news.done_now, news.records[0].steps) == (1, 1)
+    progress = evaluate(plan(tmp_path), tmp_path / "run", Quitter)
+    assert (progress.done_now, progress.records[0].steps) == (1, 1)
     assert evaluate(plan(tmp_path), tmp_path / "run", Quitter).done_now == 0
     page = write_report(tmp_path / "run", load_runs([tmp_path / "run"])).read_text()
     assert "Quitter" in page
@@ -37,9 +37,9 @@ def test_an_agent_of_ones_own_gets_a_run_and_a_report(tmp_path):
 
 
 def test_a_bug_in_an_agent_is_no_result_and_its_traceback_is_kept(tmp_path):
-    news = evaluate(plan(tmp_path), tmp_path / "run", Buggy)
-    assert news.records == []
-    ((episode, error),) = news.crashes.items()
+    progress = evaluate(plan(tmp_path), tmp_path / "run", Buggy)
+    assert progress.records == []
+    ((episode, error),) = progress.crashes.items()
     assert episode.goal == "bed"
     assert "a bug of one's own" in error
     # The bug is mended: the episode that has no result is run.

@@ -54,21 +54,21 @@ def lost(worker):
 
 def test_every_episode_is_run_once_and_the_crew_dismissed(tmp_path):
     pool = FakePool()
-    news = run(tmp_path, pool)
+    progress = run(tmp_path, pool)
     assert sorted(pool.sent) == ids(tmp_path) == list("012345")
     assert pool.closed
-    assert (news.done_now, news.total, news.peak_mb) == (6, 6, {0: 0.0, 1: 100.0})
+    assert (progress.done_now, progress.total, progress.peak_mb) == (6, 6, {0: 0.0, 1: 100.0})
 
 
 def test_what_is_done_is_not_run_again(tmp_path):
     run(tmp_path, FakePool())
     again = FakePool()
-    news = run(tmp_path, again)
+    progress = run(tmp_path, again)
     assert again.started == again.sent == []
-    assert (len(news.records), news.done_now) == (6, 0)
+    assert (len(progress.records), progress.done_now) == (6, 0)
 
 
-def test_no_more_workers_are_hired_than_there_is_work_for(tmp_path):
+def test_no_more_workers_are_started_than_there_is_work_for(tmp_path):
     pool = FakePool()
     run(tmp_path, pool, workers=50)
     assert len(pool.started) == 6
@@ -76,10 +76,10 @@ def test_no_more_workers_are_hired_than_there_is_work_for(tmp_path):
 
 def test_a_lost_worker_is_replaced_and_its_episode_repeated(tmp_path):
     pool = FakePool({2: lost})
-    news = run(tmp_path, pool)
+    progress = run(tmp_path, pool)
     assert len(pool.sent) == 7
     assert len(pool.started) == 3
-    assert news.losses == 1
+    assert progress.losses == 1
     assert ids(tmp_path) == list("012345")
 
 
@@ -106,9 +106,9 @@ def test_workers_that_never_start_end_the_run(tmp_path):
 
 def test_a_crash_leaves_its_episode_undone_and_the_others_go_on(tmp_path):
     pool = FakePool({3: lambda worker: Crashed(worker, "ZeroDivisionError: oops")})
-    news = run(tmp_path, pool)
+    progress = run(tmp_path, pool)
     assert len(ids(tmp_path)) == 5
-    assert list(news.crashes.values()) == ["ZeroDivisionError: oops"]
+    assert list(progress.crashes.values()) == ["ZeroDivisionError: oops"]
 
 
 def test_crash_after_crash_ends_the_run_with_the_traceback(tmp_path):
@@ -148,8 +148,8 @@ def test_a_short_outage_does_not_end_the_run(tmp_path):
 
 
 def test_ctrl_c_keeps_what_is_done_and_dismisses_the_crew(tmp_path):
-    def interrupt(news):
-        if news.done_now == 3:
+    def interrupt(progress):
+        if progress.done_now == 3:
             raise KeyboardInterrupt
 
     pool = FakePool()

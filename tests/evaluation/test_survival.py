@@ -54,9 +54,9 @@ class KillingPool(ProcessPool):
         self._rng, self.kills_left, self._next = rng, kills, time.monotonic() + 3.0
 
     def wait(self, seconds):
-        if self.kills_left and time.monotonic() > self._next and self._hired:
-            victim = self._rng.choice(sorted(self._hired))
-            self._hired[victim].process.kill()
+        if self.kills_left and time.monotonic() > self._next and self._started:
+            victim = self._rng.choice(sorted(self._started))
+            self._started[victim].process.kill()
             self.kills_left -= 1
             self._next = time.monotonic() + self._rng.uniform(0.0, 4.0)
         return super().wait(min(seconds, 0.05))
@@ -80,8 +80,8 @@ def room(tmp_path_factory):
 def test_results_depend_neither_on_the_number_of_workers_nor_on_their_deaths(tmp_path, room):
     run(tmp_path / "one", room, ProcessPool, workers=1)
     rng = random.Random(1)
-    news = run(tmp_path / "killed", room, lambda job: KillingPool(job, rng, 6))
-    assert news.losses == 6
+    progress = run(tmp_path / "killed", room, lambda job: KillingPool(job, rng, 6))
+    assert progress.losses == 6
     assert timeless_lines(tmp_path / "killed") == timeless_lines(tmp_path / "one")
     assert len(timeless_lines(tmp_path / "one")) == 12
 
@@ -135,7 +135,7 @@ def test_workers_die_with_their_owner(tmp_path, room):
         "if __name__ == '__main__':\n"
         f"    pool = ProcessPool(Job(Path({str(tmp_path)!r})))\n"
         "    pool.start(0)\n"
-        "    print(pool._hired[0].process.pid, flush=True)\n"
+        "    print(pool._started[0].process.pid, flush=True)\n"
         "    time.sleep(60)\n"
     )
     script = tmp_path / "owner.py"
@@ -166,7 +166,7 @@ def test_what_a_worker_sent_before_it_died_counts(tmp_path, room):
     pool = ProcessPool(Job(tmp_path, config))
     try:
         pool.start(0)
-        hired = pool._hired[0]
+        hired = pool._started[0]
         assert hired.pipe.poll(60)
         assert pool.wait(1.0) == [Ready(0)]
         pool.send(0, episode)

@@ -1,6 +1,6 @@
-"""The options that configure an agent: the same ones, in the same words, for every command.
+"""The options that configure an agent, shared by all commands.
 
-What builds the agent is loaded only to build it: help and mistakes are answered without.
+The modules that build agents are imported only to build one: help and mistakes need none of them.
 """
 
 from dataclasses import dataclass, field
@@ -18,32 +18,32 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class AgentOptions:
-    """Who searches. Can be pickled, so that each process of many builds an agent of its own."""
+    """The agent and its components. It can be pickled, so that every process builds its own."""
 
     agent: str = "hypernav"
-    """How it explores: hypernav (blocks of the map), frontier (nearest) or package.module:Name."""
+    """Agent: hypernav (explores by blocks), frontier (nearest frontier) or package.module:Name."""
     preset: PresetName = "default"
-    """Values of the method: the published ones, or those that we measured to be better."""
+    """Values of the method: the published ones, or those that measured better."""
     vlm: str | None = None
-    """A chat model that sees and thinks: openai:URL[#MODEL], local:PATH_OR_ID or replay:FILE."""
+    """Vision-language model: openai:URL[#MODEL], local:PATH_OR_ID or replay:FILE."""
     detector: str | None = None
-    """Who sees the goal, if not --vlm: ground-truth, yolox:PATH.onnx, vlm, zero-shot:ID, …"""
+    """Detector of the goal, if not --vlm: ground-truth, yolox:PATH.onnx, vlm, zero-shot:ID, …"""
     reasoner: str | None = None
-    """Who chooses where to look, if not --vlm: geometric or vlm."""
+    """Reasoner that chooses the next block of the map, if not --vlm: geometric or vlm."""
     segmenter: str | None = None
-    """Who finds the goal's pixels in a box: depth-cut, sam:ID or onnx-sam:ENC.onnx,DEC.onnx."""
+    """Segmenter of the pixels in a box: depth-cut, sam:ID or onnx-sam:ENC.onnx,DEC.onnx."""
     record: Path | None = None
-    """Write every exchange with the model of --vlm to this file, for --vlm replay:FILE."""
+    """File to record every exchange with the model of --vlm in, for --vlm replay:FILE."""
     config: Path | None = None
-    """YAML file with sections like those of result.json's config; only what differs."""
+    """YAML file with sections like those of result.json's config; only values that differ."""
     set: Annotated[tuple[str, ...], tyro.conf.arg(metavar="SECTION.KEY=VALUE")] = field(
         default_factory=tuple
     )
-    """Single values of the configuration, for example search.endurance_steps=60."""
+    """Single values that override the configuration, for example search.endurance_steps=60."""
 
     @property
     def specs(self) -> ComponentSpecs:
-        """Who sees and thinks, as it was asked for."""
+        """Specifications of agent, model, detector, reasoner and segmenter, as requested."""
         return ComponentSpecs(self.agent, self.vlm, self.detector, self.reasoner, self.segmenter)
 
     def resolve(self) -> "HyPerNavConfig":
@@ -61,10 +61,10 @@ class AgentOptions:
         return with_own_sections(config, chosen)
 
     def build(self, config: "HyPerNavConfig | None" = None) -> "BuiltAgent":
-        """The agent.
+        """Build the agent.
 
         Args:
-            config: From `resolve`, if it was called before.
+            config: Result of `resolve`; None calls it.
 
         Raises:
             ConfigError: Options that do not exist or contradict each other.
@@ -77,7 +77,7 @@ class AgentOptions:
         return build_agent(config or self.resolve(), self.specs, record=self.record)
 
     def describe(self, parts: "BuiltAgent") -> dict[str, Any]:
-        """Who searched, for ``result.json``: words for people, specifications for repeating it."""
+        """Description for ``result.json``: words for people, specifications for repeating a run."""
         return {
             "agent": self.agent,
             "preset": self.preset,
@@ -89,4 +89,4 @@ class AgentOptions:
 
 
 FlatAgentOptions = Annotated[AgentOptions, tyro.conf.arg(name="")]
-"""For a command's dataclass: the options without a prefix."""
+"""Agent options as a field of a command's options: without a prefix on the command line."""

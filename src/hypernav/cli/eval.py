@@ -1,4 +1,4 @@
-"""`hypernav eval`: run a whole benchmark, and survive everything on the way."""
+"""The command `hypernav eval`: run a whole benchmark so that no interruption loses results."""
 
 import os
 import re
@@ -21,7 +21,7 @@ from hypernav.cli.eval_table import outcome_lines, progress_line, progress_table
 from hypernav.core.episode import Episode
 from hypernav.core.errors import ConfigError, GoalError
 from hypernav.evaluation.run_plan import RunPlan, Selection
-from hypernav.evaluation.runner import RunNews, run_episodes
+from hypernav.evaluation.runner import RunProgress, run_episodes
 from hypernav.evaluation.store.run_store import RunStore
 from hypernav.evaluation.workers.process_pool import ProcessPool
 from hypernav.evaluation.workers.ray_pool import RayPool
@@ -47,16 +47,16 @@ def run(options: Options) -> int:
             lambda done, total: status.update(f"loading the episodes, {done} of {total} …")
         )
         plan = replace(plan, who=_who(options, config, episodes))
-    folder = options.out or Path("runs") / _name(f"{options.dataset}-{options.who.agent}")
-    with RunStore(folder, plan.configuration(episodes)) as store, _terminate_gently():
-        if again := store.take_out(lambda record: not record.counts):
+    folder = options.out or Path("runs") / _folder_name(f"{options.dataset}-{options.who.agent}")
+    with RunStore(folder, plan.configuration(episodes)) as store, _sigterm_as_interrupt():
+        if again := store.withdraw(lambda record: not record.counts):
             console.print(f"{again} episodes that don't count are run again")
         if store.records:
             console.print(f"{len(store.records)} of {len(episodes)} episodes are done already")
         pool = _pool(options, folder, config)
-        session = _Session(store, options.workers or _cores())
+        session = _RunSession(store, options.workers or _cores())
         try:
-            news = _watch(console, episodes, store, pool, session)
+            progress = _watch(console, episodes, store, pool, session)
         except KeyboardInterrupt:
             session.end("interrupted")
             console.print(
@@ -66,9 +66,9 @@ def run(options: Options) -> int:
             )
             raise
         session.end("finished")
-    for line in outcome_lines(news, folder):
+    for line in outcome_lines(progress, folder):
         console.print(line, soft_wrap=True)
-    return 1 if news.crashes else 0
+    return 1 if progress.crashes else 0
 
 
 def _check(options: Options) -> None:
@@ -102,7 +102,7 @@ def _plan(options: Options, config: HyPerNavConfig) -> RunPlan:
 
 
 def _who(options: Options, config: HyPerNavConfig, episodes: Sequence[Episode]) -> dict[str, Any]:
-    """Who searches, after making sure that it can be built and can see the goals."""
+    """Description of the agent, after checking that it can be built and can see the goals."""
     parts = options.who.build(config)
     goals = dict.fromkeys(episode.goal for episode in episodes)
     visible, first_error = [], None
@@ -134,32 +134,32 @@ def _watch(
     episodes: Sequence[Episode],
     store: RunStore,
     pool: WorkerPool,
-    session: "_Session",
-) -> RunNews:
-    """Run it under a live table; where there is no terminal, say a line now and then."""
+    session: "_RunSession",
+) -> RunProgress:
+    """Run the episodes under a live table, or, without a terminal, with a line every minute."""
     live = Live(console=console, refresh_per_second=2, transient=True)
     said = 0.0
 
-    def watch(news: RunNews) -> None:
+    def watch(progress: RunProgress) -> None:
         nonlocal said
-        session.news = news
+        session.progress = progress
         if console.is_terminal:
-            live.update(progress_table(news, session.seconds))
+            live.update(progress_table(progress, session.seconds))
         elif session.seconds - said >= _LINE_EVERY_S:
             said = session.seconds
-            console.print(progress_line(news, session.seconds), soft_wrap=True)
+            console.print(progress_line(progress, session.seconds), soft_wrap=True)
 
     with live if console.is_terminal else nullcontext():
         return run_episodes(episodes, store, pool, workers=session.workers, watch=watch)
 
 
 @dataclass
-class _Session:
-    """One start of the program, for ``sessions.jsonl``."""
+class _RunSession:
+    """The figures of one start of the program, for ``sessions.jsonl``."""
 
     store: RunStore
     workers: int
-    news: RunNews | None = None
+    progress: RunProgress | None = None
     began: float = field(default_factory=time.monotonic)
     began_at: str = field(
         default_factory=lambda: datetime.now(UTC).isoformat(timespec="seconds"), init=False
@@ -170,9 +170,9 @@ class _Session:
         return time.monotonic() - self.began
 
     def end(self, how: str) -> None:
-        """Write the session down."""
-        news = self.news
-        self.store.note_session(
+        """Write the figures of the session to the store."""
+        progress = self.progress
+        self.store.add_session(
             {
                 "began": self.began_at,
                 "ended": how,
@@ -180,12 +180,14 @@ class _Session:
                 "cpu_seconds": cpu_seconds_of_ended_workers(),
                 "workers": self.workers,
                 "cores": _cores(),
-                "episodes": news.done_now if news else 0,
-                "peak_memory_mb": {str(k): v for k, v in news.peak_mb.items()} if news else {},
-                "workers_lost": news.losses if news else 0,
+                "episodes": progress.done_now if progress else 0,
+                "peak_memory_mb": (
+                    {str(k): v for k, v in progress.peak_mb.items()} if progress else {}
+                ),
+                "workers_lost": progress.losses if progress else 0,
                 "crashes": (
-                    {"/".join(spec.key): error for spec, error in news.crashes.items()}
-                    if news
+                    {"/".join(spec.key): error for spec, error in progress.crashes.items()}
+                    if progress
                     else {}
                 ),
             }
@@ -193,8 +195,8 @@ class _Session:
 
 
 @contextmanager
-def _terminate_gently() -> Iterator[None]:
-    """Let a polite `kill` end the run as Ctrl-C does."""
+def _sigterm_as_interrupt() -> Iterator[None]:
+    """Let SIGTERM end the run as Ctrl-C does."""
 
     def stop(number: int, frame: FrameType | None) -> None:
         raise KeyboardInterrupt
@@ -212,5 +214,5 @@ def _cores() -> int:
     return os.cpu_count() or 1
 
 
-def _name(text: str) -> str:
+def _folder_name(text: str) -> str:
     return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")[:80]

@@ -1,4 +1,4 @@
-"""What can be said to `hypernav eval`."""
+"""The options of `hypernav eval`."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,33 +12,33 @@ from hypernav.evaluation.save_choice import SaveChoice
 
 @dataclass(frozen=True)
 class Options:
-    """Which episodes, who searches, on how many cores, and where the results go."""
+    """The episodes, the agent, the number of workers, and the folder of the results."""
 
     dataset: tyro.conf.Positional[str]
     """houses-val, houses-ovon, houses-train[#FIRST:END], scene:GLB[#STARTS] or habitat:FILE."""
     who: FlatAgentOptions = field(default_factory=AgentOptions)
-    """How to build the agent."""
+    """The options that configure the agent."""
     out: Path | None = None
     """Folder of the run; runs/<dataset>-<agent> by default."""
     episodes: str | None = None
-    """Only these, by place in the data set: FIRST:END (END is not included)."""
+    """Only these episodes, by position in the data set: FIRST:END (END is not included)."""
     scenes: str | None = None
-    """Only these scenes, with commas between them: names, house numbers, or places from 0."""
+    """Only these scenes, separated by commas: names, house numbers, or positions from 0."""
     goals: str | None = None
-    """Only these goals, with commas between them."""
+    """Only these goals, separated by commas."""
     scenes_dir: Path | None = None
     """Folder of the scenes that habitat:FILE names; by default the folder of the file."""
     workers: int | None = None
-    """Processes, each on one core; all cores by default."""
+    """Number of processes, one core each; by default as many as there are cores."""
     ray: str | None = None
-    """Run the workers on a Ray cluster instead: its address, or auto."""
+    """Address of a Ray cluster, or auto, to run the workers there instead."""
     save: SaveChoice = "none"
     """Which episodes keep their page and video."""
     max_steps: int = 500
-    """Step limit."""
+    """Maximum number of steps of an episode."""
     success_distance: float = SUCCESS_DISTANCE_M
-    """Metres from a view point that count as reached; reports show all others, too."""
+    """Distance to a view point that counts as reached, metres; reports show all others, too."""
     seed: int = 0
-    """Of all noise."""
+    """Seed of all noise."""
     quiet: bool = False
-    """Say nothing but errors."""
+    """Print errors only."""

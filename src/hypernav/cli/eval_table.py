@@ -6,66 +6,66 @@ from pathlib import Path
 from rich.table import Table
 
 from hypernav.evaluation.failures.classification import Failure
-from hypernav.evaluation.runner import RunNews
+from hypernav.evaluation.runner import RunProgress
 from hypernav.evaluation.statistics import Estimate
 from hypernav.evaluation.summary import failure_counts, summarise
 
 _LIVE_DRAWS = 1000
 
 
-def progress_table(news: RunNews, seconds: float) -> Table:
+def progress_table(progress: RunProgress, seconds: float) -> Table:
     """Episodes done, rate, time left, success, model calls and failures.
 
     Args:
-        news: State of the run.
+        progress: State of the run.
         seconds: Time since this session began.
     """
-    done, rate = len(news.records), news.done_now / max(seconds, 1e-9)
-    left = f"{duration((news.total - done) / rate)} left" if rate > 0.0 else "starting …"
+    done, rate = len(progress.records), progress.done_now / max(seconds, 1e-9)
+    left = f"{duration((progress.total - done) / rate)} left" if rate > 0.0 else "starting …"
     table = Table(show_header=False, box=None, padding=(0, 2, 0, 0))
-    table.add_row("done", f"{done} of {news.total}", f"{3600 * rate:.0f} an hour, {left}")
+    table.add_row("done", f"{done} of {progress.total}", f"{3600 * rate:.0f} an hour, {left}")
     if done:
-        for row in _numbers(news):
+        for row in _numbers(progress):
             table.add_row(*row)
-    if news.losses:
-        table.add_row("workers", f"{news.losses} lost", "others took their place")
-    if news.crashes:
-        table.add_row("[red]errors[/]", str(len(news.crashes)), "episodes could not be run")
+    if progress.losses:
+        table.add_row("workers", f"{progress.losses} lost", "others took their place")
+    if progress.crashes:
+        table.add_row("[red]errors[/]", str(len(progress.crashes)), "episodes could not be run")
     return table
 
 
-def progress_line(news: RunNews, seconds: float) -> str:
+def progress_line(progress: RunProgress, seconds: float) -> str:
     """The progress in one line, for log files."""
-    done, rate = len(news.records), news.done_now / max(seconds, 1e-9)
-    text = f"{done} of {news.total} episodes, {3600 * rate:.0f} an hour"
+    done, rate = len(progress.records), progress.done_now / max(seconds, 1e-9)
+    text = f"{done} of {progress.total} episodes, {3600 * rate:.0f} an hour"
     if done:
-        summary = summarise(news.records, draws=1)
+        summary = summarise(progress.records, draws=1)
         text += f", SR {100 * summary.success.mean:.1f} %, SPL {summary.spl.mean:.3f}"
     return text
 
 
-def outcome_lines(news: RunNews, folder: Path) -> Iterator[str]:
+def outcome_lines(progress: RunProgress, folder: Path) -> Iterator[str]:
     """The lines that sum up a run at its end."""
-    yield f"{len(news.records)} of {news.total} episodes done"
-    if news.records:
-        for name, value, remark in _numbers(news):
+    yield f"{len(progress.records)} of {progress.total} episodes done"
+    if progress.records:
+        for name, value, remark in _numbers(progress):
             yield f"  {name:9s} {value}  {remark}"
-    for episode, error in list(news.crashes.items())[:3]:
+    for episode, error in list(progress.crashes.items())[:3]:
         last = error.splitlines()[-1] if error else "no message"
         yield f"  [red]not run[/]: {'/'.join(episode.key)}: {last}"
     yield f"  results in {folder / 'episodes.jsonl'}"
     yield f"  page: hypernav report {folder}"
 
 
-def _numbers(news: RunNews) -> Iterator[tuple[str, str, str]]:
-    summary = summarise(news.records, draws=_LIVE_DRAWS)
+def _numbers(progress: RunProgress) -> Iterator[tuple[str, str, str]]:
+    summary = summarise(progress.records, draws=_LIVE_DRAWS)
     yield "SR", _percent(summary.success), _interval(summary.success)
     yield "SPL", f"{summary.spl.mean:.3f}", _interval(summary.spl, percent=False)
-    calls = sum(record.model_calls for record in news.records)
+    calls = sum(record.model_calls for record in progress.records)
     yield "steps", f"{summary.steps.mean:.0f}", "a mean episode"
     if calls:
-        yield "models", str(calls), f"calls, {calls / len(news.records):.1f} an episode"
-    counts = failure_counts(news.records)
+        yield "models", str(calls), f"calls, {calls / len(progress.records):.1f} an episode"
+    counts = failure_counts(progress.records)
     if counts:
         yield "failures", str(sum(counts.values())), words_of(counts)
 

@@ -18,8 +18,8 @@ from hypernav.core.episode import Episode, Outcome
 from hypernav.core.errors import ConfigError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
+from hypernav.evaluation.kernel_warmup import warm_up_in_background
 from hypernav.evaluation.recorder import EpisodeRecorder
-from hypernav.evaluation.rehearsal import rehearsal
 from hypernav.worlds.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
 from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
@@ -55,7 +55,7 @@ def run(options: Options) -> int:
     with (
         closing(parts),
         warnings_on(console),
-        rehearsal(console.print),
+        warm_up_in_background(console.print),
         console.status("loading the building …") as status,
         closing(
             SimulatedWorld(build_scene(options.scene), config.world, config.embodiment)

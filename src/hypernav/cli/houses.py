@@ -1,4 +1,4 @@
-"""`hypernav houses`: the generated houses, their splits and their episodes."""
+"""The command `hypernav houses`: generated houses, their splits and their episodes."""
 
 from pathlib import Path
 
@@ -20,7 +20,7 @@ def run(options: Show | Export | Episodes | Splits) -> int:
     """Run the command.
 
     Returns:
-        0.
+        0, the exit status of success.
     """
     match options:
         case Show():
@@ -75,10 +75,10 @@ def _export(options: Export) -> None:
     console.print(f"house {number} in {folder}:", soft_wrap=True)
     for path, what in (
         (files.glb, "the house; opens in Blender, web viewers and hypernav"),
-        (files.objects, "what its nodes are"),
+        (files.objects, "names and categories of its nodes"),
         (files.dataset_config, "for Habitat's scene_dataset_config_file"),
         (files.semantic_glb, "its instances in colours, for Habitat's semantic sensor"),
-        (files.semantic_txt, "what the colours mean"),
+        (files.semantic_txt, "the instances of these colours"),
     ):
         size = f"{path.stat().st_size / 1e6:.1f} MB"
         console.print(f"  {path.name:34} {size:>8}  {what}", soft_wrap=True)
@@ -111,7 +111,7 @@ def _range_of(text: str) -> range:
 
 
 def _check_writable(path: Path) -> None:
-    """Refuse a name that cannot be written before the houses are measured."""
+    """Refuse a file that cannot be written, before the houses are measured."""
     if is_file_name(path) and path.is_dir():
         raise EpisodeError(f"{path}: is a folder, expected the name of a file")
     if not is_file_name(path) and path.suffix:
@@ -123,7 +123,7 @@ def _check_writable(path: Path) -> None:
 
 
 def _progress(console: Console) -> Progress:
-    """A bar for people; log files get none, and no empty line in its place."""
+    """A progress bar on a terminal; log files get none, and no empty line in its place."""
     return Progress(
         TextColumn("{task.description}"),
         BarColumn(),

@@ -1,4 +1,4 @@
-"""What can be said to `hypernav houses`."""
+"""The options of `hypernav houses`."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,40 +16,40 @@ class Episodes:
     out: Path
     """File to write (.json.gz or .json), or a folder for a file per house, as Habitat has them."""
     houses: str | None = None
-    """Only the houses FIRST:END (END is not included); for houses-train of any numbers."""
+    """Only the houses FIRST:END (END is not included); any numbers for houses-train."""
     count: int | None = None
-    """Only the first so many episodes."""
+    """Number of episodes, counted from the first; all by default."""
     quiet: bool = False
-    """Say nothing but errors."""
+    """Print errors only."""
 
 
 @dataclass(frozen=True)
 class Splits:
-    """List the splits: which houses, how many episodes, what is asked for."""
+    """List the splits: their houses, their number of episodes, and their kind of goals."""
 
 
 @dataclass(frozen=True)
 class Export:
-    """Write a house as GLB with objects.json, and with all that Habitat needs."""
+    """Write a house as GLB with objects.json, and with the files that Habitat needs."""
 
     house: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="ID")]
     """Number of the house, for example 1234."""
     out: Path | None = None
     """Folder to write to; runs/house-ID by default."""
     quiet: bool = False
-    """Say nothing but errors."""
+    """Print errors only."""
 
 
 @dataclass(frozen=True)
 class Show:
-    """Make a page about a house: floor plan, top view, interior views, list of things."""
+    """Make a page about a house: floor plan, top view, interior views, list of objects."""
 
     house: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="ID")]
     """Number of the house, for example 1234."""
     out: Path | None = None
     """The page (.html), or the folder for it; runs/house-ID by default."""
     quiet: bool = False
-    """Say nothing but errors."""
+    """Print errors only."""
 
 
 Options = (
@@ -58,4 +58,4 @@ Options = (
     | Annotated[Episodes, tyro.conf.subcommand("episodes")]
     | Annotated[Splits, tyro.conf.subcommand("splits")]
 )
-"""One of the commands below `hypernav houses`."""
+"""One of the subcommands of `hypernav houses`."""

@@ -1,6 +1,6 @@
 """The data sets that episodes come from, by name.
 
-A data set is written ``NAME[:ARGUMENT][#PART]``. One more is one entry in `DATA_SOURCES`, or an
+A data set is written ``NAME[:ARGUMENT][#PART]``. A further one is an entry in `DATA_SOURCES`, or an
 entry point ``hypernav.datasets`` of another package.
 """
 
@@ -25,23 +25,23 @@ from hypernav.worlds.simulation import SimulatedWorld, SimulationConfig
 from hypernav.worlds.surface.starts import random_start
 
 STARTS_PER_GOAL = 5
-"""Starts of ``scene:`` data sets that don't say how many."""
+"""Number of starts per goal of ``scene:`` data sets that name none."""
 
 Progress = Callable[[int, int], None]
-"""Is told how much of how much is done."""
+"""A function that is called with the number of finished parts, and of all."""
 
 
 @dataclass(frozen=True)
 class DatasetRequest:
-    """What is wanted of a data set.
+    """The arguments of a data source.
 
     Attributes:
-        argument: What follows the name and a colon; empty if nothing does.
-        part: What follows ``#``; empty if nothing does.
-        simulation: How the robot is simulated, for data sets that look for starts.
-        embodiment: What the robot is, likewise.
+        argument: Text after the name and a colon; empty if there is none.
+        part: Text after ``#``; empty if there is none.
+        simulation: How the robot is simulated, for data sets that draw starts.
+        embodiment: Body, camera and motion of the robot, for data sets that draw starts.
         scenes_dir: Folder of scene files; None takes that of the episode file.
-        progress: Is told how far it is.
+        progress: Function that is called with the progress of loading.
     """
 
     argument: str = ""
@@ -52,13 +52,13 @@ class DatasetRequest:
     progress: Progress | None = None
 
     def tell(self, done: int, total: int) -> None:
-        """Say how far it is, if anybody wants to know."""
+        """Report the progress of loading, if somebody asked for it."""
         if self.progress is not None:
             self.progress(done, total)
 
 
 DataSource = Callable[[DatasetRequest], list[Episode]]
-"""Gives all episodes of a data set, in its order."""
+"""A function that gives all episodes of a data set, in its order."""
 
 
 def split_episodes(split: str, request: DatasetRequest) -> list[Episode]:
@@ -92,8 +92,7 @@ def scene_episodes(request: DatasetRequest) -> list[Episode]:
 def habitat_episodes(request: DatasetRequest) -> list[Episode]:
     """The episodes of a file in Habitat's ObjectNav format, or of a split's folder.
 
-    Scenes are files below the scenes' folder, except those that ``hypernav find --scene`` knows by
-    name.
+    A scene id is a path below the folder of scenes, or a name that ``hypernav find --scene`` knows.
     """
     path = Path(request.argument)
     if request.part:
@@ -115,7 +114,7 @@ def habitat_episodes(request: DatasetRequest) -> list[Episode]:
 
 
 def _scene_below(folder: Path, scene_id: str) -> str:
-    """The scene that an episode file means."""
+    """The scene that a scene id of an episode file names."""
     if scene_id == "builtin" or scene_id.startswith("houses:"):
         return scene_id
     path = folder / scene_id
@@ -153,4 +152,4 @@ DATA_SOURCES: Registry[DataSource] = Registry(
         Entry("habitat", habitat_episodes, form="habitat:FILE"),
     ],
 )
-"""Every data set that has a name."""
+"""The registry of data sets."""

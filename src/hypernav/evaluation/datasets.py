@@ -1,4 +1,4 @@
-"""What is evaluated: the episodes of a data set, and some of them."""
+"""The episodes of a data set, and their selection."""
 
 import hashlib
 import json
@@ -28,10 +28,10 @@ def load_episodes(
         dataset: ``houses-val``, ``houses-ovon``, ``houses-train[#FIRST:END]``,
             ``scene:SCENE[#STARTS]``, where SCENE is what ``hypernav find --scene`` understands, or
             ``habitat:FILE``.
-        simulation: How the robot is simulated, for data sets that look for starts.
-        embodiment: What the robot is, likewise.
+        simulation: How the robot is simulated, for data sets that draw starts.
+        embodiment: Body, camera and motion of the robot, for data sets that draw starts.
         scenes_dir: Folder of the scenes that an episode file names; by default the file's own.
-        progress: Is told how far it is.
+        progress: Function that is called with the progress of loading.
 
     Raises:
         ConfigError: There is no such data set.
@@ -62,10 +62,10 @@ def select(
     """Some of the episodes of a data set.
 
     Args:
-        episodes: All of them.
-        part: Places in the data set's order, ``FIRST:END`` (END is not included).
+        episodes: All episodes of the data set.
+        part: Positions in the data set's order, ``FIRST:END`` (END is not included).
         scenes: Scenes with commas between them: the name (``houses:1003``), its last part
-            (``1003``), or the scene's place in the data set (``3``, from 0).
+            (``1003``), or the scene's position in the data set (``3``, from 0).
         goals: Goals with commas between them.
 
     Raises:
@@ -89,13 +89,13 @@ def select(
 
 
 def fingerprint(episodes: Sequence[Episode]) -> str:
-    """Tells two sets of episodes apart, their order included."""
+    """Hash that tells two sequences of episodes apart."""
     text = json.dumps([_identity(episode) for episode in episodes], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def _identity(episode: Episode) -> dict[str, Any]:
-    """All that a data set says about an episode."""
+    """Everything that a data set says about an episode."""
     identity = {
         "scene_id": episode.scene_id,
         "episode_id": episode.episode_id,
@@ -126,5 +126,5 @@ def _scene_named(text: str, names: list[str]) -> str:
         return names[int(text)]
     raise EpisodeError(
         f"--scenes: there is no scene '{text}'; there are {len(names)}, from {names[0]} to "
-        f"{names[-1]}, or say a place from 0 to {len(names) - 1}"
+        f"{names[-1]}, or give a position from 0 to {len(names) - 1}"
     )

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from hypernav.core.protocols import Agent
 from hypernav.evaluation.run_plan import RunPlan
-from hypernav.evaluation.runner import RunNews, run_episodes
+from hypernav.evaluation.runner import RunProgress, run_episodes
 from hypernav.evaluation.save_choice import SaveChoice
 from hypernav.evaluation.store.run_store import RunStore
 from hypernav.evaluation.workers.process_pool import ProcessPool
@@ -20,8 +20,8 @@ def evaluate(
     *,
     workers: int = 1,
     save: SaveChoice = "none",
-    watch: Callable[[RunNews], None] | None = None,
-) -> RunNews:
+    watch: Callable[[RunProgress], None] | None = None,
+) -> RunProgress:
     """Run an agent of your own over a data set; the same call resumes an interrupted run.
 
     Workers are processes, so a program that calls this needs ``if __name__ == "__main__":``, and
@@ -54,5 +54,5 @@ def evaluate(
         make_agent=make_agent,
     )
     with RunStore(folder, plan.configuration(episodes)) as store:
-        store.take_out(lambda record: not record.counts)
+        store.withdraw(lambda record: not record.counts)
         return run_episodes(episodes, store, ProcessPool(job), workers=workers, watch=watch)

@@ -1,4 +1,4 @@
-"""What a run is made of: its configuration, as it is kept beside the results."""
+"""The configuration of a run, as it is kept beside the results."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field, replace
@@ -17,12 +17,12 @@ from hypernav.evaluation.protocol import StopRule
 
 @dataclass(frozen=True)
 class Selection:
-    """Which episodes of a data set. What is None takes all.
+    """A selection of a data set's episodes. What is None selects all.
 
     Attributes:
-        episodes: Places in the data set's order, ``FIRST:END``.
-        scenes: Scenes with commas between them.
-        goals: Goals with commas between them.
+        episodes: Positions in the data set's order, ``FIRST:END``.
+        scenes: Scenes, separated by commas.
+        goals: Goals, separated by commas.
     """
 
     episodes: str | None = None
@@ -32,20 +32,20 @@ class Selection:
 
 @dataclass(frozen=True)
 class RunPlan:
-    """All that decides about the results of a run. How many workers there are does not.
+    """Everything that decides about the results of a run; the number of workers does not.
 
     Attributes:
         dataset: Its name, as for `hypernav.evaluation.datasets.load_episodes`.
-        selection: Which of its episodes.
-        preset: Name of the configuration that `config` began with.
-        specs: Who sees and thinks, as it was asked for.
-        who: The same in words and with nothing left open, for people and reports.
+        selection: Selection of its episodes.
+        preset: Name of the preset that `config` is based on.
+        specs: Specifications of agent, model, detector, reasoner and segmenter, as requested.
+        who: Description of the agent and its components in words, for people and reports.
         config: Values of the method, the robot and the camera.
-        max_steps: Step limit.
-        success_distance_m: Of the run's own protocol; results can be scored under all others.
+        max_steps: Maximum number of steps of an episode.
+        success_distance_m: Success distance of the run's own protocol; reports show others, too.
         seed: Seed of all noise.
-        scenes_dir: Folder of the scenes that an episode file names; None is the file's own.
-        scenes_dir: Folder of the scenes that an episode file names; None is the file's own.
+        scenes_dir: Folder of the scenes that an episode file names; None takes the file's own.
+        scenes_dir: Folder of the scenes that an episode file names; None takes the file's own.
     """
 
     dataset: str
@@ -63,7 +63,7 @@ class RunPlan:
         """The chosen episodes of the data set, with the limits of this run.
 
         Args:
-            progress: Is told how far it is.
+            progress: Function that is called with the progress of loading.
 
         Raises:
             EpisodeError: There is no such data set, or nothing in it is chosen.
@@ -85,11 +85,11 @@ class RunPlan:
         return [replace(episode, **limits) for episode in chosen]
 
     def configuration(self, episodes: Sequence[Episode]) -> dict[str, Any]:
-        """For ``run.json``.
+        """The content of ``run.json``.
 
         Args:
-            episodes: The chosen ones. Their fingerprint is part of the configuration: the same name
-                with other episodes (a newer generator of houses) is another run.
+            episodes: Selected episodes. Their fingerprint is part of the configuration: the same
+                name with other episodes (a newer generator of houses) is another run.
         """
         return {
             "hypernav": version("hypernav"),

@@ -10,7 +10,7 @@ from hypernav.evaluation.failures.classification import Failure
 from hypernav.evaluation.record import EpisodeRecord
 from hypernav.evaluation.store.run_store import RunStore
 from hypernav.evaluation.workers.schedule import ATTEMPTS, Schedule
-from hypernav.evaluation.workers.worker import broken
+from hypernav.evaluation.workers.worker import simulator_error_record
 from hypernav.evaluation.workers.worker_pool import (
     Crashed,
     Done,
@@ -35,7 +35,7 @@ class RunHaltedError(HyPerNavError):
 
 
 @dataclass
-class RunNews:
+class RunProgress:
     """The state of a run, for progress displays.
 
     Attributes:
@@ -61,8 +61,8 @@ def run_episodes(
     pool: WorkerPool,
     *,
     workers: int,
-    watch: Callable[[RunNews], None] | None = None,
-) -> RunNews:
+    watch: Callable[[RunProgress], None] | None = None,
+) -> RunProgress:
     """Run all episodes that the store doesn't hold yet.
 
     Args:
@@ -82,18 +82,18 @@ def run_episodes(
         HyPerNavError: A worker reported that the run can't go on.
     """
     waiting = [episode for episode in episodes if episode.key not in store.records]
-    owner = _Owner(Schedule(waiting), store, pool, RunNews(list(store.records.values()), 0))
-    owner.news.total = len(episodes)
+    owner = _Owner(Schedule(waiting), store, pool, RunProgress(list(store.records.values()), 0))
+    owner.progress.total = len(episodes)
     try:
-        owner.hire(min(workers, len(waiting)))
+        owner.start_workers(min(workers, len(waiting)))
         while not owner.schedule.is_finished:
             for report in pool.wait(POLL_S):
                 owner.take(report)
             if watch is not None:
-                watch(owner.news)
+                watch(owner.progress)
     finally:
         pool.close()
-    return owner.news
+    return owner.progress
 
 
 @dataclass
@@ -103,13 +103,13 @@ class _Owner:
     schedule: Schedule
     store: RunStore
     pool: WorkerPool
-    news: RunNews
+    progress: RunProgress
     workers: int = 0
     outages: int = 0
     crashes: int = 0
     losses: int = 0
 
-    def hire(self, workers: int) -> None:
+    def start_workers(self, workers: int) -> None:
         self.workers = workers
         for worker in range(workers):
             self.pool.start(worker)
@@ -120,7 +120,7 @@ class _Owner:
             case Ready(worker):
                 self._give_work(worker)
             case Done(worker, record, peak_mb):
-                self.news.peak_mb[worker] = max(self.news.peak_mb.get(worker, 0.0), peak_mb)
+                self.progress.peak_mb[worker] = max(self.progress.peak_mb.get(worker, 0.0), peak_mb)
                 self.schedule.done(worker)
                 self._keep(record)
                 self._give_work(worker)
@@ -128,7 +128,11 @@ class _Owner:
                 _LOGGER.warning("worker %d is lost: %s; another one replaces it", worker, why)
                 self._lose(why)
                 if (given_up := self.schedule.lost(worker)) is not None:
-                    self._keep(broken(given_up, f"its worker was lost {ATTEMPTS} times: {why}"))
+                    self._keep(
+                        simulator_error_record(
+                            given_up, f"its worker was lost {ATTEMPTS} times: {why}"
+                        )
+                    )
                 self._replace(worker)
             case Crashed(worker, error):
                 self._crash(worker, error)
@@ -138,8 +142,8 @@ class _Owner:
 
     def _keep(self, record: EpisodeRecord) -> None:
         self.store.add(record)
-        self.news.records.append(record)
-        self.news.done_now += 1
+        self.progress.records.append(record)
+        self.progress.done_now += 1
         self.crashes = self.losses = 0
         self.outages = self.outages + 1 if record.failure is Failure.MODEL_UNAVAILABLE else 0
         if self.outages >= max(_OUTAGES_IN_A_ROW, 2 * self.workers):
@@ -150,7 +154,7 @@ class _Owner:
             )
 
     def _lose(self, why: str) -> None:
-        self.news.losses += 1
+        self.progress.losses += 1
         self.losses += 1
         if self.losses > ATTEMPTS * max(self.workers, 2):
             raise RunHaltedError(
@@ -163,7 +167,7 @@ class _Owner:
             raise RunHaltedError(f"a worker failed before its first episode:\n{error}")
         episode = self.schedule.done(worker)
         _LOGGER.error("episode %s failed:\n%s", "/".join(episode.key), error)
-        self.news.crashes[episode] = error
+        self.progress.crashes[episode] = error
         self.crashes += 1
         if self.crashes >= _CRASHES_IN_A_ROW:
             raise RunHaltedError(

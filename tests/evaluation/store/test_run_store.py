@@ -231,7 +231,7 @@ def test_what_is_taken_out_runs_again_but_is_not_lost(tmp_path):
         run.add(record("0"))
         run.add(apart("1"))
         run.add(record("2"))
-        assert run.take_out(lambda r: not r.counts) == 1
+        assert run.withdraw(lambda r: not r.counts) == 1
         assert list(run.records) == [("house", "0"), ("house", "2")]
         run.add(record("1"))
     assert [r.episode_id for r in read_records(tmp_path)] == ["0", "2", "1"]
@@ -240,7 +240,7 @@ def test_what_is_taken_out_runs_again_but_is_not_lost(tmp_path):
 
 def test_sessions_are_kept_and_a_broken_one_is_left_out(tmp_path, caplog):
     with store(tmp_path) as run:
-        run.note_session({"workers": 2})
+        run.add_session({"workers": 2})
     with (tmp_path / "sessions.jsonl").open("a") as file:
         file.write("{broken\n")
     assert read_sessions(tmp_path) == [{"workers": 2}]

@@ -72,9 +72,9 @@ def test_two_nodes_with_a_killed_worker_equal_the_local_run(tmp_path, cluster):
 
     run(tmp_path / "local", episodes, ProcessPool(job("local")))
     pool = KillingPool(job("ray"), cluster.address)
-    news = run(tmp_path / "ray", episodes, pool)
+    progress = run(tmp_path / "ray", episodes, pool)
     assert pool.killed == 1
-    assert news.losses == 1
+    assert progress.losses == 1
     assert timeless_lines(tmp_path / "ray") == timeless_lines(tmp_path / "local")
 
 

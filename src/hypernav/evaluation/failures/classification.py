@@ -68,7 +68,7 @@ _WORDS = {
 }
 
 
-class Belief(StrEnum):
+class TargetKind(StrEnum):
     """What the object that the robot took for the goal really is."""
 
     GOAL = "the goal"
@@ -77,11 +77,11 @@ class Belief(StrEnum):
 
 
 @dataclass(frozen=True)
-class Held:
+class BelievedTarget:
     """The object that the robot took for the goal when the episode ended.
 
     Attributes:
-        belief: What the object really is.
+        kind: What the object really is.
         name: Name of the object, for people.
         offset_m: Horizontal distance of the goal area's middle to the object's box, metres.
         is_surrounded: Whether in truth there is no position to stand within the stop distance.
@@ -89,7 +89,7 @@ class Held:
             has no map.
     """
 
-    belief: Belief
+    kind: TargetKind
     name: str
     offset_m: float = 0.0
     is_surrounded: bool = False
@@ -106,9 +106,9 @@ class Facts:
         gave_up: Whether the robot gave up.
         distance_to_goal_m: Geodesic distance to the nearest view point at the end, metres.
         success_distance_m: Greatest distance that counts as success, metres.
-        sights: Number of steps in which the goal was in the image.
-        held: The object that the robot took for the goal at the end; None if there was none.
-        trouble: Message of the outage or of the simulator's error; empty if there was none.
+        goal_sightings: Number of steps in which the goal was in the image.
+        target: The object that the robot took for the goal at the end; None if there was none.
+        error: Message of the outage or of the simulator's error; empty if there was none.
     """
 
     outcome: Outcome
@@ -116,14 +116,15 @@ class Facts:
     gave_up: bool = False
     distance_to_goal_m: float = 0.0
     success_distance_m: float = 0.1
-    sights: int = 0
-    held: Held | None = None
-    trouble: str = ""
+    goal_sightings: int = 0
+    target: BelievedTarget | None = None
+    error: str = ""
 
     @property
-    def held_goal(self) -> Held | None:
+    def correct_target(self) -> BelievedTarget | None:
         """The object that the robot took for the goal if it really was the goal, else None."""
-        return self.held if self.held is not None and self.held.belief is Belief.GOAL else None
+        is_goal = self.target is not None and self.target.kind is TargetKind.GOAL
+        return self.target if is_goal else None
 
     @property
     def ending(self) -> str:
@@ -152,11 +153,11 @@ def classify(facts: Facts) -> Verdict | None:
 
 
 def _model_unavailable(facts: Facts) -> str | None:
-    return facts.trouble if facts.outcome is Outcome.MODEL_UNAVAILABLE else None
+    return facts.error if facts.outcome is Outcome.MODEL_UNAVAILABLE else None
 
 
 def _simulator_error(facts: Facts) -> str | None:
-    return facts.trouble if facts.outcome is Outcome.SIMULATOR_ERROR else None
+    return facts.error if facts.outcome is Outcome.SIMULATOR_ERROR else None
 
 
 def _unreachable(facts: Facts) -> str | None:
@@ -166,60 +167,61 @@ def _unreachable(facts: Facts) -> str | None:
 
 
 def _language(facts: Facts) -> str | None:
-    held = facts.held
-    if held is None or held.belief is not Belief.NEAR_MISS:
+    target = facts.target
+    if target is None or target.kind is not TargetKind.NEAR_MISS:
         return None
-    return f"it took the {held.name}, a near miss by name, for the goal; {facts.ending}"
+    return f"it took the {target.name}, a near miss by name, for the goal; {facts.ending}"
 
 
 def _false_detection(facts: Facts) -> str | None:
-    held = facts.held
-    if held is None or held.belief is not Belief.OTHER:
+    target = facts.target
+    if target is None or target.kind is not TargetKind.OTHER:
         return None
-    return f"it took the {held.name} for the goal; {facts.ending}"
+    return f"it took the {target.name} for the goal; {facts.ending}"
 
 
 def _map_quality(facts: Facts) -> str | None:
-    held = facts.held_goal
-    if held is None:
+    target = facts.correct_target
+    if target is None:
         return None
-    if held.offset_m > MISPLACED_M:
-        return f"its goal area lay {held.offset_m:.1f} m beside the {held.name}"
-    if not facts.stopped and held.map_leads_there is False and not held.is_surrounded:
-        return f"its map showed no path to the {held.name}, though there is one; {facts.ending}"
+    if target.offset_m > MISPLACED_M:
+        return f"its goal area lay {target.offset_m:.1f} m beside the {target.name}"
+    if not facts.stopped and target.map_leads_there is False and not target.is_surrounded:
+        return f"its map showed no path to the {target.name}, though there is one; {facts.ending}"
     return None
 
 
 def _target_surrounded(facts: Facts) -> str | None:
-    held = facts.held_goal
-    if held is None or not held.is_surrounded:
+    target = facts.correct_target
+    if target is None or not target.is_surrounded:
         return None
-    return f"no position near its goal area on the {held.name} can be stood on; {facts.ending}"
+    return f"no position near its goal area on the {target.name} can be stood on; {facts.ending}"
 
 
 def _stopped_too_far(facts: Facts) -> str | None:
-    if facts.held_goal is None or not facts.stopped:
+    target = facts.correct_target
+    if target is None or not facts.stopped:
         return None
     return (
-        f"it stopped at the {facts.held_goal.name}, {facts.distance_to_goal_m:.2f} m from where "
+        f"it stopped at the {target.name}, {facts.distance_to_goal_m:.2f} m from where "
         f"it counts as reached (within {facts.success_distance_m:g} m)"
     )
 
 
 def _path_planning(facts: Facts) -> str | None:
-    if facts.held_goal is None:
+    if facts.correct_target is None:
         return None
     return (
-        f"it took the {facts.held_goal.name} for the goal, rightly, and {facts.ending} "
+        f"it took the {facts.correct_target.name} for the goal, rightly, and {facts.ending} "
         f"{facts.distance_to_goal_m:.2f} m away from it"
     ).replace("and it ", "and ")
 
 
 def _seen_but_missed(facts: Facts) -> str | None:
-    if facts.sights == 0:
+    if facts.goal_sightings == 0:
         return None
-    steps = "step" if facts.sights == 1 else "steps"
-    return f"the goal was in the image in {facts.sights} {steps}; {facts.ending} without it"
+    steps = "step" if facts.goal_sightings == 1 else "steps"
+    return f"the goal was in the image in {facts.goal_sightings} {steps}; {facts.ending} without it"
 
 
 def _never_seen(facts: Facts) -> str:

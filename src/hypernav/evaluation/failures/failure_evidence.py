@@ -12,12 +12,17 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.observation import LabelledPixels
 from hypernav.core.trace import DetectionRecord, Ending
 from hypernav.core.world import GoalTruth, Instance, SceneTruth
-from hypernav.evaluation.failures.classification import MISPLACED_M, Belief, Facts, Held
+from hypernav.evaluation.failures.classification import (
+    MISPLACED_M,
+    BelievedTarget,
+    Facts,
+    TargetKind,
+)
 from hypernav.houses.near_misses import near_misses
 from hypernav.planning.planner import Planner
 from hypernav.worlds.episode_run import EpisodeResult, EpisodeStep
 
-SIGHT_SHARE = 0.0005
+MIN_VISIBLE_SHARE = 0.0005
 """Least share of the image that counts as seen: 12×12 pixels of 640×480."""
 
 _STRIDE = 2
@@ -44,7 +49,7 @@ class FailureEvidence:
         self._last: EpisodeStep | None = None
         self._votes: Counter[int] = Counter()
         self._explains = False
-        self.sights = 0
+        self.goal_sightings = 0
 
     def watch(self, step: EpisodeStep) -> None:
         """Add the evidence of one step."""
@@ -53,7 +58,7 @@ class FailureEvidence:
         truth = step.observation.truth
         if truth is None:
             return
-        self.sights += self._is_goal_in(truth)
+        self.goal_sightings += self._is_goal_in(truth)
         if not step.trace.goal_area:
             self._votes.clear()
         for detection in step.trace.detections:
@@ -75,29 +80,33 @@ class FailureEvidence:
             gave_up=last is not None and last.trace.ending is Ending.GAVE_UP,
             distance_to_goal_m=result.metrics.distance_to_goal_m,
             success_distance_m=success_distance_m,
-            sights=self.sights,
-            held=None if last is None or result.metrics.success else self._held(last, stopped),
-            trouble=result.detail,
+            goal_sightings=self.goal_sightings,
+            target=(
+                None
+                if last is None or result.metrics.success
+                else self._believed_target(last, stopped)
+            ),
+            error=result.detail,
         )
 
     def _is_goal_in(self, truth: LabelledPixels) -> bool:
         ids = truth.ids[::_STRIDE, ::_STRIDE]
         pixels = np.bincount(ids.ravel() + 1, minlength=int(self._goal_ids.max(initial=0)) + 2)
-        return bool((pixels[self._goal_ids + 1] >= SIGHT_SHARE * ids.size).any())
+        return bool((pixels[self._goal_ids + 1] >= MIN_VISIBLE_SHARE * ids.size).any())
 
-    def _held(self, last: EpisodeStep, stopped: bool) -> Held | None:
+    def _believed_target(self, last: EpisodeStep, stopped: bool) -> BelievedTarget | None:
         """The object that the robot took for the goal."""
         if not self._explains:
-            return self._beside_robot() if stopped else None
+            return self._object_beside_robot() if stopped else None
         if not last.trace.goal_area:
             return None
         area = self._in_scene(_outline_points(last.trace.goal_area))
         instance = self._object_of(area)
         if instance is None:
-            return Held(Belief.OTHER, "building")
+            return BelievedTarget(TargetKind.OTHER, "building")
         middle = (area.min(axis=0) + area.max(axis=0)) / 2.0
-        return Held(
-            belief=self._belief(instance),
+        return BelievedTarget(
+            kind=self._kind_of(instance),
             name=_name(instance),
             offset_m=_gap(instance, middle),
             is_surrounded=self._is_surrounded(area),
@@ -128,7 +137,7 @@ class FailureEvidence:
             winner = min(seen, key=lambda i: (_gap(i, middle), i.id))
         return winner if winner.label is not None else None
 
-    def _beside_robot(self) -> Held:
+    def _object_beside_robot(self) -> BelievedTarget:
         """The object that a robot without a trace means by STOP: a goal nearby, else the nearest.
 
         A goal nearby is what a STOP most likely means, so this errs on the lenient side.
@@ -138,14 +147,14 @@ class FailureEvidence:
         close = [i for i in goals if _gap(i, here) <= _BESIDE_M]
         instance = close[0] if close else _nearest(self._truth, here, math.inf)
         if instance is None:
-            return Held(Belief.OTHER, "building")
-        return Held(self._belief(instance), _name(instance))
+            return BelievedTarget(TargetKind.OTHER, "building")
+        return BelievedTarget(self._kind_of(instance), _name(instance))
 
-    def _belief(self, instance: Instance) -> Belief:
+    def _kind_of(self, instance: Instance) -> TargetKind:
         if instance.id in self._goal_ids:
-            return Belief.GOAL
+            return TargetKind.GOAL
         misses = near_misses(self._truth.instances, self._goal)
-        return Belief.NEAR_MISS if instance.id in {i.id for i in misses} else Belief.OTHER
+        return TargetKind.NEAR_MISS if instance.id in {i.id for i in misses} else TargetKind.OTHER
 
     def _is_surrounded(self, area: Float64[np.ndarray, "n 2"]) -> bool:
         """Whether in truth no reachable position to stand is near the area."""

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from hypernav.evaluation.failures.classification import MISPLACED_M, Failure
-from hypernav.evaluation.failures.failure_evidence import SIGHT_SHARE
+from hypernav.evaluation.failures.failure_evidence import MIN_VISIBLE_SHARE
 from hypernav.evaluation.report.run_data import RunData
 from hypernav.evaluation.report.tables import Pair
 from hypernav.evaluation.statistics import Estimate
@@ -34,8 +34,8 @@ RULES_IN_WORDS: dict[Failure, str] = {
         "It held the right object, its map has a path there, but it didn't arrive in time."
     ),
     Failure.SEEN_BUT_MISSED: (
-        f"The goal filled at least {100 * SIGHT_SHARE:g} % of some image, but the robot ended "
-        "without a goal area."
+        f"The goal filled at least {100 * MIN_VISIBLE_SHARE:g} % of some image, but the robot "
+        "ended without a goal area."
     ),
     Failure.NEVER_SEEN: "The goal was never in the image.",
 }

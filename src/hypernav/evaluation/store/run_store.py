@@ -97,7 +97,7 @@ class RunStore:
         append_line(self.folder / EPISODES_FILE, record.model_dump_json())
         self.records[record.key] = record
 
-    def take_out(self, unwanted: Callable[[EpisodeRecord], bool]) -> int:
+    def withdraw(self, unwanted: Callable[[EpisodeRecord], bool]) -> int:
         """Withdraw records, so that their episodes run again; ``retried.jsonl`` keeps them.
 
         Args:
@@ -115,7 +115,7 @@ class RunStore:
             write_whole(self.folder / EPISODES_FILE, "".join(lines))
         return len(out)
 
-    def note_session(self, session: Mapping[str, Any]) -> None:
+    def add_session(self, session: Mapping[str, Any]) -> None:
         """Write the figures of one start of the program to ``sessions.jsonl``."""
         append_line(self.folder / SESSIONS_FILE, json.dumps(session, ensure_ascii=False))
 

@@ -25,7 +25,7 @@ ONE_THREAD = {
     for name in ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 }
 _PYTHON_FAILED = 1
-_PATIENCE_S = 5.0
+_TERMINATE_TIMEOUT_S = 5.0
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class ProcessPool:
         self._job = job
         self._context = multiprocessing.get_context("spawn")
         self._logs = tempfile.TemporaryDirectory(prefix="hypernav-workers-")
-        self._hired: dict[int, _Process] = {}
+        self._started: dict[int, _Process] = {}
 
     def start(self, worker: int) -> None:
         """Start a worker."""
@@ -61,41 +61,41 @@ class ProcessPool:
             process.start()
         # With our copy of their end open, the end of the worker would go unnoticed.
         theirs.close()
-        self._hired[worker] = _Process(process, ours, log)
+        self._started[worker] = _Process(process, ours, log)
 
     def send(self, worker: int, episode: Episode) -> None:
         """Send an idle worker an episode."""
         try:
-            self._hired[worker].pipe.send(episode)
+            self._started[worker].pipe.send(episode)
         except OSError:
             return  # It has ended; `wait` reports that.
 
     def wait(self, seconds: float) -> list[Report]:
         """The reports since the last call."""
-        pipes = {hired.pipe: worker for worker, hired in self._hired.items()}
+        pipes = {started.pipe: worker for worker, started in self._started.items()}
         ready = wait(list(pipes), timeout=seconds)
         return [self._report(pipes[pipe]) for pipe in ready if isinstance(pipe, Connection)]
 
     def close(self) -> None:
         """End all workers."""
-        for hired in self._hired.values():
-            hired.process.terminate()
-        for hired in self._hired.values():
-            hired.process.join(_PATIENCE_S)
-            if hired.process.is_alive():
-                hired.process.kill()
-                hired.process.join()
-            hired.pipe.close()
-        self._hired.clear()
+        for started in self._started.values():
+            started.process.terminate()
+        for started in self._started.values():
+            started.process.join(_TERMINATE_TIMEOUT_S)
+            if started.process.is_alive():
+                started.process.kill()
+                started.process.join()
+            started.pipe.close()
+        self._started.clear()
         self._logs.cleanup()
 
     def _report(self, worker: int) -> Report:
-        hired = self._hired[worker]
+        started = self._started[worker]
         try:
             # What a worker sent before it died is still in the pipe.
-            said = hired.pipe.recv()
+            said = started.pipe.recv()
         except (EOFError, OSError):
-            return self._obituary(worker)
+            return self._report_of_ended(worker)
         match said:
             case str():
                 return Refused(worker, said)
@@ -104,13 +104,13 @@ class ProcessPool:
             case _:
                 return Ready(worker)
 
-    def _obituary(self, worker: int) -> Report:
-        hired = self._hired.pop(worker)
-        hired.process.join()
-        hired.pipe.close()
-        code = hired.process.exitcode
+    def _report_of_ended(self, worker: int) -> Report:
+        started = self._started.pop(worker)
+        started.process.join()
+        started.pipe.close()
+        code = started.process.exitcode
         if code == _PYTHON_FAILED:
-            return Crashed(worker, hired.said())
+            return Crashed(worker, started.said())
         if code is not None and code < 0:
             return Lost(worker, f"killed by signal {-code} ({_signal_name(-code)})")
         return Lost(worker, f"ended with status {code}")
@@ -125,10 +125,10 @@ def _work(job: Job, pipe: Connection, log: Path) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the owner handles Ctrl-C
     os.dup2(os.open(log, os.O_WRONLY | os.O_APPEND), sys.stderr.fileno())
     try:
-        with closing(EpisodeWorker(job)) as bench:
+        with closing(EpisodeWorker(job)) as episode_worker:
             pipe.send(None)
             while True:
-                record = bench.run(pipe.recv())
+                record = episode_worker.run(pipe.recv())
                 pipe.send((record, peak_memory_mb()))
     except HyPerNavError as error:
         pipe.send(str(error))

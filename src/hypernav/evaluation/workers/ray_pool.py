@@ -17,7 +17,7 @@ from hypernav.evaluation.workers.resource_usage import peak_memory_mb
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
 from hypernav.evaluation.workers.worker_pool import Crashed, Done, Lost, Ready, Refused, Report
 
-_KNOCK_S = 5.0
+_CONNECT_TIMEOUT_S = 5.0
 
 
 class RayPool:
@@ -42,7 +42,7 @@ class RayPool:
             )
         self._ray: Any = require("ray", extra="ray")
         try:
-            _knock(address)
+            _check_address(address)
             self._connects = not self._ray.is_initialized()
             self._ray.init(
                 address=address,
@@ -116,14 +116,14 @@ class _Worker:
 
     def begin(self) -> str | None:
         try:
-            self._bench = EpisodeWorker(self._job)
+            self._episode_worker = EpisodeWorker(self._job)
         except HyPerNavError as error:
             return str(error)
         return None
 
     def run(self, episode: Episode) -> str | tuple[EpisodeRecord, float]:
         try:
-            return self._bench.run(episode), peak_memory_mb()
+            return self._episode_worker.run(episode), peak_memory_mb()
         except HyPerNavError as error:
             return str(error)
 
@@ -134,7 +134,7 @@ class _Worker:
         return require("ray", extra="ray").get_runtime_context().get_node_id()
 
 
-def _knock(address: str) -> None:
+def _check_address(address: str) -> None:
     """Make sure that a cluster listens: Ray itself would try for minutes.
 
     Raises:
@@ -143,7 +143,7 @@ def _knock(address: str) -> None:
     """
     host, colon, port = address.removeprefix("ray://").rpartition(":")
     if colon:
-        socket.create_connection((host, int(port)), timeout=_KNOCK_S).close()
+        socket.create_connection((host, int(port)), timeout=_CONNECT_TIMEOUT_S).close()
 
 
 def _environment() -> dict[str, Any]:

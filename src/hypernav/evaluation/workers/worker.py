@@ -1,4 +1,4 @@
-"""Where a worker runs its episodes: one agent, and one scene at a time."""
+"""The running of episodes in a worker: one agent, and one scene at a time."""
 
 import re
 import shutil
@@ -38,16 +38,16 @@ _SIMULATOR_ERRORS = (SceneError, StartError, WorldError, CameraError)
 
 @dataclass(frozen=True)
 class Job:
-    """How every episode of a run is run. Can be pickled: it is what a worker starts with.
+    """How a worker runs the episodes of a run. It can be pickled for another process.
 
     Attributes:
-        folder: Of the run, for pages and videos.
-        config: Values of the method.
-        specs: Who sees and thinks.
-        seed: Of all noise.
-        save: Which episodes keep page and video.
-        make_agent: Builds an agent of your own in place of the configured one.
-        open_scene: Finds a scene by name.
+        folder: Folder of the run, for pages and videos.
+        config: Values of the method, the robot and the camera.
+        specs: Specifications of agent, model, detector, reasoner and segmenter.
+        seed: Seed of all noise.
+        save: Choice of episodes that keep page and video.
+        make_agent: Factory of an agent of your own, in place of the configured one.
+        open_scene: Function that gives the scene of a name.
     """
 
     folder: Path
@@ -60,29 +60,29 @@ class Job:
 
 
 class EpisodeWorker:
-    """Runs episodes one after the other. A scene stays loaded until another one is asked for."""
+    """Runs episodes one after another. A scene stays loaded until another one is needed."""
 
     def __init__(self, job: Job) -> None:
         """Build the agent.
 
         Raises:
-            HyPerNavError: It can't be built.
+            HyPerNavError: The agent can't be built.
         """
         self._job = job
-        self._agent, self._words, looks, self._parts = _agent_of(job)
+        self._agent, self._words, needs_colours, self._parts = _agent_of(job)
         # Drawing is most of the work, and ground truth needs no colours.
-        self._render = RenderConfig(threads=1, colours=looks or job.save != "none")
+        self._render = RenderConfig(threads=1, colours=needs_colours or job.save != "none")
         self._scene_id = ""
         self._world: SimulatedWorld | None = None
 
     def run(self, episode: Episode) -> EpisodeRecord:
         """Run one episode.
 
-        What the world gets wrong is part of the record. Every other error says that the run itself
-        can't go on like this, and leaves this method.
+        Errors of the simulator become part of the record. Every other error means that the run
+        itself can't go on.
 
         Raises:
-            HyPerNavError: The agent can't do this at all, or page or video can't be written.
+            HyPerNavError: The agent can't search for the goal, or page or video can't be written.
         """
         try:
             world = self._world_of(episode.scene_id)
@@ -94,10 +94,10 @@ class EpisodeWorker:
             )
             return self._watch(run, world)
         except _SIMULATOR_ERRORS as error:
-            return broken(episode, f"{type(error).__name__}: {error}")
+            return simulator_error_record(episode, f"{type(error).__name__}: {error}")
 
     def close(self) -> None:
-        """End what scene and agent hold; no episode is run any more."""
+        """Close scene and agent; no episode is run afterwards."""
         self._leave_scene()
         if isinstance(self._parts, Closes):
             self._parts.close()
@@ -202,8 +202,8 @@ class EpisodeWorker:
         return recorder.folder.relative_to(self._job.folder).as_posix()
 
 
-def broken(episode: Episode, trouble: str) -> EpisodeRecord:
-    """The record of an episode that the simulator could not run."""
+def simulator_error_record(episode: Episode, error: str) -> EpisodeRecord:
+    """The record of an episode that failed by an error of the simulator."""
     infinite = float("inf")
     nothing = measure(
         stopped=False,
@@ -212,7 +212,7 @@ def broken(episode: Episode, trouble: str) -> EpisodeRecord:
         path_length_m=0.0,
         success_distance_m=0.0,
     )
-    verdict = classify(Facts(Outcome.SIMULATOR_ERROR, trouble=trouble))
+    verdict = classify(Facts(Outcome.SIMULATOR_ERROR, error=error))
     return EpisodeRecord(
         scene_id=episode.scene_id,
         episode_id=episode.episode_id,
@@ -220,7 +220,7 @@ def broken(episode: Episode, trouble: str) -> EpisodeRecord:
         group=episode.group,
         outcome=Outcome.SIMULATOR_ERROR,
         failure=verdict.failure if verdict is not None else None,
-        why=trouble,
+        why=error,
         stopped=False,
         steps=0,
         model_calls=0,
@@ -229,7 +229,7 @@ def broken(episode: Episode, trouble: str) -> EpisodeRecord:
 
 
 def folder_name(episode: Episode) -> str:
-    """A folder for an episode that every file system takes."""
+    """A name for an episode's folder that every file system accepts."""
     scene = Path(episode.scene_id).stem if "/" in episode.scene_id else episode.scene_id
     text = f"{scene}-{episode.episode_id}-{episode.goal.text}".lower()
     return re.sub(r"[^a-z0-9]+", "-", text).strip("-")[:120]

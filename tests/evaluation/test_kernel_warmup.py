@@ -4,25 +4,25 @@ import sys
 
 import pytest
 
-from hypernav.evaluation import rehearsal as module
-from hypernav.evaluation.rehearsal import FIRST_RUN, rehearsal, rehearse
+from hypernav.evaluation import kernel_warmup as module
+from hypernav.evaluation.kernel_warmup import FIRST_RUN, warm_up, warm_up_in_background
 
 ENTER = (
-    "from hypernav.evaluation.rehearsal import is_compiled, rehearsal\n"
+    "from hypernav.evaluation.kernel_warmup import is_compiled, warm_up_in_background\n"
     "print(is_compiled())\n"
-    "with rehearsal(print): pass"
+    "with warm_up_in_background(print): pass"
 )
 
 
-def test_an_agent_can_rehearse():
-    rehearse()
+def test_the_warm_up_runs_an_agent():
+    warm_up()
 
 
-def test_a_machine_that_has_compiled_hears_nothing_and_starts_no_process(monkeypatch):
+def test_a_machine_that_has_compiled_is_told_nothing_and_starts_no_process(monkeypatch):
     monkeypatch.setattr(module, "is_compiled", lambda: True)
     monkeypatch.setattr(subprocess, "Popen", None)
     said = []
-    with rehearsal(said.append):
+    with warm_up_in_background(said.append):
         pass
     assert said == []
 
@@ -36,7 +36,7 @@ def test_an_empty_cache_is_a_first_run_and_leaves_no_process(tmp_path):
     assert ended.stdout.splitlines() == ["False", FIRST_RUN]
 
 
-def test_an_error_ends_the_rehearsal(monkeypatch):
+def test_an_error_ends_the_warm_up(monkeypatch):
     started = []
 
     class Noted(subprocess.Popen):
@@ -47,6 +47,6 @@ def test_an_error_ends_the_rehearsal(monkeypatch):
     monkeypatch.setattr(module, "is_compiled", lambda: False)
     monkeypatch.setattr(os, "cpu_count", lambda: 2)
     monkeypatch.setattr(subprocess, "Popen", Noted)
-    with pytest.raises(KeyboardInterrupt), rehearsal(lambda words: None):
+    with pytest.raises(KeyboardInterrupt), warm_up_in_background(lambda words: None):
         raise KeyboardInterrupt
     assert [process.poll() is not None for process in started] == [True]

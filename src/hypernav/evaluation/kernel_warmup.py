@@ -32,7 +32,7 @@ def is_compiled() -> bool:
 
 
 @contextmanager
-def rehearsal(say: Callable[[str], object]) -> Iterator[None]:
+def warm_up_in_background(say: Callable[[str], object]) -> Iterator[None]:
     """Compile kernels in another process while the block runs, unless they are compiled already.
 
     Nothing depends on that process: kernels that it has not compiled in time are compiled here.
@@ -48,7 +48,7 @@ def rehearsal(say: Callable[[str], object]) -> Iterator[None]:
         yield
         return
     silent = subprocess.DEVNULL
-    command = [sys.executable, "-m", "hypernav.evaluation.rehearsal"]
+    command = [sys.executable, "-m", "hypernav.evaluation.kernel_warmup"]
     with subprocess.Popen(command, stdin=silent, stdout=silent, stderr=silent) as process:
         try:
             yield
@@ -56,7 +56,7 @@ def rehearsal(say: Callable[[str], object]) -> Iterator[None]:
             process.kill()
 
 
-def rehearse() -> None:
+def warm_up() -> None:
     """Let the default agent search an empty room for its door, and for a missing object."""
     agent = build_agent(preset("default")).agent
     for goal in (DOOR, "nothing of the kind"):
@@ -70,4 +70,4 @@ def rehearse() -> None:
 
 
 if __name__ == "__main__":
-    rehearse()
+    warm_up()
