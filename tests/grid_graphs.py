@@ -1,4 +1,4 @@
-"""Shortest ways over grids by SciPy, to compare with."""
+"""Shortest paths over grids by SciPy, to compare with."""
 
 import numpy as np
 from scipy.sparse import coo_matrix

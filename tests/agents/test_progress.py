@@ -1,4 +1,4 @@
-"""Whether a robot gets on along its way."""
+"""Progress of a robot along its path."""
 
 from hypothesis import given
 from hypothesis import strategies as st

@@ -71,7 +71,7 @@ def test_a_truthful_model_finds_what_ground_truth_finds(server: ScriptedServer, 
     told = [search(build_agent(small_config(preset)), start=start) for start in starts]
     for _, result in asked + told:
         assert result.outcome is Outcome.FOUND
-    # They choose among the same blocks by other rules, so each way differs.
+    # They choose among the same blocks by other rules, so each path differs.
     asked_spl, told_spl = (sum(r.metrics.spl for _, r in runs) for runs in (asked, told))
     assert asked_spl > 0.8 * told_spl
     kinds = {exchange.kind for step in asked[0][0] for exchange in step.exchanges}

@@ -24,10 +24,10 @@ def numbers(model: type[BaseModel] = HyPerNavConfig, section: str = ""):
 def with_value(name, value):
     values = preset("default").model_dump()
     *sections, key = name.split(".")
-    place = values
+    section_values = values
     for section in sections:
-        place = place[section]
-    place[key] = value
+        section_values = section_values[section]
+    section_values[key] = value
     return HyPerNavConfig.model_validate(values)
 
 

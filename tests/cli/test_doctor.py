@@ -71,7 +71,7 @@ def test_broken_3_no_vision(server: ScriptedServer, capsys: pytest.CaptureFixtur
     status, lines = examine(capsys, server.spec)
     assert status == 1
     (fault,) = faults(lines)
-    assert "pictures:" in fault
+    assert "images:" in fault
     assert "no vision" in fault
 
 

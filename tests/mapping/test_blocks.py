@@ -23,8 +23,8 @@ def test_numbers_run_as_one_reads():
         OccupancyGrid(FLOOR, 0.05, CORNER), Pose2(0, 0, 0), CONFIG, CLEARANCE_M
     )
     assert [b.number for b in blocks] == list(range(1, len(blocks) + 1))
-    places = [(-b.y_min, b.x_min) for b in blocks]
-    assert places == sorted(places)
+    corners = [(-b.y_min, b.x_min) for b in blocks]
+    assert corners == sorted(corners)
     assert (blocks[0].x_min, blocks[0].y_min) == (-4.0, 2.0)
     assert len(blocks) == 5 * 3
 

@@ -99,7 +99,7 @@ def test_they_border_on_the_unknown_and_can_be_gone_to(coarse, data):
         assert not closed[destination]
         straight = robot.distance_to(*frontier.destination)
         assert np.isfinite(frontier.travel_m)
-        # The way begins at the open cell nearest to the robot, up to a metre off in each direction.
+        # The path begins at the open cell nearest to the robot, up to 1 m off in each direction.
         assert frontier.travel_m >= straight - 1.5
 
 

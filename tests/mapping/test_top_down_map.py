@@ -223,8 +223,8 @@ def test_a_forgotten_bump_leaves_what_the_camera_saw():
     plain, bumped = (map_of([FLOOR], [HERE]) for _ in range(2))
     bumped.mark_occupied(np.array([[2.0, 0.0], [-0.4, 0.0]]))
     bumped.forget_bumps()
-    for place in ((2.0, 0.0), (-0.4, 0.0)):
-        assert bumped.grid.state_at(*place) == plain.grid.state_at(*place)
+    for position in ((2.0, 0.0), (-0.4, 0.0)):
+        assert bumped.grid.state_at(*position) == plain.grid.state_at(*position)
     bumped.integrate(view_of([FLOOR], HERE))
     plain.integrate(view_of([FLOOR], HERE))
     assert np.array_equal(bumped.grid.cells, plain.grid.cells)
@@ -245,7 +245,7 @@ def test_growing_keeps_what_is_known(cells):
 @settings(max_examples=15, deadline=None)
 @given(st.integers(-400, 400), st.integers(-400, 400))
 def test_the_map_does_not_depend_on_where_the_frame_begins(row, column):
-    # A place of whole cells away, and a hair's breadth off the cells' edges against rounding.
+    # A position whole cells away, and a hair's breadth off the cells' edges against rounding.
     x, y = 0.05 * column, 0.05 * row
     here, boxes = Pose2(0.013, 0.017, 0.3), [FLOOR, TABLE]
     there = Pose2(0.013 + x, 0.017 + y, 0.3)

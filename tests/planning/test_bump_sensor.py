@@ -34,4 +34,4 @@ def test_what_stands_beside_the_robot_is_what_it_touches():
     bumps.note_action(before, Action.MOVE_FORWARD)
     points = bumps.points(Pose2(0.0, 0.0, 0.0), grid)
     assert len(points) > 0
-    assert (points[:, 1] > 0.1).all()  # the way ahead and to the right stays open
+    assert (points[:, 1] > 0.1).all()  # the path ahead and to the right stays open

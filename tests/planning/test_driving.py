@@ -29,7 +29,7 @@ PAPER = PlanningConfig(
     squeeze_m=0.0, comfort_cost=0.0, targets="nearest-straight", steering="waypoint"
 )
 HALL = drawn("....................\n" * 20, scale=10, origin=(-5.0, -5.0))
-WAY = PlannedPath(((0.0, 0.0), (2.0, 0.0), (2.0, 2.0)), 0.0)
+PATH = PlannedPath(((0.0, 0.0), (2.0, 0.0), (2.0, 2.0)), 0.0)
 
 
 def follower(path, config=PAPER):
@@ -51,36 +51,36 @@ def follower(path, config=PAPER):
     ],
 )
 def test_it_turns_if_the_next_waypoint_is_too_far_off_and_goes_otherwise(yaw_deg, action):
-    assert follower(WAY).next_action(Pose2(0.0, 0.0, math.radians(yaw_deg))) is action
+    assert follower(PATH).next_action(Pose2(0.0, 0.0, math.radians(yaw_deg))) is action
 
 
 def test_a_waypoint_that_was_stepped_over_does_not_come_back():
-    way = follower(PlannedPath(((0.0, 0.0), (0.7, 0.0), (3.0, 0.1)), 0.0))
+    following = follower(PlannedPath(((0.0, 0.0), (0.7, 0.0), (3.0, 0.1)), 0.0))
     for x in (0.0, 0.4, 1.1, 1.6, 2.1):
-        assert way.next_action(Pose2(x, 0.0, 0.0)) is Action.MOVE_FORWARD
-    assert way.remaining(Pose2(1.6, 0.0, 0.0)) == ((1.6, 0.0), (3.0, 0.1))
+        assert following.next_action(Pose2(x, 0.0, 0.0)) is Action.MOVE_FORWARD
+    assert following.remaining(Pose2(1.6, 0.0, 0.0)) == ((1.6, 0.0), (3.0, 0.1))
 
 
 def test_it_arrives_within_the_tolerance_and_not_before():
-    way = follower(WAY)
-    assert way.next_action(Pose2(2.0, 1.7, math.pi / 2)) is Action.MOVE_FORWARD
-    assert not way.arrived
-    assert way.next_action(Pose2(2.0, 1.8, math.pi / 2)) is None
-    assert way.arrived
+    following = follower(PATH)
+    assert following.next_action(Pose2(2.0, 1.7, math.pi / 2)) is Action.MOVE_FORWARD
+    assert not following.arrived
+    assert following.next_action(Pose2(2.0, 1.8, math.pi / 2)) is None
+    assert following.arrived
 
 
 def test_it_does_not_turn_back_to_an_end_that_it_stepped_over():
-    way = follower(WAY)
-    assert way.next_action(Pose2(2.0, 1.7, math.pi / 2)) is Action.MOVE_FORWARD
-    assert way.next_action(Pose2(2.13, 2.25, math.pi / 2)) is None
-    assert way.arrived
+    following = follower(PATH)
+    assert following.next_action(Pose2(2.0, 1.7, math.pi / 2)) is Action.MOVE_FORWARD
+    assert following.next_action(Pose2(2.13, 2.25, math.pi / 2)) is None
+    assert following.arrived
 
 
 def test_without_a_path_there_is_nothing_to_do():
-    way = follower(None)
-    assert way.next_action(Pose2(0.0, 0.0, 0.0)) is None
-    assert not way.arrived
-    assert way.remaining(Pose2(0.0, 0.0, 0.0)) == ()
+    following = follower(None)
+    assert following.next_action(Pose2(0.0, 0.0, 0.0)) is None
+    assert not following.arrived
+    assert following.remaining(Pose2(0.0, 0.0, 0.0)) == ()
 
 
 @settings(deadline=None, max_examples=60)
@@ -111,7 +111,7 @@ def test_over_open_floor_it_arrives_without_dithering(x, y, yaw, config):
 
 
 def open_cell(rng, costmap, from_cell=None):
-    """A random open cell; with `from_cell`, one more than 2 m of way from it."""
+    """A random open cell; with `from_cell`, one more than 2 m of path from it."""
     if from_cell is None:
         candidates = np.argwhere(costmap.is_open)
     else:
@@ -122,7 +122,7 @@ def open_cell(rng, costmap, from_cell=None):
 
 
 def drive(seed, config, *, door_m, limit=300):
-    """Drive from one random place to another in random rooms; None if there is no other."""
+    """Drive from one random position to another in random rooms; None if there is no other."""
     rng = np.random.default_rng(seed)
     grid = random_rooms(rng, door_m=door_m)
     costmap = Costmap.of(grid, CONFIG, (0.0, 0.0), 0.22)

@@ -28,7 +28,7 @@ PAPER = PlanningConfig(
     targets="nearest-straight",
     steering="waypoint",
 )
-# Costs that floats hold exactly, so that equal ways are equal.
+# Costs that floats hold exactly, so that equal paths are equal.
 cost_grids = arrays(
     np.float32,
     array_shapes(min_dims=2, max_dims=2, min_side=2, max_side=20),
@@ -50,13 +50,13 @@ def grid_of(coarse, scale=5, origin=(-0.7, 1.3)):
 
 
 def middles(grid):
-    """Two places somewhere on the grid."""
+    """Two positions anywhere on the grid."""
     rows, columns = grid.cells.shape
     x, y = grid.origin
-    place = st.tuples(
+    position = st.tuples(
         st.floats(x + 0.01, x + columns * 0.05 - 0.01), st.floats(y + 0.01, y + rows * 0.05 - 0.01)
     )
-    return st.tuples(place, place)
+    return st.tuples(position, position)
 
 
 def draw_cell(data, shape):
@@ -165,7 +165,7 @@ def test_a_path_never_touches_an_inflated_obstacle(coarse, config, data):
     inflated = away <= config.clearances_m(BODY)[-1] + 1e-9
     here = grid.cell_of(*start)
     if not grid.inside(*here) or away[here] <= CLEARANCE_M + 1e-9:
-        # The way out is short.
+        # The escape is short.
         inflated &= (np.hypot(*(middle - np.array(start)).T) > 1.5).reshape(inflated.shape)
     for a, b in pairwise(path.waypoints):
         points = np.linspace(a, b, max(int(np.hypot(b[0] - a[0], b[1] - a[1]) / 0.002), 2))
@@ -189,7 +189,7 @@ def test_a_path_across_open_floor_is_one_straight_line():
 
 
 def test_a_way_through_a_door_keeps_to_its_middle_where_comfort_counts():
-    grid = drawn(DOOR, scale=10)  # the door is y 1 to 2, and the way could stay at y 1.25
+    grid = drawn(DOOR, scale=10)  # the door is y 1 to 2, and the path could stay at y 1.25
     start, target = (0.5, 1.25), np.array([[5.5, 1.25]])
     direct = path_of(PAPER, grid, start, target)
     comfortable = path_of(CONFIG, grid, start, target)
@@ -300,14 +300,14 @@ def test_the_grid_is_not_changed():
 
 def test_a_path_is_blocked_once_an_obstacle_lies_on_it():
     grid = drawn("............\n" * 4, scale=10)
-    way = ((0.5, 1.0), (3.0, 1.0), (5.0, 1.5))
-    assert not is_blocked(way, costmap_of(grid, way[0]))
+    path = ((0.5, 1.0), (3.0, 1.0), (5.0, 1.5))
+    assert not is_blocked(path, costmap_of(grid, path[0]))
     for row, column in ((20, 20), (26, 80)):  # on the first leg, on the last
         blocked = OccupancyGrid(grid.cells.copy(), 0.05, grid.origin)
         blocked.cells[row, column] = Cell.OCCUPIED
-        assert is_blocked(way, costmap_of(blocked, way[0]))
+        assert is_blocked(path, costmap_of(blocked, path[0]))
     grid.cells[20, 8] = Cell.OCCUPIED  # beside the robot: it has to get out anyway
-    assert not is_blocked(way, costmap_of(grid, way[0]))
+    assert not is_blocked(path, costmap_of(grid, path[0]))
 
 
 def test_the_way_out_does_not_lead_through_a_thin_wall():

@@ -41,8 +41,8 @@ DOOR = (4.0, 2.4)
 class Once:
     """An explorer with one destination."""
 
-    def __init__(self, place):
-        self._left = [Destination(*place, reason="there")]
+    def __init__(self, position):
+        self._left = [Destination(*position, reason="there")]
         self.visited = []
 
     def reset(self, goal):

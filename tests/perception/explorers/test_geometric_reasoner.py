@@ -51,7 +51,7 @@ def test_without_boundary_there_is_nothing_to_choose():
     st.frozensets(st.integers(1, 12)),
 )
 def test_the_choice_is_never_an_excluded_block(values, excluded):
-    blocks = [block(i + 1, cells, way) for i, (cells, way) in enumerate(values)]
+    blocks = [block(i + 1, cells, travel_m) for i, (cells, travel_m) in enumerate(values)]
     choice = choose(*blocks, excluded=excluded)
     assert choice.number not in excluded
     assert choice.number is None or any(b.number == choice.number for b in blocks)

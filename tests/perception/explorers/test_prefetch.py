@@ -20,7 +20,7 @@ GOING = Destination(1.0, 0.0, "first")
 
 
 class Slow:
-    """Chooses places from a list, once it is let; writes what it was asked."""
+    """Chooses positions from a list, once it is let; logs every question."""
 
     def __init__(self, log: ExchangeLog, *says: Destination | Exception | None) -> None:
         self.log = log

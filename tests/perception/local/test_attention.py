@@ -14,7 +14,7 @@ WALL_M = 4.0
 
 
 def view(x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> Observation:
-    """A plain wall at x = 4 m, or the one at x = -4 m for who has turned around."""
+    """A plain wall at x = 4 m, or the one at x = -4 m for a robot that has turned around."""
     distance_m = WALL_M - x if abs(yaw) < 1.0 else WALL_M + x
     return thing_before_wall(thing_m=distance_m, wall_m=distance_m, robot=Pose2(x, y, yaw))
 

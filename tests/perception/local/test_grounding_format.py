@@ -172,7 +172,7 @@ def test_what_a_family_would_say_is_read_back(name: str, x: int, y: int, w: int,
 
 
 def malformed_answers(count: int) -> list[str]:
-    """Answers that models really give, broken at random places in random ways."""
+    """Answers that models really give, broken at random positions in random manners."""
     rng = random.Random(20260101)
     pieces = [
         *(
@@ -210,9 +210,9 @@ def malformed_answers(count: int) -> list[str]:
             rng.choice(good) if number % 3 else "".join(rng.choices(pieces, k=rng.randint(1, 60)))
         )
         for _ in range(rng.randint(1, 8)):
-            place, length = rng.randint(0, len(text)), rng.randint(0, 12)
-            middle = rng.choice(["", rng.choice(pieces), text[place : place + length] * 3])
-            text = text[:place] + middle + text[place + rng.randint(0, length) :]
+            at, length = rng.randint(0, len(text)), rng.randint(0, 12)
+            middle = rng.choice(["", rng.choice(pieces), text[at : at + length] * 3])
+            text = text[:at] + middle + text[at + rng.randint(0, length) :]
         answers.append(text[: rng.randint(0, len(text))] if number % 4 == 0 else text)
     return answers
 

@@ -24,10 +24,10 @@ def target_at(thing_m=2.0):
 def test_a_place_that_is_cut_off_is_no_entry_until_none_is_left():
     target = target_at()
     x, y = target.entry_points[0].tolist()
-    place = (x, y)
-    assert target.distance_to(*place) == pytest.approx(0.0)
-    barred = certain(target.barred_at(place))
-    assert barred.distance_to(*place) > 0.3
+    position = (x, y)
+    assert target.distance_to(*position) == pytest.approx(0.0)
+    barred = certain(target.barred_at(position))
+    assert barred.distance_to(*position) > 0.3
     left = barred
     while (fewer := left.barred_at(tuple(left.entry_points[0].tolist()))) is not None:
         assert len(fewer.entry_points) < len(left.entry_points)

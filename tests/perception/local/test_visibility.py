@@ -1,4 +1,4 @@
-"""What an image shows of places on the map, and what stands in between."""
+"""Visibility of positions on the map in an image, and what stands in between."""
 
 from dataclasses import replace
 
@@ -41,8 +41,8 @@ def test_what_a_wall_hides_need_not_be_visible():
 @pytest.mark.parametrize("distance_m", [0.5, 4.5])
 def test_what_is_too_near_or_too_far_to_be_recognised_need_not_be_visible(distance_m):
     open_floor = thing_before_wall(thing_m=6.0, wall_m=6.0)
-    places = THING + np.array([distance_m - THING_M, 0.0])
-    assert not should_be_visible(places, open_floor)
+    positions = THING + np.array([distance_m - THING_M, 0.0])
+    assert not should_be_visible(positions, open_floor)
 
 
 def test_what_lies_outside_the_image_is_not_said_to_be_hidden():
