@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from hypernav.build.agents import build_search
+from hypernav.build.component_specs import PresetName
 from hypernav.build.presets import preset
 from hypernav.build.scenes import build_scene
 from hypernav.core.config import layered
@@ -46,7 +47,7 @@ BODY_TOUCHES_M = 0.15
 """What a robot bumps into is drawn where its body was, at most so far from the thing itself."""
 
 
-def config_of(robot, name="default", *others):
+def config_of(robot, name: PresetName = "default", *others):
     values = {f"embodiment.{key}": value for key, value in (SMALL_CAMERA | robot).items()}
     assignments = [f"{key}={value}" for key, value in values.items()]
     return layered(preset(name), environment={}, assignments=[*assignments, *others])

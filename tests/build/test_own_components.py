@@ -4,6 +4,7 @@ import json
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -143,7 +144,7 @@ def test_an_installed_package_brings_a_detector(folder: Path, monkeypatch: pytes
 def test_a_constructor_gets_what_it_asks_for(folder: Path):
     specs = ComponentSpecs(detector="own_parts:Configured:weights.onnx")
     parts = built(specs, "own.detector.score=0.25")
-    detector = parts.components[0]
+    detector: Any = parts.components[0]
     assert (detector.path, detector.config.score) == ("weights.onnx", 0.25)
 
 
@@ -165,7 +166,8 @@ def test_an_explorer_of_ones_own_is_driven_for(folder: Path):
 def test_an_agent_of_ones_own_asks_for_a_detector(folder: Path):
     parts = built(ComponentSpecs(agent="own_parts:Whole", detector="own_parts:Sees"))
     assert type(parts.agent).__name__ == "Whole"
-    assert type(parts.agent.detector).__name__ == "Sees"
+    agent: Any = parts.agent
+    assert type(agent.detector).__name__ == "Sees"
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
@@ -28,7 +29,7 @@ class Slow:
     """An agent that takes its time, so that there is something to interrupt."""
 
     def __init__(self):
-        self._agent = build_agent(small_config()).agent
+        self._agent: Any = build_agent(small_config()).agent
 
     def reset(self, goal):
         self._agent.reset(goal)

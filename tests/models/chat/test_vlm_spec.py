@@ -1,3 +1,4 @@
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -53,8 +54,6 @@ def test_opens_a_recording(tmp_path: Path):
 
 
 def test_a_model_in_this_process_needs_its_extra():
-    try:
-        import torch  # noqa: F401
-    except ModuleNotFoundError:
+    if find_spec("torch") is None:
         with pytest.raises(MissingExtraError, match=r"hypernav\[local-vlm\]"):
             open_chat("local:Qwen/Qwen2.5-VL-3B-Instruct")
