@@ -1,4 +1,4 @@
-"""How long does a user wait: for help, for a mistake, for a first step, for a finished page?
+"""Time what a user waits for: help, the answer to a mistake, a first step, a finished page.
 
     python benchmarks/start.py --runs 10
 
@@ -29,11 +29,11 @@ LIGHT = {
 
 @dataclass(frozen=True)
 class Arguments:
-    """What to measure.
+    """The options of the benchmark.
 
     Attributes:
-        runs: Runs of each measurement; medians are printed.
-        first_runs: Runs with empty caches, which take much longer.
+        runs: Number of runs of each measurement; medians are printed.
+        first_runs: Number of runs with empty caches, which take much longer.
     """
 
     runs: int = 10
@@ -63,7 +63,7 @@ def seconds_of_find(environment: dict[str, str]) -> tuple[float, float]:
 
 
 def seconds_of_first_find() -> tuple[float, float]:
-    """The same with nothing compiled and no house built."""
+    """Seconds of the same command with empty caches, of kernels and of houses."""
     with tempfile.TemporaryDirectory() as folder:
         home = Path(folder)
         return seconds_of_find(

@@ -23,7 +23,7 @@ def benchmark():
 def test_the_busy_share_by_hand(benchmark):
     server = benchmark.ModelServer(capacity=2)
     with server:
-        # One client asks from 0 s, two from 1 s; one place works from 0 s, both from 2 to 3 s.
+        # One client asks from 0 s, two from 1 s; one slot works from 0 s, both from 2 to 3 s.
         server._changes = [(0.0, 1, 1), (1.0, 1, 2), (2.0, 2, 2), (3.0, 1, 2), (9.0, 0, 0)]
         assert server.busy_share(clients=2, until=5.0) == pytest.approx((1 + 2 + 1 + 1) / 8)
         assert server.busy_share(clients=3, until=5.0) == 0.0

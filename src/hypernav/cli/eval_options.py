@@ -33,7 +33,7 @@ class Options:
     ray: str | None = None
     """Address of a Ray cluster, or auto, to run the workers there instead."""
     save: SaveChoice = "none"
-    """Which episodes keep their page and video."""
+    """Episodes that keep their page and video: all, the failed ones, or none."""
     max_steps: int = 500
     """Maximum number of steps of an episode."""
     success_distance: float = SUCCESS_DISTANCE_M
