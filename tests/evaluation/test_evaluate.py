@@ -40,7 +40,7 @@ def test_a_bug_in_an_agent_is_no_result_and_its_traceback_is_kept(tmp_path):
     progress = evaluate(plan(tmp_path), tmp_path / "run", Buggy)
     assert progress.records == []
     ((episode, error),) = progress.crashes.items()
-    assert episode.goal == "bed"
+    assert episode.goal.text == "bed"
     assert "a bug of one's own" in error
     # The bug is mended: the episode that has no result is run.
     assert evaluate(plan(tmp_path), tmp_path / "again", Quitter).done_now == 1
