@@ -4,7 +4,7 @@ import re
 import shutil
 from collections import Counter
 from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,7 @@ from hypernav.build.agents import build_agent
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.scenes import build_scene
-from hypernav.core.abilities import Closes
+from hypernav.core.abilities import Closes, looks_at_colours
 from hypernav.core.episode import Episode, Outcome
 from hypernav.core.errors import CameraError, SceneError, StartError, WorldError
 from hypernav.core.metrics import EpisodeMetrics, measure
@@ -26,6 +26,7 @@ from hypernav.evaluation.failures.failure_evidence import FailureEvidence
 from hypernav.evaluation.record import EpisodeRecord
 from hypernav.evaluation.recorder import EpisodeRecorder
 from hypernav.evaluation.save_choice import SaveChoice
+from hypernav.evaluation.workers.repetition import check_repetition
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.worlds.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
 from hypernav.worlds.scenes.scene import Scene
@@ -60,7 +61,12 @@ class Job:
 
 
 class EpisodeWorker:
-    """Runs episodes one after another. A scene stays loaded until another one is needed."""
+    """Runs episodes one after another. A scene stays loaded until another one is needed.
+
+    Drawing is most of the work, so colours are drawn only where somebody looks at them. Where the
+    agent doesn't and only failures are kept, every episode runs without, and a failed one runs
+    once more with colours, for its page and video.
+    """
 
     def __init__(self, job: Job) -> None:
         """Build the agent.
@@ -69,11 +75,8 @@ class EpisodeWorker:
             HyPerNavError: The agent can't be built.
         """
         self._job = job
-        self._agent, self._words, needs_colours, self._parts = _agent_of(job)
-        # Drawing is most of the work, and ground truth needs no colours.
-        self._render = RenderConfig(threads=1, colours=needs_colours or job.save != "none")
-        self._scene_id = ""
-        self._world: SimulatedWorld | None = None
+        self._agent, self._words, self._needs_colours, self._parts = _agent_of(job)
+        self._place: _Place | None = None
 
     def run(self, episode: Episode) -> EpisodeRecord:
         """Run one episode.
@@ -82,17 +85,31 @@ class EpisodeWorker:
         itself can't go on.
 
         Raises:
+            RepetitionError: A failed episode went differently when it ran again for its page.
             HyPerNavError: The agent can't search for the goal, or page or video can't be written.
         """
+        if self._needs_colours or self._job.save != "failures":
+            return self._attempt(episode, self._job.save)
+        record = self._attempt(episode, "none")
+        # An outage or a broken scene is no failure of the agent, and need not happen twice.
+        if record.success or not record.counts:
+            return record
+        repeated = self._attempt(episode, "failures")
+        check_repetition(record, repeated)
+        return record.model_copy(update={"saved": repeated.saved})
+
+    def _attempt(self, episode: Episode, save: SaveChoice) -> EpisodeRecord:
+        """Run an episode from its start to its end; what the world gets wrong is its record."""
         try:
-            world = self._world_of(episode.scene_id)
+            place = self._place_of(episode.scene_id)
+            place.renderer.colours = self._needs_colours or save != "none"
             run = EpisodeRun(
                 self._agent,
-                world,
+                place.world,
                 episode,
                 rng=np.random.default_rng(episode.seed(self._job.seed)),
             )
-            return self._watch(run, world)
+            return self._watch(run, place.world, save)
         except _SIMULATOR_ERRORS as error:
             return simulator_error_record(episode, f"{type(error).__name__}: {error}")
 
@@ -103,26 +120,25 @@ class EpisodeWorker:
             self._parts.close()
 
     def _leave_scene(self) -> None:
-        if self._world is not None:
-            self._world.close()
-        self._world, self._scene_id = None, ""
+        if self._place is not None:
+            self._place.world.close()
+        self._place = None
 
-    def _world_of(self, scene_id: str) -> SimulatedWorld:
-        if self._world is None or self._scene_id != scene_id:
+    def _place_of(self, scene_id: str) -> "_Place":
+        if self._place is None or self._place.scene_id != scene_id:
             self._leave_scene()  # the old one's memory, before the new one's
-            scene = self._job.open_scene(scene_id)
-            renderer = CpuRenderer(scene, self._render)
-            config = self._job.config
-            self._world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
-            self._scene_id = scene_id
-        return self._world
+            scene, config = self._job.open_scene(scene_id), self._job.config
+            renderer = CpuRenderer(scene, RenderConfig(threads=1))
+            world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
+            self._place = _Place(scene_id, world, renderer)
+        return self._place
 
-    def _watch(self, run: EpisodeRun, world: SimulatedWorld) -> EpisodeRecord:
+    def _watch(self, run: EpisodeRun, world: SimulatedWorld, save: SaveChoice) -> EpisodeRecord:
         episode = run.trial.episode
         goal = world.goal_truth(episode.goal, episode.view_points)
         evidence = FailureEvidence(world, goal, self._job.config)
         questions, tokens = Counter[str](), Counter[str]()
-        with self._recorder(episode) as recorder:
+        with nullcontext() if save == "none" else self._recorder(episode) as recorder:
             for step in run:
                 evidence.watch(step)
                 _count(step, questions, tokens)
@@ -159,9 +175,7 @@ class EpisodeWorker:
             seconds={module: round(value, 4) for module, value in result.seconds.items()},
         )
 
-    def _recorder(self, episode: Episode) -> AbstractContextManager[EpisodeRecorder | None]:
-        if self._job.save == "none":
-            return nullcontext()
+    def _recorder(self, episode: Episode) -> EpisodeRecorder:
         return EpisodeRecorder(
             self._job.folder / SAVED_FOLDER / folder_name(episode),
             goal=episode.goal.text,
@@ -202,6 +216,15 @@ class EpisodeWorker:
         return recorder.folder.relative_to(self._job.folder).as_posix()
 
 
+@dataclass(frozen=True, eq=False)
+class _Place:
+    """An open scene, the world in it, and the renderer that draws it."""
+
+    scene_id: str
+    world: SimulatedWorld
+    renderer: CpuRenderer
+
+
 def simulator_error_record(episode: Episode, error: str) -> EpisodeRecord:
     """The record of an episode that failed by an error of the simulator."""
     infinite = float("inf")
@@ -240,7 +263,7 @@ def _agent_of(job: Job) -> tuple[Agent, dict[str, str], bool, object]:
     if job.make_agent is not None:
         agent = job.make_agent()
         words = {"agent": type(agent).__name__, "detector": "its own", "reasoner": "its own"}
-        return agent, words, True, agent
+        return agent, words, looks_at_colours(agent), agent
     parts = build_agent(job.config, job.specs)
     words = {
         "agent": job.specs.agent,

@@ -66,6 +66,7 @@ class CpuRenderer:
 
     Attributes:
         rays: Ray caster of the scene, shared with code that tests visibility.
+        colours: Whether images are drawn, at first as configured; may change between two renders.
     """
 
     def __init__(self, scene: Scene, config: RenderConfig | None = None) -> None:
@@ -80,8 +81,8 @@ class CpuRenderer:
         """
         config = config or RenderConfig()
         self.rays = RayCaster(scene)
-        self._colours = config.colours
-        self._antialias = config.antialias and config.colours
+        self.colours = config.colours
+        self._antialias = config.antialias
         self._rasterizer = Rasterizer(scene)
         self._threads = config.threads or _cores()
         self._pool = ThreadPoolExecutor(self._threads)
@@ -117,8 +118,8 @@ class CpuRenderer:
         bands = _bands(camera.height, _BAND_ROWS)
         pending = self._pool.map(lambda rows: self._draw(frame, rows), bands)
         self._shade_pending(pending)
-        rgb = frame.rgb if self._colours else np.zeros_like(frame.rgb)
-        if self._antialias:
+        rgb = frame.rgb if self.colours else np.zeros_like(frame.rgb)
+        if self._antialias and self.colours:
             edges = list(self._pool.map(lambda rows: self._resample(frame, rows), bands))
             self._shade_pending(edge.pending for edge in edges)
             rgb = frame.rgb.copy()
@@ -154,7 +155,7 @@ class CpuRenderer:
             rays.directions.reshape(shape),
         )
         hits = frame.hits[rows].reshape(-1)
-        return self._shader.shade(frame.camera_rows, hits, rays, colours=self._colours)
+        return self._shader.shade(frame.camera_rows, hits, rays, colours=self.colours)
 
     def _resample(self, frame: "_Frame", rows: slice) -> "_Edges":
         """Further colours for the pixels of some rows that lie at edges."""
