@@ -1,11 +1,13 @@
 """How an evaluation scales: with workers, and with episodes that share a model server.
 
 Run: python benchmarks/eval_scaling.py workers [--dataset houses-train#3000:3004] [--episodes 16]
+     python benchmarks/eval_scaling.py save [--dataset houses-train#3000:3003] [--episodes 10]
      python benchmarks/eval_scaling.py server [--workers 16] [--capacity 8] [--latency-s 0.5]
 
 `workers` runs the same episodes with one worker and with two and prints rate, ratio and peak
-memory. `server` starts a simulated model server, on which every answer takes a fixed time and only
-so many are worked on at once, and prints how busy many concurrent episodes keep it.
+memory. `save` prints what pages and videos cost, in processor time. `server` starts a simulated
+model server, on which every answer takes a fixed time and only so many are worked on at once, and
+prints how busy many concurrent episodes keep it.
 """
 
 import json
@@ -15,6 +17,7 @@ import time
 from dataclasses import dataclass, field, replace
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
+from typing import get_args
 
 import tyro
 
@@ -22,10 +25,11 @@ from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.presets import HyPerNavConfig, preset
 from hypernav.evaluation.datasets import load_episodes, select
 from hypernav.evaluation.runner import RunProgress, run_episodes
+from hypernav.evaluation.save_choice import SaveChoice
 from hypernav.evaluation.store.run_store import RunStore
 from hypernav.evaluation.workers.process_pool import ProcessPool
 from hypernav.evaluation.workers.resource_usage import cpu_seconds_of_ended_workers
-from hypernav.evaluation.workers.worker import Job
+from hypernav.evaluation.workers.worker import EpisodeWorker, Job
 
 MODEL = "Qwen/Qwen2.5-VL-7B-Instruct"
 
@@ -166,6 +170,41 @@ def workers(dataset: str = "houses-train#3000:3004", episodes: int = 16) -> None
     print(f"two workers are {rates[2] / rates[1]:.2f} times as fast as one")
 
 
+def save(dataset: str = "houses-train#3000:3003", episodes: int = 10) -> dict[SaveChoice, float]:
+    """Measure the processor time of the same episodes with every choice of what is saved.
+
+    Args:
+        dataset: Name of a data set as for `hypernav eval`.
+        episodes: Number of episodes.
+
+    Returns:
+        Milliseconds of processor time per step, once everything is compiled.
+    """
+    config = preset("default")
+    chosen = select(load_episodes(dataset, config.world, config.embodiment), part=f"0:{episodes}")
+    costs: dict[SaveChoice, float] = {}
+    with tempfile.TemporaryDirectory() as folder:
+        warm_up = EpisodeWorker(Job(Path(folder), config, save="videos"))
+        warm_up.run(replace(chosen[0], max_steps=20))
+        warm_up.close()
+        for choice in get_args(SaveChoice)[::-1]:
+            worker = EpisodeWorker(Job(Path(folder), config, save=choice))
+            began = time.process_time()
+            records = [worker.run(episode) for episode in chosen]
+            used = time.process_time() - began
+            worker.close()
+            steps = sum(record.steps for record in records)
+            failed = [record.steps for record in records if not record.success]
+            costs[choice] = 1000.0 * used / steps
+            ratio = costs[choice] / costs["none"]
+            print(
+                f"--save {choice}: {costs[choice]:.1f} ms a step, {ratio:.2f} times none; "
+                f"{len(failed)} of {len(records)} episodes failed, with "
+                f"{sum(failed)} of {steps} steps"
+            )
+    return costs
+
+
 def server(
     workers: int = 16,
     capacity: int = 8,
@@ -205,4 +244,4 @@ def server(
 
 
 if __name__ == "__main__":
-    tyro.extras.subcommand_cli_from_dict({"workers": workers, "server": server})
+    tyro.extras.subcommand_cli_from_dict({"workers": workers, "save": save, "server": server})

@@ -1,6 +1,7 @@
 """Failed episodes run again for their page: what is kept, and what must not differ."""
 
 from dataclasses import replace
+from typing import get_args
 
 import av
 import numpy as np
@@ -12,6 +13,7 @@ from hypernav.core.actions import Action
 from hypernav.core.errors import ModelUnavailableError, RepetitionError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.evaluation.failures.classification import Failure
+from hypernav.evaluation.save_choice import SaveChoice
 from hypernav.evaluation.workers.repetition import check_repetition
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
 from small_episodes import episode_from
@@ -53,7 +55,7 @@ class Unanswered(Unseeing):
         raise ModelUnavailableError("no answer for 120 s")
 
 
-def worker(folder, agent=None, *, save="failures"):
+def worker(folder, agent=None, *, save: SaveChoice = "failures"):
     make_agent = None if agent is None else lambda: agent
     job = Job(folder, small_config(), save=save, make_agent=make_agent, open_scene=bedroom)
     return EpisodeWorker(job)
@@ -62,7 +64,7 @@ def worker(folder, agent=None, *, save="failures"):
 @pytest.fixture(scope="module")
 def records(tmp_path_factory):
     """The same episodes with every choice of what is saved, and the folder of the failures."""
-    folders = {save: tmp_path_factory.mktemp(save) for save in ("none", "failures", "videos")}
+    folders = {save: tmp_path_factory.mktemp(save) for save in get_args(SaveChoice)}
     workers = {save: worker(folder, save=save) for save, folder in folders.items()}
     runs = {save: [each.run(episode) for episode in EPISODES] for save, each in workers.items()}
     return runs, folders
