@@ -23,15 +23,16 @@ type in it is renamed:
 
 import numpy as np
 from numba import njit
+from numba.extending import register_jitable
 
 from hypernav.core.geometry import depth as depth_rule
 
 UNKNOWN, FREE, OCCUPIED = 0, 1, 2
 
-is_measured = njit(depth_rule.is_measured)
+is_measured = register_jitable(no_cfunc_wrapper=True)(depth_rule.is_measured)
 
 
-@njit(nogil=True)
+@register_jitable(no_cfunc_wrapper=True)
 def count_points(depth, nearest, farthest, start, across, down, columns, layers, counts, touched):
     """Count the points in every voxel of the window.
 
@@ -74,7 +75,7 @@ def count_points(depth, nearest, farthest, start, across, down, columns, layers,
     return n
 
 
-@njit(nogil=True)
+@register_jitable(no_cfunc_wrapper=True)
 def add_hits(counts, touched, n, window, weights, arrays):
     """Add evidence to the voxels that enough of the counted points hit."""
     evidence, raised, _, _, cells = arrays
@@ -95,7 +96,7 @@ def add_hits(counts, touched, n, window, weights, arrays):
             cells[row, column] = OCCUPIED
 
 
-@njit(nogil=True)
+@register_jitable(no_cfunc_wrapper=True)
 def state_of(evidence, seen, bumps, row, column, enough):
     """State of a cell, from all that is known about it."""
     if bumps[row, column] > 0:
@@ -106,7 +107,7 @@ def state_of(evidence, seen, bumps, row, column, enough):
     return FREE if seen[row, column] > 0 else UNKNOWN
 
 
-@njit(nogil=True)
+@register_jitable(no_cfunc_wrapper=True)
 def ends_behind(depth, lens, u, v, behind):
     """Whether the pixel that holds (u, v) measured something beyond `behind` metres of depth."""
     if u < 0.0 or v < 0.0 or u >= depth.shape[1] or v >= depth.shape[0]:
@@ -115,7 +116,7 @@ def ends_behind(depth, lens, u, v, behind):
     return is_measured(d, lens[4], lens[5]) and d > behind
 
 
-@njit(nogil=True)
+@register_jitable(no_cfunc_wrapper=True)
 def sees_floor(depth, lens, pose, x, y, heights):
     """Whether a cell is seen free, as low as the camera can look.
 
@@ -142,7 +143,7 @@ def sees_floor(depth, lens, pose, x, y, heights):
     return 0
 
 
-@njit(nogil=True)
+@register_jitable(no_cfunc_wrapper=True)
 def sees_through(depth, lens, pose, x, y, h, sizes, margins):
     """Whether all rays around a voxel's middle end well behind it.
 
@@ -166,7 +167,7 @@ def sees_through(depth, lens, pose, x, y, h, sizes, margins):
     return True
 
 
-@njit(nogil=True)
+@register_jitable(no_cfunc_wrapper=True)
 def in_sight(width, lens, pose, x, y, low, high):
     """Whether any of a cell's column, from height `low` to `high`, may lie in the image."""
     left, right = 0, 0
@@ -184,7 +185,7 @@ def in_sight(width, lens, pose, x, y, low, high):
     return left == 1 and right == 1
 
 
-@njit(nogil=True)
+@register_jitable(no_cfunc_wrapper=True)
 def sweep_window(depth, lens, pose, heights, window, sizes, weights, margins, counts, arrays):
     """Free what the frame sees to be free, cell by cell of the window.
 
@@ -239,7 +240,7 @@ def sweep_window(depth, lens, pose, heights, window, sizes, weights, margins, co
                 cells[row, column] = state_of(evidence, seen, bumps, row, column, weights[3])
 
 
-@njit(nogil=True)
+@register_jitable(no_cfunc_wrapper=True)
 def free_footprint(robot, arrays):
     """Free the cells that the robot stands on. `robot`: exact row, column, radius, in cells."""
     evidence, raised, seen, bumps, cells = arrays

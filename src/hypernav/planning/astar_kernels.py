@@ -7,13 +7,14 @@ import math
 
 import numpy as np
 from numba import njit
+from numba.extending import register_jitable
 
 SQRT2 = math.sqrt(2.0)
 BUCKETS_PER_CELL = 2
 """Number of buckets per cell of cost; more mean fewer cells visited twice."""
 
 
-@njit(nogil=True)
+@register_jitable(no_cfunc_wrapper=True)
 def with_rim(costs, price):
     """Copy the costs into flat zeros with room for a closed rim around them.
 
@@ -32,7 +33,7 @@ def with_rim(costs, price):
     return highest
 
 
-@njit(nogil=True)
+@register_jitable(no_cfunc_wrapper=True)
 def octile_to_box(row, column, box):
     """Length of the shortest 8-connected path to a box over open cells of cost 1, in cells."""
     down = max(box[0] - row, 0, row - box[1])

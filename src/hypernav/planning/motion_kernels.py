@@ -11,6 +11,7 @@ import math
 
 import numpy as np
 from numba import njit
+from numba.extending import register_jitable
 
 SLACK = 1.0
 """Cost by which a line may exceed the path that it replaces, cells; evens out rounding."""
@@ -100,7 +101,7 @@ def shortcut(costs, path, start_row, start_column):
     return kept[:count]
 
 
-@njit(nogil=True)
+@register_jitable(no_cfunc_wrapper=True)
 def push(keys, nodes, size, key, node):
     """Put a node into a heap of this size."""
     i = size
@@ -110,7 +111,7 @@ def push(keys, nodes, size, key, node):
     keys[i], nodes[i] = key, node
 
 
-@njit(nogil=True)
+@register_jitable(no_cfunc_wrapper=True)
 def drop_first(keys, nodes, size):
     """Take the first node out of a heap of this size."""
     key, node = keys[size - 1], nodes[size - 1]

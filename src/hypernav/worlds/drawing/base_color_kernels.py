@@ -10,6 +10,7 @@ import math
 
 import numpy as np
 from numba import njit
+from numba.extending import register_jitable
 
 from hypernav.worlds.drawing.geometry_kernels import UV, UV_DOWN, UV_RIGHT, WEIGHT
 
@@ -19,7 +20,7 @@ FLAG_CUTOUT = 2
 FLAG_COLORED = 4
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@register_jitable(error_model="numpy", no_cfunc_wrapper=True)
 def wrapped(coordinate, mode):
     """A texture coordinate brought into [0, 1]; modes are those of `Wrap`."""
     if mode == 0:
@@ -34,7 +35,7 @@ def wrapped(coordinate, mode):
     return inside if 0.0 <= inside <= 1.0 else 0.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@register_jitable(error_model="numpy", no_cfunc_wrapper=True)
 def _bilinear(texels, first, width, height, u, v, wrap_u, wrap_v):
     """Colour of one level of a texture, sRGB codes 0 to 255; v upwards."""
     x = wrapped(u, wrap_u) * width - 0.5

@@ -2,13 +2,14 @@
 
 import numpy as np
 from numba import njit
+from numba.extending import register_jitable
 
 _CONTRAST = 28
 # A strong contrast needs less of a bend: ceilings meet walls at a slant that depth hardly shows.
 _BEND_CONTRAST = 0.35
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@register_jitable(error_model="numpy", no_cfunc_wrapper=True)
 def _bend(before, near, far, after):
     """Deviation of four depths in a row from a plane through the middle two; 0 is no depth.
 

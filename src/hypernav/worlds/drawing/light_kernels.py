@@ -8,6 +8,7 @@
 
 import numpy as np
 from numba import njit
+from numba.extending import register_jitable
 
 from hypernav.worlds.drawing.base_color_kernels import FLAG_UNLIT
 from hypernav.worlds.drawing.geometry_kernels import FACING, NORMAL, POINT
@@ -15,7 +16,7 @@ from hypernav.worlds.drawing.geometry_kernels import FACING, NORMAL, POINT
 TONE_STEPS = 8192
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@register_jitable(error_model="numpy", no_cfunc_wrapper=True)
 def _towards(nodes, node, nx, ny, nz):
     """Light that falls from one node on a surface with this normal, 0 to 255."""
     x_side = nodes[node + (0 if nx > 0.0 else 1)]

@@ -10,6 +10,7 @@ gives one interval, and nothing needs to be clipped, not even what reaches behin
 import math
 
 from numba import njit
+from numba.extending import register_jitable
 
 _IN_FRONT = 1e-3
 """Metres: triangles that reach nearer get no bounds, since they project to anywhere."""
@@ -114,7 +115,7 @@ def _in_camera(corners, triangle, corner, camera, square_x, square_y):
     )
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@register_jitable(error_model="numpy", no_cfunc_wrapper=True)
 def _draw_triangle(triangle, a, b, c, shift_x, shift_y, shown, nearness):
     """Draw one triangle where it is nearer than what is drawn already.
 

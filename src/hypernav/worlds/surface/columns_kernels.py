@@ -7,6 +7,7 @@ with enough clearance above it is a floor to stand on.
 
 import numpy as np
 from numba import njit
+from numba.extending import register_jitable
 
 _INWARD_M = 1e-4
 """Triangles are moved this far against their normal, so that a wall face that lies exactly on the
@@ -16,7 +17,7 @@ _TOUCHING_M = 0.01
 """Intervals closer than this are one solid."""
 
 
-@njit(cache=True, nogil=True)
+@register_jitable(no_cfunc_wrapper=True)
 def _split(polygon, count, axis, value, below, above):
     """Cut a convex polygon by the plane ``axis = value``; returns both parts' corner counts."""
     n_below = 0
@@ -46,7 +47,7 @@ def _split(polygon, count, axis, value, below, above):
     return n_below, n_above
 
 
-@njit(cache=True, nogil=True)
+@register_jitable(no_cfunc_wrapper=True)
 def _first_last(polygon, count, axis, cells):
     """First and last cell that a polygon covers along an axis, borders to the lower side."""
     low = polygon[0, axis]
@@ -59,7 +60,7 @@ def _first_last(polygon, count, axis, cells):
     return first, last
 
 
-@njit(cache=True, nogil=True)
+@register_jitable(no_cfunc_wrapper=True)
 def _heights(polygon, count):
     low = polygon[0, 2]
     high = low
@@ -69,7 +70,7 @@ def _heights(polygon, count):
     return low, high
 
 
-@njit(cache=True, nogil=True)
+@register_jitable(no_cfunc_wrapper=True)
 def _grown(array):
     longer = np.empty(array.size * 2, dtype=array.dtype)
     for k in range(array.size):
@@ -77,7 +78,7 @@ def _grown(array):
     return longer
 
 
-@njit(cache=True, nogil=True)
+@register_jitable(no_cfunc_wrapper=True)
 def _normal(triangle):
     """Unit normal of a triangle; zero if it has no area."""
     ux, uy, uz = (
@@ -159,7 +160,7 @@ def rasterise(vertices, faces, cell_m, origin_x, origin_y, rows, columns, flat_c
     return where[:n], low[:n], high[:n], flat[:n]
 
 
-@njit(cache=True, nogil=True)
+@register_jitable(no_cfunc_wrapper=True)
 def _by_column(upwards, where, cells):
     """Sort intervals by column, keeping their order within it; returns every column's start."""
     start = np.zeros(cells + 1, dtype=np.int64)
@@ -175,7 +176,7 @@ def _by_column(upwards, where, cells):
     return start, order
 
 
-@njit(cache=True, nogil=True)
+@register_jitable(no_cfunc_wrapper=True)
 def _solids(order, low, high, flat, max_step, bottoms, tops, standing):
     """Merge one column's intervals, from low to high, into solids; returns how many there are.
 

@@ -12,6 +12,7 @@ Roots are numbered: first the targets, then the vertices.
 
 import numpy as np
 from numba import njit
+from numba.extending import register_jitable
 
 UNITS = 1024
 CLOSED, OPEN, CORNER = 0, 1, 2
@@ -21,7 +22,7 @@ _REACH = 4
 the region that it is the root of may begin in a gap between vertices."""
 
 
-@njit(cache=True, nogil=True)
+@register_jitable(no_cfunc_wrapper=True)
 def _along_line(free, line, low, high, vertical):
     """Whether one can walk on a lattice line, from `low` to `high` across it."""
     left_open = True
@@ -43,7 +44,7 @@ def _along_line(free, line, low, high, vertical):
     return True
 
 
-@njit(cache=True, nogil=True)
+@register_jitable(no_cfunc_wrapper=True)
 def line_of_sight(free, x0, y0, x1, y1):
     """Whether the straight line between two points stays in the free space.
 
@@ -97,7 +98,7 @@ def line_of_sight(free, x0, y0, x1, y1):
             at_y += UNITS * dx
 
 
-@njit(cache=True, nogil=True)
+@register_jitable(no_cfunc_wrapper=True)
 def _doubled(array):
     longer = np.empty(array.size * 2, dtype=array.dtype)
     for k in range(array.size):
@@ -105,7 +106,7 @@ def _doubled(array):
     return longer
 
 
-@njit(cache=True, nogil=True)
+@register_jitable(no_cfunc_wrapper=True)
 def _push(keys, items, size, key, item):
     """Add to a binary heap; returns its arrays, which may be new ones."""
     if size == keys.size:
@@ -121,7 +122,7 @@ def _push(keys, items, size, key, item):
     return keys, items
 
 
-@njit(cache=True, nogil=True)
+@register_jitable(no_cfunc_wrapper=True)
 def _pop(keys, items, size):
     """Remove the smallest; the caller has read entry 0 and counts `size` down itself."""
     key, item = keys[size - 1], items[size - 1]
@@ -161,7 +162,7 @@ def vertex_kinds(free):
     return kinds
 
 
-@njit(cache=True, nogil=True)
+@register_jitable(no_cfunc_wrapper=True)
 def _root_position(root, targets, width):
     if root < targets.shape[0]:
         return targets[root, 0], targets[root, 1]
@@ -169,12 +170,12 @@ def _root_position(root, targets, width):
     return (vertex % width) * UNITS, (vertex // width) * UNITS
 
 
-@njit(cache=True, nogil=True)
+@register_jitable(no_cfunc_wrapper=True)
 def _length(x0, y0, x1, y1):
     return np.sqrt(np.float64((x1 - x0) ** 2 + (y1 - y0) ** 2))
 
 
-@njit(cache=True, nogil=True)
+@register_jitable(no_cfunc_wrapper=True)
 def _one_step(free, i, j, di, dj):
     """Whether one can walk from a vertex to the next one, along an edge or across a cell."""
     if di == 0:
@@ -186,7 +187,7 @@ def _one_step(free, i, j, di, dj):
     return free[min(i, i + di), min(j, j + dj)]
 
 
-@njit(cache=True, nogil=True)
+@register_jitable(no_cfunc_wrapper=True)
 def _bend_between(free, kinds, best, root_x, root_y, via_x, via_y, x, y):
     """The last bend of a taut path from a root to a point that it doesn't see.
 

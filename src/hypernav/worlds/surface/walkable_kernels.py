@@ -5,6 +5,7 @@ Positions are in cells: x along columns, y along rows, cell ``[row, column]`` sp
 
 import numpy as np
 from numba import njit
+from numba.extending import register_jitable
 
 _BACK_OFF = 1e-3
 """A blocked move ends this fraction of a cell before the contact, safely inside its cell."""
@@ -71,12 +72,12 @@ def mark_cliffs(heights, max_step):
     return cliffs
 
 
-@njit(cache=True, nogil=True)
+@register_jitable(no_cfunc_wrapper=True)
 def _is_free(free, row, column):
     return 0 <= row < free.shape[0] and 0 <= column < free.shape[1] and free[row, column]
 
 
-@njit(cache=True, nogil=True)
+@register_jitable(no_cfunc_wrapper=True)
 def _inside(x, y, row, column):
     """The nearest point that surely lies in a cell."""
     margin = 1e-9
@@ -85,7 +86,7 @@ def _inside(x, y, row, column):
     return end_x, end_y
 
 
-@njit(cache=True, nogil=True)
+@register_jitable(no_cfunc_wrapper=True)
 def _cells_to_corner(free, row, column, d_row, d_column, across_row, across_column):
     """How many cells along a wall its corner is away; 0 if an obstacle comes before.
 
