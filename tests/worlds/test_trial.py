@@ -88,7 +88,7 @@ def test_without_truth_a_search_runs_and_cannot_be_measured():
     steps = list(run)
     assert run.trial.ending is Ending.FOUND
     assert steps[-1].trace.action is Action.STOP
-    with pytest.raises(WorldError, match="this world knows no truth"):
+    with pytest.raises(WorldError, match="no ground truth about its scene"):
         run.result()
 
 
