@@ -40,7 +40,7 @@ def threads():
 
 def test_a_closed_world_has_no_threads():
     before = threads()
-    with closing(two_rooms()) as world:
+    with closing(two_rooms.__wrapped__()) as world:  # not the one that other tests share
         world.reset(episode_from(START))
         assert threads() > before
     assert threads() == before
