@@ -173,3 +173,12 @@ def test_a_line_holds_all_numbers_of_an_episode(good):
         "distance_to_goal_m", "steps", "path_length_m", "model_calls", "seconds",
     } <= set(line)  # fmt: skip
     assert line["outcome"] == Outcome.FOUND
+
+
+def test_a_run_of_an_older_version_is_refused_with_the_reason(good):
+    path = good / "run.json"
+    content = json.loads(path.read_text())
+    del content["configuration"]["config"]["embodiment"]
+    path.write_text(json.dumps(content))
+    with pytest.raises(RunFolderError, match="of an older version of hypernav"):
+        load_runs([good])

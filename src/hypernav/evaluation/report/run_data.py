@@ -64,18 +64,29 @@ def load_runs(folders: Sequence[Path]) -> list[RunData]:
     """Read runs.
 
     Raises:
-        RunFolderError: A folder is not that of a run, is damaged, or holds no episode yet.
+        RunFolderError: A folder is not that of a run, is damaged, of an older version, or holds
+            no episode yet.
     """
     configurations = [read_configuration(folder) for folder in folders]
     runs = []
     for folder, name, configuration in zip(
         folders, _names(folders, configurations), configurations, strict=True
     ):
+        _check_version(folder, configuration)
         records = read_records(folder)
         if not any(record.counts for record in records):
             raise RunFolderError(f"{folder} holds no episode that counts yet; run it first")
         runs.append(RunData(folder, name, configuration, records, read_sessions(folder)))
     return runs
+
+
+def _check_version(folder: Path, configuration: dict[str, Any]) -> None:
+    """Refuse a run of a version that described the robot elsewhere."""
+    if "embodiment" not in configuration.get("config", {}):
+        raise RunFolderError(
+            f"{folder} is of an older version of hypernav: its configuration has no section "
+            "'embodiment'; make its report with that version, or run it again"
+        )
 
 
 def _names(folders: Sequence[Path], configurations: Sequence[dict[str, Any]]) -> list[str]:
