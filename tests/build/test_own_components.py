@@ -71,6 +71,23 @@ class Whole:
         return Action.STOP
 
 
+class Cutting(Whole):
+    def __init__(self, detector, segmenter):
+        self.detector, self.segmenter = detector, segmenter
+
+
+def make_whole(detector):
+    return Whole(detector)
+
+
+class Closing(Sees):
+    def __init__(self, path):
+        self.path = path
+
+    def close(self):
+        open(self.path, "w").close()
+
+
 class Blind:
     pass
 
@@ -139,6 +156,24 @@ def test_an_installed_package_brings_a_detector(folder: Path, monkeypatch: pytes
     parts = built(ComponentSpecs(detector="mine"))
     assert parts.detector_words == "mine"
     assert type(parts.components[0]).__name__ == "Sees"
+
+
+def test_a_component_is_closed_when_an_evaluation_ends(folder: Path):
+    glb = room_glb(folder / "room.glb")
+    quick = ("--goals", "bed", "--workers", "1", "--max-steps", "3", "--quiet")
+    own = ("--detector", "own_parts:Closing:closed.txt", *SMALL)
+    assert hypernav("eval", f"scene:{glb}#1", "--out", "run", *quick, *own) == 0
+    assert (folder / "closed.txt").is_file()
+
+
+def test_a_whole_agent_gets_the_segmenter_that_it_asks_for(folder: Path):
+    agent: Any = built(ComponentSpecs(agent="own_parts:Cutting")).agent
+    assert hasattr(agent.segmenter, "segment")
+
+
+def test_a_function_is_taken_for_an_explorer_and_its_agent_refused(folder: Path):
+    with pytest.raises(ContractError, match="is no Explorer"):
+        built(ComponentSpecs(agent="own_parts:make_whole"))
 
 
 def test_a_constructor_gets_what_it_asks_for(folder: Path):

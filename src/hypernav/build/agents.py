@@ -73,7 +73,9 @@ class BuiltAgent:
     @property
     def looks_at_colours(self) -> bool:
         """Whether a chat model, or a component that is given images, looks at their colours."""
-        given_images = [one for one in self.components if isinstance(one, Detector | Agent)]
+        given_images = [
+            one for one in self.components if isinstance(one, Detector | Segmenter | Agent)
+        ]
         return self.chosen.vlm is not None or any(map(looks_at_colours, given_images))
 
     def take_report(self) -> dict[str, Any]:
@@ -126,7 +128,7 @@ def build_agent(
     log, ledger = ExchangeLog(), Ledger()
     chat, recording = wrap_chat(chosen.vlm, config.chat, ledger, record)
     # A reasoner that is asked while the robot drives to its last answer needs its own log.
-    ahead = config.prefetch.enabled and _asks_chat(chosen.reasoner)
+    ahead = config.prefetch.enabled and _asks_chat(chosen.reasoner) and not chosen.is_whole_agent
     map_log = ExchangeLog() if ahead else log
     built: dict[str, Any] = {}
     for kind, choice in chosen.by_kind.items():
@@ -239,7 +241,7 @@ def _made(
     """A component that keeps the protocol of its kind."""
     section = section_of(choice, kind, config)
     component = make(choice, offers if section is None else offers | {"config": section})
-    protocol = _PROTOCOLS.get(kind) or (Agent if hasattr(component, "act") else Explorer)
+    protocol = _PROTOCOLS.get(kind) or (Agent if hasattr(choice.load(), "act") else Explorer)
     check_protocol(component, protocol, name=f"--{kind} {choice.spec}")
     return component
 

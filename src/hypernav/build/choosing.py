@@ -85,7 +85,8 @@ def choose_components(specs: ComponentSpecs, *, presence: bool = True) -> Chosen
     detector = _choice(DETECTORS, specs.detector, by_model or "ground-truth", agent, asked)
     reasoner = _choice(REASONERS, specs.reasoner, by_model or "geometric", agent, asked)
     segmenter = _choice(SEGMENTERS, specs.segmenter, "depth-cut", agent, asked)
-    if detector is not None and segmenter is not None and gives_masks(detector.load()):
+    # A whole agent gets the segmenter that it asks for, whatever it asks it for.
+    if not drives_itself and detector and segmenter and gives_masks(detector.load()):
         if segmenter.spec != "depth-cut":
             raise ConfigError(
                 f"--segmenter {segmenter.spec} would never be asked: {detector.spec} detections "

@@ -52,9 +52,10 @@ def asked_by(choice: Choice[Factory]) -> dict[str, bool]:
         if parameter.kind not in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD)
     ]
     taken = len(choice.arguments)
-    if taken > len(parameters):
+    if taken > sum(one.kind is not one.KEYWORD_ONLY for one in parameters):
         raise ConfigError(
-            f"{choice.spec}: its constructor takes nothing, so nothing can follow its name"
+            f"{choice.spec}: its constructor takes nothing by position, so nothing can follow its "
+            "name"
         )
     return {one.name: one.default is one.empty for one in parameters[taken:]}
 
@@ -101,7 +102,13 @@ def section_of(choice: Choice[Factory], kind: str, config: HyPerNavConfig) -> Ba
 
 def _section_model(choice: Choice[Factory]) -> type[BaseModel]:
     factory = choice.load()
-    hints = get_type_hints(factory.__init__ if isinstance(factory, type) else factory)
+    try:
+        hints = get_type_hints(factory.__init__ if isinstance(factory, type) else factory)
+    except NameError as error:
+        raise ContractError(
+            f"{choice.spec}: the annotations of its parameters cannot be read ({error}); import "
+            "what they name at run time, not under TYPE_CHECKING only"
+        ) from error
     annotation = hints.get("config")
     for model in (annotation, *get_args(annotation)):
         if isinstance(model, type) and issubclass(model, BaseModel):
