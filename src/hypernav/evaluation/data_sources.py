@@ -5,12 +5,14 @@ entry point ``hypernav.datasets`` of another package.
 """
 
 from collections.abc import Callable
+from contextlib import closing
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 
+from hypernav.build.registries import SCENES
 from hypernav.build.scenes import build_scene
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.episode import Episode
@@ -72,8 +74,17 @@ def scene_episodes(request: DatasetRequest) -> list[Episode]:
     scene, starts = request.argument, request.part
     if starts and not (starts.isdecimal() and int(starts) > 0):
         raise EpisodeError(f"scene:{scene}#{starts}: expected the number of starts per goal")
-    world = SimulatedWorld(build_scene(scene), request.simulation, request.embodiment)
     count = int(starts) if starts else STARTS_PER_GOAL
+    with closing(
+        SimulatedWorld(build_scene(scene), request.simulation, request.embodiment)
+    ) as world:
+        return _goals_and_starts(scene, world, count, request)
+
+
+def _goals_and_starts(
+    scene: str, world: SimulatedWorld, count: int, request: DatasetRequest
+) -> list[Episode]:
+    """Every goal of a scene from several drawn starts."""
     goals = world.regions.categories()
     if not goals:
         raise EpisodeError(f"scene:{scene}: no labelled object in it can be reached")
@@ -115,7 +126,7 @@ def habitat_episodes(request: DatasetRequest) -> list[Episode]:
 
 def _scene_below(folder: Path, scene_id: str) -> str:
     """The scene that a scene id of an episode file names."""
-    if scene_id == "builtin" or scene_id.startswith("houses:"):
+    if SCENES.knows(scene_id.partition(":")[0]):
         return scene_id
     path = folder / scene_id
     if not path.is_file():

@@ -45,7 +45,6 @@ class RunPlan:
         success_distance_m: Success distance of the run's own protocol; reports show others, too.
         seed: Seed of all noise.
         scenes_dir: Folder of the scenes that an episode file names; None takes the file's own.
-        scenes_dir: Folder of the scenes that an episode file names; None takes the file's own.
     """
 
     dataset: str

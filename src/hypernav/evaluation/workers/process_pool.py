@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from pathlib import Path
+from types import FrameType
+from typing import NoReturn
 
 from hypernav.core.episode import Episode
 from hypernav.core.errors import HyPerNavError
@@ -123,17 +125,37 @@ def _work(job: Job, pipe: Connection, log: Path) -> None:
     """
     _die_with_owner()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the owner handles Ctrl-C
+    signal.signal(signal.SIGTERM, _leave)  # scene and agent are closed on the way out
     os.dup2(os.open(log, os.O_WRONLY | os.O_APPEND), sys.stderr.fileno())
     try:
         with closing(EpisodeWorker(job)) as episode_worker:
-            pipe.send(None)
+            _send(pipe, None)
             while True:
-                record = episode_worker.run(pipe.recv())
-                pipe.send((record, peak_memory_mb()))
+                record = episode_worker.run(_receive(pipe))
+                _send(pipe, (record, peak_memory_mb()))
     except HyPerNavError as error:
-        pipe.send(str(error))
-    except (EOFError, BrokenPipeError):
-        return  # The owner has ended.
+        _send(pipe, str(error))
+
+
+def _send(pipe: Connection, said: object) -> None:
+    """Tell the owner something; end if it has ended."""
+    try:
+        pipe.send(said)
+    except BrokenPipeError:
+        sys.exit(0)
+
+
+def _receive(pipe: Connection) -> Episode:
+    """The next episode; end if the owner has ended."""
+    try:
+        return pipe.recv()
+    except EOFError:
+        sys.exit(0)
+
+
+def _leave(_signal: int, _frame: FrameType | None) -> NoReturn:
+    """End this process, and close what is open."""
+    sys.exit(0)
 
 
 def _die_with_owner() -> None:
