@@ -7,6 +7,7 @@ import tyro
 from hypernav.build.choosing import choose_components
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.cli.agent_options import AgentOptions
+from hypernav.cli.main import _with_one_set
 from hypernav.core.errors import ConfigError, HyPerNavError
 
 VLM = "openai:http://localhost:8000/v1#Qwen/Qwen2.5-VL-7B-Instruct"
@@ -116,3 +117,16 @@ def test_a_missing_onnx_file_is_named(tmp_path: Path):
 def test_a_model_of_an_unknown_family_is_refused_before_the_search():
     with pytest.raises(ConfigError, match="in which coordinates 'wise-owl' answers"):
         read("--vlm", "openai:http://localhost:8000/v1#wise-owl").build()
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["--set", "search.endurance_steps=7", "--set", "search.patience_steps=8"],
+        ["--set=search.endurance_steps=7", "--set=search.patience_steps=8"],
+        ["--set", "search.endurance_steps=7", "--set=search.patience_steps=8"],
+    ],
+)
+def test_every_value_that_is_set_counts_however_it_is_written(words):
+    merged = ["--set", "search.endurance_steps=7", "search.patience_steps=8"]
+    assert _with_one_set(["find", "bed", *words]) == ["find", "bed", *merged]

@@ -67,3 +67,9 @@ def test_a_broken_file_is_named(tmp_path, content, words):
 def test_a_missing_file_is_named(tmp_path):
     with pytest.raises(ConfigError, match=r"nowhere.yaml: No such file"):
         configured(file=tmp_path / "nowhere.yaml")
+
+
+@pytest.mark.parametrize("text", ["[1", "@nonsense", "{a"])
+def test_a_value_that_is_no_yaml_is_refused_with_the_reason(text):
+    with pytest.raises(ConfigError, match="is not valid YAML"):
+        configured(assignments=[f"motor.wheels={text}"])

@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from rich.markup import escape
 from rich.table import Table
 
 from hypernav.evaluation.failures.classification import Failure
@@ -52,9 +53,9 @@ def outcome_lines(progress: RunProgress, folder: Path) -> Iterator[str]:
             yield f"  {name:9s} {value}  {remark}"
     for episode, error in list(progress.crashes.items())[:3]:
         last = error.splitlines()[-1] if error else "no message"
-        yield f"  [red]not run[/]: {'/'.join(episode.key)}: {last}"
-    yield f"  results in {folder / 'episodes.jsonl'}"
-    yield f"  page: hypernav report {folder}"
+        yield f"  [red]not run[/]: {escape('/'.join(episode.key))}: {escape(last)}"
+    yield f"  results in {escape(str(folder / 'episodes.jsonl'))}"
+    yield f"  page: hypernav report {escape(str(folder))}"
 
 
 def _numbers(progress: RunProgress) -> Iterator[tuple[str, str, str]]:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 from rich.console import Console
+from rich.markup import escape
 from rich.status import Status
 
 from hypernav.build.scenes import build_scene
@@ -110,7 +111,7 @@ def _search(search: EpisodeRun, recorder: EpisodeRecorder, status: Status, goal:
     try:
         for step in search:
             recorder.add(step)
-            status.update(_live_line(step, goal))
+            status.update(escape(_live_line(step, goal)))
     except KeyboardInterrupt:
         return True
     return False
@@ -118,15 +119,15 @@ def _search(search: EpisodeRun, recorder: EpisodeRecorder, status: Status, goal:
 
 def _say(console: Console, goal: Goal, result: EpisodeResult, folder: Path) -> None:
     metrics = result.metrics
-    console.print(_OUTCOME_WORDS[result.outcome].format(goal=goal.thing))
+    console.print(_OUTCOME_WORDS[result.outcome].format(goal=escape(goal.thing)))
     if result.detail:
-        console.print(f"  {result.detail}", soft_wrap=True)
+        console.print(f"  {escape(result.detail)}", soft_wrap=True)
     console.print(
         f"  {result.steps} steps, {metrics.path_length_m:.1f} m driven, shortest "
         f"{metrics.shortest_path_m:.1f} m, SPL {metrics.spl:.2f}, "
         f"{metrics.distance_to_goal_m:.2f} m from the goal, {result.seconds['total']:.0f} s"
     )
-    console.print(f"  open {folder / 'index.html'}", soft_wrap=True)
+    console.print(f"  open {escape(str(folder / 'index.html'))}", soft_wrap=True)
 
 
 def _live_line(step: EpisodeStep, goal: str) -> str:

@@ -93,6 +93,9 @@ def _with_one_set(arguments: list[str]) -> list[str]:
     values: list[str] = []
     into = others
     for argument in arguments:
+        if argument.startswith("--set="):
+            values.append(argument.removeprefix("--set="))
+            continue
         if argument.startswith("-"):
             into = values if argument == "--set" else others
         if argument != "--set":

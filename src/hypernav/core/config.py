@@ -138,7 +138,12 @@ def _read_yaml(file: Path) -> dict[str, Any]:
 def _assign(
     model: type[BaseModel], values: dict[str, Any], keys: list[str], text: str, *, source: str
 ) -> None:
-    nested: Any = yaml.safe_load(text)
+    try:
+        nested: Any = yaml.safe_load(text)
+    except yaml.YAMLError as error:
+        raise ConfigError(
+            f"{source}: '{text}' is not valid YAML; quote it, or check its brackets"
+        ) from error
     for key in reversed(keys):
         nested = {key: nested}
     _merge(model, values, nested, source=source)

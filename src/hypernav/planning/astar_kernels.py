@@ -1,6 +1,7 @@
 """Cheapest paths over a grid of costs, compiled.
 
 A cell's cost is the factor on the length of a path through it; 0 means closed. Paths are
+8-connected and cut no corners.
 """
 
 import math
