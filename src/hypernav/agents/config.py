@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from hypernav.core.config import RoomConfig
+from hypernav.core.config import MOST_STEPS, RoomConfig
 from hypernav.core.embodiment import MotionConfig
 
 
@@ -45,17 +45,17 @@ class SearchConfig(RoomConfig):
         pursue_far_sightings: Whether to go towards a goal that is seen beyond the range of depth.
     """
 
-    stop_distance_m: float = Field(default=0.15, ge=0.0)
-    approach_gap_m: float = Field(default=0.15, ge=0.0)
-    patience_steps: int = Field(default=16, ge=0)
-    arrival_distance_m: float = Field(default=0.5, gt=0.0)
-    endurance_steps: int = Field(default=40, ge=1)
+    stop_distance_m: float = Field(default=0.15, ge=0.0, le=10.0)
+    approach_gap_m: float = Field(default=0.15, ge=0.0, le=10.0)
+    patience_steps: int = Field(default=16, ge=0, le=MOST_STEPS)
+    arrival_distance_m: float = Field(default=0.5, gt=0.0, le=10.0)
+    endurance_steps: int = Field(default=40, ge=1, le=MOST_STEPS)
     give_up_when_stuck: bool = True
     look_around_at_start: bool = True
     look_again_before_giving_up: bool = True
     look_across_boundary: bool = True
     drop_explored: bool = True
-    drop_explored_radius_m: float = Field(default=0.75, gt=0.0)
+    drop_explored_radius_m: float = Field(default=0.75, gt=0.0, le=10.0)
     verify_view: Literal["current", "best"] = "best"
     face_target: bool = True
     see_before_stop: bool = True

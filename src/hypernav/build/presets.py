@@ -1,5 +1,6 @@
 """The whole configuration, and the presets."""
 
+import math
 from typing import Any
 
 from pydantic import Field, model_validator
@@ -8,7 +9,9 @@ from hypernav.agents.config import SearchConfig
 from hypernav.build.component_specs import PresetName
 from hypernav.core.config import RoomConfig
 from hypernav.core.embodiment import Embodiment
-from hypernav.mapping.config import MappingConfig
+from hypernav.core.errors import ConfigError
+from hypernav.core.files.allowance import MOST_BYTES, megabytes
+from hypernav.mapping.config import MappingConfig, memory_of
 from hypernav.models.chat.config import ChatConfig
 from hypernav.models.vision.sam import SamConfig
 from hypernav.models.vision.sam_onnx import OnnxSamConfig
@@ -35,8 +38,8 @@ class PriceConfig(RoomConfig):
         out_per_million: Price of a million answer tokens, in the same currency.
     """
 
-    in_per_million: float | None = Field(default=None, ge=0.0)
-    out_per_million: float | None = Field(default=None, ge=0.0)
+    in_per_million: float | None = Field(default=None, ge=0.0, le=1e9)
+    out_per_million: float | None = Field(default=None, ge=0.0, le=1e9)
 
 
 class OwnConfig(RoomConfig):
@@ -107,6 +110,19 @@ class HyPerNavConfig(RoomConfig):
     @model_validator(mode="after")
     def _map_holds_the_body(self) -> "HyPerNavConfig":
         self.mapping.height_band(self.embodiment.body)
+        return self
+
+    @model_validator(mode="after")
+    def _map_holds_the_view(self) -> "HyPerNavConfig":
+        reach_m = self.embodiment.camera.max_depth_m
+        cells = math.ceil(2.0 * reach_m / self.mapping.cell_size_m) ** 2
+        size = memory_of(cells, self.mapping.height_band(self.embodiment.body))
+        if size > MOST_BYTES:
+            raise ConfigError(
+                f"a map of all that a camera with a range of {reach_m:g} m sees around it would "
+                f"take {megabytes(size)}, at most {megabytes(MOST_BYTES)} are allowed; use a "
+                "larger mapping.cell_size_m or a smaller embodiment.camera.max_depth_m"
+            )
         return self
 
     @property

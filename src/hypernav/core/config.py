@@ -52,8 +52,39 @@ RENAMED = {
 """Former names of options, and the options that say the same today."""
 
 
+MOST_STEPS = 1_000_000
+"""The longest search, and the upper bound of all numbers of steps."""
+MOST_THREADS = 256
+MOST_SEED = 2**63 - 1
+"""The largest seed that chat servers take."""
+
+_REASONS = {
+    ("width", "height", "_px", "_pixels", "_mb"): "images must fit into memory",
+    ("cell_m", "cell_size_m", "voxel_height_m", "chunk_cells"): "maps must fit into memory",
+    ("_m", "_m2"): "metres, as a robot and the rooms of a building have them",
+    ("_deg",): "degrees, at most a turn",
+    ("_s",): "seconds, at most a day",
+    ("_steps",): "steps of a search",
+}
+"""Reasons of the bounds, by the endings of the names of fields."""
+_OUT_OF_BOUNDS = frozenset(
+    {
+        "finite_number",
+        "greater_than",
+        "greater_than_equal",
+        "less_than",
+        "less_than_equal",
+    }
+)
+"""Pydantic's names of the errors that have these reasons."""
+
+
 class RoomConfig(BaseModel):
-    """Base of every room's configuration: frozen; unknown keys, NaN and infinity are errors."""
+    """Base of every room's configuration: frozen; unknown keys, NaN and infinity are errors.
+
+    Every number has a lower and an upper bound, so that no configuration asks for more memory or
+    time than there is.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
@@ -118,7 +149,13 @@ def _validated(model: type[ConfigT], values: dict[str, Any], *, section: str = "
     except ValidationError as error:
         first = error.errors()[0]
         where = ".".join(str(part) for part in (section, *first["loc"]) if part != "")
-        raise ConfigError(f"{where}: {first['msg']}, got {first['input']!r}") from error
+        why = _reason(str(first["loc"][-1])) if first["type"] in _OUT_OF_BOUNDS else ""
+        raise ConfigError(f"{where}: {first['msg']}, got {first['input']!r}{why}") from error
+
+
+def _reason(name: str) -> str:
+    reasons = (reason for endings, reason in _REASONS.items() if name.endswith(endings))
+    return next((f" ({reason})" for reason in reasons), "")
 
 
 def _read_yaml(file: Path) -> dict[str, Any]:

@@ -5,8 +5,12 @@ import math
 from pydantic import Field, model_validator
 
 from hypernav.core.config import RoomConfig
+from hypernav.core.files.allowance import MOST_BYTES, megabytes
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Transform
+
+_BYTES_PER_PIXEL = 200
+"""Memory for the rays behind a pixel, their colours, depth and instances, and its points."""
 
 
 class BodyConfig(RoomConfig):
@@ -69,6 +73,17 @@ class CameraConfig(RoomConfig):
             raise ValueError(
                 f"min_depth_m must be below max_depth_m, got {self.min_depth_m} and "
                 f"{self.max_depth_m}"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _images_fit_into_memory(self) -> "CameraConfig":
+        size = self.width * self.height * _BYTES_PER_PIXEL
+        if size > MOST_BYTES:
+            raise ValueError(
+                f"an image of {self.width} × {self.height} pixels would take "
+                f"{megabytes(size)} to draw and to map, at most {megabytes(MOST_BYTES)} are "
+                "allowed; make width or height smaller"
             )
         return self
 

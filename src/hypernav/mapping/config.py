@@ -25,6 +25,11 @@ class HeightBand(NamedTuple):
     layers: int
 
 
+def memory_of(cells: int, band: HeightBand) -> int:
+    """Memory of so many cells of a map, bytes: one for every voxel, and seven for the cell."""
+    return cells * (band.layers + 7)
+
+
 class MappingConfig(RoomConfig):
     """Configuration of the map. Heights are above the floor that the robot stands on.
 
@@ -62,23 +67,23 @@ class MappingConfig(RoomConfig):
         block_min_area_m2: Reachable floor that a square needs to get a number, square metres.
     """
 
-    cell_size_m: float = Field(default=0.05, gt=0.0)
-    voxel_height_m: float = Field(default=0.05, gt=0.0)
+    cell_size_m: float = Field(default=0.05, ge=0.01, le=1.0)
+    voxel_height_m: float = Field(default=0.05, ge=0.01, le=10.0)
     floor_noise_m: float = Field(default=0.05, ge=0.0, le=1.0)
     headroom_m: float = Field(default=-0.05, ge=-1.0, le=2.0)
-    min_points: int = Field(default=2, ge=1)
+    min_points: int = Field(default=2, ge=1, le=10_000)
     hit_weight: int = Field(default=2, ge=1, le=255)
     pass_weight: int = Field(default=1, ge=0, le=255)
     occupied_evidence: int = Field(default=2, ge=1, le=255)
     max_evidence: int = Field(default=6, ge=1, le=255)
-    pass_margin_m: float = Field(default=0.05, ge=0.0)
-    pass_margin_ratio: float = Field(default=0.01, ge=0.0)
+    pass_margin_m: float = Field(default=0.05, ge=0.0, le=10.0)
+    pass_margin_ratio: float = Field(default=0.01, ge=0.0, le=1.0)
     bump_persistence: int = Field(default=30, ge=1, le=255)
-    chunk_cells: int = Field(default=128, ge=1)
-    max_side_m: float = Field(default=500.0, gt=0.0)
-    frontier_min_size_m: float = Field(default=0.5, ge=0.0)
-    block_size_m: float = Field(default=2.0, gt=0.0)
-    block_min_area_m2: float = Field(default=0.1, ge=0.0)
+    chunk_cells: int = Field(default=128, ge=1, le=1024)
+    max_side_m: float = Field(default=500.0, gt=0.0, le=2000.0)
+    frontier_min_size_m: float = Field(default=0.5, ge=0.0, le=50.0)
+    block_size_m: float = Field(default=2.0, ge=0.1, le=100.0)
+    block_min_area_m2: float = Field(default=0.1, ge=0.0, le=10_000.0)
 
     @model_validator(mode="after")
     def _check_ranges(self) -> "MappingConfig":

@@ -8,11 +8,12 @@ from jaxtyping import Float, Float32, Float64, UInt8, UInt32
 
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import MapError
+from hypernav.core.files.allowance import MOST_BYTES, megabytes
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.observation import Observation
-from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.config import MappingConfig, memory_of
 from hypernav.mapping.integrate_kernels import FREE, OCCUPIED, UNKNOWN, integrate_frame
 
 
@@ -221,6 +222,11 @@ class TopDownMap:
         new_columns = -(-(column_end - column) // chunk) * chunk
         if (new_rows, new_columns) == (rows, columns):
             return
+        if (size := memory_of(new_rows * new_columns, self._band)) > MOST_BYTES:
+            raise MapError(
+                f"a map of {new_rows} × {new_columns} cells would take {megabytes(size)}, at most "
+                f"{megabytes(MOST_BYTES)} are allowed; use a larger cell_size_m"
+            )
         grown = _empty_arrays(new_rows, new_columns, self._band.layers)
         i, j = self._first_row - row, self._first_column - column
         for new, old in zip(grown, self._arrays, strict=True):

@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from hypernav.core.config import RoomConfig
+from hypernav.core.config import MOST_STEPS, RoomConfig
 from hypernav.core.embodiment import BodyConfig
 
 
@@ -38,18 +38,18 @@ class PlanningConfig(RoomConfig):
         waypoint_tolerance_m: Distance within which a waypoint counts as passed, metres.
     """
 
-    margin_m: float = Field(default=0.04, ge=0.0)
-    squeeze_m: float = Field(default=0.04, ge=0.0)
-    comfort_m: float = Field(default=0.20, ge=0.0)
-    comfort_cost: float = Field(default=1.0, ge=0.0)
-    unknown_cost: float = Field(default=3.0, ge=0.0)
+    margin_m: float = Field(default=0.04, ge=0.0, le=2.0)
+    squeeze_m: float = Field(default=0.04, ge=0.0, le=2.0)
+    comfort_m: float = Field(default=0.20, ge=0.0, le=5.0)
+    comfort_cost: float = Field(default=1.0, ge=0.0, le=1000.0)
+    unknown_cost: float = Field(default=3.0, ge=0.0, le=1000.0)
     end_in_unknown: bool = True
     targets: Literal["nearest-straight", "nearest-by-path"] = "nearest-by-path"
-    max_gap_m: float = Field(default=1.0, ge=0.0)
-    replan_every_steps: int = Field(default=10, ge=1)
+    max_gap_m: float = Field(default=1.0, ge=0.0, le=50.0)
+    replan_every_steps: int = Field(default=10, ge=1, le=MOST_STEPS)
     steering: Literal["waypoint", "lattice"] = "lattice"
-    heading_tolerance_deg: float = Field(default=15.0, gt=0.0)
-    waypoint_tolerance_m: float = Field(default=0.25, gt=0.0)
+    heading_tolerance_deg: float = Field(default=15.0, gt=0.0, le=180.0)
+    waypoint_tolerance_m: float = Field(default=0.25, gt=0.0, le=10.0)
 
     def clearances_m(self, body: BodyConfig) -> tuple[float, ...]:
         """Distances from obstacles that the robot's middle keeps, in the order to try, metres."""

@@ -16,7 +16,7 @@ from jaxtyping import UInt8
 from pydantic import Field
 
 from hypernav.core.actions import Action
-from hypernav.core.config import RoomConfig
+from hypernav.core.config import MOST_STEPS, RoomConfig
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.episode import Episode
 from hypernav.core.errors import GoalError, WorldError
@@ -52,10 +52,10 @@ class ObjectNavConfig(RoomConfig):
 
     embodiment: Embodiment = Embodiment()
     simulation: SimulationConfig = SimulationConfig()
-    max_steps: int = Field(default=500, ge=1)
-    success_distance_m: float = Field(default=SUCCESS_DISTANCE_M, gt=0.0)
-    nearest_start_m: float = Field(default=2.0, ge=0.0)
-    farthest_start_m: float = Field(default=30.0, gt=0.0)
+    max_steps: int = Field(default=500, ge=1, le=MOST_STEPS)
+    success_distance_m: float = Field(default=SUCCESS_DISTANCE_M, gt=0.0, le=100.0)
+    nearest_start_m: float = Field(default=2.0, ge=0.0, le=1000.0)
+    farthest_start_m: float = Field(default=30.0, gt=0.0, le=1000.0)
 
 
 class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):

@@ -47,7 +47,7 @@ class SimulationConfig(RoomConfig):
     sliding: bool = False
     noise: NoiseConfig = NoiseConfig()
     labels: bool = True
-    cell_m: float = Field(default=CELL_M, gt=0.0)
+    cell_m: float = Field(default=CELL_M, ge=0.01, le=0.5)
     floor_z: float | None = Field(default=None, ge=-1000.0, le=1000.0)
 
 

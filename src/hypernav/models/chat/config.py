@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from hypernav.core.config import RoomConfig
+from hypernav.core.config import MOST_SEED, RoomConfig
 
 DialectName = Literal[
     "vllm",
@@ -43,14 +43,14 @@ class ChatConfig(RoomConfig):
         dtype: Number format of a model in this process: "auto" is bfloat16 where the device has it.
     """
 
-    timeout_s: float = Field(default=60.0, gt=0.0)
-    connect_timeout_s: float = Field(default=5.0, gt=0.0)
-    patience_s: float = Field(default=120.0, ge=0.0)
-    first_wait_s: float = Field(default=0.5, ge=0.0)
-    longest_wait_s: float = Field(default=8.0, gt=0.0)
+    timeout_s: float = Field(default=60.0, gt=0.0, le=86_400.0)
+    connect_timeout_s: float = Field(default=5.0, gt=0.0, le=86_400.0)
+    patience_s: float = Field(default=120.0, ge=0.0, le=86_400.0)
+    first_wait_s: float = Field(default=0.5, ge=0.0, le=3600.0)
+    longest_wait_s: float = Field(default=8.0, gt=0.0, le=3600.0)
     dialect: Literal["auto"] | DialectName = "auto"
-    temperature: float | None = Field(default=0.0, ge=0.0)
-    seed: int | None = Field(default=0, ge=0)
+    temperature: float | None = Field(default=0.0, ge=0.0, le=10.0)
+    seed: int | None = Field(default=0, ge=0, le=MOST_SEED)
     logprobs: bool = True
     decisions: bool = True
     jpeg_quality: int = Field(default=95, ge=1, le=100)

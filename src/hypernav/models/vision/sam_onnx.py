@@ -18,7 +18,7 @@ from jaxtyping import Bool, Float32
 from pydantic import Field
 
 from hypernav.core.chat import Image
-from hypernav.core.config import RoomConfig
+from hypernav.core.config import MOST_THREADS, RoomConfig
 from hypernav.core.errors import ModelError
 from hypernav.core.geometry.boxes import Box
 from hypernav.core.observation import Observation
@@ -48,10 +48,10 @@ class OnnxSamConfig(RoomConfig):
         threads: Threads of onnxruntime.
     """
 
-    side_px: int = Field(default=1024, ge=64)
-    mask_side_px: int = Field(default=256, ge=16)
+    side_px: int = Field(default=1024, ge=64, le=4096)
+    mask_side_px: int = Field(default=256, ge=16, le=4096)
     clip_to_box: bool = True
-    threads: int = Field(default=2, ge=1)
+    threads: int = Field(default=2, ge=1, le=MOST_THREADS)
 
 
 class OnnxSamSegmenter:

@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Float32, Float64, Int64, UInt8
 from pydantic import Field
 
-from hypernav.core.config import RoomConfig
+from hypernav.core.config import MOST_THREADS, RoomConfig
 from hypernav.core.errors import ModelError
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.goal import Goal
@@ -37,10 +37,10 @@ class YoloxConfig(RoomConfig):
 
     score_threshold: float = Field(default=0.3, ge=0.0, le=1.0)
     nms_iou: float = Field(default=0.45, gt=0.0, le=1.0)
-    min_box_pixels: float = Field(default=2.0, ge=0.0)
-    threads: int = Field(default=2, ge=1)
+    min_box_pixels: float = Field(default=2.0, ge=0.0, le=8192.0)
+    threads: int = Field(default=2, ge=1, le=MOST_THREADS)
     classes: tuple[str, ...] = COCO_CLASSES
-    fallback_input_px: int = Field(default=640, ge=32, multiple_of=32)
+    fallback_input_px: int = Field(default=640, ge=32, le=4096, multiple_of=32)
 
 
 class YoloxDetector:

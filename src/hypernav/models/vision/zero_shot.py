@@ -34,7 +34,7 @@ class ZeroShotConfig(RoomConfig):
     """
 
     score_threshold: float = Field(default=0.3, ge=0.0, le=1.0)
-    min_side_px: float = Field(default=4.0, ge=0.0)
+    min_side_px: float = Field(default=4.0, ge=0.0, le=8192.0)
     device: str = "auto"
     dtype: Literal["auto", "bfloat16", "float16", "float32"] = "auto"
 

@@ -28,8 +28,8 @@ class OverviewConfig(RoomConfig):
     """
 
     image_px: int = Field(default=768, ge=64, le=4096)
-    visited_radius_m: float = Field(default=0.5, ge=0.0)
-    max_questions: int = Field(default=4, ge=1)
+    visited_radius_m: float = Field(default=0.5, ge=0.0, le=100.0)
+    max_questions: int = Field(default=4, ge=1, le=1000)
 
 
 class BlockExplorer:

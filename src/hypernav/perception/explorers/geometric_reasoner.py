@@ -22,10 +22,10 @@ class GeometricConfig(RoomConfig):
         gain_exponent: Exponent of the boundary's length in the value; 0 ignores the length.
     """
 
-    min_frontier_cells: int = Field(default=6, ge=1)
-    travel_scale_m: float = Field(default=3.0, gt=0.0)
-    turn_cost_m: float = Field(default=0.8, ge=0.0)
-    gain_exponent: float = Field(default=1.0, ge=0.0)
+    min_frontier_cells: int = Field(default=6, ge=1, le=1_000_000)
+    travel_scale_m: float = Field(default=3.0, ge=0.01, le=1000.0)
+    turn_cost_m: float = Field(default=0.8, ge=0.0, le=1000.0)
+    gain_exponent: float = Field(default=1.0, ge=0.0, le=10.0)
 
 
 class GeometricReasoner:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from pydantic import Field
 
-from hypernav.core.config import RoomConfig
+from hypernav.core.config import MOST_STEPS, RoomConfig
 from hypernav.core.destination import Destination
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
@@ -25,8 +25,8 @@ class PrefetchConfig(RoomConfig):
     """
 
     enabled: bool = False
-    within_m: float = Field(default=1.5, gt=0.0)
-    good_for_steps: int = Field(default=12, ge=1)
+    within_m: float = Field(default=1.5, gt=0.0, le=100.0)
+    good_for_steps: int = Field(default=12, ge=1, le=MOST_STEPS)
 
 
 @dataclass(frozen=True, eq=False)

@@ -45,8 +45,8 @@ class VlmReasonerConfig(RoomConfig):
     """
 
     mode: Literal["paper", "constrained"] = "constrained"
-    attempts: int = Field(default=2, ge=1)
-    max_tokens: int = Field(default=300, ge=16)
+    attempts: int = Field(default=2, ge=1, le=100)
+    max_tokens: int = Field(default=300, ge=16, le=1_000_000)
     skip_only_block: bool = True
 
 

@@ -51,16 +51,16 @@ class LocalConfig(RoomConfig):
     """
 
     erosion_px: OddSide = 5
-    min_points: int = Field(default=12, ge=1)
+    min_points: int = Field(default=12, ge=1, le=1_000_000)
     dilation_kernel: OddSide = 5
-    dilation_iterations: int = Field(default=3, ge=0)
+    dilation_iterations: int = Field(default=3, ge=0, le=100)
     largest_cluster_only: bool = True
-    entry_reach_m: float = Field(default=0.8, ge=0.0)
+    entry_reach_m: float = Field(default=0.8, ge=0.0, le=50.0)
     target: Literal["latest", "hold"] = "hold"
     pick: Literal["first", "nearest"] = "nearest"
-    min_sightings: int = Field(default=1, ge=1)
+    min_sightings: int = Field(default=1, ge=1, le=10_000)
     min_mean_score: float = Field(default=0.45, ge=0.0, le=1.0)
     sure_score: float = Field(default=0.75, ge=0.0, le=1.0)
     weigh_rivals: bool = True
     max_missed_share: float = Field(default=0.75, ge=0.0, le=1.0)
-    min_verdicts: int = Field(default=4, ge=1)
+    min_verdicts: int = Field(default=4, ge=1, le=10_000)

@@ -32,9 +32,9 @@ class DepthCutConfig(RoomConfig):
 
     work_size_px: int = Field(default=120, ge=16, le=4096)
     margin: float = Field(default=0.15, ge=0.0, le=1.0)
-    depth_gap_m: float = Field(default=0.30, gt=0.0)
-    iterations: int = Field(default=2, ge=1)
-    floor_height_m: float = Field(default=0.06, ge=0.0)
+    depth_gap_m: float = Field(default=0.30, gt=0.0, le=100.0)
+    iterations: int = Field(default=2, ge=1, le=100)
+    floor_height_m: float = Field(default=0.06, ge=0.0, le=10.0)
     max_floor_share: float = Field(default=0.6, ge=0.0, le=1.0)
     max_empty_share: float = Field(default=0.5, ge=0.0, le=1.0)
 

@@ -44,9 +44,9 @@ class VlmDetectorConfig(RoomConfig):
     prompt: str = _PROMPT
     constrained: bool = False
     drop_other_labels: bool = False
-    max_tokens: int = Field(default=300, ge=16)
-    max_boxes: int = Field(default=10, ge=1)
-    min_side_px: float = Field(default=4.0, ge=0.0)
+    max_tokens: int = Field(default=300, ge=16, le=1_000_000)
+    max_boxes: int = Field(default=10, ge=1, le=1000)
+    min_side_px: float = Field(default=4.0, ge=0.0, le=8192.0)
 
     @field_validator("prompt")
     @classmethod

@@ -12,12 +12,13 @@ import threading
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
 from jaxtyping import Float32, Float64, Int32, Int64, UInt8
 from pydantic import Field
 
-from hypernav.core.config import RoomConfig
+from hypernav.core.config import MOST_THREADS, RoomConfig
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.world import RenderedView
@@ -31,6 +32,9 @@ from hypernav.worlds.scenes.scene import Scene
 _BAND_ROWS = 24
 # Three points that, with the centre, are spread evenly in both directions of a pixel.
 _OFFSETS = np.array([[-0.35, -0.15], [0.15, -0.35], [0.25, 0.35]])
+
+
+_Level = Annotated[int, Field(ge=0, le=255)]
 
 
 class RenderConfig(RoomConfig):
@@ -50,15 +54,15 @@ class RenderConfig(RoomConfig):
         threads: Worker threads; all cores of the process where None.
     """
 
-    exposure: float = Field(default=1.6, gt=0.0)
-    ambient: float = Field(default=0.95, ge=0.0)
-    headlight: float = Field(default=0.1, ge=0.0)
-    light_cell_m: float = Field(default=0.08, gt=0.0)
+    exposure: float = Field(default=1.6, gt=0.0, le=100.0)
+    ambient: float = Field(default=0.95, ge=0.0, le=10.0)
+    headlight: float = Field(default=0.1, ge=0.0, le=10.0)
+    light_cell_m: float = Field(default=0.08, ge=0.01, le=1.0)
     antialias: bool = True
     colours: bool = True
-    background: tuple[int, int, int] = (214, 228, 240)
-    texture_budget_mb: float = Field(default=400.0, gt=0.0)
-    threads: int | None = Field(default=None, ge=1)
+    background: tuple[_Level, _Level, _Level] = (214, 228, 240)
+    texture_budget_mb: float = Field(default=400.0, gt=0.0, le=10_000.0)
+    threads: int | None = Field(default=None, ge=1, le=MOST_THREADS)
 
 
 class CpuRenderer:
