@@ -21,8 +21,8 @@ from hypernav.core.trace import ExchangeLog
 from hypernav.models.chat.config import ChatConfig
 from hypernav.models.chat.ledger import Ledger, LedgerChat
 from hypernav.models.chat.local_chat import LocalChat
-from hypernav.models.chat.openai_chat import OpenAiChat
 from hypernav.models.chat.recording import RecordingChat, ReplayChat
+from hypernav.models.chat.server.openai_chat import OpenAiChat
 from hypernav.models.chat.vlm_families import smart_resize
 from hypernav.models.chat.vlm_spec import open_chat, parse_vlm_spec
 from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner

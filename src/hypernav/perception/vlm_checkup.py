@@ -16,7 +16,7 @@ from hypernav.core.geometry.boxes import Box
 from hypernav.core.goal import Goal
 from hypernav.core.protocols import ChatModel
 from hypernav.models.chat.answer_parsing import shortened, without_thinking
-from hypernav.models.chat.openai_chat import OpenAiChat
+from hypernav.models.chat.server.openai_chat import OpenAiChat
 from hypernav.models.chat.vlm_families import VlmFamily, family_named, family_of
 from hypernav.perception.explorers.vlm_reasoner import VlmReasonerConfig, map_question
 from hypernav.perception.local.grounding_format import read_grounding

@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 from hypernav.core.errors import ConfigError, MissingExtraError, RecordingError
-from hypernav.models.chat.openai_chat import OpenAiChat
+from hypernav.models.chat.server.openai_chat import OpenAiChat
 from hypernav.models.chat.vlm_spec import VlmSpec, open_chat, parse_vlm_spec
 
 

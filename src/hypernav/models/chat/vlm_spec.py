@@ -60,7 +60,7 @@ def open_chat(spec: VlmSpec | str, config: ChatConfig | None = None) -> ChatMode
     # Each backend is imported when it is used: the SDK alone takes half a second.
     match spec.kind:
         case "openai":
-            from hypernav.models.chat.openai_chat import OpenAiChat
+            from hypernav.models.chat.server.openai_chat import OpenAiChat
 
             return OpenAiChat(spec.target, spec.model, config)
         case "local":

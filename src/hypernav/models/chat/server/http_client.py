@@ -17,7 +17,7 @@ from hypernav.core.errors import (
 )
 from hypernav.models.chat.answer_parsing import shortened
 from hypernav.models.chat.config import ChatConfig
-from hypernav.models.chat.retry import RetryLaterError
+from hypernav.models.chat.server.retry import RetryLaterError
 
 _RETRYABLE_STATUSES = {408, 409, 425, 429}
 _NO_VISION = re.compile(

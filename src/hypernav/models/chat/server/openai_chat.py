@@ -11,14 +11,18 @@ from typing import Any
 from hypernav.core.chat import Answer, Question, Usage
 from hypernav.core.errors import ChatTransportError, ModelRejectedError
 from hypernav.models.chat.answer_parsing import parse_answer
-from hypernav.models.chat.answer_probabilities import answer_probabilities, parse_logprobs
 from hypernav.models.chat.config import ChatConfig
-from hypernav.models.chat.decision_api import accepts_question, decision_request, parse_decision
-from hypernav.models.chat.http_client import BadRequestError, HttpClient
 from hypernav.models.chat.image_encoding import jpeg_data_url
-from hypernav.models.chat.retry import Retry
-from hypernav.models.chat.server_detection import ServerInfo, detect_server, with_known_models
-from hypernav.models.chat.server_dialects import Constraint, constraint_for
+from hypernav.models.chat.server.answer_probabilities import answer_probabilities, parse_logprobs
+from hypernav.models.chat.server.decision_api import (
+    accepts_question,
+    decision_request,
+    parse_decision,
+)
+from hypernav.models.chat.server.detection import ServerInfo, detect_server, with_known_models
+from hypernav.models.chat.server.dialects import Constraint, constraint_for
+from hypernav.models.chat.server.http_client import BadRequestError, HttpClient
+from hypernav.models.chat.server.retry import Retry
 
 _log = logging.getLogger(__name__)
 _DETECTION_LIMIT_S = 10.0

@@ -8,8 +8,8 @@ from chat_models import image
 from hypernav.core.chat import Fault, Question, Usage
 from hypernav.core.errors import ConfigError, ModelRejectedError, ModelUnavailableError
 from hypernav.models.chat.config import ChatConfig
-from hypernav.models.chat.openai_chat import OpenAiChat
-from hypernav.models.chat.server_dialects import DIALECTS
+from hypernav.models.chat.server.dialects import DIALECTS
+from hypernav.models.chat.server.openai_chat import OpenAiChat
 from servers.scripted import (
     TRANSPORT_FAILURES,
     Failure,

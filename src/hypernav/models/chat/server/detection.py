@@ -14,9 +14,9 @@ from urllib.parse import urlsplit, urlunsplit
 
 from hypernav.core.errors import ModelRejectedError
 from hypernav.models.chat.config import ChatConfig
-from hypernav.models.chat.http_client import BadRequestError, HttpClient
-from hypernav.models.chat.retry import RetryLaterError
-from hypernav.models.chat.server_dialects import ServerDialect, dialect_named
+from hypernav.models.chat.server.dialects import ServerDialect, dialect_named
+from hypernav.models.chat.server.http_client import BadRequestError, HttpClient
+from hypernav.models.chat.server.retry import RetryLaterError
 
 _OWNERS = {"vllm": "vllm", "sglang": "sglang", "llamacpp": "llamacpp", "library": "ollama"}
 _STRUCTURED_SINCE = (0, 11)

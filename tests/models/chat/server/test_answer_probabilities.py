@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hypernav.models.chat.answer_probabilities import (
+from hypernav.models.chat.server.answer_probabilities import (
     TokenProbabilities,
     answer_probabilities,
     parse_logprobs,

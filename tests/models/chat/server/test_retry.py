@@ -11,7 +11,7 @@ from hypernav.core.errors import (
     ModelUnavailableError,
 )
 from hypernav.models.chat.config import ChatConfig
-from hypernav.models.chat.retry import Retry, RetryLaterError
+from hypernav.models.chat.server.retry import Retry, RetryLaterError
 
 
 class Time:

@@ -1,0 +1,1 @@
+"""Models behind an OpenAI-compatible server, and all that can go wrong on the way to one."""
