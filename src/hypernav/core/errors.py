@@ -92,7 +92,11 @@ class ModelUnavailableError(ChatError):
 
 
 class ModelRejectedError(ModelUnavailableError):
-    """A server will never answer this: wrong address, key, model name or kind of input."""
+    """A server will never answer this question."""
+
+
+class ModelSetupError(ModelRejectedError):
+    """URL, key or choice of the model are wrong: no question succeeds until they are corrected."""
 
 
 class RunFolderError(HyPerNavError):

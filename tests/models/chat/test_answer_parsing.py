@@ -10,7 +10,7 @@ from hypernav.core.errors import (
     RefusalError,
     UnparsableAnswerError,
 )
-from hypernav.models.chat.answer_parsing import parse_answer
+from hypernav.models.chat.answer_parsing import LONGEST_ANSWER, parse_answer
 
 
 class Point(BaseModel):
@@ -133,3 +133,11 @@ def test_a_question_that_cannot_be_answered_is_refused(wrong: dict):
 def test_the_text_can_always_be_written_to_a_file():
     answer = read(OPEN, "a\ud83d b \ud83d\ude00")
     assert answer.text == "a\ufffd b \U0001f600"
+
+
+def test_an_endless_answer_is_cut_and_of_no_use():
+    answer = parse_answer(OPEN, "a bed " * 1_000_000, model="m")
+    assert len(answer.text) == LONGEST_ANSWER
+    assert answer.fault is Fault.UNPARSABLE
+    again = parse_answer(OPEN, answer.text, model="m")  # as a recording replays it
+    assert (again.text, again.fault, again.detail) == (answer.text, answer.fault, answer.detail)

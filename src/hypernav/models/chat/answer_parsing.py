@@ -26,6 +26,8 @@ _LEAD = re.compile(
     r"^\W*(?:(?:the|my|final|answer|choice|block|number|is)\b[\s:#*]*)+", re.IGNORECASE
 )
 _SHORT = 80
+LONGEST_ANSWER = 32_768
+"""Characters of an answer that are kept: the longest question asks for a twentieth of it."""
 
 
 def parse_answer(
@@ -52,7 +54,7 @@ def parse_answer(
         refused: Whether the server reports that the model declined.
     """
     # Half a surrogate pair, which JSON can carry, could not be written to any file.
-    text = text.encode("utf-16", "surrogatepass").decode("utf-16", "replace")
+    text = text[:LONGEST_ANSWER].encode("utf-16", "surrogatepass").decode("utf-16", "replace")
     answer = Answer(
         text=text,
         model=model,
@@ -66,6 +68,9 @@ def parse_answer(
         return _faulty(answer, Fault.REFUSED, f"declined: {shortened(said) or 'no reason given'}")
     if not said:
         return _faulty(answer, Fault.UNPARSABLE, "the answer is empty")
+    if len(text) >= LONGEST_ANSWER:
+        detail = f"the answer has {LONGEST_ANSWER:,} characters or more: '{shortened(said)}'"
+        return _faulty(answer, Fault.UNPARSABLE, detail)
     if question.allowed:
         return _parse_allowed(answer, said, question.allowed)
     if question.form is not None:
@@ -80,7 +85,7 @@ def without_thinking(text: str) -> str:
 
 def shortened(text: str, length: int = _SHORT) -> str:
     """Text as one line of limited length, for messages."""
-    line = " ".join(text.split())
+    line = " ".join(text[: 8 * length].split())  # an answer may be long
     return line if len(line) <= length else line[: length - 1] + "…"
 
 

@@ -259,12 +259,11 @@ def test_the_key_never_shows(server: ScriptedServer, caplog: pytest.LogCaptureFi
 def test_an_openai_key_is_not_sent_in_the_clear_to_strangers():
     environment = {"OPENAI_API_KEY": "secret-3"}
     for url, sent in [
-        ("http://lab:8000/v1", "none"),
+        ("http://lab:8000/v1", ""),
         ("https://lab/v1", "secret-3"),
         ("http://localhost:1/v1", "secret-3"),
     ]:
-        client = OpenAiChat(url, "m", environment=environment)._client
-        assert client._client.api_key == sent
+        assert OpenAiChat(url, "m", environment=environment)._client._key == sent
 
 
 @pytest.mark.parametrize(

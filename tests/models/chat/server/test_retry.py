@@ -1,3 +1,4 @@
+from collections import Counter
 from collections.abc import Callable
 
 import pytest
@@ -11,6 +12,7 @@ from hypernav.core.errors import (
     ModelUnavailableError,
 )
 from hypernav.models.chat.config import ChatConfig
+from hypernav.models.chat.server.deadline import Deadline
 from hypernav.models.chat.server.retry import Retry, RetryLaterError
 
 
@@ -30,11 +32,15 @@ def patience(time: Time, **settings: float) -> Retry:
     return Retry(ChatConfig.model_validate(settings), sleep=time.sleep, clock=lambda: time.now)
 
 
-def failing(times: int, error: Exception) -> Callable[[float], str]:
+def call(retry: Retry, attempt: Callable[[Deadline], str]) -> tuple[str, Counter[str]]:
+    return retry.call(attempt, who="m", patience=retry.begin())
+
+
+def failing(times: int, error: Exception) -> Callable[[Deadline], str]:
     left = [times]
 
-    def attempt(limit_s: float) -> str:
-        assert limit_s > 0.0
+    def attempt(deadline: Deadline) -> str:
+        assert deadline.seconds_left > 0.0
         if left[0] > 0:
             left[0] -= 1
             raise error
@@ -45,9 +51,8 @@ def failing(times: int, error: Exception) -> Callable[[float], str]:
 
 def test_waits_double_up_to_the_longest():
     time = Time()
-    result, lost = patience(time, longest_wait_s=3.0).call(
-        failing(5, ChatTransportError("lost")), who="m"
-    )
+    lost_often = failing(5, ChatTransportError("lost"))
+    result, lost = call(patience(time, longest_wait_s=3.0), lost_often)
     assert (result, lost) == ("done", {"transport": 5})
     assert time.waits == [0.5, 1.0, 2.0, 3.0, 3.0]
 
@@ -55,9 +60,33 @@ def test_waits_double_up_to_the_longest():
 def test_heeds_what_the_server_asks_for_within_bounds():
     time = Time()
     attempt = failing(1, RetryLaterError("busy", 2.5))
-    assert patience(time).call(attempt, who="m") == ("done", {"transport": 1})
-    assert patience(time).call(failing(1, RetryLaterError("busy", 900.0)), who="m")[1].total() == 1
+    assert call(patience(time), attempt) == ("done", {"transport": 1})
+    assert call(patience(time), failing(1, RetryLaterError("busy", 900.0)))[1].total() == 1
     assert time.waits == [2.5, 8.0]
+
+
+def test_a_server_cannot_make_us_ask_more_often():
+    time = Time()
+    call(patience(time), failing(3, RetryLaterError("busy", 0.0)))
+    assert time.waits == [0.5, 1.0, 2.0]
+
+
+def test_all_attempts_of_a_question_share_its_patience():
+    time = Time()
+    retry = patience(time, patience_s=10.0, timeout_s=60.0)
+    begun = retry.begin()
+    time.now = 9.0
+    with pytest.raises(ModelUnavailableError):
+        retry.call(slow_until_the_end(time), who="m", patience=begun)
+    assert time.now == 10.0
+
+
+def slow_until_the_end(time: Time) -> Callable[[Deadline], str]:
+    def attempt(deadline: Deadline) -> str:
+        time.now += deadline.seconds_left
+        raise ChatTimeoutError("slow")
+
+    return attempt
 
 
 @given(
@@ -69,14 +98,15 @@ def test_heeds_what_the_server_asks_for_within_bounds():
 def test_gives_up_within_the_patience(limit: float, first: float, longest: float, error: Exception):
     time = Time()
     with pytest.raises(ModelUnavailableError, match="patience"):
-        patience(time, patience_s=limit, first_wait_s=first, longest_wait_s=longest).call(
-            failing(10**6, error), who="m"
+        call(
+            patience(time, patience_s=limit, first_wait_s=first, longest_wait_s=longest),
+            failing(10**6, error),
         )
     assert time.now <= limit
 
 
 def test_lost_attempts_are_counted_by_reason():
-    def attempt(limit_s: float) -> str:
+    def attempt(deadline: Deadline) -> str:
         if errors:
             raise errors.pop()
         return "done"
@@ -86,13 +116,13 @@ def test_lost_attempts_are_counted_by_reason():
         ChatTransportError("b"),
         ChatTimeoutError("c"),
     ]
-    assert patience(Time()).call(attempt, who="m")[1] == {"timeout": 2, "transport": 1}
+    assert call(patience(Time()), attempt)[1] == {"timeout": 2, "transport": 1}
 
 
 def test_no_patience_means_one_attempt():
     time = Time()
     with pytest.raises(ModelUnavailableError, match="in 1 attempt within"):
-        patience(time, patience_s=0.0).call(failing(1, ChatTransportError("lost")), who="m")
+        call(patience(time, patience_s=0.0), failing(1, ChatTransportError("lost")))
     assert time.waits == []
 
 
@@ -100,13 +130,12 @@ def test_an_attempt_may_last_no_longer_than_the_patience_that_is_left():
     time = Time()
     limits: list[float] = []
 
-    def slow(limit_s: float) -> None:
-        limits.append(limit_s)
-        time.now += limit_s
-        raise ChatTimeoutError("slow")
+    def slow(deadline: Deadline) -> str:
+        limits.append(deadline.limit_s)
+        return slow_until_the_end(time)(deadline)
 
     with pytest.raises(ModelUnavailableError):
-        patience(time, patience_s=10.0, timeout_s=4.0, first_wait_s=1.0).call(slow, who="m")
+        call(patience(time, patience_s=10.0, timeout_s=4.0, first_wait_s=1.0), slow)
     assert limits == [4.0, 4.0]
     assert time.now <= 10.0
 
@@ -114,5 +143,5 @@ def test_an_attempt_may_last_no_longer_than_the_patience_that_is_left():
 def test_what_cannot_succeed_is_not_repeated():
     time = Time()
     with pytest.raises(ModelRejectedError):
-        patience(time).call(failing(1, ModelRejectedError("no such model")), who="m")
+        call(patience(time), failing(1, ModelRejectedError("no such model")))
     assert time.waits == []

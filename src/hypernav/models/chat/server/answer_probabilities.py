@@ -11,7 +11,10 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from hypernav.models.chat.server.reply_fields import finite_number
+
 _MIN_MASS = 0.01
+_MOST_ALTERNATIVES = 100
 _BEFORE = " \t\r\n\"'"
 
 
@@ -38,14 +41,11 @@ def parse_logprobs(content: object) -> list[TokenProbabilities]:
             return []
         top = entry.get("top_logprobs")
         probabilities: dict[str, float] = {}
-        for one in [entry, *(top if isinstance(top, list) else [])]:
-            text, logprob = one.get("token"), one.get("logprob")
-            if (
-                isinstance(text, str)
-                and isinstance(logprob, int | float)
-                and text not in probabilities
-            ):
-                probabilities[text] = math.exp(min(float(logprob), 0.0))
+        for one in [entry, *(top[:_MOST_ALTERNATIVES] if isinstance(top, list) else [])]:
+            text = one.get("token") if isinstance(one, dict) else None
+            logprob = finite_number(one.get("logprob")) if isinstance(one, dict) else None
+            if isinstance(text, str) and logprob is not None and text not in probabilities:
+                probabilities[text] = math.exp(min(logprob, 0.0))
         tokens.append(TokenProbabilities(entry["token"], probabilities))
     return tokens
 

@@ -6,12 +6,13 @@ forms exist: System One (``POST /v1/systemone``; ``transformers serve``, see
 ``openai/types/decision_create_params.py``; also SGLang and LiteLLM).
 """
 
-import math
 from typing import Any
 
 from hypernav.core.chat import Question, Usage
 from hypernav.core.errors import ChatTransportError
+from hypernav.models.chat.answer_parsing import shortened
 from hypernav.models.chat.image_encoding import jpeg_base64, jpeg_data_url
+from hypernav.models.chat.server.reply_fields import finite_number, read_usage
 
 _QUESTION = "question"
 _SYSTEMONE_LIMIT = 26
@@ -86,49 +87,29 @@ def parse_decision(
     if isinstance(answers, list) and answers:
         answer = answers[0]
     if not isinstance(answer, dict):
-        raise ChatTransportError(f"the {endpoint} endpoint sent no answer: {str(reply)[:200]}")
-    usage = _usage(reply.get("usage"))
+        found = shortened(str(reply), 200)
+        raise ChatTransportError(f"the {endpoint} endpoint sent no answer: {found}")
+    usage = read_usage(reply.get("usage"))
     if answer.get("type") == "refusal":
         return "", {}, usage, True
     probabilities = _probabilities(answer.get("probabilities"), question.allowed)
     chosen = answer.get("choice")
     if not isinstance(chosen, str) or not probabilities:
-        raise ChatTransportError(f"the {endpoint} endpoint sent no choice: {str(answer)[:200]}")
+        found = shortened(str(answer), 200)
+        raise ChatTransportError(f"the {endpoint} endpoint sent no choice: {found}")
     return chosen, probabilities, usage, False
 
 
 def _probabilities(value: object, allowed: tuple[str, ...]) -> dict[str, float]:
+    """Probabilities of all allowed answers; empty if one is missing or none is above 0."""
     if isinstance(value, list):
-        value = {
-            entry.get("value"): entry.get("probability")
-            for entry in value
-            if isinstance(entry, dict)
-        }
+        entries = [entry for entry in value if isinstance(entry, dict)]
+        value = {str(entry.get("value")): entry.get("probability") for entry in entries}
     if not isinstance(value, dict):
         return {}
-    probabilities = {}
-    for answer in allowed:
-        probability = value.get(answer)
-        if (
-            not isinstance(probability, int | float)
-            or not math.isfinite(probability)
-            or probability < 0.0
-        ):
-            return {}
-        probabilities[answer] = float(probability)
-    total = sum(probabilities.values())
-    return (
-        {answer: probability / total for answer, probability in probabilities.items()}
-        if total > 0.0
-        else {}
-    )
-
-
-def _usage(value: object) -> Usage:
-    if not isinstance(value, dict):
-        return Usage()
-    tokens_in, tokens_out = value.get("input_tokens"), value.get("output_tokens")
-    return Usage(
-        tokens_in if isinstance(tokens_in, int) else 0,
-        tokens_out if isinstance(tokens_out, int) else 0,
-    )
+    shares = [finite_number(value.get(answer)) for answer in allowed]
+    known = [share for share in shares if share is not None and 0.0 <= share <= 1.0]
+    total = sum(known)
+    if len(known) < len(allowed) or total <= 0.0:
+        return {}
+    return {answer: share / total for answer, share in zip(allowed, known, strict=True)}

@@ -10,16 +10,19 @@ import logging
 import re
 from dataclasses import dataclass
 from typing import Any
-from urllib.parse import urlsplit, urlunsplit
+from urllib.parse import urlsplit
 
-from hypernav.core.errors import ModelRejectedError
+from hypernav.core.errors import ModelRejectedError, ModelSetupError
 from hypernav.models.chat.config import ChatConfig
+from hypernav.models.chat.server.deadline import Deadline
 from hypernav.models.chat.server.dialects import ServerDialect, dialect_named
-from hypernav.models.chat.server.http_client import BadRequestError, HttpClient
+from hypernav.models.chat.server.http_client import BadRequestError, HttpClient, NotFoundError
 from hypernav.models.chat.server.retry import RetryLaterError
 
 _OWNERS = {"vllm": "vllm", "sglang": "sglang", "llamacpp": "llamacpp", "library": "ollama"}
 _STRUCTURED_SINCE = (0, 11)
+_MOST_MODELS = 1000
+_LONGEST_NAME = 200
 _log = logging.getLogger(__name__)
 
 
@@ -31,15 +34,17 @@ class ServerInfo:
         model: Name of the model in use.
         models: Names of all models it offers; empty if it does not say.
         dialect: API dialect that it speaks.
+        list_fault: Reason why its list of models could not be read; empty if it could.
     """
 
     model: str
     models: tuple[str, ...]
     dialect: ServerDialect
+    list_fault: str = ""
 
 
 def detect_server(
-    client: HttpClient, model: str | None, config: ChatConfig, *, limit_s: float
+    client: HttpClient, model: str | None, config: ChatConfig, deadline: Deadline
 ) -> ServerInfo:
     """Detect a server's dialect and model.
 
@@ -47,20 +52,20 @@ def detect_server(
         client: HTTP client of the server.
         model: Name of the wanted model; None takes the only one.
         config: Configuration; a dialect named there is not detected.
-        limit_s: Time limit of each of up to three requests, seconds.
+        deadline: Moment at which all requests, up to three, have to be over.
 
     Raises:
-        ModelRejectedError: It has several models or none, and none was named.
+        ModelSetupError: It has several models or none, and none was named.
         ChatTransportError: It cannot be reached.
         ChatTimeoutError: It does not answer.
     """
-    entries = _models(client, model, limit_s)
+    entries, list_fault = _models(client, model, deadline)
     names = tuple(entry["id"] for entry in entries)
     chosen = model or _only(names, client)
     if config.dialect != "auto":
-        return ServerInfo(chosen, names, dialect_named(config.dialect))
+        return ServerInfo(chosen, names, dialect_named(config.dialect), list_fault)
     owners = {str(entry.get("owned_by", "")).lower() for entry in entries}
-    return ServerInfo(chosen, names, _dialect(client, chosen, owners, limit_s))
+    return ServerInfo(chosen, names, _dialect(client, chosen, owners, deadline), list_fault)
 
 
 def with_known_models(
@@ -70,73 +75,78 @@ def with_known_models(
     if len(server.models) == 0 or server.model in server.models:
         return error
     close = difflib.get_close_matches(server.model, server.models, 3, 0.3) or server.models[:3]
-    return ModelRejectedError(
+    return ModelSetupError(
         f"{error}; the server has no model '{server.model}', try openai:{url}#{close[0]}"
         + (f" (or {', '.join(close[1:])})" if len(close) > 1 else "")
     )
 
 
-def _models(client: HttpClient, model: str | None, limit_s: float) -> list[dict[str, Any]]:
+def _models(
+    client: HttpClient, model: str | None, deadline: Deadline
+) -> tuple[list[dict[str, Any]], str]:
+    """Entries of the list of models, and why it could not be read, which a named model forgives."""
     try:
-        reply = client.get("/models", limit_s=limit_s)
-    except ModelRejectedError as error:
-        if model is not None and "answered 404" in str(error):
-            return []
-        if "answered 404" in str(error) and not urlsplit(client.url).path.rstrip("/"):
-            raise ModelRejectedError(f"{error}; try openai:{client.url}/v1") from error
+        reply = client.get("models", deadline)
+    except NotFoundError as error:
+        if model is not None:
+            return [], str(error)
+        if not urlsplit(client.url).path.rstrip("/"):
+            raise ModelSetupError(f"{error}; try openai:{client.url}/v1") from error
         raise
     except RetryLaterError as error:
         # A broken list, as `transformers serve` has without a cache folder, is no reason to stop.
         if model is not None and error.status == 500:
-            return []
+            return [], str(error)
         raise
-    data = reply.get("data") if isinstance(reply, dict) else None
-    entries = data if isinstance(data, list) else []
-    return [one for one in entries if isinstance(one, dict) and isinstance(one.get("id"), str)]
+    data = reply.get("data")
+    entries = data[:_MOST_MODELS] if isinstance(data, list) else []
+    return [one for one in entries if isinstance(one, dict) and _is_name(one.get("id"))], ""
+
+
+def _is_name(value: object) -> bool:
+    return isinstance(value, str) and 0 < len(value) <= _LONGEST_NAME
 
 
 def _only(names: tuple[str, ...], client: HttpClient) -> str:
     if len(names) == 0:
-        raise ModelRejectedError(f"{client.url} lists no model; name it: openai:{client.url}#MODEL")
+        raise ModelSetupError(f"{client.url} lists no model; name it: openai:{client.url}#MODEL")
     if len(names) == 1:
         return names[0]
     some = ", ".join(names[:5]) + (", …" if len(names) > 5 else "")
-    raise ModelRejectedError(
+    raise ModelSetupError(
         f"{client.url} has several models ({some}); name one: openai:{client.url}#{names[0]}"
     )
 
 
-def _dialect(client: HttpClient, model: str, owners: set[str], limit_s: float) -> ServerDialect:
+def _dialect(client: HttpClient, model: str, owners: set[str], deadline: Deadline) -> ServerDialect:
     name = next((_OWNERS[owner] for owner in sorted(owners) if owner in _OWNERS), "openai")
-    if name == "vllm" and _vllm_version(client, limit_s) < _STRUCTURED_SINCE:
+    if name == "vllm" and _vllm_version(client, deadline) < _STRUCTURED_SINCE:
         name = "vllm-guided"
     if name == "openai" and urlsplit(client.url).hostname == "api.openai.com":
         known = dialect_named("openai")
         return ServerDialect(
             "openai", known.choice, known.form, known.logprobs, token_limit="max_completion_tokens"
         )
-    if name == "openai" and _has_systemone(client, limit_s):
+    if name == "openai" and _has_systemone(client, deadline):
         name = "transformers"
     _log.info("%s: model %s, dialect %s", client.url, model, name)
     return dialect_named(name)
 
 
-def _vllm_version(client: HttpClient, limit_s: float) -> tuple[int, ...]:
+def _vllm_version(client: HttpClient, deadline: Deadline) -> tuple[int, ...]:
     """From ``GET /version``, which lies beside the API; new if it does not say."""
-    parts = urlsplit(client.url)
     try:
-        root = urlunsplit((parts.scheme, parts.netloc, "/version", "", ""))
-        version = str(client.get(root, limit_s=limit_s).get("version", ""))
+        version = str(client.get("/version", deadline).get("version", ""))
     except ModelRejectedError:
         version = ""
-    numbers = re.match(r"(\d+)\.(\d+)", version)
+    numbers = re.match(r"(\d{1,9})\.(\d{1,9})", version)
     return (int(numbers[1]), int(numbers[2])) if numbers else _STRUCTURED_SINCE
 
 
-def _has_systemone(client: HttpClient, limit_s: float) -> bool:
+def _has_systemone(client: HttpClient, deadline: Deadline) -> bool:
     """An empty request is refused for its content where the endpoint exists, else not found."""
     try:
-        client.post("/systemone", {}, limit_s=limit_s)
+        client.post("systemone", {}, deadline)
     except ModelRejectedError as error:
         return isinstance(error, BadRequestError)
     except RetryLaterError as error:

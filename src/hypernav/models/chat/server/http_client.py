@@ -1,28 +1,32 @@
-"""HTTP client of an OpenAI-compatible server, on top of the OpenAI SDK."""
+"""JSON over HTTP with an OpenAI-compatible server; every failure is one of our errors."""
 
+import http.client
 import json
+import math
 import os
 import re
 from collections.abc import Mapping
 from typing import Any
-from urllib.parse import urlsplit
-
-import openai
+from urllib.parse import urljoin, urlsplit
 
 from hypernav.core.errors import (
     ChatTimeoutError,
     ChatTransportError,
     ConfigError,
     ModelRejectedError,
+    ModelSetupError,
 )
 from hypernav.models.chat.answer_parsing import shortened
 from hypernav.models.chat.config import ChatConfig
+from hypernav.models.chat.server.bounded_http import Reply, exchange
+from hypernav.models.chat.server.deadline import Deadline
 from hypernav.models.chat.server.retry import RetryLaterError
 
 _RETRYABLE_STATUSES = {408, 409, 425, 429}
 _NO_VISION = re.compile(
     r"image input is not supported|mmproj|does not support (?:image|vision)", re.I
 )
+_PLAIN = re.compile(r"[!-~]+")
 _LOCAL_HOSTS = {"localhost", "127.0.0.1", "::1"}
 
 
@@ -30,12 +34,15 @@ class BadRequestError(ModelRejectedError):
     """The server understood the address but not the request (400, 413, 422)."""
 
 
-class HttpClient:
-    """Sends JSON and receives JSON; every failure becomes one of our errors.
+class NotFoundError(ModelSetupError):
+    """The server has nothing at this address, or no such model (404)."""
 
-    The SDK's own retries are off: they would be neither counted nor bounded by `Retry`. The
-    key comes from the environment only and never shows in messages: ``HYPERNAV_API_KEY`` goes to
-    any server, ``OPENAI_API_KEY`` only over https or within this machine.
+
+class HttpClient:
+    """Sends JSON and receives JSON within a deadline.
+
+    The key comes from the environment only and never shows in messages: ``HYPERNAV_API_KEY`` goes
+    to any server, ``OPENAI_API_KEY`` only over https or within this machine.
     """
 
     def __init__(
@@ -49,64 +56,84 @@ class HttpClient:
         self.url = _checked(url)
         self._key = _key_for(self.url, environment)
         self._config = config
-        self._client = openai.OpenAI(
-            base_url=self.url, api_key=self._key or "none", max_retries=0, timeout=config.timeout_s
-        )
 
-    def post(self, path: str, body: dict[str, Any], *, limit_s: float) -> Any:
-        """Send and receive JSON.
+    def post(self, path: str, body: dict[str, Any], deadline: Deadline) -> dict[str, Any]:
+        """Send and receive a JSON object.
+
+        Args:
+            path: Path below the API's URL, or from the root of the server if it begins with "/".
+            body: Object to send.
+            deadline: Moment at which the answer has to be here.
 
         Raises:
-            ChatTimeoutError: No answer within the limit.
+            ChatTimeoutError: No answer in time.
             ChatTransportError: No connection, a server's fault, or a broken answer.
             ModelRejectedError: The server rejects the request for good.
         """
-        return self._exchange("POST", path, body, limit_s)
+        return self._exchange("POST", path, json.dumps(body).encode("utf-8"), deadline)
 
-    def get(self, path: str, *, limit_s: float) -> Any:
-        """Receive JSON; raises what `post` raises."""
-        return self._exchange("GET", path, None, limit_s)
+    def get(self, path: str, deadline: Deadline) -> dict[str, Any]:
+        """Receive a JSON object; raises what `post` raises."""
+        return self._exchange("GET", path, None, deadline)
 
-    def _exchange(self, method: str, path: str, body: dict[str, Any] | None, limit_s: float) -> Any:
-        timeout = openai.Timeout(limit_s, connect=min(limit_s, self._config.connect_timeout_s))
-        client = self._client.with_options(timeout=timeout)
+    def _exchange(
+        self, method: str, path: str, body: bytes | None, deadline: Deadline
+    ) -> dict[str, Any]:
+        url = urljoin(f"{self.url}/", path)
+        headers = {"Accept": "application/json", "Content-Type": "application/json"}
+        if self._key:
+            headers["Authorization"] = f"Bearer {self._key}"
         try:
-            if method == "GET":
-                reply = client.get(path, cast_to=object)
-            else:
-                reply = client.post(path, cast_to=object, body=body)
-        except openai.APITimeoutError as error:
-            raise ChatTimeoutError(f"{self.url}: no answer within {limit_s:.3g} s") from error
-        except openai.APIStatusError as error:
-            raise self._status_error(error, path) from error
-        except openai.APIConnectionError as error:
-            cause = self._without_key(str(error.__cause__ or error))
-            raise ChatTransportError(
-                f"{self.url}: {cause}; is the server running? try: hypernav doctor --vlm "
-                f"openai:{self.url}"
-            ) from error
-        except (openai.APIResponseValidationError, ValueError) as error:
-            raise ChatTransportError(f"{self.url}: the answer is not JSON: {error}") from error
-        if not isinstance(reply, dict):
-            found = self._without_key(str(reply))
-            raise ChatTransportError(f"{self.url}{path}: expected JSON, found '{found}'")
-        return reply
-
-    def _status_error(self, error: openai.APIStatusError, path: str) -> Exception:
-        said = self._without_key(_message(error))
-        where = f"{self.url}{path} answered {error.status_code}"
-        if _NO_VISION.search(said):  # llama.cpp answers 500
-            return ModelRejectedError(f"{where}: {said}; this model cannot see, choose another")
-        if error.status_code in _RETRYABLE_STATUSES or error.status_code >= 500:
-            return RetryLaterError(
-                f"{where}: {said}", _retry_after(error), status=error.status_code
+            reply = exchange(
+                method,
+                url,
+                headers=headers,
+                body=body,
+                deadline=deadline,
+                connect_limit_s=self._config.connect_timeout_s,
             )
-        if error.status_code in {401, 403}:
-            hint = "set the environment variable HYPERNAV_API_KEY to the server's key"
-            return ModelRejectedError(f"{where}: {said}; {hint}")
-        if error.status_code in {400, 413, 422}:
+        except TimeoutError as error:
+            raise ChatTimeoutError(
+                f"{self.url}: no answer within {deadline.limit_s:.3g} s"
+            ) from error
+        except (OSError, http.client.HTTPException, ValueError) as error:
+            raise ChatTransportError(
+                f"{self.url}: {self._without_key(str(error) or type(error).__name__)}; is the "
+                f"server running? try: hypernav doctor --vlm openai:{self.url}"
+            ) from error
+        if not 200 <= reply.status < 300:
+            raise self._status_error(reply, url)
+        return self._parsed(reply, url)
+
+    def _parsed(self, reply: Reply, url: str) -> dict[str, Any]:
+        try:
+            parsed = json.loads(reply.body)
+        except (ValueError, RecursionError) as error:
+            cause = self._without_key(str(error))
+            raise ChatTransportError(f"{url}: the answer is not JSON: {cause}") from error
+        if not isinstance(parsed, dict):
+            found = self._without_key(_text(reply))
+            raise ChatTransportError(f"{url}: expected a JSON object, found '{found}'")
+        return parsed
+
+    def _status_error(self, reply: Reply, url: str) -> Exception:
+        status, said = reply.status, self._without_key(_message(reply))
+        where = f"{url} answered {status}"
+        if _NO_VISION.search(said):  # llama.cpp answers 500
+            return ModelSetupError(f"{where}: {said}; this model cannot see, choose another")
+        if status in _RETRYABLE_STATUSES or status >= 500 or status < 200:
+            return RetryLaterError(f"{where}: {said}", _retry_after(reply), status=status)
+        if status < 400:
+            target = shortened(reply.headers.get("location", "nowhere"), 240)
+            return ModelSetupError(
+                f"{where}: the server points to {target}; write its own URL after openai:"
+            )
+        if status in {400, 413, 422}:
             return BadRequestError(f"{where}: {said}")
-        return ModelRejectedError(f"{where}: {said}")
+        if status == 404:
+            return NotFoundError(f"{where}: {said}")
+        hint = "; set the environment variable HYPERNAV_API_KEY to the server's key"
+        return ModelSetupError(f"{where}: {said}{hint if status in {401, 403} else ''}")
 
     def _without_key(self, text: str) -> str:
         return shortened(text.replace(self._key, "***") if self._key else text, 240)
@@ -118,7 +145,7 @@ def _checked(url: str) -> str:
         host, _ = parts.hostname, parts.port
     except ValueError as error:
         raise ConfigError(f"'{url}' is not a server's URL: {error}") from error
-    if parts.scheme not in {"http", "https"} or not host:
+    if parts.scheme not in {"http", "https"} or not host or not _PLAIN.fullmatch(url):
         raise ConfigError(
             f"'{url}' is not a server's URL; expected something like http://localhost:8000/v1"
         )
@@ -138,21 +165,27 @@ def _key_for(url: str, environment: Mapping[str, str]) -> str:
     return environment.get("OPENAI_API_KEY", "")
 
 
-def _message(error: openai.APIStatusError) -> str:
+def _message(reply: Reply) -> str:
     """The server's own words: OpenAI's form, FastAPI's, or whatever it sent."""
-    text = error.response.text
+    text = _text(reply)
     try:
         body = json.loads(text)
     except (ValueError, RecursionError):
-        return text or error.message
+        return text or http.client.responses.get(reply.status, "no reason given")
     for key in ("error", "message", "detail"):
         if isinstance(body, dict) and body.get(key):
             body = body[key]
-    return body if isinstance(body, str) else json.dumps(body)
+    return body if isinstance(body, str) else text
 
 
-def _retry_after(error: openai.APIStatusError) -> float | None:
+def _text(reply: Reply) -> str:
+    return reply.body.decode("utf-8", "replace")
+
+
+def _retry_after(reply: Reply) -> float | None:
+    """Seconds that the server asks to wait; None where it names none, or a date, or nonsense."""
     try:
-        return float(error.response.headers.get("retry-after", ""))
+        wait_s = float(reply.headers.get("retry-after", ""))
     except ValueError:
         return None
+    return wait_s if math.isfinite(wait_s) and wait_s >= 0.0 else None

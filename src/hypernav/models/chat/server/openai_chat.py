@@ -10,10 +10,11 @@ from typing import Any
 
 from hypernav.core.chat import Answer, Question, Usage
 from hypernav.core.errors import ChatTransportError, ModelRejectedError
-from hypernav.models.chat.answer_parsing import parse_answer
+from hypernav.models.chat.answer_parsing import parse_answer, shortened
 from hypernav.models.chat.config import ChatConfig
 from hypernav.models.chat.image_encoding import jpeg_data_url
 from hypernav.models.chat.server.answer_probabilities import answer_probabilities, parse_logprobs
+from hypernav.models.chat.server.deadline import Deadline
 from hypernav.models.chat.server.decision_api import (
     accepts_question,
     decision_request,
@@ -22,6 +23,7 @@ from hypernav.models.chat.server.decision_api import (
 from hypernav.models.chat.server.detection import ServerInfo, detect_server, with_known_models
 from hypernav.models.chat.server.dialects import Constraint, constraint_for
 from hypernav.models.chat.server.http_client import BadRequestError, HttpClient
+from hypernav.models.chat.server.reply_fields import read_content, read_usage
 from hypernav.models.chat.server.retry import Retry
 
 _log = logging.getLogger(__name__)
@@ -102,9 +104,14 @@ class OpenAiChat:
         Raises:
             ModelUnavailableError: It cannot be reached, or has no such model.
         """
+        return self._server_within(self._retry.begin())
+
+    def _server_within(self, patience: Deadline) -> ServerInfo:
         with self._lock:
             if self._server is None:
-                self._server, _ = self._retry.call(self._detect_server, who=self._who())
+                self._server, _ = self._retry.call(
+                    self._detect_server, who=self._who(), patience=patience
+                )
             return self._server
 
     def ask(self, question: Question) -> Answer:
@@ -115,10 +122,13 @@ class OpenAiChat:
                 or (`ModelRejectedError`) rejects the request for good.
         """
         begin = self._clock()
-        server = self.server()
+        patience = self._retry.begin()
+        server = self._server_within(patience)
         try:
             reply, lost = self._retry.call(
-                lambda limit_s: self._attempt(server, question, limit_s), who=self._who()
+                lambda deadline: self._attempt(server, question, deadline),
+                who=self._who(),
+                patience=patience,
             )
         except ModelRejectedError as error:
             raise with_known_models(error, server, self.url) from error
@@ -136,23 +146,20 @@ class OpenAiChat:
     def _who(self) -> str:
         return f"openai:{self.url}" + (f"#{self._wanted}" if self._wanted else "")
 
-    def _detect_server(self, limit_s: float) -> ServerInfo:
-        return detect_server(
-            self._client, self._wanted, self.config, limit_s=min(limit_s, _DETECTION_LIMIT_S)
-        )
+    def _detect_server(self, deadline: Deadline) -> ServerInfo:
+        within = deadline.within(_DETECTION_LIMIT_S)
+        return detect_server(self._client, self._wanted, self.config, within)
 
-    def _attempt(self, server: ServerInfo, question: Question, limit_s: float) -> _Reply:
+    def _attempt(self, server: ServerInfo, question: Question, deadline: Deadline) -> _Reply:
         """One attempt; a rejected request is repeated at once with fewer optional fields."""
-        end = self._clock() + limit_s
         dropped = self._dropped
         while True:
             optional = self._optional(server, question, dropped)
-            left = max(end - self._clock(), 0.05)
             try:
                 if "decision" in optional:
-                    reply = self._decide(server, question, left)
+                    reply = self._decide(server, question, deadline)
                 else:
-                    reply = self._complete(server, question, optional, left)
+                    reply = self._complete(server, question, optional, deadline)
             except ModelRejectedError as error:
                 about_content = isinstance(error, BadRequestError) or "decision" in optional
                 if not about_content or not optional:
@@ -179,15 +186,15 @@ class OpenAiChat:
             kinds.append("sampling")
         return tuple(kind for kind in kinds if kind not in dropped)
 
-    def _decide(self, server: ServerInfo, question: Question, limit_s: float) -> _Reply:
+    def _decide(self, server: ServerInfo, question: Question, deadline: Deadline) -> _Reply:
         endpoint = server.dialect.decision
         body = decision_request(endpoint, server.model, question, quality=self.config.jpeg_quality)
-        reply = self._client.post(f"/{endpoint}", body, limit_s=limit_s)
+        reply = self._client.post(endpoint, body, deadline)
         text, probabilities, usage, refused = parse_decision(endpoint, reply, question)
         return _Reply(text, usage, probabilities, refused)
 
     def _complete(
-        self, server: ServerInfo, question: Question, optional: tuple[str, ...], limit_s: float
+        self, server: ServerInfo, question: Question, optional: tuple[str, ...], deadline: Deadline
     ) -> _Reply:
         constraint = Constraint({})
         if "constraint" in optional:
@@ -203,7 +210,7 @@ class OpenAiChat:
         if "sampling" in optional:
             sampling = {"temperature": self.config.temperature, "seed": self.config.seed}
             body |= {key: value for key, value in sampling.items() if value is not None}
-        reply = self._client.post("/chat/completions", body, limit_s=limit_s)
+        reply = self._client.post("chat/completions", body, deadline)
         return _parse_completion(reply, question, wrapped=constraint.wrapped)
 
     def _content(self, question: Question, note: str) -> str | list[dict[str, Any]]:
@@ -218,16 +225,15 @@ class OpenAiChat:
         return [*images, {"type": "text", "text": text}]
 
 
-def _parse_completion(reply: Any, question: Question, *, wrapped: bool) -> _Reply:
+def _parse_completion(reply: dict[str, Any], question: Question, *, wrapped: bool) -> _Reply:
     """Parse a chat completion; an incomplete one counts as a transport error."""
     choices = reply.get("choices")
     choice = choices[0] if isinstance(choices, list) and choices else None
     message = choice.get("message") if isinstance(choice, dict) else None
     if not isinstance(choice, dict) or not isinstance(message, dict):
-        raise ChatTransportError(f"the server sent no choice: {str(reply)[:200]}")
-    content, refusal = message.get("content"), message.get("refusal")
+        raise ChatTransportError(f"the server sent no choice: {shortened(str(reply), 200)}")
+    text, refusal = read_content(message.get("content")), message.get("refusal")
     refused = bool(refusal) or choice.get("finish_reason") == "content_filter"
-    text = content if isinstance(content, str) else ""
     probabilities: dict[str, float] = {}
     logprobs = choice.get("logprobs")
     if question.allowed and isinstance(logprobs, dict):
@@ -235,14 +241,4 @@ def _parse_completion(reply: Any, question: Question, *, wrapped: bool) -> _Repl
         probabilities = answer_probabilities(tokens, question.allowed, wrapped=wrapped)
     if refused and not text and isinstance(refusal, str):
         text = refusal
-    return _Reply(text, _usage(reply.get("usage")), probabilities, refused)
-
-
-def _usage(value: object) -> Usage:
-    if not isinstance(value, dict):
-        return Usage()
-    tokens_in, tokens_out = value.get("prompt_tokens"), value.get("completion_tokens")
-    return Usage(
-        tokens_in if isinstance(tokens_in, int) else 0,
-        tokens_out if isinstance(tokens_out, int) else 0,
-    )
+    return _Reply(text, read_usage(reply.get("usage")), probabilities, refused)

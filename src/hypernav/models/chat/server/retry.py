@@ -8,6 +8,7 @@ from typing import TypeVar
 
 from hypernav.core.errors import ChatTimeoutError, ChatTransportError, ModelUnavailableError
 from hypernav.models.chat.config import ChatConfig
+from hypernav.models.chat.server.deadline import Deadline
 
 _Result = TypeVar("_Result")
 _log = logging.getLogger(__name__)
@@ -53,14 +54,19 @@ class Retry:
         self._sleep = sleep
         self._clock = clock
 
+    def begin(self) -> Deadline:
+        """The end of the patience, for a question that is asked now."""
+        return Deadline(self._config.patience_s, self._clock)
+
     def call(
-        self, attempt: Callable[[float], _Result], *, who: str
+        self, attempt: Callable[[Deadline], _Result], *, who: str, patience: Deadline
     ) -> tuple[_Result, Counter[str]]:
         """Attempt until it works.
 
         Args:
-            attempt: Function of one attempt; takes its time limit in seconds.
+            attempt: Function of one attempt; takes the moment at which it has to be over.
             who: Name of the server, for messages.
+            patience: Result of `begin`; all that belongs to one question shares it.
 
         Returns:
             The result, and how many attempts before it were lost to "transport" and "timeout".
@@ -69,21 +75,18 @@ class Retry:
             ModelUnavailableError: No attempt succeeded within ``patience_s``.
         """
         config = self._config
-        begin = self._clock()
         wait = config.first_wait_s
         lost: Counter[str] = Counter()
         while True:
-            left = config.patience_s - (self._clock() - begin)
-            limit = min(config.timeout_s, left) if config.patience_s > 0.0 else config.timeout_s
+            left = patience.seconds_left if config.patience_s > 0.0 else config.timeout_s
             try:
-                return attempt(limit), lost
+                return attempt(Deadline(min(config.timeout_s, left), self._clock)), lost
             except (ChatTransportError, ChatTimeoutError) as error:
                 lost["timeout" if isinstance(error, ChatTimeoutError) else "transport"] += 1
                 asked_for = error.wait_s if isinstance(error, RetryLaterError) else None
-                pause = wait if asked_for is None else asked_for
-                pause = min(max(pause, 0.0), config.longest_wait_s)
-                left = config.patience_s - (self._clock() - begin)
-                if pause >= left:
+                # A server may ask for a longer wait than ours, never for a shorter one.
+                pause = min(max(wait, asked_for or 0.0), config.longest_wait_s)
+                if pause >= patience.seconds_left:
                     attempts = lost.total()
                     raise ModelUnavailableError(
                         f"{who} gave no answer in {attempts} "
