@@ -10,7 +10,7 @@ from hypernav.core.episode import Outcome
 from hypernav.core.errors import WorldError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.protocols import Agent, ExplainsItself
+from hypernav.core.components.protocols import Agent, ExplainsItself
 from hypernav.core.trace import Ending, ExchangeLog, Mode, without_timings
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.worlds.episode_run import EpisodeRun

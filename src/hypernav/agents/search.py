@@ -18,7 +18,7 @@ from hypernav.core.errors import WorldError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.core.protocols import Explorer, PresenceCheck
+from hypernav.core.components.protocols import Explorer, PresenceCheck
 from hypernav.core.trace import DetectionRecord, ExchangeLog, StepTrace
 from hypernav.mapping.top_down_map import TopDownMap
 from hypernav.perception.local.local_perception import LocalPerception

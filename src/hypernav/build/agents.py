@@ -12,9 +12,9 @@ from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.construction import asked_by, make, section_of
 from hypernav.build.presets import HyPerNavConfig, PriceConfig
 from hypernav.build.registries import AGENTS, Factory
-from hypernav.core.abilities import ChecksGoal, ChecksModel, Closes, Reports, looks_at_colours
+from hypernav.core.components.abilities import ChecksGoal, ChecksModel, Closes, Reports, looks_at_colours
 from hypernav.core.goal import Goal
-from hypernav.core.protocols import (
+from hypernav.core.components.protocols import (
     Agent,
     BlockReasoner,
     Detector,
@@ -22,7 +22,7 @@ from hypernav.core.protocols import (
     PresenceCheck,
     Segmenter,
 )
-from hypernav.core.registry import Choice, check_protocol
+from hypernav.core.components.registry import Choice, check_protocol
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.top_down_map import TopDownMap
 from hypernav.models.chat.ledger import Ledger

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from hypernav.core.errors import ConfigError
-from hypernav.core.protocols import ChatModel
+from hypernav.core.components.protocols import ChatModel
 from hypernav.models.chat.config import ChatConfig
 from hypernav.models.chat.ledger import Ledger, LedgerChat
 from hypernav.models.chat.recording import RecordingChat

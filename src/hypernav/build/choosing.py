@@ -7,9 +7,9 @@ from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.construction import asked_by, section_of
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.registries import AGENTS, DETECTORS, REASONERS, SEGMENTERS, Factory
-from hypernav.core.abilities import gives_masks
+from hypernav.core.components.abilities import gives_masks
 from hypernav.core.errors import ConfigError
-from hypernav.core.registry import Choice, Registry
+from hypernav.core.components.registry import Choice, Registry
 
 _EXAMPLE = "--vlm openai:http://localhost:8000/v1"
 

@@ -6,7 +6,7 @@ Other packages register theirs as entry points of the group that each registry n
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from hypernav.core.registry import Entry, Registry
+from hypernav.core.components.registry import Entry, Registry
 
 if TYPE_CHECKING:
     from hypernav.worlds.scenes.scene import Scene
@@ -44,7 +44,7 @@ DETECTORS: Registry[Factory] = Registry(
         ),
     ],
 )
-"""Detectors of the goal (`hypernav.core.protocols.Detector`)."""
+"""Detectors of the goal (`hypernav.core.components.protocols.Detector`)."""
 
 SEGMENTERS: Registry[Factory] = Registry(
     "segmenter",
@@ -65,7 +65,7 @@ SEGMENTERS: Registry[Factory] = Registry(
         ),
     ],
 )
-"""Segmenters of the pixels in a box (`hypernav.core.protocols.Segmenter`)."""
+"""Segmenters of the pixels in a box (`hypernav.core.components.protocols.Segmenter`)."""
 
 REASONERS: Registry[Factory] = Registry(
     "reasoner",
@@ -84,7 +84,7 @@ REASONERS: Registry[Factory] = Registry(
         ),
     ],
 )
-"""Reasoners that choose the block to visit (`hypernav.core.protocols.BlockReasoner`)."""
+"""Reasoners that choose the block to visit (`hypernav.core.components.protocols.BlockReasoner`)."""
 
 AGENTS: Registry[Factory] = Registry(
     "agent",
@@ -102,8 +102,8 @@ AGENTS: Registry[Factory] = Registry(
         ),
     ],
 )
-"""Explorers, for which the search of this package drives (`hypernav.core.protocols.Explorer`),
-and whole agents (`hypernav.core.protocols.Agent`)."""
+"""Explorers, for which the search of this package drives (`hypernav.core.components.protocols.Explorer`),
+and whole agents (`hypernav.core.components.protocols.Agent`)."""
 
 SCENES: "Registry[Callable[..., Scene]]" = Registry(
     "scene",

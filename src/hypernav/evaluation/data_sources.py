@@ -19,7 +19,7 @@ from hypernav.core.episode import Episode
 from hypernav.core.errors import EpisodeError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.registry import Entry, Registry
+from hypernav.core.components.registry import Entry, Registry
 from hypernav.datasets.habitat_episodes import episodes_of
 from hypernav.datasets.habitat_files import episode_files, read_episodes
 from hypernav.houses.episodes.splits import SPLITS, load_split

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from hypernav.core.protocols import Agent
+from hypernav.core.components.protocols import Agent
 from hypernav.evaluation.run_plan import RunPlan
 from hypernav.evaluation.runner import RunProgress, run_episodes
 from hypernav.evaluation.save_choice import SaveChoice

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from hypernav.core.errors import ConfigError, ModelError
-from hypernav.core.extras import require
+from hypernav.core.components.extras import require
 
 EXTRA = "local-vlm"
 

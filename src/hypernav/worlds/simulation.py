@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float32, Float64
 from pydantic import Field
 
-from hypernav.core.abilities import Closes
+from hypernav.core.components.abilities import Closes
 from hypernav.core.actions import Action
 from hypernav.core.config import RoomConfig
 from hypernav.core.embodiment import Embodiment

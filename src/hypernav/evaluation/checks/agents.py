@@ -1,17 +1,17 @@
-"""The checker of the contract `hypernav.core.protocols.Agent`."""
+"""The checker of the contract `hypernav.core.components.protocols.Agent`."""
 
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from hypernav.core.abilities import BuiltForRobot
+from hypernav.core.components.abilities import BuiltForRobot
 from hypernav.core.actions import Action
 from hypernav.core.errors import LabelsMissingError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.core.protocols import ExplainsItself
+from hypernav.core.components.protocols import ExplainsItself
 from hypernav.core.trace import Ending, StepTrace
 from hypernav.evaluation.checks.box_room import DOOR, BoxRoom
 from hypernav.evaluation.checks.faults import Faults, While

@@ -15,11 +15,11 @@ from hypernav.build.agents import build_agent
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.scenes import build_scene
-from hypernav.core.abilities import Closes, looks_at_colours
+from hypernav.core.components.abilities import Closes, looks_at_colours
 from hypernav.core.episode import Episode, Outcome
 from hypernav.core.errors import CameraError, SceneError, StartError, WorldError
 from hypernav.core.metrics import EpisodeMetrics, measure
-from hypernav.core.protocols import Agent
+from hypernav.core.components.protocols import Agent
 from hypernav.core.trace import Ending
 from hypernav.evaluation.failures.classification import Facts, Verdict, classify
 from hypernav.evaluation.failures.failure_evidence import FailureEvidence

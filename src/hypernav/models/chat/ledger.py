@@ -7,7 +7,7 @@ from typing import Any
 
 from hypernav.core.chat import Answer, Question
 from hypernav.core.errors import ModelUnavailableError
-from hypernav.core.protocols import ChatModel
+from hypernav.core.components.protocols import ChatModel
 
 
 @dataclass

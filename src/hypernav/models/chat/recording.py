@@ -17,7 +17,7 @@ from pydantic import AliasChoices, BaseModel, ConfigDict, Field, ValidationError
 
 from hypernav.core.chat import Answer, Fault, Question, Usage
 from hypernav.core.errors import ModelUnavailableError, RecordingError
-from hypernav.core.protocols import ChatModel
+from hypernav.core.components.protocols import ChatModel
 from hypernav.models.chat.answer_parsing import parse_answer, shortened
 from hypernav.models.chat.image_encoding import content_hash
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Literal
 
 from hypernav.core.errors import ConfigError
-from hypernav.core.protocols import ChatModel
+from hypernav.core.components.protocols import ChatModel
 from hypernav.models.chat.config import ChatConfig
 from hypernav.models.chat.recording import ReplayChat
 

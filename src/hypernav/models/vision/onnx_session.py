@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from hypernav.core.errors import ModelError
-from hypernav.core.extras import require
+from hypernav.core.components.extras import require
 
 
 def open_session(path: Path, *, threads: int = 2) -> Any:

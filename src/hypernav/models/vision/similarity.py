@@ -10,7 +10,7 @@ from typing import Any, Literal
 from hypernav.core.chat import Image
 from hypernav.core.config import RoomConfig
 from hypernav.core.errors import ModelError
-from hypernav.core.extras import require
+from hypernav.core.components.extras import require
 from hypernav.models.torch_device import (
     EXTRA,
     choose_device,

@@ -10,7 +10,7 @@ from pydantic import Field
 
 from hypernav.core.config import RoomConfig
 from hypernav.core.errors import ModelError
-from hypernav.core.extras import require
+from hypernav.core.components.extras import require
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation

@@ -11,7 +11,7 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.overview import Block, Overview
-from hypernav.core.protocols import BlockReasoner
+from hypernav.core.components.protocols import BlockReasoner
 from hypernav.mapping.blocks import divide_into_blocks
 from hypernav.mapping.config import MappingConfig
 from hypernav.show.drawing.map_images import draw_overview

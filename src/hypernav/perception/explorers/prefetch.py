@@ -11,7 +11,7 @@ from hypernav.core.destination import Destination
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.protocols import Explorer
+from hypernav.core.components.protocols import Explorer
 from hypernav.core.trace import ExchangeLog
 
 

@@ -22,8 +22,8 @@ class GroundTruthDetector:
     Its detections carry their masks, so no segmenter is asked.
 
     Attributes:
-        gives_masks: See `hypernav.core.abilities.gives_masks`.
-        looks_at_colours: See `hypernav.core.abilities.looks_at_colours`.
+        gives_masks: See `hypernav.core.components.abilities.gives_masks`.
+        looks_at_colours: See `hypernav.core.components.abilities.looks_at_colours`.
     """
 
     gives_masks = True

@@ -8,7 +8,7 @@ from hypernav.core.chat import Image, Question
 from hypernav.core.config import RoomConfig
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.core.protocols import ChatModel
+from hypernav.core.components.protocols import ChatModel
 from hypernav.core.trace import ExchangeLog
 from hypernav.perception.exchanges import exchange_of
 

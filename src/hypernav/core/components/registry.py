@@ -234,7 +234,7 @@ def check_protocol(thing: object, protocol: type, *, name: str) -> None:
 
     Args:
         thing: Object made by code from outside.
-        protocol: Protocol, such as those of `hypernav.core.protocols`.
+        protocol: Protocol, such as those of `hypernav.core.components.protocols`.
         name: Name of the object, as the user wrote it.
 
     Raises:

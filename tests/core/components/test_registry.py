@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from hypernav.core.errors import ConfigError, ContractError, ImportTargetError
-from hypernav.core.protocols import Detector
-from hypernav.core.registry import Choice, Entry, Registry, check_protocol, import_target
+from hypernav.core.components.protocols import Detector
+from hypernav.core.components.registry import Choice, Entry, Registry, check_protocol, import_target
 
 
 @pytest.fixture
@@ -44,7 +44,7 @@ def test_a_name_leads_to_what_was_registered(shapes: Registry):
 
 def test_a_target_is_imported_when_it_is_wanted():
     program = (
-        "import sys; from hypernav.core.registry import *;"
+        "import sys; from hypernav.core.components.registry import *;"
         "shapes = Registry('shape', 'hypernav.test_shapes', [Entry('point', 'wave:open')]);"
         "choice = shapes.find('point'); assert 'wave' not in sys.modules;"
         "choice.load(); assert 'wave' in sys.modules"

@@ -3,7 +3,7 @@ import math
 import pytest
 
 from hypernav.core.errors import MissingExtraError
-from hypernav.core.extras import require
+from hypernav.core.components.extras import require
 
 
 def test_an_installed_module_is_returned():
