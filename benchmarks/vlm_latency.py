@@ -25,8 +25,8 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "local_vlm"))
 
 from cpu_torchvision import prepare
 
-from hypernav.core.errors import HyPerNavError
 from hypernav.core.components.extras import require
+from hypernav.core.errors import HyPerNavError
 from hypernav.models.chat.vlm_families import family_named
 from hypernav.models.torch_device import EXTRA, choose_device, choose_dtype
 

@@ -13,12 +13,12 @@ from hypernav.agents.phases.step import Decision, Phase, PhaseName, Step
 from hypernav.agents.phases.verify import Verify
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
+from hypernav.core.components.protocols import Explorer, PresenceCheck
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import WorldError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.core.components.protocols import Explorer, PresenceCheck
 from hypernav.core.trace import DetectionRecord, ExchangeLog, StepTrace
 from hypernav.mapping.top_down_map import TopDownMap
 from hypernav.perception.local.local_perception import LocalPerception

@@ -12,8 +12,13 @@ from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.construction import asked_by, make, section_of
 from hypernav.build.presets import HyPerNavConfig, PriceConfig
 from hypernav.build.registries import AGENTS, Factory
-from hypernav.core.components.abilities import ChecksGoal, ChecksModel, Closes, Reports, looks_at_colours
-from hypernav.core.goal import Goal
+from hypernav.core.components.abilities import (
+    ChecksGoal,
+    ChecksModel,
+    Closes,
+    Reports,
+    looks_at_colours,
+)
 from hypernav.core.components.protocols import (
     Agent,
     BlockReasoner,
@@ -23,6 +28,7 @@ from hypernav.core.components.protocols import (
     Segmenter,
 )
 from hypernav.core.components.registry import Choice, check_protocol
+from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.top_down_map import TopDownMap
 from hypernav.models.chat.ledger import Ledger

@@ -3,8 +3,8 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from hypernav.core.errors import ConfigError
 from hypernav.core.components.protocols import ChatModel
+from hypernav.core.errors import ConfigError
 from hypernav.models.chat.config import ChatConfig
 from hypernav.models.chat.ledger import Ledger, LedgerChat
 from hypernav.models.chat.recording import RecordingChat

@@ -8,8 +8,8 @@ from hypernav.build.construction import asked_by, section_of
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.registries import AGENTS, DETECTORS, REASONERS, SEGMENTERS, Factory
 from hypernav.core.components.abilities import gives_masks
-from hypernav.core.errors import ConfigError
 from hypernav.core.components.registry import Choice, Registry
+from hypernav.core.errors import ConfigError
 
 _EXAMPLE = "--vlm openai:http://localhost:8000/v1"
 

@@ -8,7 +8,7 @@ name          what
 ============  ====================================================================================
 config        the component's own section of the configuration
 log           `hypernav.core.trace.ExchangeLog`: what is written there is shown in the trace
-chat          `hypernav.core.components.protocols.ChatModel` of ``--vlm``; without a default it is required
+chat          `hypernav.core.components.protocols.ChatModel` of ``--vlm``; required if no default
 embodiment    `hypernav.core.embodiment.Embodiment`: what the robot is
 mapping       `hypernav.mapping.config.MappingConfig`: cells and blocks of the map
 clearances_m  how far from obstacles destinations lie, metres, in the order to try
@@ -30,9 +30,9 @@ from pydantic import BaseModel
 
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.registries import Factory
+from hypernav.core.components.registry import Choice
 from hypernav.core.config import read_section
 from hypernav.core.errors import ConfigError, ContractError
-from hypernav.core.components.registry import Choice
 
 
 def asked_by(choice: Choice[Factory]) -> dict[str, bool]:

@@ -102,8 +102,8 @@ AGENTS: Registry[Factory] = Registry(
         ),
     ],
 )
-"""Explorers, for which the search of this package drives (`hypernav.core.components.protocols.Explorer`),
-and whole agents (`hypernav.core.components.protocols.Agent`)."""
+"""Explorers, for which the search of this package drives, and whole agents
+(`Explorer` and `Agent` of `hypernav.core.components.protocols`)."""
 
 SCENES: "Registry[Callable[..., Scene]]" = Registry(
     "scene",

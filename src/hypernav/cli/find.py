@@ -110,7 +110,7 @@ def _search(search: EpisodeRun, recorder: EpisodeRecorder, status: Status, goal:
     """Run the search to its end; True if Ctrl-C interrupted it."""
     try:
         for step in search:
-            recorder.add(step)
+            recorder.add(step.trace, step.grid, step.observation.rgb)
             status.update(escape(_live_line(step, goal)))
     except KeyboardInterrupt:
         return True

@@ -103,9 +103,5 @@ class RunFolderError(HyPerNavError):
     """The folder of an evaluation is in use, damaged, not writable, or belongs to another run."""
 
 
-class RepetitionError(HyPerNavError):
-    """An episode went differently when it ran again: its page would not show what was recorded."""
-
-
 class RecordingError(HyPerNavError):
     """A recording of a chat model is broken, or does not hold the question that was asked."""

@@ -14,12 +14,12 @@ import numpy as np
 
 from hypernav.build.registries import SCENES
 from hypernav.build.scenes import build_scene
+from hypernav.core.components.registry import Entry, Registry
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.episode import Episode
 from hypernav.core.errors import EpisodeError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.components.registry import Entry, Registry
 from hypernav.datasets.habitat_episodes import episodes_of
 from hypernav.datasets.habitat_files import episode_files, read_episodes
 from hypernav.houses.episodes.splits import SPLITS, load_split

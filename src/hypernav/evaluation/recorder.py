@@ -6,13 +6,15 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
+import numpy as np
+from jaxtyping import UInt8
+
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.trace import StepTrace
 from hypernav.mapping.ros_map import save_ros_map
 from hypernav.show.drawing.map_images import write_map_png
 from hypernav.show.pages.episode_page import write_page
 from hypernav.show.video.episode_video import EpisodeVideo
-from hypernav.worlds.episode_run import EpisodeStep
 
 
 class EpisodeRecorder:
@@ -83,17 +85,30 @@ class EpisodeRecorder:
         self._timings.close()
         self._video.close()
 
-    def add(self, step: EpisodeStep) -> None:
-        """Record a step: its observation, its trace, and the agent's map if it has one."""
-        self.steps.append(step.trace)
-        self._trace.write(step.trace.model_dump_json(exclude={"seconds"}) + "\n")
+    def add(
+        self,
+        step: StepTrace,
+        grid: OccupancyGrid | None,
+        image: UInt8[np.ndarray, "height width 3"] | None,
+    ) -> None:
+        """Record a step.
+
+        Args:
+            step: Trace of the step.
+            grid: The agent's map; None if it has none.
+            image: Camera image, RGB; None if the video passes over the step.
+        """
+        self.steps.append(step)
+        self._trace.write(step.model_dump_json(exclude={"seconds"}) + "\n")
         self._trace.flush()
-        timing = {"step": step.trace.step, "seconds": step.trace.seconds}
+        timing = {"step": step.step, "seconds": step.seconds}
         self._timings.write(json.dumps(timing) + "\n")
         self._timings.flush()
-        if step.grid is not None:
-            self._grid = step.grid
-            self._video.add(step.observation, step.trace, step.grid)
+        if grid is None or image is None:
+            self._video.pass_over(step)
+        else:
+            self._grid = grid
+            self._video.add(image, step, grid)
 
     def finish(self, result: dict[str, Any]) -> None:
         """Write the files that are complete only at the end of the episode.
@@ -111,7 +126,9 @@ class EpisodeRecorder:
         if self._grid is not None:
             save_ros_map(self._grid.cropped(), self.folder)
             write_map_png(self.folder / "map.png", self._grid, self.steps)
-        write_page(self.folder, result, self.steps, self._grid)
+        write_page(
+            self.folder, result, self.steps, self._grid, frame_counts=self._video.frame_counts
+        )
 
 
 def _finite(value: Any) -> Any:

@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import Any
 
-from hypernav.core.errors import ConfigError, ModelError
 from hypernav.core.components.extras import require
+from hypernav.core.errors import ConfigError, ModelError
 
 EXTRA = "local-vlm"
 

@@ -11,10 +11,10 @@ from enum import StrEnum
 import numpy as np
 
 from hypernav.core.chat import Answer, Image, Question
+from hypernav.core.components.protocols import ChatModel
 from hypernav.core.errors import ConfigError, ModelRejectedError, ModelUnavailableError
 from hypernav.core.geometry.boxes import Box
 from hypernav.core.goal import Goal
-from hypernav.core.components.protocols import ChatModel
 from hypernav.models.chat.answer_parsing import shortened, without_thinking
 from hypernav.models.chat.server.openai_chat import OpenAiChat
 from hypernav.models.chat.vlm_families import VlmFamily, family_named, family_of

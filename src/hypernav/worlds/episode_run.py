@@ -6,15 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hypernav.core.components.abilities import BuiltForRobot
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
+from hypernav.core.components.abilities import BuiltForRobot
+from hypernav.core.components.protocols import Agent, ExplainsItself
 from hypernav.core.episode import Episode, Outcome
 from hypernav.core.errors import ConfigError, ModelUnavailableError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.metrics import EpisodeMetrics
 from hypernav.core.observation import Observation
-from hypernav.core.components.protocols import Agent, ExplainsItself
 from hypernav.core.trace import Ending, Mode, StepTrace
 from hypernav.core.world import World
 from hypernav.worlds.trial import Trial

@@ -6,8 +6,8 @@ import numpy as np
 from jaxtyping import Float32, Float64
 from pydantic import Field
 
-from hypernav.core.components.abilities import Closes
 from hypernav.core.actions import Action
+from hypernav.core.components.abilities import Closes
 from hypernav.core.config import RoomConfig
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.episode import Episode
@@ -210,6 +210,13 @@ class SimulatedWorld:
             raise WorldError("the map frame starts at the start pose; place the robot first")
         return self._start.to_transform(self.walkable.height_at(*self._start.xy))
 
+    def view_from(self, pose: Pose2) -> RenderedView:
+        """What the camera sees from a true pose of the robot, scene frame, without noise."""
+        height = self.walkable.height_at(pose.x, pose.y)
+        return self._renderer.render(
+            self._camera, pose.to_transform(height) @ self.embodiment.camera.camera_to_base
+        )
+
     @property
     def instances(self) -> tuple[Instance, ...]:
         """All instances of the scene; an instance's id is its index."""
@@ -259,9 +266,7 @@ class SimulatedWorld:
 
     def _look(self) -> Observation:
         camera_to_base = self.embodiment.camera.camera_to_base
-        view = self._renderer.render(
-            self._camera, self._pose.to_transform(self._height) @ camera_to_base
-        )
+        view = self.view_from(self._pose)
         above_start = self._height - float(self.map_to_scene.translation[2])
         truth = LabelledPixels(view.instance_ids, self._labels) if self.config.labels else None
         return Observation(

@@ -2,8 +2,8 @@ import math
 
 import pytest
 
-from hypernav.core.errors import MissingExtraError
 from hypernav.core.components.extras import require
+from hypernav.core.errors import MissingExtraError
 
 
 def test_an_installed_module_is_returned():

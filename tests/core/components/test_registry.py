@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from hypernav.core.errors import ConfigError, ContractError, ImportTargetError
 from hypernav.core.components.protocols import Detector
 from hypernav.core.components.registry import Choice, Entry, Registry, check_protocol, import_target
+from hypernav.core.errors import ConfigError, ContractError, ImportTargetError
 
 
 @pytest.fixture

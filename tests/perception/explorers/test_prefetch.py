@@ -5,12 +5,12 @@ import numpy as np
 import pytest
 
 from hypernav.core.components.abilities import Prefetches
+from hypernav.core.components.protocols import Explorer
 from hypernav.core.destination import Destination
 from hypernav.core.errors import ModelUnavailableError
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.components.protocols import Explorer
 from hypernav.core.trace import Exchange, ExchangeLog
 from hypernav.perception.explorers.prefetch import PrefetchConfig, PrefetchingExplorer
 

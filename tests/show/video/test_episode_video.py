@@ -63,7 +63,7 @@ def film(
 ) -> Path:
     with EpisodeVideo(path, goal, "hypernav", detector="ground truth", step_limit=500) as video:
         for step in steps:
-            video.add(observation, step, grid)
+            video.add(observation.rgb, step, grid)
         if result is not None:
             video.finish(result)
     return path
@@ -81,7 +81,9 @@ def test_the_video_is_what_browsers_play(
     video = read(path)
     assert (video.codec.name, video.codec.pix_fmt) == ("h264", "yuv420p")
     assert video.frames == sum(frame_count(step) for step in steps) + ENDING_FRAMES
-    assert video.times[: len(steps)] == pytest.approx(start_times(steps), abs=1e-3)
+    assert video.times[: len(steps)] == pytest.approx(
+        start_times([frame_count(step) for step in steps]), abs=1e-3
+    )
     assert all(image.shape == (720, 1280, 3) for image in video.images)
     content = path.read_bytes()
     assert content.index(b"moov") < content.index(b"mdat"), "the index comes first"
@@ -93,7 +95,7 @@ def test_times_in_the_video_are_those_that_the_page_seeks_to(
     modes = [Mode.LOOK_AROUND, Mode.EXPLORE, Mode.EXPLORE, Mode.APPROACH, Mode.STOP]
     steps = [make_step(n, mode=mode) for n, mode in enumerate(modes)]
     video = read(film(tmp_path / "episode.mp4", steps, observation, room, None))
-    times = start_times(steps)
+    times = start_times([frame_count(step) for step in steps])
     assert times == sorted(times)
     assert video.frames == sum(frame_count(step) for step in steps)
     for mode, time in zip(modes, times, strict=True):
@@ -110,6 +112,23 @@ def test_decisions_and_events_stay_longer(make_step: MakeStep) -> None:
     assert start_times([]) == []
 
 
+def test_a_step_that_is_passed_over_shows_in_the_next_ones_trajectory_and_decision(
+    make_step: MakeStep, observation: Observation, room: OccupancyGrid, tmp_path: Path
+) -> None:
+    steps = [make_step(number) for number in range(5)]  # the third asks a question
+    shown, every = tmp_path / "shown.mp4", tmp_path / "every.mp4"
+    film(every, steps, observation, room, None)
+    with EpisodeVideo(shown, "bed", "hypernav", detector="ground truth", step_limit=500) as video:
+        for step in steps[:3]:
+            video.pass_over(step)
+        for step in steps[3:]:
+            video.add(observation.rgb, step, room)
+        assert video.frame_counts == [0, 0, 0, *map(frame_count, steps[3:])]
+    assert start_times([0, 0, 0, 1, 6]) == [0.0, 0.0, 0.0, 0.0, 1 / FRAMES_PER_SECOND]
+    last, expected = read(shown).images[-1], read(every).images[-1]
+    assert (np.abs(last.astype(int) - expected) > 40).mean() < 0.001
+
+
 def test_an_interrupted_film_plays_up_to_its_last_step(
     make_step: MakeStep, observation: Observation, room: OccupancyGrid, tmp_path: Path
 ) -> None:
@@ -118,7 +137,7 @@ def test_an_interrupted_film_plays_up_to_its_last_step(
     def interrupted() -> None:
         with EpisodeVideo(path, "bed", "hypernav") as video:
             for number in range(2):
-                video.add(observation, make_step(number), room)
+                video.add(observation.rgb, make_step(number), room)
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):

@@ -9,14 +9,14 @@ from jaxtyping import Float64
 from hypernav.agents.config import SearchConfig
 from hypernav.agents.phases.step import Decision, PhaseName, Step, turn_towards
 from hypernav.agents.progress import Progress
-from hypernav.core.components.abilities import Prefetches
 from hypernav.core.actions import Action
+from hypernav.core.components.abilities import Prefetches
+from hypernav.core.components.protocols import Explorer
 from hypernav.core.destination import Destination
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.overview import Block
-from hypernav.core.components.protocols import Explorer
 from hypernav.core.trace import BlockRecord, Mode
 from hypernav.perception.explorers.line_of_sight import last_free_towards
 from hypernav.perception.local.local_perception import LocalPerception

@@ -5,8 +5,8 @@ from hypernav.agents.phases.approach import Approach
 from hypernav.agents.phases.second_look import SecondLook
 from hypernav.agents.phases.step import Decision, PhaseName, Step, turn_towards
 from hypernav.core.actions import Action
-from hypernav.core.goal import Goal
 from hypernav.core.components.protocols import PresenceCheck
+from hypernav.core.goal import Goal
 from hypernav.core.trace import Ending, Mode
 from hypernav.perception.local.local_perception import LocalPerception
 from hypernav.perception.local.target import Target

@@ -1,6 +1,6 @@
 """Occupancy grids: ``[row, column]``, row along y, column along x, cell (0, 0) lower left."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 
 import numpy as np
@@ -32,6 +32,10 @@ class OccupancyGrid:
     cells: UInt8[np.ndarray, "rows columns"]
     resolution_m: float
     origin: tuple[float, float]
+
+    def copy(self) -> "OccupancyGrid":
+        """A grid that stays as it is when the map behind this one changes."""
+        return replace(self, cells=self.cells.copy())
 
     @property
     def free(self) -> Bool[np.ndarray, "rows columns"]:

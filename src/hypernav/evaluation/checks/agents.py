@@ -5,13 +5,13 @@ from typing import Any
 
 import numpy as np
 
-from hypernav.core.components.abilities import BuiltForRobot
 from hypernav.core.actions import Action
+from hypernav.core.components.abilities import BuiltForRobot
+from hypernav.core.components.protocols import ExplainsItself
 from hypernav.core.errors import LabelsMissingError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.core.components.protocols import ExplainsItself
 from hypernav.core.trace import Ending, StepTrace
 from hypernav.evaluation.checks.box_room import DOOR, BoxRoom
 from hypernav.evaluation.checks.faults import Faults, While

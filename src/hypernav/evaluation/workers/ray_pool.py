@@ -8,9 +8,9 @@ import os
 import socket
 from typing import Any
 
+from hypernav.core.components.extras import require
 from hypernav.core.episode import Episode
 from hypernav.core.errors import HyPerNavError, RunFolderError
-from hypernav.core.components.extras import require
 from hypernav.evaluation.record import EpisodeRecord
 from hypernav.evaluation.workers.process_pool import ONE_THREAD
 from hypernav.evaluation.workers.resource_usage import peak_memory_mb

@@ -1,7 +1,6 @@
 """The running of episodes in a worker: one agent, and one scene at a time."""
 
 import re
-import shutil
 from collections import Counter
 from collections.abc import Callable
 from contextlib import nullcontext
@@ -16,17 +15,18 @@ from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.scenes import build_scene
 from hypernav.core.components.abilities import Closes, looks_at_colours
+from hypernav.core.components.protocols import Agent
 from hypernav.core.episode import Episode, Outcome
 from hypernav.core.errors import CameraError, SceneError, StartError, WorldError
+from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.metrics import EpisodeMetrics, measure
-from hypernav.core.components.protocols import Agent
 from hypernav.core.trace import Ending
 from hypernav.evaluation.failures.classification import Facts, Verdict, classify
 from hypernav.evaluation.failures.failure_evidence import FailureEvidence
 from hypernav.evaluation.record import EpisodeRecord
 from hypernav.evaluation.recorder import EpisodeRecorder
 from hypernav.evaluation.save_choice import SaveChoice
-from hypernav.evaluation.workers.repetition import check_repetition
+from hypernav.evaluation.storyboard import Image, Storyboard
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.worlds.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
 from hypernav.worlds.scenes.scene import Scene
@@ -64,8 +64,8 @@ class EpisodeWorker:
     """Runs episodes one after another. A scene stays loaded until another one is needed.
 
     Drawing is most of the work, so colours are drawn only where somebody looks at them. Where the
-    agent doesn't and only failures are kept, every episode runs without, and a failed one runs
-    once more with colours, for its page and video.
+    agent doesn't and only failures are kept, every episode runs without, and colours are drawn
+    afterwards for the frames of a failed one.
     """
 
     def __init__(self, job: Job) -> None:
@@ -85,31 +85,18 @@ class EpisodeWorker:
         itself can't go on.
 
         Raises:
-            RepetitionError: A failed episode went differently when it ran again for its page.
             HyPerNavError: The agent can't search for the goal, or page or video can't be written.
         """
-        if self._needs_colours or self._job.save != "failures":
-            return self._attempt(episode, self._job.save)
-        record = self._attempt(episode, "none")
-        # An outage or a broken scene is no failure of the agent, and need not happen twice.
-        if record.success or not record.counts:
-            return record
-        repeated = self._attempt(episode, "failures")
-        check_repetition(record, repeated)
-        return record.model_copy(update={"saved": repeated.saved})
-
-    def _attempt(self, episode: Episode, save: SaveChoice) -> EpisodeRecord:
-        """Run an episode from its start to its end; what the world gets wrong is its record."""
         try:
             place = self._place_of(episode.scene_id)
-            place.renderer.colours = self._needs_colours or save != "none"
+            place.renderer.colours = self._needs_colours or self._job.save == "videos"
             run = EpisodeRun(
                 self._agent,
                 place.world,
                 episode,
                 rng=np.random.default_rng(episode.seed(self._job.seed)),
             )
-            return self._watch(run, place.world, save)
+            return self._watch(run, place)
         except _SIMULATOR_ERRORS as error:
             return simulator_error_record(episode, f"{type(error).__name__}: {error}")
 
@@ -133,24 +120,33 @@ class EpisodeWorker:
             self._place = _Place(scene_id, world, renderer)
         return self._place
 
-    def _watch(self, run: EpisodeRun, world: SimulatedWorld, save: SaveChoice) -> EpisodeRecord:
-        episode = run.trial.episode
+    def _watch(self, run: EpisodeRun, place: "_Place") -> EpisodeRecord:
+        episode, world, save = run.trial.episode, place.world, self._job.save
         goal = world.goal_truth(episode.goal, episode.view_points)
         evidence = FailureEvidence(world, goal, self._job.config)
         questions, tokens = Counter[str](), Counter[str]()
-        with nullcontext() if save == "none" else self._recorder(episode) as recorder:
+        storyboard = Storyboard(world.pose)
+        saved = ""
+        with self._recorder(episode) if save == "videos" else nullcontext() as recorder:
             for step in run:
                 evidence.watch(step)
                 _count(step, questions, tokens)
                 if recorder is not None:
-                    recorder.add(step)
+                    recorder.add(step.trace, step.grid, step.observation.rgb)
+                elif save == "failures":
+                    storyboard.watch(step, world.pose, coloured=place.renderer.colours)
             result = run.result()
             stopped = run.trial.ending is Ending.FOUND
             facts = evidence.facts(
                 result, stopped=stopped, success_distance_m=episode.success_distance_m
             )
             verdict = classify(facts)
-            saved = "" if recorder is None else self._finish(recorder, episode, result, verdict)
+            if recorder is not None:
+                saved = self._finish(recorder, episode, result, verdict)
+        if save == "failures" and verdict is not None:
+            with self._recorder(episode) as recorder:
+                storyboard.record(recorder, place.image_from)
+                saved = self._finish(recorder, episode, result, verdict)
         return EpisodeRecord(
             scene_id=episode.scene_id,
             episode_id=episode.episode_id,
@@ -192,11 +188,7 @@ class EpisodeWorker:
         result: EpisodeResult,
         verdict: Verdict | None,
     ) -> str:
-        """Complete the episode's folder, or remove it; returns its place within the run's."""
-        if self._job.save == "failures" and verdict is None:
-            recorder.__exit__(None, None, None)
-            shutil.rmtree(recorder.folder)
-            return ""
+        """Complete the episode's folder; returns its path within the run's."""
         recorder.finish(
             {
                 "goal": episode.goal.text,
@@ -223,6 +215,11 @@ class _Place:
     scene_id: str
     world: SimulatedWorld
     renderer: CpuRenderer
+
+    def image_from(self, pose: Pose2) -> Image:
+        """What the camera sees from a true pose of the robot, in colours."""
+        self.renderer.colours = True
+        return self.world.view_from(pose).rgb
 
 
 def simulator_error_record(episode: Episode, error: str) -> EpisodeRecord:

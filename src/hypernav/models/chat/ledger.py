@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from hypernav.core.chat import Answer, Question
-from hypernav.core.errors import ModelUnavailableError
 from hypernav.core.components.protocols import ChatModel
+from hypernav.core.errors import ModelUnavailableError
 
 
 @dataclass

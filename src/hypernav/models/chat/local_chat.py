@@ -10,8 +10,8 @@ import time
 from typing import Any
 
 from hypernav.core.chat import Answer, Question, Usage
-from hypernav.core.errors import ModelError, ModelUnavailableError
 from hypernav.core.components.extras import require
+from hypernav.core.errors import ModelError, ModelUnavailableError
 from hypernav.models.chat.answer_parsing import parse_answer
 from hypernav.models.chat.config import ChatConfig
 from hypernav.models.torch_device import EXTRA, choose_device, choose_dtype, load_pretrained

@@ -16,8 +16,8 @@ from typing import Any, Literal
 from pydantic import AliasChoices, BaseModel, ConfigDict, Field, ValidationError
 
 from hypernav.core.chat import Answer, Fault, Question, Usage
-from hypernav.core.errors import ModelUnavailableError, RecordingError
 from hypernav.core.components.protocols import ChatModel
+from hypernav.core.errors import ModelUnavailableError, RecordingError
 from hypernav.models.chat.answer_parsing import parse_answer, shortened
 from hypernav.models.chat.image_encoding import content_hash
 

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from hypernav.core.errors import ConfigError
 from hypernav.core.components.protocols import ChatModel
+from hypernav.core.errors import ConfigError
 from hypernav.models.chat.config import ChatConfig
 from hypernav.models.chat.recording import ReplayChat
 

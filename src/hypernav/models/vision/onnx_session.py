@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import Any
 
-from hypernav.core.errors import ModelError
 from hypernav.core.components.extras import require
+from hypernav.core.errors import ModelError
 
 
 def open_session(path: Path, *, threads: int = 2) -> Any:

@@ -12,9 +12,9 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Bool
 
+from hypernav.core.components.extras import require
 from hypernav.core.config import RoomConfig
 from hypernav.core.errors import ModelError
-from hypernav.core.components.extras import require
 from hypernav.core.geometry.boxes import Box
 from hypernav.core.observation import Observation
 from hypernav.models.torch_device import (

@@ -8,9 +8,9 @@ probability by a sigmoid; its text is padded to 64 tokens, as it was trained), L
 from typing import Any, Literal
 
 from hypernav.core.chat import Image
+from hypernav.core.components.extras import require
 from hypernav.core.config import RoomConfig
 from hypernav.core.errors import ModelError
-from hypernav.core.components.extras import require
 from hypernav.models.torch_device import (
     EXTRA,
     choose_device,

@@ -8,9 +8,9 @@ from typing import Literal
 
 from pydantic import Field
 
+from hypernav.core.components.extras import require
 from hypernav.core.config import RoomConfig
 from hypernav.core.errors import ModelError
-from hypernav.core.components.extras import require
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation

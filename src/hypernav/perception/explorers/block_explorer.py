@@ -5,13 +5,13 @@ from collections.abc import Sequence
 
 from pydantic import Field
 
+from hypernav.core.components.protocols import BlockReasoner
 from hypernav.core.config import RoomConfig
 from hypernav.core.destination import Destination
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.overview import Block, Overview
-from hypernav.core.components.protocols import BlockReasoner
 from hypernav.mapping.blocks import divide_into_blocks
 from hypernav.mapping.config import MappingConfig
 from hypernav.show.drawing.map_images import draw_overview

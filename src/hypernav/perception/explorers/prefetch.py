@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 
 from pydantic import Field
 
+from hypernav.core.components.protocols import Explorer
 from hypernav.core.config import MOST_STEPS, RoomConfig
 from hypernav.core.destination import Destination
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.components.protocols import Explorer
 from hypernav.core.trace import ExchangeLog
 
 

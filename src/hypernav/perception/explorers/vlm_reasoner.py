@@ -7,10 +7,10 @@ from typing import Any, Literal
 from pydantic import Field
 
 from hypernav.core.chat import Answer, Image, Question
+from hypernav.core.components.protocols import BlockReasoner, ChatModel
 from hypernav.core.config import RoomConfig
 from hypernav.core.goal import Goal
 from hypernav.core.overview import BlockChoice, Overview
-from hypernav.core.components.protocols import BlockReasoner, ChatModel
 from hypernav.core.trace import ExchangeLog
 from hypernav.models.chat.answer_parsing import shortened, without_thinking
 from hypernav.perception.exchanges import exchange_of

@@ -7,12 +7,12 @@ import cv2
 import numpy as np
 from jaxtyping import Bool
 
+from hypernav.core.components.protocols import Detector, Segmenter
 from hypernav.core.embodiment import CameraConfig
 from hypernav.core.geometry.boxes import Detection
 from hypernav.core.geometry.transforms import wrap_angle
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.core.components.protocols import Detector, Segmenter
 from hypernav.core.trace import DetectionRecord
 from hypernav.perception.local.attention import Attention
 from hypernav.perception.local.config import LocalConfig

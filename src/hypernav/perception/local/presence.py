@@ -5,10 +5,10 @@ from typing import Any, Literal
 from pydantic import Field
 
 from hypernav.core.chat import Image, Question
+from hypernav.core.components.protocols import ChatModel
 from hypernav.core.config import RoomConfig
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.core.components.protocols import ChatModel
 from hypernav.core.trace import ExchangeLog
 from hypernav.perception.exchanges import exchange_of
 

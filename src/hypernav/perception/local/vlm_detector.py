@@ -6,12 +6,12 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 from hypernav.core.chat import Answer, Image, Question
+from hypernav.core.components.protocols import ChatModel
 from hypernav.core.config import RoomConfig
 from hypernav.core.geometry.boxes import Detection
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import Observation
-from hypernav.core.components.protocols import ChatModel
 from hypernav.core.trace import ExchangeLog
 from hypernav.models.chat.vlm_families import FamilyName, VlmFamily, family_named, family_of
 from hypernav.perception.exchanges import exchange_of

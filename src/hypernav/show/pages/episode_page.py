@@ -39,6 +39,7 @@ def write_page(
     grid: OccupancyGrid | None,
     *,
     video: Path | None = None,
+    frame_counts: Sequence[int] | None = None,
     embed_limit_bytes: int = EMBED_LIMIT_BYTES,
 ) -> Path:
     """Write ``index.html``: one page that needs no network.
@@ -49,6 +50,7 @@ def write_page(
         steps: Trace of the episode; may be empty.
         grid: Last map; None if there is none.
         video: Video of the episode; by default ``episode.mp4`` in the folder, if it exists.
+        frame_counts: Number of video frames of each step; by default as if all steps were shown.
         embed_limit_bytes: Largest video that is embedded; the page links to a larger one.
 
     Returns:
@@ -75,7 +77,7 @@ def write_page(
         modules=episode_summary.module_times(result, steps),
         total_seconds=episode_summary.total_seconds(result),
         steps=steps,
-        player=_player_data(steps, grid),
+        player=_player_data(steps, grid, frame_counts),
         configuration=_yaml(result.get("config")),
         captions=captions,
         mode_name=mode_name,
@@ -109,8 +111,12 @@ def _band(phase: episode_summary.Phase, total: int) -> dict[str, Any]:
     }
 
 
-def _player_data(steps: Sequence[StepTrace], grid: OccupancyGrid | None) -> dict[str, Any]:
+def _player_data(
+    steps: Sequence[StepTrace], grid: OccupancyGrid | None, frame_counts: Sequence[int] | None
+) -> dict[str, Any]:
     """Data with which the page's script keeps video, timeline and map together."""
+    if frame_counts is None:
+        frame_counts = [frame_timing.frame_count(step) for step in steps]
     robots, destinations = [], []
     if grid is not None:
         view = final_view(grid, steps, _MAP_SIZE)
@@ -120,7 +126,7 @@ def _player_data(steps: Sequence[StepTrace], grid: OccupancyGrid | None) -> dict
             at = view.pixel_of(*step.destination) if step.destination is not None else None
             destinations.append([round(at[0], 1), round(at[1], 1)] if at is not None else None)
     return {
-        "times": [round(time, 3) for time in frame_timing.start_times(steps)],
+        "times": [round(time, 3) for time in frame_timing.start_times(frame_counts)],
         "steps": [step.step + 1 for step in steps],
         "modes": [captions.MODES[step.mode] for step in steps],
         "reasons": [captions.sentence(step.reason) for step in steps],

@@ -1,6 +1,6 @@
 """The video of an episode, written while it runs."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -11,7 +11,6 @@ from jaxtyping import UInt8
 
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.observation import Observation
 from hypernav.core.trace import StepTrace
 from hypernav.show.drawing.map_images import draw_map, draw_result
 from hypernav.show.drawing.map_view import SteadyView
@@ -109,7 +108,7 @@ class EpisodeVideo:
 
     Example:
         >>> with EpisodeVideo(folder / "episode.mp4", "bed", "hypernav") as video:  # doctest: +SKIP
-        ...     video.add(observation, agent.last_step, agent.grid)
+        ...     video.add(observation.rgb, agent.last_step, agent.grid)
         ...     video.finish(result)
     """
 
@@ -137,6 +136,7 @@ class EpisodeVideo:
         self._file = VideoFile(path, WIDTH, HEIGHT, FRAMES_PER_SECOND)
         self._view = SteadyView(MAP_SIZE)
         self._steps: list[StepTrace] = []
+        self._frame_counts: list[int] = []
         self._decision: Decision | None = None
         self._grid: OccupancyGrid | None = None
         self._closed = False
@@ -154,22 +154,35 @@ class EpisodeVideo:
         """Finish the file."""
         self.close()
 
-    def add(self, observation: Observation, step: StepTrace, grid: OccupancyGrid) -> None:
+    @property
+    def frame_counts(self) -> Sequence[int]:
+        """Number of frames that each step stays; 0 for one that was passed over."""
+        return self._frame_counts
+
+    def add(
+        self, image: UInt8[np.ndarray, "height width 3"], step: StepTrace, grid: OccupancyGrid
+    ) -> None:
         """Add a step.
 
         Args:
-            observation: Observation of the step.
+            image: Camera image of the step, RGB.
             step: Trace of the step.
             grid: Map after the observation was integrated.
         """
-        self._steps.append(step)
         self._grid = grid
+        self._note(step, frame_count(step))
+        frame = draw_frame(self._title, step, image, self._map_image(step, grid), self._decision)
+        self._file.write(frame, frame_count(step))
+
+    def pass_over(self, step: StepTrace) -> None:
+        """Add a step that is not shown; trajectory and decision of the next one include it."""
+        self._note(step, 0)
+
+    def _note(self, step: StepTrace, frames: int) -> None:
+        self._steps.append(step)
+        self._frame_counts.append(frames)
         if asked := decisions(step):
             self._decision = Decision(step.step, asked[-1], tuple(step.blocks))
-        image = draw_frame(
-            self._title, step, observation.rgb, self._map_image(step, grid), self._decision
-        )
-        self._file.write(image, frame_count(step))
 
     def finish(self, result: Mapping[str, Any]) -> None:
         """Add the end card with the outcome.

@@ -1,6 +1,7 @@
 """Frames that a video spends on each step, so that a person can follow."""
 
 from collections.abc import Sequence
+from itertools import accumulate
 
 from hypernav.core.trace import Exchange, StepTrace
 
@@ -20,10 +21,11 @@ def frame_count(step: StepTrace) -> int:
     return _AT_A_DECISION if decisions(step) or step.events else _AT_A_STEP
 
 
-def start_times(steps: Sequence[StepTrace]) -> list[float]:
-    """Time at which each step appears, seconds from the start of the video."""
-    times, frame = [], 0
-    for step in steps:
-        times.append(frame / FRAMES_PER_SECOND)
-        frame += frame_count(step)
-    return times
+def start_times(frame_counts: Sequence[int]) -> list[float]:
+    """Time at which each step appears, seconds from the start of the video.
+
+    Args:
+        frame_counts: Number of frames that each step stays. One that is passed over has none, and
+            appears with the next that is shown.
+    """
+    return [frame / FRAMES_PER_SECOND for frame in accumulate(frame_counts, initial=0)][:-1]

@@ -1,4 +1,4 @@
-"""Failed episodes run again for their page: what is kept, and what must not differ."""
+"""Pages and videos of failed episodes: what is kept, and what may be left out."""
 
 from dataclasses import replace
 from typing import get_args
@@ -6,16 +6,22 @@ from typing import get_args
 import av
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis.strategies import integers
 
 from box_scenes import room_boxes, scene_of
-from eval_runs import record
 from hypernav.core.actions import Action
-from hypernav.core.errors import ModelUnavailableError, RepetitionError
-from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.errors import ModelUnavailableError
+from hypernav.core.geometry.camera import PinholeCamera
+from hypernav.core.geometry.transforms import Pose2, Transform
+from hypernav.core.observation import Observation
+from hypernav.core.trace import Mode, StepTrace
 from hypernav.evaluation.failures.classification import Failure
+from hypernav.evaluation.recorder import EpisodeRecorder
 from hypernav.evaluation.save_choice import SaveChoice
-from hypernav.evaluation.workers.repetition import check_repetition
+from hypernav.evaluation.storyboard import Storyboard
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
+from hypernav.worlds.episode_run import EpisodeStep
 from small_episodes import episode_from
 from small_worlds import small_config
 
@@ -105,48 +111,87 @@ def test_what_is_saved_changes_nothing_else_in_a_record(records):
     assert timeless["failures"] == timeless["none"] == timeless["videos"]
 
 
-def test_colours_are_drawn_only_when_a_failure_runs_again(tmp_path):
+def test_colours_are_drawn_only_for_the_frames_of_a_failure(tmp_path):
     agent = Unseeing()
     assert worker(tmp_path, agent).run(EPISODES[0]).saved
-    assert agent.runs == 2
-    assert agent.coloured == [False] * 4 + [True] * 4
+    assert agent.runs == 1
+    assert agent.coloured == [False] * 4
     # The next episode of the scene is drawn without colours again.
     worker_of_two, agent = worker(tmp_path, again := Unseeing()), again
     for episode in EPISODES:
         worker_of_two.run(episode)
-    assert agent.coloured == ([False] * 4 + [True] * 4) + ([False] * 3 + [True] * 3)
+    assert agent.coloured == [False] * 4 + [False] * 3
 
 
-def test_an_agent_that_looks_at_colours_runs_once(tmp_path):
+def test_an_agent_that_looks_at_colours_gets_them(tmp_path):
     agent = Turning()
     assert worker(tmp_path, agent).run(EPISODES[0]).saved
-    assert agent.runs == 1
     assert agent.coloured == [True] * 4
 
 
-def test_an_outage_is_not_repeated(tmp_path):
-    agent = Unanswered()
-    outage = worker(tmp_path, agent).run(EPISODES[0])
-    assert (outage.failure, outage.saved, agent.runs) == (Failure.MODEL_UNAVAILABLE, "", 1)
+def test_an_outage_leaves_a_page(tmp_path):
+    outage = worker(tmp_path, Unanswered()).run(EPISODES[0])
+    assert outage.failure is Failure.MODEL_UNAVAILABLE
+    assert (tmp_path / outage.saved / "index.html").is_file()
 
 
-def test_an_agent_that_does_something_else_the_second_time_is_refused(tmp_path):
-    agent = Unseeing(turns=lambda run: 2 * run)
-    with pytest.raises(RepetitionError, match=r"found of .*steps 3, then 5\. .*--save videos"):
-        worker(tmp_path, agent).run(EPISODES[0])
+class Listed(EpisodeRecorder):
+    """A recorder that lists the steps, and the colour of each image."""
+
+    def __init__(self):
+        self.listed, self.colours = [], {}
+
+    def add(self, step, grid, image):
+        self.listed.append(step.step)
+        if image is not None:
+            self.colours[step.step] = int(image[0, 0, 0])
 
 
-def test_times_and_folders_of_two_runs_may_differ():
-    first = record(failure=Failure.NEVER_SEEN)
-    check_repetition(first, first.model_copy(update={"saved": "episodes/a", "seconds": {}}))
+def shown(count, max_frames, *, coloured=False):
+    """The steps of an episode as its storyboard gives them, and the colours of their images.
+
+    Images of the world have colour 255; those drawn afterwards have that of the robot's x.
+    """
+    board = Storyboard(pose_of(0), max_frames)
+    camera = PinholeCamera(1, 1, 1.0, 1.0, 0.0, 0.0)
+    observation = Observation(
+        painted(255), np.ones((1, 1), np.float32), camera, Transform.identity(), pose_of(0)
+    )
+    for number in range(count):
+        trace = StepTrace(step=number, pose=(0.0, 0.0, 0.0), action=None, mode=Mode.EXPLORE)
+        step = EpisodeStep(observation, trace, None)
+        board.watch(step, pose_of(number + 1), coloured=coloured)
+    listed = Listed()
+    board.record(listed, lambda pose: painted(int(pose.x)))
+    return listed.listed, listed.colours
 
 
-def test_every_field_that_differs_is_named():
-    first = record(failure=Failure.NEVER_SEEN, why="it was never in the image")
-    second = record(failure=Failure.NEVER_SEEN, why="it turned away", spl=0.25)
-    with pytest.raises(RepetitionError) as refused:
-        check_repetition(first, second)
-    message = str(refused.value)
-    assert "spl 0.0, then 0.25" in message
-    assert "why 'it was never in the image', then 'it turned away'" in message
-    assert "path_length_m" not in message
+def painted(colour):
+    return np.full((1, 1, 3), colour, dtype=np.uint8)
+
+
+def pose_of(number):
+    return Pose2(float(number), 0.0, 0.0)
+
+
+@given(count=integers(0, 250), max_frames=integers(1, 70))
+def test_frames_are_few_evenly_spread_and_include_both_ends(count, max_frames):
+    steps, images = shown(count, max_frames)
+    assert steps == list(range(count))
+    assert len(images) <= max_frames + 1
+    if count:
+        assert {0, count - 1} <= set(images)
+        strides = np.diff(sorted(images.keys() - {count - 1} | {0}))
+        assert len(set(strides)) <= 1
+        assert count <= max_frames or len(images) > max_frames / 2
+
+
+@given(count=integers(1, 100))
+def test_a_frame_is_drawn_from_where_the_robot_was_when_it_took_the_image(count):
+    _, images = shown(count, 16)
+    assert images == {number: number for number in images}
+
+
+def test_an_image_with_colours_is_not_drawn_again():
+    _, images = shown(5, 16, coloured=True)
+    assert list(images.values()) == [255] * 5
