@@ -4,6 +4,7 @@ import pytest
 
 from hypernav.cli.main import main
 from servers.eyes import SeeingBrain
+from servers.faulty import FaultyServer, Talk
 from servers.scripted import ScriptedServer, closed_port
 
 
@@ -140,6 +141,38 @@ def test_a_hanging_server_is_given_up(server: ScriptedServer, capsys: pytest.Cap
     status, lines = examine(capsys, server.spec, "--set", "chat.timeout_s=0.2")
     assert status == 1
     assert "no answer within 0.2 s" in faults(lines)[0]
+
+
+def broken_list(talk: Talk) -> None:
+    talk.reply({"error": "no cache folder"}, 500)
+
+
+def test_a_broken_list_of_models_is_told(capsys: pytest.CaptureFixture[str]):
+    with FaultyServer(lambda talk: talk.say("ready"), models=broken_list) as server:
+        _, lines = examine(capsys, f"openai:{server.url}#m/Qwen2.5-VL")
+    (told,) = [line for line in lines if " server: " in line]
+    assert told.startswith("note")
+    assert "answered 500: no cache folder" in told
+
+
+def test_an_answer_without_words_is_not_blamed_on_the_eyes(capsys: pytest.CaptureFixture[str]):
+    with FaultyServer(lambda talk: talk.say(None)) as server:
+        status, lines = examine(capsys, f"openai:{server.url}")
+    assert status == 1
+    assert "answers, but the answer is empty" in faults(lines)[0]
+    assert "whether it sees cannot be told" in faults(lines)[1]
+    assert not any("no vision" in line for line in lines)
+
+
+def test_content_in_parts_is_seen(capsys: pytest.CaptureFixture[str]):
+    eyes = iter(["ready", "blue", "green"])
+
+    def say(talk: Talk) -> None:
+        talk.say([{"type": "text", "text": next(eyes, "[]")}])
+
+    with FaultyServer(say) as server:
+        _, lines = examine(capsys, f"openai:{server.url}")
+    assert any("it tells blue from green" in line for line in lines)
 
 
 def test_a_missing_key_is_named(server: ScriptedServer, capsys: pytest.CaptureFixture[str]):

@@ -130,3 +130,33 @@ def test_a_server_that_was_never_there(
     assert f"hypernav doctor --vlm {spec}" in " ".join(said.split())
     result = json.loads((tmp_path / "result.json").read_text())
     assert (result["outcome"], result["steps"]) == ("model_unavailable", 0)
+
+
+def test_a_wrong_key_is_an_error_and_what_was_done_is_on_disk(
+    glb: Path, tmp_path: Path, server: ScriptedServer, capsys: pytest.CaptureFixture[str]
+):
+    brain = server.brain
+
+    def revoking(asked):
+        if len(server.requests) == 3:
+            server.personality.key = "another one"
+        return brain(asked)
+
+    server.brain = revoking
+    status, result = find(glb, tmp_path, "--vlm", server.spec)
+    said = capsys.readouterr().err
+    assert (status, result["steps"]) == (2, 3)
+    assert "answered 401" in said
+    assert "HYPERNAV_API_KEY" in said
+    assert "unavailable" not in said
+    assert (tmp_path / "index.html").is_file()
+
+
+def test_answers_of_no_use_are_counted_in_one_line(
+    glb: Path, tmp_path: Path, server: ScriptedServer, capsys: pytest.CaptureFixture[str]
+):
+    server.brain = lambda asked: "I like trains"
+    server.personality.honours = ()
+    find(glb, tmp_path, "--vlm", server.spec, "--max-steps", "3")
+    said = " ".join(capsys.readouterr().err.split())
+    assert "no answer of the model could be used: 3 × no box in the answer" in said

@@ -1,7 +1,7 @@
 import pytest
 
 from eval_runs import apart, record, spec
-from hypernav.core.errors import RunFolderError
+from hypernav.core.errors import ModelUnavailableError, RunFolderError
 from hypernav.evaluation.runner import RunHaltedError, run_episodes
 from hypernav.evaluation.store.run_store import RunStore, read_records
 from hypernav.evaluation.workers.worker_pool import Crashed, Done, Lost, Ready, Refused
@@ -133,7 +133,7 @@ def test_what_a_worker_refuses_ends_the_run(tmp_path):
 
 def test_a_model_that_stays_away_ends_the_run_and_nothing_is_counted(tmp_path):
     pool = FakePool(answer=lambda episode: apart(episode.episode_id))
-    with pytest.raises(RunHaltedError, match="run the same command again"):
+    with pytest.raises(ModelUnavailableError, match="run the same command again"):
         run(tmp_path, pool, workers=1)
     assert len(pool.sent) == 3
     assert not any(r.counts for r in read_records(tmp_path))

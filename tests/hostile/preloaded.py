@@ -54,7 +54,7 @@ def preload() -> None:
 
     for module in pkgutil.walk_packages(hypernav.__path__, "hypernav."):
         importlib.import_module(module.name)
-    for name in ("av", "cv2", "openai.resources.chat", "PIL.PngImagePlugin", "scipy.ndimage"):
+    for name in ("av", "cv2", "PIL.PngImagePlugin", "scipy.ndimage"):
         importlib.import_module(name)
     threads = os.listdir("/proc/self/task")
     if len(threads) > 1:

@@ -1,11 +1,13 @@
 """The progress table of `hypernav eval`, and the summary at its end."""
 
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from rich.markup import escape
 from rich.table import Table
 
+from hypernav.cli.warnings_shown import unusable_answers_line
 from hypernav.evaluation.failures.classification import Failure
 from hypernav.evaluation.runner import RunProgress
 from hypernav.evaluation.statistics import Estimate
@@ -51,6 +53,9 @@ def outcome_lines(progress: RunProgress, folder: Path) -> Iterator[str]:
     if progress.records:
         for name, value, remark in _numbers(progress):
             yield f"  {name:9s} {value}  {remark}"
+    unusable = sum((Counter(one.unusable_answers) for one in progress.records), Counter[str]())
+    if line := unusable_answers_line(_calls(progress), unusable):
+        yield line
     for episode, error in list(progress.crashes.items())[:3]:
         last = error.splitlines()[-1] if error else "no message"
         yield f"  [red]not run[/]: {escape('/'.join(episode.key))}: {escape(last)}"
@@ -62,13 +67,17 @@ def _numbers(progress: RunProgress) -> Iterator[tuple[str, str, str]]:
     summary = summarise(progress.records, draws=_LIVE_DRAWS)
     yield "SR", _percent(summary.success), _interval(summary.success)
     yield "SPL", f"{summary.spl.mean:.3f}", _interval(summary.spl, percent=False)
-    calls = sum(record.model_calls for record in progress.records)
+    calls = _calls(progress)
     yield "steps", f"{summary.steps.mean:.0f}", "a mean episode"
     if calls:
         yield "models", str(calls), f"calls, {calls / len(progress.records):.1f} an episode"
     counts = failure_counts(progress.records)
     if counts:
         yield "failures", str(sum(counts.values())), words_of(counts)
+
+
+def _calls(progress: RunProgress) -> int:
+    return sum(record.model_calls for record in progress.records)
 
 
 def words_of(counts: Mapping[Failure, int]) -> str:

@@ -14,9 +14,9 @@ from rich.status import Status
 
 from hypernav.build.scenes import build_scene
 from hypernav.cli.find_options import Options
-from hypernav.cli.warnings_shown import warnings_on
+from hypernav.cli.warnings_shown import unusable_answers_line, warnings_on
 from hypernav.core.episode import Episode, Outcome
-from hypernav.core.errors import ConfigError
+from hypernav.core.errors import ConfigError, ModelSetupError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.evaluation.kernel_warmup import warm_up_in_background
@@ -43,6 +43,9 @@ def run(options: Options) -> int:
 
     Returns:
         0 if the goal was found, 1 if not, 3 if a model was not available.
+
+    Raises:
+        ModelSetupError: URL, key or name of the model are wrong; what was done is on disk.
     """
     if options.max_steps < 1:
         raise ConfigError(f"--max-steps {options.max_steps}: a search needs at least one step")
@@ -76,9 +79,9 @@ def run(options: Options) -> int:
             step_limit=options.max_steps,
         ) as recorder:
             status.update("the first step …")
-            interrupted = _search(search, recorder, status, goal.text)
+            stopped_by = _search(search, recorder, status, goal.text)
             status.update("writing the page …")
-            outcome = search.result(interrupted=interrupted)
+            outcome = search.result(interrupted=isinstance(stopped_by, KeyboardInterrupt))
             recorder.finish(
                 {
                     "goal": goal.text,
@@ -91,9 +94,13 @@ def run(options: Options) -> int:
                     "config": config.model_dump(mode="json"),
                 }
             )
+    if isinstance(stopped_by, ModelSetupError):
+        raise stopped_by
     _say(console, goal, outcome, folder)
-    if interrupted:
-        raise KeyboardInterrupt
+    if unusable := unusable_answers_line(outcome.model_calls, recorder.unusable_answers):
+        console.print(unusable, soft_wrap=True)
+    if stopped_by is not None:
+        raise stopped_by
     if outcome.outcome is Outcome.MODEL_UNAVAILABLE:
         return MODEL_UNAVAILABLE_STATUS
     return 0 if outcome.metrics.success else 1
@@ -106,15 +113,17 @@ def _start(options: Options, world: SimulatedWorld, goal: Goal, rng: np.random.G
     return Pose2(x, y, float(np.radians(yaw_deg)))
 
 
-def _search(search: EpisodeRun, recorder: EpisodeRecorder, status: Status, goal: str) -> bool:
-    """Run the search to its end; True if Ctrl-C interrupted it."""
+def _search(
+    search: EpisodeRun, recorder: EpisodeRecorder, status: Status, goal: str
+) -> KeyboardInterrupt | ModelSetupError | None:
+    """Run the search to its end; what stopped it before, if anything."""
     try:
         for step in search:
             recorder.add(step.trace, step.grid, step.observation.rgb)
             status.update(escape(_live_line(step, goal)))
-    except KeyboardInterrupt:
-        return True
-    return False
+    except (KeyboardInterrupt, ModelSetupError) as stop:
+        return stop
+    return None
 
 
 def _say(console: Console, goal: Goal, result: EpisodeResult, folder: Path) -> None:

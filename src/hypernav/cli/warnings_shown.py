@@ -1,11 +1,12 @@
 """The package's warnings on the terminal."""
 
 import logging
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 
 from rich.console import Console
 from rich.logging import RichHandler
+from rich.markup import escape
 
 
 @contextmanager
@@ -20,3 +21,20 @@ def warnings_on(console: Console) -> Iterator[None]:
         yield
     finally:
         logger.removeHandler(handler)
+
+
+def unusable_answers_line(calls: int, unusable: Mapping[str, int]) -> str:
+    """A warning if no answer of a model could be used, in rich's markup; empty otherwise.
+
+    Args:
+        calls: Number of questions that the model answered.
+        unusable: Number of answers of no use, by reason.
+    """
+    if not calls or sum(unusable.values()) < calls:
+        return ""
+    ranked = sorted(unusable.items(), key=lambda item: -item[1])
+    reasons = ", ".join(f"{count} × {reason}" for reason, count in ranked)
+    return (
+        f"  [yellow]no answer of the model could be used[/]: {escape(reasons)}; "
+        "hypernav doctor --vlm … finds out why"
+    )

@@ -95,7 +95,7 @@ class ModelRejectedError(ModelUnavailableError):
     """A server will never answer this question."""
 
 
-class ModelSetupError(ModelRejectedError):
+class ModelSetupError(ChatError):
     """URL, key or choice of the model are wrong: no question succeeds until they are corrected."""
 
 

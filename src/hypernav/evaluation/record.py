@@ -44,6 +44,7 @@ class EpisodeRecord(BaseModel):
         steps: Number of actions.
         model_calls: Number of questions that a model was asked.
         questions: Number of questions by kind, those included that needed no model.
+        unusable_answers: Number of the model's answers that were of no use, by reason.
         tokens_in: Number of prompt tokens.
         tokens_out: Number of answer tokens.
         saved: Folder of page and video, relative to the run's; empty if they are not kept.
@@ -69,6 +70,7 @@ class EpisodeRecord(BaseModel):
     steps: int
     model_calls: int
     questions: dict[str, int] = Field(default_factory=dict)
+    unusable_answers: dict[str, int] = Field(default_factory=dict)
     tokens_in: int = 0
     tokens_out: int = 0
     saved: str = ""

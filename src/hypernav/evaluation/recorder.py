@@ -2,6 +2,7 @@
 
 import json
 import math
+from collections import Counter
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -12,6 +13,7 @@ from jaxtyping import UInt8
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.trace import StepTrace
 from hypernav.mapping.ros_map import save_ros_map
+from hypernav.perception.exchanges import unusable_answers
 from hypernav.show.drawing.map_images import write_map_png
 from hypernav.show.pages.episode_page import write_page
 from hypernav.show.video.episode_video import EpisodeVideo
@@ -84,6 +86,11 @@ class EpisodeRecorder:
         self._trace.close()
         self._timings.close()
         self._video.close()
+
+    @property
+    def unusable_answers(self) -> Counter[str]:
+        """Number of a model's answers so far that were of no use, by reason."""
+        return sum(map(unusable_answers, self.steps), Counter[str]())
 
     def add(
         self,

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from hypernav.core.episode import Episode
-from hypernav.core.errors import HyPerNavError
+from hypernav.core.errors import HyPerNavError, ModelUnavailableError
 from hypernav.evaluation.failures.classification import Failure
 from hypernav.evaluation.record import EpisodeRecord
 from hypernav.evaluation.store.run_store import RunStore
@@ -77,7 +77,8 @@ def run_episodes(
         The state of the run at its end.
 
     Raises:
-        RunHaltedError: The model is unavailable, or the program fails again and again.
+        ModelUnavailableError: The model is unavailable in one episode after the other.
+        RunHaltedError: The program fails again and again.
         RunFolderError: The disk is full.
         HyPerNavError: A worker reported that the run can't go on.
     """
@@ -147,7 +148,7 @@ class _Owner:
         self.crashes = self.losses = 0
         self.outages = self.outages + 1 if record.failure is Failure.MODEL_UNAVAILABLE else 0
         if self.outages >= max(_OUTAGES_IN_A_ROW, 2 * self.workers):
-            raise RunHaltedError(
+            raise ModelUnavailableError(
                 f"the model was not available in {self.outages} episodes in a row ({record.why}); "
                 "they are not counted. Bring it back, then run the same command again: it goes on "
                 "from here"

@@ -1,9 +1,10 @@
-"""The trace's record of a question to a chat model and its answer."""
+"""Questions to a chat model and their answers in the trace."""
 
+from collections import Counter
 from collections.abc import Sequence
 
 from hypernav.core.chat import Answer, Question
-from hypernav.core.trace import Exchange
+from hypernav.core.trace import Exchange, StepTrace
 
 
 def exchange_of(
@@ -38,3 +39,15 @@ def exchange_of(
         fault="" if answer.fault is None else answer.fault.value,
         remarks=list(remarks),
     )
+
+
+def unusable_answers(step: StepTrace) -> Counter[str]:
+    """Number of a model's answers in a step that were of no use, by reason."""
+    reasons = Counter[str]()
+    for exchange in step.exchanges:
+        nothing_seen = exchange.kind == "ground" and not step.detections
+        if exchange.by_model and exchange.fault:
+            reasons[exchange.fault] += 1
+        elif exchange.by_model and nothing_seen and exchange.remarks:
+            reasons[exchange.remarks[0]] += 1
+    return reasons

@@ -12,7 +12,7 @@ import numpy as np
 
 from hypernav.core.chat import Answer, Image, Question
 from hypernav.core.components.protocols import ChatModel
-from hypernav.core.errors import ConfigError, ModelRejectedError, ModelUnavailableError
+from hypernav.core.errors import ChatError, ConfigError, ModelRejectedError, ModelSetupError
 from hypernav.core.geometry.boxes import Box
 from hypernav.core.goal import Goal
 from hypernav.models.chat.answer_parsing import shortened, without_thinking
@@ -31,6 +31,7 @@ _MATCH = 0.5
 _COLOURS: dict[str, tuple[int, int, int]] = {"blue": (30, 60, 220), "green": (40, 160, 60)}
 _READINGS = ("pixels", "thousandths", "unit", "gemini")
 _BLOCKS = (1, 2, 3, 4)
+_NO_WORDS = "let the model answer without thinking first; the server's log may say more"
 _WAIT = "look into the server's log; --set chat.timeout_s=… waits longer for an answer"
 
 
@@ -83,7 +84,7 @@ def check_up(
             yield from _time_questions(chat, block_choice, presence)
         elif answers:
             yield from _check_constraints(chat)
-    except ModelUnavailableError as error:
+    except ChatError as error:
         yield Finding("answers", State.FAULT, str(error), _WAIT)
 
 
@@ -99,21 +100,26 @@ def _check_server(chat: OpenAiChat) -> Generator[Finding, None, bool]:
     """Whether the server can be reached and has the model."""
     try:
         server = chat.server()
-    except ModelUnavailableError as error:
+    except ChatError as error:
         remedy = "start the server, or correct the URL after openai:"
         yield Finding("server", State.FAULT, str(error), remedy)
         return False
     about = f"{chat.url} answers and speaks the dialect '{server.dialect.name}'"
-    yield Finding("server", State.GOOD, about)
+    if server.list_fault:
+        yield Finding("server", State.NOTE, f"{about}, but has no list: {server.list_fault}")
+    else:
+        yield Finding("server", State.GOOD, about)
     # Some servers list nothing, or list other names than they take: only an answer tells.
     try:
         answer = chat.ask(Question("hello", "Answer with the word: ready", max_tokens=16))
-    except ModelRejectedError as error:
+    except (ModelRejectedError, ModelSetupError) as error:
         remedy = "name one of the server's models after #"
         yield Finding("model name", State.FAULT, str(error), remedy)
         return False
     told = f"{server.model} answers"
-    if answer.usage.tokens_in == 0:
+    if answer.fault is not None:
+        yield Finding("model name", State.FAULT, f"{told}, but {answer.detail}", _NO_WORDS)
+    elif answer.usage.tokens_in == 0:
         yield Finding("model name", State.NOTE, f"{told}, but its server counts no tokens")
     else:
         yield Finding("model name", State.GOOD, told)
@@ -128,9 +134,13 @@ def _check_vision(chat: ChatModel) -> Generator[Finding, None, bool]:
         text = "What colour is this picture? Answer with one word."
         try:
             answer = chat.ask(Question("colour", text, (plain,), max_tokens=16))
-        except ModelRejectedError as error:
+        except (ModelRejectedError, ModelSetupError) as error:
             remedy = "serve a model that takes images (llama.cpp: with --mmproj)"
             yield Finding("images", State.FAULT, f"no vision: {error}", remedy)
+            return False
+        if answer.fault is not None:
+            said = f"whether it sees cannot be told: {answer.detail}"
+            yield Finding("images", State.FAULT, said, _NO_WORDS)
             return False
         said = without_thinking(answer.text)
         if colour not in said.lower():

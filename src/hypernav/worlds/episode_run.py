@@ -11,7 +11,7 @@ from hypernav.core.clock import ModuleClock
 from hypernav.core.components.abilities import BuiltForRobot
 from hypernav.core.components.protocols import Agent, ExplainsItself
 from hypernav.core.episode import Episode, Outcome
-from hypernav.core.errors import ConfigError, ModelUnavailableError
+from hypernav.core.errors import ConfigError, ModelSetupError, ModelUnavailableError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.metrics import EpisodeMetrics
 from hypernav.core.observation import Observation
@@ -105,13 +105,20 @@ class EpisodeRun:
         agent.reset(episode.goal)
 
     def __iter__(self) -> Iterator[EpisodeStep]:
-        """Run the episode to its end, one step at a time."""
+        """Run the episode to its end, one step at a time.
+
+        Raises:
+            ModelSetupError: A model cannot be asked until its URL, key or name is corrected.
+        """
         while not self.trial.is_over:
             try:
                 step = self._step()
             except ModelUnavailableError as error:
                 self._outage = str(error)
                 return
+            except ModelSetupError as error:
+                self._outage = str(error)
+                raise
             yield step
 
     def _step(self) -> EpisodeStep:

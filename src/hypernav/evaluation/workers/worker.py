@@ -27,6 +27,7 @@ from hypernav.evaluation.record import EpisodeRecord
 from hypernav.evaluation.recorder import EpisodeRecorder
 from hypernav.evaluation.save_choice import SaveChoice
 from hypernav.evaluation.storyboard import Image, Storyboard
+from hypernav.perception.exchanges import unusable_answers
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.worlds.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
 from hypernav.worlds.scenes.scene import Scene
@@ -124,13 +125,14 @@ class EpisodeWorker:
         episode, world, save = run.trial.episode, place.world, self._job.save
         goal = world.goal_truth(episode.goal, episode.view_points)
         evidence = FailureEvidence(world, goal, self._job.config)
-        questions, tokens = Counter[str](), Counter[str]()
+        questions, tokens, unusable = Counter[str](), Counter[str](), Counter[str]()
         storyboard = Storyboard(world.pose)
         saved = ""
         with self._recorder(episode) if save == "videos" else nullcontext() as recorder:
             for step in run:
                 evidence.watch(step)
                 _count(step, questions, tokens)
+                unusable += unusable_answers(step.trace)
                 if recorder is not None:
                     recorder.add(step.trace, step.grid, step.observation.rgb)
                 elif save == "failures":
@@ -165,6 +167,7 @@ class EpisodeWorker:
             steps=result.steps,
             model_calls=result.model_calls,
             questions=dict(sorted(questions.items())),
+            unusable_answers=dict(sorted(unusable.items())),
             tokens_in=tokens["in"],
             tokens_out=tokens["out"],
             saved=saved,

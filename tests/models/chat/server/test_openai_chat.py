@@ -1,15 +1,22 @@
 import logging
 import threading
+import time
 
 import numpy as np
 import pytest
 
 from chat_models import image
 from hypernav.core.chat import Fault, Question, Usage
-from hypernav.core.errors import ConfigError, ModelRejectedError, ModelUnavailableError
+from hypernav.core.errors import (
+    ConfigError,
+    ModelRejectedError,
+    ModelSetupError,
+    ModelUnavailableError,
+)
 from hypernav.models.chat.config import ChatConfig
 from hypernav.models.chat.server.dialects import DIALECTS
 from hypernav.models.chat.server.openai_chat import OpenAiChat
+from servers.faulty import Act, FaultyServer, Talk, list_models
 from servers.scripted import (
     TRANSPORT_FAILURES,
     Failure,
@@ -208,28 +215,84 @@ def test_a_refusal_is_a_fault_not_an_error(server: ScriptedServer):
 
 def test_wrong_model_name_names_the_right_one(server: ScriptedServer):
     asker = OpenAiChat(server.url, "Qwen2.5-VL-7B-Instruct", QUICK, environment={})
-    with pytest.raises(ModelRejectedError, match=r"try openai:.*#scripted/Qwen2\.5-VL-7B"):
+    with pytest.raises(ModelSetupError, match=r"try openai:.*#scripted/Qwen2\.5-VL-7B"):
         asker.ask(OPEN)
 
 
 def test_several_models_need_a_name(server: ScriptedServer):
     server.personality = Personality(models=("a", "b"))
-    with pytest.raises(ModelRejectedError, match=r"several models \(a, b\); name one"):
+    with pytest.raises(ModelSetupError, match=r"several models \(a, b\); name one"):
         chat(server).ask(OPEN)
     server.personality = Personality(models=())
-    with pytest.raises(ModelRejectedError, match="lists no model"):
+    with pytest.raises(ModelSetupError, match="lists no model"):
         chat(server).ask(OPEN)
+
+
+@pytest.mark.parametrize("status", [301, 307, 401, 402, 403, 404, 405, 410, 451])
+def test_a_wrong_url_or_key_is_said_at_once(status: int):
+    with FaultyServer(lambda talk: talk.reply({"error": "no"}, status)) as server:
+        with pytest.raises(ModelSetupError, match=rf"answered {status}: ") as caught:
+            OpenAiChat(server.url, None, QUICK, environment={}).ask(OPEN)
+        assert server.questions == 1
+    assert ("HYPERNAV_API_KEY" in str(caught.value)) == (status in {401, 403})
+
+
+@pytest.mark.parametrize("status", [404, 500])
+def test_a_named_model_needs_no_list(status: int):
+    no_list: Act = lambda talk: talk.reply({"error": "broken"}, status)  # noqa: E731
+    with FaultyServer(lambda talk: talk.say("a bed"), models=no_list) as server:
+        asker = OpenAiChat(server.url, "m", QUICK, environment={})
+        assert asker.ask(OPEN).value == "a bed"
+        assert f"answered {status}: broken" in asker.server().list_fault
+
+
+@pytest.mark.parametrize(
+    "retry_after", ["nan", "inf", "-5", "0", "1e999", "9" * 400, "soon", "Wed, 21 Oct 2015"]
+)
+def test_no_retry_after_makes_us_ask_too_often_or_never(retry_after: str):
+    def busy(talk: Talk) -> None:
+        if talk.number < 3:
+            talk.reply({"error": "busy"}, 429, retry_after=retry_after)
+        else:
+            talk.say("a bed")
+
+    waits: list[float] = []
+    with FaultyServer(busy) as server:
+        asker = OpenAiChat(server.url, None, ChatConfig(), environment={}, sleep=waits.append)
+        assert asker.ask(OPEN).value == "a bed"
+    assert all(0.5 <= wait <= 8.0 for wait in waits)
+    assert waits == sorted(waits)
+
+
+def test_detection_and_question_share_one_patience():
+    def late(talk: Talk) -> None:
+        talk.wait(0.6)
+        list_models(talk)
+
+    config = QUICK.model_copy(update={"patience_s": 1.0})
+    with FaultyServer(lambda talk: talk.wait(), models=late) as server:
+        begin = time.monotonic()
+        with pytest.raises(ModelUnavailableError, match="patience of 1 s"):
+            OpenAiChat(server.url, None, config, environment={}).ask(OPEN)
+        assert time.monotonic() - begin < 1.5
+
+
+def test_nesting_that_no_parser_follows_is_a_broken_answer():
+    with FaultyServer(lambda talk: talk.reply(b"[" * 200_000)) as server:
+        asker = OpenAiChat(server.url, None, ChatConfig(patience_s=0.0), environment={})
+        with pytest.raises(ModelUnavailableError, match="not JSON"):
+            asker.ask(OPEN)
 
 
 def test_forgotten_version_in_the_url(server: ScriptedServer):
     asker = OpenAiChat(server.url.removesuffix("/v1"), None, QUICK, environment={})
-    with pytest.raises(ModelRejectedError, match=r"try openai:.*/v1"):
+    with pytest.raises(ModelSetupError, match=r"try openai:.*/v1"):
         asker.ask(OPEN)
 
 
 def test_a_model_without_eyes(server: ScriptedServer):
     server.personality = Personality("llamacpp", sees=False)
-    with pytest.raises(ModelRejectedError, match="cannot see"):
+    with pytest.raises(ModelSetupError, match="cannot see"):
         chat(server).ask(OPEN)
 
 
@@ -246,7 +309,7 @@ def test_the_key_never_shows(server: ScriptedServer, caplog: pytest.LogCaptureFi
     caplog.set_level(logging.DEBUG)
     server.personality = Personality(key="right")
     asker = chat(server, HYPERNAV_API_KEY="secret-2")
-    with pytest.raises(ModelRejectedError, match="HYPERNAV_API_KEY") as caught:
+    with pytest.raises(ModelSetupError, match="HYPERNAV_API_KEY") as caught:
         asker.ask(OPEN)
     assert "Incorrect key: ***" in str(caught.value)
     server.personality = Personality()

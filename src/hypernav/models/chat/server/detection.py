@@ -16,7 +16,7 @@ from hypernav.core.errors import ModelRejectedError, ModelSetupError
 from hypernav.models.chat.config import ChatConfig
 from hypernav.models.chat.server.deadline import Deadline
 from hypernav.models.chat.server.dialects import ServerDialect, dialect_named
-from hypernav.models.chat.server.http_client import BadRequestError, HttpClient, NotFoundError
+from hypernav.models.chat.server.http_client import HttpClient, NotFoundError
 from hypernav.models.chat.server.retry import RetryLaterError
 
 _OWNERS = {"vllm": "vllm", "sglang": "sglang", "llamacpp": "llamacpp", "library": "ollama"}
@@ -69,9 +69,9 @@ def detect_server(
 
 
 def with_known_models(
-    error: ModelRejectedError, server: ServerInfo, url: str
-) -> ModelRejectedError:
-    """The same error, with the models that the server does have."""
+    error: ModelRejectedError | ModelSetupError, server: ServerInfo, url: str
+) -> ModelRejectedError | ModelSetupError:
+    """The same error, or one about the model if the server has others but not this one."""
     if len(server.models) == 0 or server.model in server.models:
         return error
     close = difflib.get_close_matches(server.model, server.models, 3, 0.3) or server.models[:3]
@@ -137,7 +137,7 @@ def _vllm_version(client: HttpClient, deadline: Deadline) -> tuple[int, ...]:
     """From ``GET /version``, which lies beside the API; new if it does not say."""
     try:
         version = str(client.get("/version", deadline).get("version", ""))
-    except ModelRejectedError:
+    except (ModelRejectedError, ModelSetupError):
         version = ""
     numbers = re.match(r"(\d{1,9})\.(\d{1,9})", version)
     return (int(numbers[1]), int(numbers[2])) if numbers else _STRUCTURED_SINCE
@@ -147,8 +147,8 @@ def _has_systemone(client: HttpClient, deadline: Deadline) -> bool:
     """An empty request is refused for its content where the endpoint exists, else not found."""
     try:
         client.post("systemone", {}, deadline)
-    except ModelRejectedError as error:
-        return isinstance(error, BadRequestError)
+    except (ModelRejectedError, ModelSetupError) as error:
+        return isinstance(error, ModelRejectedError)
     except RetryLaterError as error:
         if error.status != 500:
             raise

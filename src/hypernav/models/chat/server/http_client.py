@@ -30,10 +30,6 @@ _PLAIN = re.compile(r"[!-~]+")
 _LOCAL_HOSTS = {"localhost", "127.0.0.1", "::1"}
 
 
-class BadRequestError(ModelRejectedError):
-    """The server understood the address but not the request (400, 413, 422)."""
-
-
 class NotFoundError(ModelSetupError):
     """The server has nothing at this address, or no such model (404)."""
 
@@ -68,7 +64,8 @@ class HttpClient:
         Raises:
             ChatTimeoutError: No answer in time.
             ChatTransportError: No connection, a server's fault, or a broken answer.
-            ModelRejectedError: The server rejects the request for good.
+            ModelRejectedError: The server understands the address but not the request.
+            ModelSetupError: URL, key or choice of the model are wrong.
         """
         return self._exchange("POST", path, json.dumps(body).encode("utf-8"), deadline)
 
@@ -129,7 +126,7 @@ class HttpClient:
                 f"{where}: the server points to {target}; write its own URL after openai:"
             )
         if status in {400, 413, 422}:
-            return BadRequestError(f"{where}: {said}")
+            return ModelRejectedError(f"{where}: {said}")
         if status == 404:
             return NotFoundError(f"{where}: {said}")
         hint = "; set the environment variable HYPERNAV_API_KEY to the server's key"

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hypernav.core.chat import Answer, Question, Usage
-from hypernav.core.errors import ChatTransportError, ModelRejectedError
+from hypernav.core.errors import ChatTransportError, ModelRejectedError, ModelSetupError
 from hypernav.models.chat.answer_parsing import parse_answer, shortened
 from hypernav.models.chat.config import ChatConfig
 from hypernav.models.chat.image_encoding import jpeg_data_url
@@ -22,7 +22,7 @@ from hypernav.models.chat.server.decision_api import (
 )
 from hypernav.models.chat.server.detection import ServerInfo, detect_server, with_known_models
 from hypernav.models.chat.server.dialects import Constraint, constraint_for
-from hypernav.models.chat.server.http_client import BadRequestError, HttpClient
+from hypernav.models.chat.server.http_client import HttpClient
 from hypernav.models.chat.server.reply_fields import read_content, read_usage
 from hypernav.models.chat.server.retry import Retry
 
@@ -90,6 +90,7 @@ class OpenAiChat:
 
         Raises:
             ModelUnavailableError: It was not named and the server cannot be asked.
+            ModelSetupError: It was not named and cannot be chosen.
         """
         return self._wanted or self.server().model
 
@@ -102,7 +103,8 @@ class OpenAiChat:
         """Model and dialect of the server; detected once.
 
         Raises:
-            ModelUnavailableError: It cannot be reached, or has no such model.
+            ModelUnavailableError: It cannot be reached.
+            ModelSetupError: URL or key are wrong, or no model can be chosen.
         """
         return self._server_within(self._retry.begin())
 
@@ -120,6 +122,7 @@ class OpenAiChat:
         Raises:
             ModelUnavailableError: The server gave no answer within ``patience_s``,
                 or (`ModelRejectedError`) rejects the request for good.
+            ModelSetupError: URL, key or model are wrong.
         """
         begin = self._clock()
         patience = self._retry.begin()
@@ -130,7 +133,7 @@ class OpenAiChat:
                 who=self._who(),
                 patience=patience,
             )
-        except ModelRejectedError as error:
+        except (ModelRejectedError, ModelSetupError) as error:
             raise with_known_models(error, server, self.url) from error
         return parse_answer(
             question,
@@ -160,9 +163,10 @@ class OpenAiChat:
                     reply = self._decide(server, question, deadline)
                 else:
                     reply = self._complete(server, question, optional, deadline)
-            except ModelRejectedError as error:
-                about_content = isinstance(error, BadRequestError) or "decision" in optional
-                if not about_content or not optional:
+            except (ModelRejectedError, ModelSetupError) as error:
+                # A missing address says something about decisions only.
+                forgiven = isinstance(error, ModelRejectedError) or "decision" in optional
+                if not forgiven or not optional:
                     raise
                 _log.warning("%s; asking without %s", error, optional[0])
                 dropped = (*dropped, optional[0])
