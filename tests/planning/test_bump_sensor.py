@@ -35,3 +35,9 @@ def test_what_stands_beside_the_robot_is_what_it_touches():
     points = bumps.points(Pose2(0.0, 0.0, 0.0), grid)
     assert len(points) > 0
     assert (points[:, 1] > 0.1).all()  # the path ahead and to the right stays open
+
+
+def test_switched_off_it_notices_nothing():
+    bumps, before = BumpSensor(PlanningConfig(bump_sensor=False), Embodiment()), Pose2(0, 0, 0)
+    bumps.note_action(before, Action.MOVE_FORWARD)
+    assert len(bumps.points(before, HALL)) == 0

@@ -213,3 +213,15 @@ def test_the_same_situation_gives_the_same_actions():
             robot.do(action)
 
     assert list(actions()) == list(actions())
+
+
+def test_a_destination_that_moves_keeps_its_path_where_so_configured():
+    area = np.array([[3.0, 0.0], [3.0, 0.5], [3.5, 0.0], [3.5, 0.5]])
+    for replans in (True, False):
+        navigator = Navigator(PlanningConfig(replan_when_moved=replans), ROBOT)
+        navigator.towards(HALL, Pose2(-4.0, 0.0, 0.0), area)
+        before = navigator.path
+        navigator.towards(HALL, Pose2(-3.5, 0.0, 0.0), area + 0.2)
+        assert (navigator.path is before) != replans
+        navigator.towards(HALL, Pose2(-3.5, 0.0, 0.0), -area)  # another destination
+        assert navigator.path is not before

@@ -177,7 +177,7 @@ def test_a_path_never_touches_an_inflated_obstacle(coarse, config, data):
         (Cell.FREE, Cell.UNKNOWN) if ends_in_unknown else (Cell.FREE,)
     )
     assert path.length_m >= np.hypot(*(np.array(path.end) - start)) - 1e-9
-    assert path.gap_m <= config.max_gap_m
+    assert path.gap_m <= (np.inf if config.max_gap_m is None else config.max_gap_m)
     if path.gap_m == 0.0:
         assert grid.cell_of(*path.end) == grid.cell_of(*target)
 
@@ -341,3 +341,46 @@ def test_a_gap_that_only_just_fits_is_taken_where_no_other_way_leads():
 
 def test_the_length_of_a_path_is_that_of_its_legs():
     assert PlannedPath(((0.0, 0.0), (3.0, 4.0), (3.0, 5.0)), 0.0).length_m == pytest.approx(6.0)
+
+
+def test_dense_waypoints_are_one_in_every_cell():
+    grid = drawn("....\n" * 4, scale=20)
+    start, target = (0.3, 0.4), np.array([[3.0, 1.7]])
+    dense = path_of(PlanningConfig(waypoints="dense"), grid, start, target)
+    assert dense.end == path_of(CONFIG, grid, start, target).end
+    legs = [np.hypot(b[0] - a[0], b[1] - a[1]) for a, b in pairwise(dense.waypoints)]
+    assert max(legs[1:]) <= 0.05 * np.sqrt(2) + 1e-9
+    assert len(legs) >= 2.7 / 0.05
+
+
+def test_a_start_in_an_obstacle_may_move_to_the_nearest_free_cell_whatever_lies_between():
+    """The robot touches a wall from the left; free floor is nearer behind it than beside it."""
+    grid = drawn("....................\n" * 12, scale=5)
+    grid.cells[:, 40] = Cell.OCCUPIED
+    grid.cells[20:40, 36] = Cell.OCCUPIED
+    start, behind = (1.97, 1.5), np.array([[4.0, 1.5]])
+    on_this_side = PlanningConfig(squeeze_m=0.0, unknown_cost=0.0)
+    nearest = on_this_side.model_copy(update={"start_in_obstacle": "nearest"})
+    assert Planner(on_this_side, BODY).plan(grid, start, behind) is None
+    assert path_of(nearest, grid, start, behind).end == pytest.approx((4.0, 1.5), abs=0.06)
+    grid.cells[grid.free] = Cell.UNKNOWN
+    dares = nearest.model_copy(update={"unknown_cost": 1.0})
+    assert Planner(dares, BODY).plan(grid, start, behind) is None
+
+
+def test_the_nearest_free_cell_of_a_destination_may_be_out_of_reach():
+    """The destination lies in a wall, nearer to the room behind it."""
+    grid = drawn("..........##..........\n" * 4, scale=10)
+    start, target = (0.5, 1.0), np.array([[5.8, 1.0]])
+    assert path_of(CONFIG, grid, start, target).end[0] < 5.0
+    nearest = PlanningConfig(squeeze_m=0.0, unknown_cost=0.0, end_in_obstacle="nearest")
+    assert Planner(nearest, BODY).plan(grid, start, target) is None
+    assert path_of(nearest, grid, start, np.array([[5.2, 1.0]])).end[0] < 5.0
+
+
+def test_without_a_limit_the_path_ends_however_far_from_the_destination():
+    grid = drawn("....######\n" * 6, scale=10)
+    unlimited = PlanningConfig(max_gap_m=None)
+    assert path_of(unlimited, grid, (0.5, 1.5), np.array([[4.0, 1.5]])).gap_m > 2.0
+    grid.cells[:] = Cell.OCCUPIED
+    assert Planner(unlimited, BODY).plan(grid, (0.5, 1.5), np.array([[4.0, 1.5]])) is None

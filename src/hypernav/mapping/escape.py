@@ -1,12 +1,13 @@
 """The path to open floor for a robot that stands too close to an obstacle."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, UInt8
 
 from hypernav.core.geometry.bounds import has_cell
-from hypernav.mapping.distance_kernels import travel_cells
+from hypernav.mapping.distance_kernels import nearest_open_cell, travel_cells
 
 _WITHIN_M = 1.0
 """Largest distance to an open cell."""
@@ -19,8 +20,7 @@ class Escape:
     """Path to open floor from a cell where the robot should not be.
 
     Attributes:
-        exit: Open cell ``(row, column)`` that is nearest along a path; one behind a thin wall is
-            none.
+        exit: Open cell ``(row, column)`` that is nearest.
         cells: Mask of the cells between, and of those around the robot that are no farther away.
     """
 
@@ -35,6 +35,8 @@ class Escape:
         cell_size_m: float,
     ) -> "Escape | None":
         """Look for an escape between the obstacles or, if they leave none, across them.
+
+        An open cell behind a thin wall is not near, unless all are.
 
         Args:
             occupied: Mask of the obstacles, not inflated.
@@ -64,3 +66,34 @@ class Escape:
                 cells[window] = travel <= travel[nearest] + _WIDTH_CELLS
                 return Escape((int(nearest[0]) + bottom, int(nearest[1]) + left), cells)
         return None
+
+    @staticmethod
+    def straight(
+        is_open: UInt8[np.ndarray, "rows columns"],
+        is_free: Bool[np.ndarray, "rows columns"],
+        here: tuple[int, int],
+    ) -> "Escape | None":
+        """Go to the nearest free cell in a straight line, whatever lies between (paper).
+
+        Args:
+            is_open: Mask of the cells where the robot may be: 1, and 0 elsewhere.
+            is_free: Mask of the cells that are known to be free.
+            here: Cell of the robot, ``(row, column)``.
+
+        Returns:
+            The escape, without cells if the robot stands in the open; None if the map has no open
+            cell that is free, or if the robot is off the map.
+        """
+        row, column = here
+        if not has_cell(is_open.shape, row, column):
+            return None
+        if is_open[row, column]:
+            return Escape((row, column), np.zeros(is_open.shape, dtype=bool))
+        exits = is_open * is_free
+        to_row, to_column = nearest_open_cell(exits, row, column, max(is_open.shape))
+        if to_row < 0:
+            return None
+        reach = math.dist(here, (to_row, to_column)) + _WIDTH_CELLS
+        rows, columns = np.ogrid[: is_open.shape[0], : is_open.shape[1]]
+        cells = (rows - row) ** 2 + (columns - column) ** 2 <= reach**2
+        return Escape((int(to_row), int(to_column)), cells)

@@ -23,9 +23,10 @@ class BumpSensor:
         """Create it.
 
         Args:
-            config: Margin between the robot and obstacles.
+            config: Whether to notice collisions, and the margin between the robot and obstacles.
             embodiment: Length of a step and size of the robot.
         """
+        self._is_on = config.bump_sensor
         self._forward_m = embodiment.motion.forward_m
         self._clearance_m = config.clearances_m(embodiment.body)[0]
         self.reset()
@@ -36,7 +37,7 @@ class BumpSensor:
 
     def note_action(self, robot: Pose2, action: Action) -> None:
         """Remember the ordered action, to notice a bump in the next step."""
-        self._last = (robot, action)
+        self._last = (robot, action) if self._is_on else None
 
     def points(self, robot: Pose2, grid: OccupancyGrid) -> Float64[np.ndarray, "n 2"]:
         """Points where something unseen must be, since the last step forward was cut short.

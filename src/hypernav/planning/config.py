@@ -11,31 +11,42 @@ from hypernav.core.embodiment import BodyConfig
 class PlanningConfig(RoomConfig):
     """Configuration of planning and path following.
 
-    Values not marked with "paper" are ours: the paper is silent on them.
+    Values not marked with "paper" are ours: the paper is silent on them. What each of its sentences
+    became: docs/method.md.
 
     Attributes:
         margin_m: Margin between the robot and obstacles, metres: these are dilated by the robot's
             radius and this.
         squeeze_m: Reduction of that dilation where no path leads, or nothing is left to explore,
-            metres; 0 (paper) does without.
+            metres; 0 does without.
         comfort_m: Distance beyond the dilation, metres, within which a path costs more, so that it
             keeps to the middle of doors where there is room.
-        comfort_cost: Addition to the cost factor of 1 within that distance; 0 switches it off
-            (paper).
-        unknown_cost: Cost factor of unknown cells; 0 forbids them.
+        comfort_cost: Addition to the cost factor of 1 within that distance; 0 switches it off.
+        unknown_cost: Cost factor of unknown cells; 1 treats them as free ones, 0 forbids them.
         end_in_unknown: Whether a path may end in unknown cells of the destination if it has no
-            other open ones; else it ends in known ones only (paper).
+            other open ones; else it ends in known ones only.
         targets: Choice among the destination's cells: the "nearest-straight" (paper) or the
             "nearest-by-path".
-        max_gap_m: Distance, metres, within which a reachable cell stands in for a destination that
-            cannot be entered (it lies on a table); beyond it there is no path.
+        start_in_obstacle: Beginning of a path for a robot inside an inflated obstacle: the shortest
+            "escape" between the obstacles, or the free cell that is "nearest" in a straight line
+            (paper).
+        end_in_obstacle: Cell that stands in for a destination that cannot be entered (it lies on a
+            table): the nearest "reachable" one, or the "nearest" free one, whether a path leads
+            there or not (paper).
+        max_gap_m: Largest distance of that cell from the destination, metres; beyond it there is no
+            path. None sets no limit (paper).
+        waypoints: Waypoints of a path: "corners", between which the robot drives straight, or
+            "dense", one in every cell (paper: fine-grained waypoints).
         replan_every_steps: Number of steps that a path is kept unless it is blocked (paper: 10).
+        replan_when_moved: Whether a path is planned anew as well when a detection moves its
+            destination; the paper names no such case.
         steering: Manner of following a path. "waypoint": turn if the next waypoint is too far off
             the heading, else go forward (paper). "lattice": search the sequence of turns and steps
             that leads on best without touching an inflated obstacle, and take its first action.
         heading_tolerance_deg: Largest angle off the heading at which "waypoint" steering goes
             forward, degrees (paper: 15).
         waypoint_tolerance_m: Distance within which a waypoint counts as passed, metres.
+        bump_sensor: Whether a step that is cut short marks an obstacle before the robot.
     """
 
     margin_m: float = Field(default=0.04, ge=0.0, le=2.0)
@@ -45,11 +56,16 @@ class PlanningConfig(RoomConfig):
     unknown_cost: float = Field(default=3.0, ge=0.0, le=1000.0)
     end_in_unknown: bool = True
     targets: Literal["nearest-straight", "nearest-by-path"] = "nearest-by-path"
-    max_gap_m: float = Field(default=1.0, ge=0.0, le=50.0)
+    start_in_obstacle: Literal["escape", "nearest"] = "escape"
+    end_in_obstacle: Literal["reachable", "nearest"] = "reachable"
+    max_gap_m: float | None = Field(default=1.0, ge=0.0, le=50.0)
+    waypoints: Literal["corners", "dense"] = "corners"
     replan_every_steps: int = Field(default=10, ge=1, le=MOST_STEPS)
+    replan_when_moved: bool = True
     steering: Literal["waypoint", "lattice"] = "lattice"
     heading_tolerance_deg: float = Field(default=15.0, gt=0.0, le=180.0)
     waypoint_tolerance_m: float = Field(default=0.25, gt=0.0, le=10.0)
+    bump_sensor: bool = True
 
     def clearances_m(self, body: BodyConfig) -> tuple[float, ...]:
         """Distances from obstacles that the robot's middle keeps, in the order to try, metres."""

@@ -68,7 +68,11 @@ class Costmap:
         costs = np.take(prices, kind)
         costs[closed > 0] = 0.0
         is_open = (costs > 0.0).view(np.uint8)
-        escape = Escape.find(occupied, is_open, grid.cell_of(*robot), size)
+        here = grid.cell_of(*robot)
+        if config.start_in_obstacle == "nearest":
+            escape = Escape.straight(is_open, grid.free, here)
+        else:
+            escape = Escape.find(occupied, is_open, here, size)
         if escape is not None:
             costs[escape.cells & (is_open == 0)] = _ESCAPE_COST
         return Costmap(grid, costs, is_open, escape, is_squeezed)

@@ -83,9 +83,17 @@ class Navigator:
     def _path_is_fresh(self, targets: Float64[np.ndarray, "n 2"]) -> bool:
         return (
             self.path is not None
-            and np.array_equal(targets, self._targets)
             and self._age < self._config.replan_every_steps
+            and self._leads_to(targets)
         )
+
+    def _leads_to(self, targets: Float64[np.ndarray, "n 2"]) -> bool:
+        """Whether the path was planned to this destination, or to one that it overlaps."""
+        if self._config.replan_when_moved or len(self._targets) == 0:
+            return np.array_equal(targets, self._targets)
+        low, high = targets.min(axis=0), targets.max(axis=0)
+        before_low, before_high = self._targets.min(axis=0), self._targets.max(axis=0)
+        return bool((low <= before_high).all() and (before_low <= high).all())
 
     def _plan(
         self, grid: OccupancyGrid, robot: Pose2, targets: Float64[np.ndarray, "n 2"]

@@ -20,7 +20,7 @@ class PlannedPath:
     """A path for the robot's middle, ``map`` frame.
 
     Attributes:
-        waypoints: Corners ``(x, y)`` from the start to the end, metres.
+        waypoints: Points ``(x, y)`` from the start to the end, metres: corners, or every cell.
         gap_m: Distance from the path's end to the nearest cell of the destination, metres; more
             than 0 where the destination itself cannot be entered.
     """
@@ -62,8 +62,9 @@ class Planner:
         """The cheapest path to a destination.
 
         From inside an inflated obstacle the path first leads out of it. A destination that cannot
-        be entered moves to the reachable cell nearest to it, at most `PlanningConfig.max_gap_m`
-        away. Where no path leads, obstacles are inflated less (`PlanningConfig.squeeze_m`).
+        be entered moves to the cell nearest to it (`PlanningConfig.end_in_obstacle`), at most
+        `PlanningConfig.max_gap_m` away. Where no path leads, obstacles are inflated less
+        (`PlanningConfig.squeeze_m`).
 
         Args:
             grid: The map.
@@ -87,20 +88,22 @@ class Planner:
         targets: Float64[np.ndarray, "n 2"],
     ) -> PlannedPath | None:
         """The cheapest path on a costmap; see `plan`."""
-        if self._config.targets == "nearest-straight":
+        config = self._config
+        if config.targets == "nearest-straight":
             offsets = ((targets - np.array(start)) ** 2).sum(axis=1)
             targets = targets[[int(offsets.argmin())]]
         if costmap.escape is None:
             return None
         here = costmap.grid.cell_of(*start)
-        goal, gap_m = _reachable_goal(costmap, here, targets, self._config.end_in_unknown)
-        if gap_m > self._config.max_gap_m:
+        goal, gap_m = _enterable_goal(costmap, here, targets, config)
+        if gap_m == np.inf or (config.max_gap_m is not None and gap_m > config.max_gap_m):
             return None
         cells, _ = astar(costmap.costs, here, goal)
         if len(cells) == 0:
             return None
-        corners = cells[shortcut(costmap.costs, cells, *costmap.continuous(*start))]
-        points = [(float(x), float(y)) for x, y in costmap.grid.centres_of(corners)]
+        if config.waypoints == "corners":
+            cells = cells[shortcut(costmap.costs, cells, *costmap.continuous(*start))]
+        points = [(float(x), float(y)) for x, y in costmap.grid.centres_of(cells)]
         return PlannedPath((start, *(points[1:] if len(points) > 1 else points)), gap_m)
 
 
@@ -115,23 +118,25 @@ def is_blocked(points: tuple[tuple[float, float], ...], costmap: Costmap) -> boo
     return any(np.isinf(cost_of_line(costmap.costs, *a, *b)) for a, b in pairwise(corners))
 
 
-def _reachable_goal(
+def _enterable_goal(
     costmap: Costmap,
     here: tuple[int, int],
     targets: Float64[np.ndarray, "n 2"],
-    end_in_unknown: bool,
+    config: PlanningConfig,
 ) -> tuple[UInt8[np.ndarray, "rows columns"], float]:
     """Mask of the cells to go to (1), and their distance from the destination, metres."""
-    # Diagonal steps need both neighbours, so what is 8-reachable is 4-connected.
-    passable = (costmap.costs > 0.0).view(np.uint8)
-    _, parts = cv2.connectedComponents(passable, connectivity=4)
-    reachable = (parts == parts[here]) & (costmap.is_open > 0)
-    wanted = np.zeros(reachable.shape, dtype=bool)
+    enterable = costmap.is_open > 0
+    if config.end_in_obstacle == "reachable":
+        # Diagonal steps need both neighbours, so what is 8-reachable is 4-connected.
+        passable = (costmap.costs > 0.0).view(np.uint8)
+        _, parts = cv2.connectedComponents(passable, connectivity=4)
+        enterable &= parts == parts[here]
+    wanted = np.zeros(enterable.shape, dtype=bool)
     cells = costmap.grid.cells_of(targets)
     inside = costmap.grid.contains(cells)
     wanted[cells[inside, 0], cells[inside, 1]] = True
-    known = reachable & costmap.grid.explored
-    for allowed in (known, reachable) if end_in_unknown else (known,):
+    known = enterable & costmap.grid.explored
+    for allowed in (known, enterable) if config.end_in_unknown else (known,):
         goal = wanted & allowed
         if goal.any():
             return goal.view(np.uint8), 0.0
@@ -139,8 +144,8 @@ def _reachable_goal(
     # the wall that it hangs on, and no path to it begins behind that wall.
     if inside.any():
         away = cv2.distanceTransform((~wanted).view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-    else:  # beyond the explored map: the reachable cell nearest to the first target
-        rows, columns = np.indices(reachable.shape)
+    else:  # beyond the explored map: the enterable cell nearest to the first target
+        rows, columns = np.indices(enterable.shape)
         row, column = costmap.continuous(*targets[0])
         away = np.hypot(rows + 0.5 - row, columns + 0.5 - column)
     away = np.where(known, away, np.inf)
