@@ -10,6 +10,7 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.blocks import divide_into_blocks
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.inflation import inflate
+from hypernav.mapping.reachable_area import ReachableArea
 
 CONFIG = MappingConfig()
 CLEARANCE_M = 0.22
@@ -119,3 +120,20 @@ def test_specks_of_the_unknown_are_no_boundary_and_the_longest_stretch_is_gone_t
     assert speckled.destination == clean.destination
     cells[12:14, -4:] = Cell.OCCUPIED  # parts the boundary into a shorter and a longer stretch
     assert block().destination[1] == pytest.approx(1.3, abs=0.15)
+
+
+@settings(deadline=None, max_examples=40)
+@given(arrays(np.uint8, (10, 14), elements=st.sampled_from([0, 1, 1, 1, 2])))
+def test_the_middle_of_a_block_is_gone_to_as_nearly_as_it_can_be(coarse):
+    grid = OccupancyGrid(np.kron(coarse, np.ones((10, 10), np.uint8)), 0.05, CORNER)
+    config = MappingConfig(block_destination="middle")
+    reach = ReachableArea.of(grid, ORIGIN, config, CLEARANCE_M)
+    points = reach.grid.centres_of(np.argwhere(reach.reachable))
+    for block in divide_into_blocks(grid, ORIGIN, config, CLEARANCE_M):
+        x, y = block.destination
+        assert block.x_min < x < block.x_min + block.size_m
+        assert block.y_min < y < block.y_min + block.size_m
+        middle = np.array([block.x_min, block.y_min]) + block.size_m / 2
+        inside = points[(np.abs(points - middle) < block.size_m / 2).all(axis=1)]
+        nearest = np.linalg.norm(inside - middle, axis=1).min()
+        assert np.hypot(x - middle[0], y - middle[1]) <= nearest + 0.08

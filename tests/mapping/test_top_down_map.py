@@ -29,8 +29,8 @@ TABLE = ((2.0, -0.4, 0.0), (2.8, 0.4, 0.45))
 HERE = Pose2(0.0, 0.0, 0.0)
 
 
-def map_of(boxes, poses, **view):
-    world_map = TopDownMap(CONFIG, EMBODIMENT)
+def map_of(boxes, poses, *, config=CONFIG, **view):
+    world_map = TopDownMap(config, EMBODIMENT)
     for pose in poses:
         world_map.integrate(view_of(boxes, pose, **view))
     return world_map
@@ -170,6 +170,15 @@ def test_an_obstacle_that_is_carried_away_disappears():
     assert world_map.grid.state_at(2.3, 0.0) == Cell.FREE
 
 
+def test_merged_plainly_what_was_drawn_once_stays():
+    wall = ((3.8, -4.0, 0.0), (4.0, 4.0, 2.0))
+    world_map = map_of([FLOOR, wall, TABLE], [HERE], config=MappingConfig(pass_weight=0))
+    before = {cell for cell, state in known(world_map).items() if state == Cell.OCCUPIED}
+    for _ in range(20):
+        world_map.integrate(view_of([FLOOR, wall], HERE))
+    assert before <= {cell for cell, state in known(world_map).items() if state == Cell.OCCUPIED}
+
+
 def test_looking_over_a_low_table_does_not_clear_it():
     world_map = map_of([FLOOR, TABLE], [HERE])
     close = Pose2(1.4, 0.0, 0.0)  # only what lies beyond the table is in the image
@@ -196,6 +205,13 @@ def test_the_robot_stands_on_free_floor():
     world_map.integrate(view_of([FLOOR], Pose2(2.4, 0.0, 0.0)))
     assert world_map.grid.state_at(2.4, 0.0) == Cell.FREE
     assert world_map.grid.state_at(2.1, 0.3) == Cell.OCCUPIED
+
+
+def test_where_the_robot_stands_may_stay_as_it_was_drawn():
+    world_map = map_of([FLOOR, TABLE], [HERE], config=MappingConfig(free_footprint=False))
+    assert world_map.grid.state_at(-0.1, 0.0) == Cell.UNKNOWN
+    world_map.integrate(view_of([FLOOR], Pose2(2.05, 0.0, math.pi)))
+    assert world_map.grid.state_at(2.02, 0.0) == Cell.OCCUPIED
 
 
 def test_a_bump_outlasts_clear_views_but_not_for_ever():

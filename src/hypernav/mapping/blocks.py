@@ -71,15 +71,16 @@ def _block(
     frontier = np.ascontiguousarray(reach.frontier[window]).view(np.uint8)
     far = max(frontier.shape)
     frontier_cells = int(np.count_nonzero(frontier))
-    if frontier_cells:
+    if frontier_cells and config.block_destination == "frontier":
         rows, columns = np.nonzero(_largest_part(frontier))
         middle = (round(float(rows.mean())), round(float(columns.mean())))
         row, column = nearest_open_cell(frontier, *middle, far)
         row, column = reach.look_out(row + bottom, column + left)
     else:
-        row, column = nearest_open_cell(
-            reachable, frontier.shape[0] // 2, frontier.shape[1] // 2, far
-        )
+        # The middle of a square may be the edge of two cells; half a cell more is in one of them.
+        half = (config.block_size_m + size) / 2.0
+        middle = reach.grid.cell_of(x_min + half, y_min + half)
+        row, column = nearest_open_cell(reachable, middle[0] - bottom, middle[1] - left, far)
         row, column = row + bottom, column + left
     return Block(
         number=number,

@@ -1,7 +1,7 @@
 """Configuration of the map."""
 
 import math
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from pydantic import Field, model_validator
 
@@ -34,7 +34,8 @@ class MappingConfig(RoomConfig):
     """Configuration of the map. Heights are above the floor that the robot stands on.
 
     The paper gives the order of work (depth to points, voxels, obstacles where a height band holds
-    voxels) and no values: those here are ours, and so is the evidence that voxels gather.
+    voxels, local maps merged into a global one) and no values: those here are ours, and so is the
+    evidence that voxels gather.
 
     Attributes:
         cell_size_m: Side of a map cell, metres.
@@ -48,7 +49,8 @@ class MappingConfig(RoomConfig):
         min_points: Number of points that a voxel needs in one frame to count as hit, so that single
             noisy pixels draw nothing.
         hit_weight: Evidence that a frame adds to a voxel that it hits.
-        pass_weight: Evidence that a frame takes from a voxel that it sees through.
+        pass_weight: Evidence that a frame takes from a voxel that it sees through. With 0, what one
+            frame draws stays (paper: local maps are merged).
         occupied_evidence: Evidence of a voxel from which on its cell is occupied. Up to
             `hit_weight`, one frame suffices.
         max_evidence: Upper bound of a voxel's evidence; it limits the frames that a removed object
@@ -59,12 +61,16 @@ class MappingConfig(RoomConfig):
             with it.
         bump_persistence: Number of frames with a clear view of its floor before a bumped cell
             counts as free again; a robot often bumps into what its camera cannot see.
+        free_footprint: Whether the cells that the robot stands on become free.
         chunk_cells: Side of the chunks that the map grows by, cells.
         max_side_m: Width of the map, metres, beyond which a pose is refused as wrong.
         frontier_min_size_m: Length of the shortest frontier, metres; shorter ones are noise, or too
             narrow for a robot.
         block_size_m: Side of the numbered squares, metres.
         block_min_area_m2: Reachable floor that a square needs to get a number, square metres.
+        block_destination: Position in a block that the robot goes to: the reachable cell beside the
+            middle of its largest "frontier", which may lie just outside it, or the one nearest to
+            the "middle" of the block (paper: a free location within it).
     """
 
     cell_size_m: float = Field(default=0.05, ge=0.01, le=1.0)
@@ -79,11 +85,13 @@ class MappingConfig(RoomConfig):
     pass_margin_m: float = Field(default=0.05, ge=0.0, le=10.0)
     pass_margin_ratio: float = Field(default=0.01, ge=0.0, le=1.0)
     bump_persistence: int = Field(default=30, ge=1, le=255)
+    free_footprint: bool = True
     chunk_cells: int = Field(default=128, ge=1, le=1024)
     max_side_m: float = Field(default=500.0, gt=0.0, le=2000.0)
     frontier_min_size_m: float = Field(default=0.5, ge=0.0, le=50.0)
     block_size_m: float = Field(default=2.0, ge=0.1, le=100.0)
     block_min_area_m2: float = Field(default=0.1, ge=0.0, le=10_000.0)
+    block_destination: Literal["frontier", "middle"] = "frontier"
 
     @model_validator(mode="after")
     def _check_ranges(self) -> "MappingConfig":

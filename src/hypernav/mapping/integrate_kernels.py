@@ -242,9 +242,16 @@ def sweep_window(depth, lens, pose, heights, window, sizes, weights, margins, co
 
 @register_jitable(no_cfunc_wrapper=True)
 def free_footprint(robot, arrays):
-    """Free the cells that the robot stands on. `robot`: exact row, column, radius, in cells."""
+    """Free the cells that the robot stands on.
+
+    Args:
+        robot: Exact row, column and radius of the robot, cells; without a radius, none are freed.
+        arrays: See above, changed in place.
+    """
     evidence, raised, seen, bumps, cells = arrays
     row, column, radius = robot
+    if radius <= 0.0:
+        return
     reach = int(radius) + 1
     for i in range(max(int(row) - reach, 0), min(int(row) + reach + 1, cells.shape[0])):
         for j in range(max(int(column) - reach, 0), min(int(column) + reach + 1, cells.shape[1])):

@@ -145,7 +145,7 @@ class TopDownMap:
                 robot.y / size - self._first_row,
                 robot.x / size - self._first_column,
                 # Half a cell less: a wall or bump right beside the robot is not under it.
-                max(radius_m / size - 0.5, 0.5),
+                max(radius_m / size - 0.5, 0.5) if config.free_footprint else 0.0,
             ),
             self._sizes,
             self._weights,
