@@ -39,8 +39,24 @@ class Insists:
         return BlockChoice(self._numbers.pop(0), "because")
 
 
-def blocks_explorer(reasoner):
-    return BlockExplorer(reasoner, OverviewConfig(), MappingConfig(), CLEARANCES_M)
+class InOrder:
+    """Names the blocks in their order; notes what was excluded."""
+
+    def __init__(self):
+        self.excluded = []
+
+    def choose(self, overview, goal, excluded):
+        self.excluded.append(set(excluded))
+        left = [block.number for block in overview.blocks if block.number not in excluded]
+        return BlockChoice(left[0] if left else None, "because")
+
+
+def blocks_explorer(reasoner, clearances_m=CLEARANCES_M, **config):
+    return BlockExplorer(reasoner, OverviewConfig(**config), MappingConfig(), clearances_m)
+
+
+POSITIONS = {"visited": "positions", "max_questions": None, "forget_visits": True}
+"""The memory of the paper."""
 
 
 def test_the_last_free_place_lies_before_the_unknown():
@@ -89,6 +105,47 @@ def test_a_new_search_forgets_visits():
     explorer.reset(Goal("bed"))
     again = certain(explorer.next_destination(hall(), HERE, [(0.0, 0.0)]))
     assert again.xy == first.xy
+
+
+def test_where_the_robot_has_been_is_visited_wherever_it_was_going():
+    blocks = certain(blocks_explorer(Insists(1)).next_destination(hall(), HERE, [HERE.xy])).blocks
+    reasoner = InOrder()
+    explorer = blocks_explorer(reasoner, **POSITIONS)
+    been = [blocks[0].destination, blocks[1].destination, HERE.xy]
+    destination = certain(explorer.next_destination(hall(), HERE, been))
+    assert destination.xy == blocks[2].destination
+    assert reasoner.excluded == [set(), {1}, {1, 2}]
+
+
+def test_the_latest_destination_is_not_the_next_one():
+    explorer = blocks_explorer(InOrder(), **POSITIONS)
+    first, second = (certain(explorer.next_destination(hall(), HERE, [HERE.xy])) for _ in range(2))
+    assert first.xy == second.xy
+    explorer.remember_visit(*first.xy)
+    third = certain(explorer.next_destination(hall(), HERE, [HERE.xy]))
+    assert third.xy != first.xy
+    explorer.remember_visit(*third.xy)
+    assert certain(explorer.next_destination(hall(), HERE, [HERE.xy])).xy == first.xy
+
+
+def test_when_all_is_visited_visits_are_forgotten_but_for_where_the_robot_is():
+    reasoner = InOrder()
+    explorer = blocks_explorer(reasoner, (0.22,), **POSITIONS)
+    first = certain(explorer.next_destination(hall(), HERE, [HERE.xy]))
+    been = [block.destination for block in first.blocks]
+    reasoner.excluded.clear()
+    again = certain(explorer.next_destination(hall(), HERE, been))
+    assert again.xy == first.xy
+    assert len(reasoner.excluded) == len(been) + 1
+    # What was forgotten stays forgotten; what was visited since counts.
+    been.append(first.xy)
+    assert certain(explorer.next_destination(hall(), HERE, been)).xy == first.blocks[1].destination
+
+
+def test_where_the_only_block_is_the_robots_own_there_is_nowhere_to_go():
+    grid = hall(length_m=1.0, width_m=1.0)
+    explorer = blocks_explorer(InOrder(), (0.22,), visited_radius_m=5.0, **POSITIONS)
+    assert explorer.next_destination(grid, HERE, [HERE.xy]) is None
 
 
 def test_the_nearest_frontier_is_chosen_and_written_down():

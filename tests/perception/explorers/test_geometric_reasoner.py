@@ -8,7 +8,7 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.overview import Block, Overview
 from hypernav.core.trace import ExchangeLog
-from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
+from hypernav.perception.explorers.geometric_reasoner import GeometricConfig, GeometricReasoner
 
 GOAL = Goal("bed")
 
@@ -17,9 +17,9 @@ def block(number, frontier_cells, travel_m, destination=(1.0, 0.0)):
     return Block(number, 0.0, 0.0, 2.0, 50, frontier_cells, destination, travel_m)
 
 
-def choose(*blocks, excluded=(), log=None):
+def choose(*blocks, excluded=(), log=None, **config):
     overview = Overview(lambda: np.zeros((8, 8, 3), np.uint8), blocks, Pose2(0.0, 0.0, 0.0))
-    reasoner = GeometricReasoner(log or ExchangeLog())
+    reasoner = GeometricReasoner(log or ExchangeLog(), GeometricConfig(**config))
     return reasoner.choose(overview, GOAL, frozenset(excluded))
 
 
@@ -64,3 +64,10 @@ def test_every_choice_is_written_down():
     assert (exchange.kind, exchange.chosen, exchange.excluded) == ("choose block", 1, [4])
     assert exchange.asked == "geometric"
     assert log.drain() == []
+
+
+def test_blocks_without_boundary_come_last_and_the_nearest_of_them_first():
+    blocks = [block(1, 0, 2.0), block(2, 0, 1.0), block(3, 1, 9.0)]
+    assert choose(*blocks).number is None
+    assert choose(*blocks, min_frontier_cells=0).number == 3
+    assert choose(*blocks, excluded=[3], min_frontier_cells=0).number == 2

@@ -86,6 +86,24 @@ def test_a_rejected_area_is_remembered():
     assert local.target is not None
 
 
+def test_a_rejection_may_be_for_now_only():
+    local = perception(rejected_for_looks=3)
+    local.look(thing_before_wall())
+    local.reject_target()
+    for _ in range(3):
+        (record,) = local.look(thing_before_wall())
+        assert record.reason == "rejected before"
+    (record,) = local.look(thing_before_wall())
+    assert record.accepted
+
+
+@pytest.mark.parametrize("keeps", [True, False])
+def test_a_thin_mask_is_eroded_away_or_kept(keeps):
+    local = perception(ScriptedDetector([seen((60.0, 40.0, 64.0, 80.0))]), keep_thin_masks=keeps)
+    (record,) = local.look(thing_before_wall())
+    assert record.accepted == keeps
+
+
 def test_a_held_target_is_not_left_for_another():
     local = perception(ScriptedDetector([seen(), seen((5.0, 40.0, 30.0, 80.0))]))
     local.look(thing_before_wall())

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from typing import Literal
 
 from pydantic import Field
 
@@ -22,14 +23,22 @@ class OverviewConfig(RoomConfig):
 
     Attributes:
         image_px: Side of the image of the map, pixels.
-        visited_radius_m: Distance from a visited position, metres, within which a destination
-            counts as visited.
-        max_questions: Largest number of questions for one choice, with visited blocks excluded.
+        visited: What counts as a visit: "destinations" that were reached or given up, or the
+            "positions" that the robot has been at (paper), beside the latest destination, so that
+            the next is a new one.
+        visited_radius_m: Distance from a visit, metres, within which a destination counts as
+            visited.
+        max_questions: Largest number of questions for one choice, with visited blocks excluded;
+            None asks until an unvisited block is named or all are excluded (paper).
+        forget_visits: Whether visits are forgotten when all blocks are excluded, so that the search
+            goes on; else nothing is left to explore.
     """
 
     image_px: int = Field(default=768, ge=64, le=4096)
+    visited: Literal["destinations", "positions"] = "destinations"
     visited_radius_m: float = Field(default=0.5, ge=0.0, le=100.0)
-    max_questions: int = Field(default=4, ge=1, le=1000)
+    max_questions: int | None = Field(default=4, ge=1, le=1000)
+    forget_visits: bool = False
 
 
 class BlockExplorer:
@@ -63,16 +72,28 @@ class BlockExplorer:
     def reset(self, goal: Goal) -> None:
         """Forget all visits."""
         self._goal = goal
-        self._visited: list[tuple[float, float]] = []
+        self._ended: list[tuple[float, float]] = []
+        self._forgotten_positions = 0
 
     def remember_visit(self, x: float, y: float) -> None:
         """Note a destination that was reached or given up."""
-        self._visited.append((x, y))
+        self._ended.append((x, y))
 
     def next_destination(
         self, grid: OccupancyGrid, robot: Pose2, trajectory: Sequence[tuple[float, float]]
     ) -> Destination | None:
         """Ask until a block is named that was not visited; None if there is none."""
+        destination = self._unvisited(grid, robot, trajectory)
+        if destination is None and self._config.forget_visits:
+            self._ended.clear()
+            self._forgotten_positions = len(trajectory) - 1  # the robot is at the last one still
+            destination = self._unvisited(grid, robot, trajectory)
+        return destination
+
+    def _unvisited(
+        self, grid: OccupancyGrid, robot: Pose2, trajectory: Sequence[tuple[float, float]]
+    ) -> Destination | None:
+        """Ask about all blocks, then about those that a robot closer to obstacles can enter."""
         offered: tuple[Block, ...] = ()
         for clearance_m in self._clearances_m:
             blocks = divide_into_blocks(grid, robot, self._mapping, clearance_m)
@@ -91,24 +112,27 @@ class BlockExplorer:
         robot: Pose2,
         trajectory: Sequence[tuple[float, float]],
     ) -> Destination | None:
-        size = self._config.image_px
+        size, radius_m = self._config.image_px, self._config.visited_radius_m
         overview = Overview(
             lambda: draw_overview(grid, blocks, robot, trajectory, size=size), blocks, robot
         )
         excluded: frozenset[int] = frozenset()
-        for _ in range(self._config.max_questions):
+        visits = self._visits(trajectory)
+        for _ in range(self._config.max_questions or len(blocks)):
             choice = self._reasoner.choose(overview, self._goal, excluded)
             if choice.number is None:
                 return None
             block = overview.block(choice.number)
-            if not self._was_visited(block):
+            if all(math.dist(block.destination, visit) >= radius_m for visit in visits):
                 return Destination(*block.destination, reason=choice.reason, blocks=blocks)
             excluded |= {choice.number}
         return None
 
-    def _was_visited(self, block: Block) -> bool:
-        radius = self._config.visited_radius_m
-        return any(math.dist(block.destination, position) < radius for position in self._visited)
+    def _visits(self, trajectory: Sequence[tuple[float, float]]) -> Sequence[tuple[float, float]]:
+        """All that counts as visited, metres."""
+        if self._config.visited == "positions":
+            return [*trajectory[self._forgotten_positions :], *self._ended[-1:]]
+        return self._ended
 
 
 def _squares(blocks: tuple[Block, ...]) -> set[tuple[float, float, int]]:

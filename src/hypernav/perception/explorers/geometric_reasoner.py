@@ -16,13 +16,13 @@ class GeometricConfig(RoomConfig):
 
     Attributes:
         min_frontier_cells: Length of unexplored boundary, cells, below which a block holds nothing
-            new.
+            new; with 0, a block without any may be visited as well, after all others.
         travel_scale_m: Length of path over which the value of a block falls to 1/e, metres.
         turn_cost_m: Cost of the first turn towards a block, metres of path per radian.
         gain_exponent: Exponent of the boundary's length in the value; 0 ignores the length.
     """
 
-    min_frontier_cells: int = Field(default=6, ge=1, le=1_000_000)
+    min_frontier_cells: int = Field(default=6, ge=0, le=1_000_000)
     travel_scale_m: float = Field(default=3.0, ge=0.01, le=1000.0)
     turn_cost_m: float = Field(default=0.8, ge=0.0, le=1000.0)
     gain_exponent: float = Field(default=1.0, ge=0.0, le=10.0)
@@ -71,7 +71,7 @@ class GeometricReasoner:
     def _best(self, blocks: list[Block], robot: Pose2) -> BlockChoice:
         if not blocks:
             return BlockChoice(None, "no block has unexplored boundary that can be reached")
-        best = max(blocks, key=lambda block: (self._value(block, robot), -block.number))
+        best = max(blocks, key=lambda one: (self._value(one, robot), -one.travel_m, -one.number))
         reason = (
             f"block {best.number}: {best.frontier_cells} cells of unexplored boundary, "
             f"{best.travel_m:.1f} m away"

@@ -25,8 +25,12 @@ class LocalConfig(RoomConfig):
     Values not marked with "paper" are ours: the paper is silent on them.
 
     Attributes:
+        published_segmenter: Segmenter of the published method (paper: MobileSAM). Where another
+            stands in for it, screens, results and reports say so. Empty: none is missed.
         erosion_px: Side of the kernel that erodes the mask, pixels, so that its edge does not spill
             onto the background (paper: "the mask is eroded", its size is ours); 1 does not erode.
+        keep_thin_masks: Whether a mask of which erosion would leave less than a quarter stays as it
+            is.
         min_points: Number of points with depth that a goal area needs.
         dilation_kernel: Side of the kernel that dilates the cells, cells (paper: 5×5).
         dilation_iterations: Number of dilations (paper: 3).
@@ -36,21 +40,25 @@ class LocalConfig(RoomConfig):
         target: Rule for new detections. "latest": every new detection moves the goal area (paper).
             "hold": the robot keeps to one target, whose area grows with every look at it, and other
             detections do not distract it.
-        pick: Choice among several detections: the detector's "first" (paper), or the one "nearest"
-            to the robot.
+        pick: Choice among several detections: the detector's "first", or the one "nearest" to the
+            robot.
         min_sightings: Number of images that must show a target before it counts.
         min_mean_score: Mean score of a target's detections below which it is rejected when the
             robot stands before it.
         sure_score: Mean score of a target's detections below which it needs a second look, from
-            another side; 0 (paper) does without.
+            another side; 0 does without.
         weigh_rivals: Whether detections of other labels count as evidence against a target: one
             that looks more like something else is dropped.
         max_missed_share: Share of the images that should have shown a held target and did not,
             above which it is dropped; 1 never drops one.
         min_verdicts: Number of images needed before that share is believed.
+        rejected_for_looks: Number of images for which what was rejected is not taken for the goal
+            again; None rejects for good.
     """
 
+    published_segmenter: str = ""
     erosion_px: OddSide = 5
+    keep_thin_masks: bool = True
     min_points: int = Field(default=12, ge=1, le=1_000_000)
     dilation_kernel: OddSide = 5
     dilation_iterations: int = Field(default=3, ge=0, le=100)
@@ -64,3 +72,4 @@ class LocalConfig(RoomConfig):
     weigh_rivals: bool = True
     max_missed_share: float = Field(default=0.75, ge=0.0, le=1.0)
     min_verdicts: int = Field(default=4, ge=1, le=10_000)
+    rejected_for_looks: int | None = Field(default=None, ge=1, le=10_000)

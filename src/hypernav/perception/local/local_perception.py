@@ -30,6 +30,17 @@ class _Candidate:
     area: GoalArea
 
 
+@dataclass(frozen=True, eq=False)
+class _Rejection:
+    """An area that is not taken for the goal, and in how many more images."""
+
+    area: GoalArea
+    looks_left: float
+
+    def after_a_look(self) -> "_Rejection":
+        return replace(self, looks_left=self.looks_left - 1)
+
+
 class LocalPerception:
     """Detects, segments, refines and projects; remembers the target and rejected areas."""
 
@@ -66,7 +77,7 @@ class LocalPerception:
         """Forget target and rejections."""
         self._goal = goal
         self._target: Target | None = None
-        self._rejected: list[GoalArea] = []
+        self._rejected: list[_Rejection] = []
         self._far_bearing: float | None = None
         self._score_now = 0.0
         if self._attention is not None:
@@ -140,9 +151,11 @@ class LocalPerception:
         return True
 
     def reject_target(self) -> None:
-        """Drop the target and never take anything in its area for the goal again."""
+        """Drop the target and take nothing in its area for the goal, for now or for good."""
         if self._target is not None:
-            self._rejected.append(self._target.area)
+            self._rejected.append(
+                _Rejection(self._target.area, self._config.rejected_for_looks or math.inf)
+            )
             self._target = None
 
     def look(self, observation: Observation) -> list[DetectionRecord]:
@@ -155,6 +168,7 @@ class LocalPerception:
         candidates: list[_Candidate] = []
         self._far_bearing = None
         self._score_now = 0.0
+        self._rejected = [one.after_a_look() for one in self._rejected if one.looks_left > 0]
         if self._attention and not self._attention.is_worth_a_question(observation, self._held):
             return records
         detections = self._detector.detect(observation, self._goal)
@@ -186,7 +200,8 @@ class LocalPerception:
         kernel = np.ones((self._config.erosion_px, self._config.erosion_px), np.uint8)
         eroded = cv2.erode(mask.astype(np.uint8), kernel).astype(bool)
         # A thin object would vanish; a little background is the smaller evil.
-        return eroded if 4 * int(eroded.sum()) >= int(mask.sum()) else mask
+        vanishes = 4 * int(eroded.sum()) < int(mask.sum())
+        return mask if vanishes and self._config.keep_thin_masks else eroded
 
     def _area(
         self, mask: Bool[np.ndarray, "height width"], observation: Observation
@@ -210,7 +225,7 @@ class LocalPerception:
         )
         if area is None:
             return None, _NO_DEPTH
-        if any(rejected.covers(area) > 0.5 for rejected in self._rejected):
+        if any(rejected.area.covers(area) > 0.5 for rejected in self._rejected):
             return None, "rejected before"
         if config.entry_reach_m > 0.0:
             area = area.entered_from(observation, config.entry_reach_m)
@@ -220,7 +235,7 @@ class LocalPerception:
         robot = observation.robot
         bearing = observation.camera.bearing_of((detection.box.x_min + detection.box.x_max) / 2.0)
         for rejected in self._rejected:
-            away = wrap_angle(robot.bearing_to(*rejected.centre) - bearing)
+            away = wrap_angle(robot.bearing_to(*rejected.area.centre) - bearing)
             if abs(away) < math.radians(_BESIDE_REJECTED_DEG):
                 return None
         return bearing
