@@ -12,6 +12,7 @@ class SearchConfig(RoomConfig):
     """Conditions for looking, stopping and changing the destination.
 
     Values not marked with "paper" are ours, distances included: the paper is silent on them.
+    What each of the paper's sentences became: docs/method.md.
     Numbers of steps are meant for steps of 0.5 m and turns of 30 degrees; a robot with shorter ones
     gets as many more.
 
@@ -20,6 +21,10 @@ class SearchConfig(RoomConfig):
             which it checks the presence of the goal and stops.
         approach_gap_m: Distance from a path's end to an entry point of the goal area, metres, up to
             which the path leads there: something may stand before it.
+        local_first: Whether a goal in sight is gone to whenever a path leads towards it, however
+            large the gap at its end (paper: local perception has priority over global), and given
+            up for now if the gap is still larger there, or patience at an end; else such a gap is
+            gone to only where nothing is left to explore.
         patience_steps: Number of steps in which the rest of the path must become shorter, beside
             those of a detour; else the robot is stuck. Close to the goal area it then stops where
             it is, since something stands around it; else it explores for a while before it tries
@@ -28,8 +33,11 @@ class SearchConfig(RoomConfig):
             reached, metres.
         endurance_steps: Number of steps after which a destination is given up (paper: endurance
             limit; its value is ours).
-        give_up_when_stuck: Whether a destination is given up when the robot is stuck, however long
-            the path may be, instead of after `endurance_steps`.
+        give_up_when_stuck: Whether the robot notices that it is stuck, and gives destinations up
+            then, however long the path may be, instead of after `endurance_steps`; these hold for
+            goal areas as well.
+        end_when_explored: Whether a search ends when nothing is left to explore; else it forgets
+            what was visited, turns once around and goes on until the step limit (paper).
         look_around_at_start: Whether to turn once around before the first step.
         look_again_before_giving_up: Whether, when nothing is left to explore, to forget visited
             positions and bumps, turn once around, and only then give up.
@@ -37,7 +45,7 @@ class SearchConfig(RoomConfig):
             it.
         drop_explored: Whether to give a destination up once nothing unknown is left around it.
         drop_explored_radius_m: Radius around a destination for both of these, metres.
-        verify_view: Image for the presence check: the "current" one (paper) or the "best" of the
+        verify_view: Image for the presence check: the "current" one or the "best" of the
             approach, which still shows what stands too close or too low.
         face_target: Whether to turn towards the goal area before the presence check.
         see_before_stop: Whether a robot that faces the goal area and has something in between, such
@@ -47,10 +55,12 @@ class SearchConfig(RoomConfig):
 
     stop_distance_m: float = Field(default=0.15, ge=0.0, le=10.0)
     approach_gap_m: float = Field(default=0.15, ge=0.0, le=10.0)
+    local_first: bool = False
     patience_steps: int = Field(default=16, ge=0, le=MOST_STEPS)
     arrival_distance_m: float = Field(default=0.5, gt=0.0, le=10.0)
     endurance_steps: int = Field(default=40, ge=1, le=MOST_STEPS)
     give_up_when_stuck: bool = True
+    end_when_explored: bool = True
     look_around_at_start: bool = True
     look_again_before_giving_up: bool = True
     look_across_boundary: bool = True

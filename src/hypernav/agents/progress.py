@@ -1,11 +1,44 @@
-"""Progress of a robot along a path that changes while it is driven."""
+"""Patience with a destination that the robot doesn't reach."""
 
 import math
+
+from hypernav.agents.config import SearchConfig
 
 _STEP_M = 0.1
 """Smallest shortening of the path that counts as progress."""
 _DETOUR_STEPS_PER_M = 4
 """Number of steps and turns granted per metre of a detour."""
+
+
+def patience_of(config: SearchConfig) -> "Progress | Endurance":
+    """The patience that a search has with its destinations."""
+    if config.give_up_when_stuck:
+        return Progress(config.patience_steps)
+    return Endurance(config.endurance_steps)
+
+
+class Endurance:
+    """Grants every destination the same number of steps (paper: endurance limit)."""
+
+    worn_out = "endurance exceeded"
+
+    def __init__(self, steps: int) -> None:
+        """Begin with a destination.
+
+        Args:
+            steps: Number of steps for each destination.
+        """
+        self._limit = steps
+        self.reset()
+
+    def reset(self) -> None:
+        """Begin with another destination."""
+        self._steps = 0
+
+    def lasts(self, left_m: float) -> bool:
+        """Whether a step is left; to be asked once a step."""
+        self._steps += 1
+        return self._steps <= self._limit
 
 
 class Progress:
@@ -14,6 +47,8 @@ class Progress:
     It is the path that must get shorter: a robot that drives around a wall gets farther away in a
     straight line. If the path turns out to be longer, the steps of that detour are granted.
     """
+
+    worn_out = "no progress to destination"
 
     def __init__(self, patience_steps: int) -> None:
         """Begin a path.
@@ -29,7 +64,7 @@ class Progress:
         """Begin another path."""
         self._shortest_m, self._longest_m, self._steps = math.inf, 0.0, 0
 
-    def is_made(self, left_m: float) -> bool:
+    def lasts(self, left_m: float) -> bool:
         """Whether the robot still makes progress; to be asked once a step.
 
         Args:

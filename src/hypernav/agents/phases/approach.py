@@ -4,7 +4,7 @@ from hypernav.agents.config import SearchConfig
 from hypernav.agents.phases.explore import Explore
 from hypernav.agents.phases.look_around import LookAround
 from hypernav.agents.phases.step import Decision, PhaseName, Step
-from hypernav.agents.progress import Progress
+from hypernav.agents.progress import patience_of
 from hypernav.core.goal import Goal
 from hypernav.core.trace import Mode
 from hypernav.perception.local.local_perception import LocalPerception
@@ -18,8 +18,8 @@ class Approach:
     """Drives to where the goal area may be entered; rests for a while where no path leads there.
 
     Attributes:
-        as_near_as_possible: Whether everything else is explored, so that the end of the nearest
-            path must suffice.
+        as_near_as_possible: Whether the end of the nearest path must suffice, because the goal
+            comes first or because everything else is explored.
     """
 
     def __init__(
@@ -47,13 +47,13 @@ class Approach:
         self._explore = explore
         self._look_around = look_around
         self._config = config
-        self._progress = Progress(config.patience_steps)
+        self._patience = patience_of(config)
         self._rest_steps = 0
-        self.as_near_as_possible = False
+        self.as_near_as_possible = config.local_first
 
     def forget(self) -> None:
-        """Measure progress anew in the next approach."""
-        self._progress.reset()
+        """Begin the next approach with new patience."""
+        self._patience.reset()
 
     def rests(self) -> bool:
         """Whether the robot explores for now because it was stuck; to be asked once a step."""
@@ -76,10 +76,15 @@ class Approach:
                 self.forget()
                 return PhaseName.LOOK_AROUND
             left_m = self._navigator.left_m(robot)
-            if action is not None and self._progress.is_made(left_m):
+            if action is not None and self._patience.lasts(left_m):
                 self._leave_exploration(step)
                 reason = f"going to the {self._goal.thing}"
                 return Decision(action, Mode.APPROACH, reason, self._navigator.remaining(robot))
+            if config.local_first and (action is not None or not leads_there):
+                step.events.append("goal area given up for now")
+                self._local.reject_target()
+                self.forget()
+                return PhaseName.LOOK_AROUND
             if left_m > _CLOSE_BY_M and not self.as_near_as_possible:
                 self._rest_steps = config.endurance_steps
                 step.events.append("goal out of reach for now")

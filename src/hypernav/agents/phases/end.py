@@ -57,7 +57,7 @@ class End:
             reason = f"all is explored, going as near to the {self._goal.thing} as possible"
             path = self._navigator.remaining(step.robot)
             return Decision(Action.TURN_LEFT, Mode.APPROACH, reason, path)
-        if self._config.look_again_before_giving_up and self._is_new_end(step.robot):
+        if self._goes_on(step.robot):
             self._ends.append(step.robot.xy)
             self._explore.forget_visits()
             self._map.forget_bumps()
@@ -67,7 +67,11 @@ class End:
         reason = "nothing is left to explore"
         return Decision(None, Mode.STOP, reason, ending=Ending.GAVE_UP)
 
-    def _is_new_end(self, robot: Pose2) -> bool:
-        """Whether exploration has not yet ended around here."""
+    def _goes_on(self, robot: Pose2) -> bool:
+        """Whether to look once more: always, or where exploration has not yet ended before."""
+        if not self._config.end_when_explored:
+            return True
         near_m = 2.0 * self._config.arrival_distance_m
-        return all(robot.distance_to(*position) > near_m for position in self._ends)
+        return self._config.look_again_before_giving_up and all(
+            robot.distance_to(*position) > near_m for position in self._ends
+        )

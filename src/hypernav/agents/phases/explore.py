@@ -8,7 +8,7 @@ from jaxtyping import Float64
 
 from hypernav.agents.config import SearchConfig
 from hypernav.agents.phases.step import Decision, PhaseName, Step, turn_towards
-from hypernav.agents.progress import Progress
+from hypernav.agents.progress import patience_of
 from hypernav.core.actions import Action
 from hypernav.core.components.abilities import Prefetches
 from hypernav.core.components.protocols import Explorer
@@ -58,7 +58,7 @@ class Explore:
         self._explorer = explorer
         self._navigator = navigator
         self._config = config
-        self._progress = Progress(config.patience_steps)
+        self._patience = patience_of(config)
         self._age = 0
         self._pursued: list[tuple[float, float]] = []
         self._offered: tuple[Block, ...] = ()
@@ -80,7 +80,7 @@ class Explore:
                 with step.clock("global"):
                     self.destination = self._explorer.next_destination(grid, robot, step.trajectory)
                 self._age = 0
-                self._progress.reset()
+                self._patience.reset()
                 if self.destination is None:
                     return PhaseName.END
                 self._offered = self.destination.blocks
@@ -89,10 +89,8 @@ class Explore:
             if action is None:
                 arrived = self._navigator.arrived
                 self._end("destination reached" if arrived else "no path to destination", step)
-            elif config.give_up_when_stuck and not self._progress.is_made(
-                self._navigator.left_m(robot)
-            ):
-                self._end("no progress to destination", step)
+            elif not self._patience.lasts(self._navigator.left_m(robot)):
+                self._end(self._patience.worn_out, step)
             else:
                 self._age += 1
                 if isinstance(self._explorer, Prefetches):
@@ -135,7 +133,7 @@ class Explore:
             return
         if self.destination is None or not self.destination.is_sighting:
             step.events.append("goal seen far away")
-            self._progress.reset()
+            self._patience.reset()
         reason = f"the {self._goal.thing} is in sight, too far away to be measured"
         self.destination = Destination(*point, reason=reason, is_sighting=True)
 
@@ -161,14 +159,12 @@ class Explore:
         return turn_towards(robot, (float(ahead[0]), float(ahead[1])), step.motion)
 
     def _drop_finished(self, step: Step) -> None:
-        """The conditions for a new destination: reached, endurance exceeded, nothing left there."""
+        """The conditions for a new destination: reached, or nothing left there."""
         destination, config, grid, robot = self.destination, self._config, step.grid, step.robot
         if destination is None:
             return
         if robot.distance_to(*destination.xy) < config.arrival_distance_m:
             self._end("destination reached", step)
-        elif self._age >= config.endurance_steps and not config.give_up_when_stuck:
-            self._end("endurance exceeded", step)
         elif (
             config.drop_explored
             and not destination.is_sighting
