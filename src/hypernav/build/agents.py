@@ -12,6 +12,7 @@ from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.construction import asked_by, make, section_of
 from hypernav.build.presets import HyPerNavConfig, PriceConfig
 from hypernav.build.registries import AGENTS, Factory
+from hypernav.build.stand_ins import SegmenterWords, segmenter_words
 from hypernav.core.components.abilities import (
     ChecksGoal,
     ChecksModel,
@@ -51,7 +52,7 @@ class BuiltAgent:
         chosen: Choices that it was built from.
         detector_words: Name of the detector for people.
         reasoner_words: Name of the reasoner or explorer for people.
-        segmenter_words: Name of the segmenter for people.
+        segmenter: Name of the segmenter for people, and what it stands in for.
         components: All components, for their optional abilities.
         ledger: Ledger of the questions to the chat model; empty without one.
         price: Price of the chat model's tokens.
@@ -61,7 +62,7 @@ class BuiltAgent:
     chosen: ChosenComponents
     detector_words: str
     reasoner_words: str
-    segmenter_words: str
+    segmenter: SegmenterWords
     components: tuple[object, ...]
     ledger: Ledger
     price: PriceConfig
@@ -160,12 +161,14 @@ def build_agent(
             attention=Attention(log, config.attention) if _asks_chat(chosen.detector) else None,
         )
     model = "" if chat is None or chosen.vlm is None else model_words(chosen.vlm, chat.identify)
+    detector_words = chosen.detector.words(model=model) if chosen.detector else "its own"
+    published = config.local.published_segmenter
     return BuiltAgent(
         agent=agent,
         chosen=chosen,
-        detector_words=chosen.detector.words(model=model) if chosen.detector else "its own",
+        detector_words=detector_words,
         reasoner_words=(chosen.reasoner or chosen.agent).words(model=model),
-        segmenter_words=chosen.segmenter.words(model=model) if chosen.segmenter else "none",
+        segmenter=segmenter_words(chosen, published, detector_words=detector_words, model=model),
         components=tuple(one for one in (*built.values(), presence, recording) if one is not None),
         ledger=ledger,
         price=config.price,

@@ -83,7 +83,7 @@ class AgentOptions:
             "preset": self.preset,
             "detector": parts.detector_words,
             "reasoner": parts.reasoner_words,
-            "segmenter": parts.segmenter_words,
+            "segmenter": parts.segmenter.words,
             "parts": parts.chosen.as_dict(),
         }
 

@@ -14,6 +14,7 @@ from typing import Any
 
 from rich.console import Console
 from rich.live import Live
+from rich.markup import escape
 
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.cli.eval_options import Options
@@ -46,7 +47,7 @@ def run(options: Options) -> int:
         episodes = plan.episodes(
             lambda done, total: status.update(f"loading the episodes, {done} of {total} …")
         )
-        plan = replace(plan, who=_who(options, config, episodes))
+        plan = replace(plan, who=_who(options, config, episodes, console))
     folder = options.out or Path("runs") / _folder_name(f"{options.dataset}-{options.who.agent}")
     with RunStore(folder, plan.configuration(episodes)) as store, _sigterm_as_interrupt():
         if again := store.withdraw(lambda record: not record.counts):
@@ -101,9 +102,13 @@ def _plan(options: Options, config: HyPerNavConfig) -> RunPlan:
     )
 
 
-def _who(options: Options, config: HyPerNavConfig, episodes: Sequence[Episode]) -> dict[str, Any]:
+def _who(
+    options: Options, config: HyPerNavConfig, episodes: Sequence[Episode], console: Console
+) -> dict[str, Any]:
     """Description of the agent, after checking that it can be built and can see the goals."""
     parts = options.who.build(config)
+    if parts.segmenter.warning:
+        console.print(f"[yellow]{escape(parts.segmenter.warning)}[/]", soft_wrap=True)
     goals = dict.fromkeys(episode.goal for episode in episodes)
     visible, first_error = [], None
     for goal in goals:

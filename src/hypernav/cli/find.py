@@ -56,6 +56,8 @@ def run(options: Options) -> int:
     parts = options.who.build(config)
     parts.check_goal(goal)
     console = Console(stderr=True, quiet=options.quiet, highlight=False)
+    if parts.segmenter.warning:
+        console.print(f"[yellow]{escape(parts.segmenter.warning)}[/]", soft_wrap=True)
     with (
         closing(parts),
         warnings_on(console),

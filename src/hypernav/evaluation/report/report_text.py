@@ -155,6 +155,7 @@ def protocol_lines(run: RunData) -> list[tuple[str, str]]:
         ("Noise", ", ".join(f"{name} {value}" for name, value in noise.items() if value) or "none"),
         ("Agent", f"{who['agent']}, preset {who['preset']}"),
         ("Sees with", captions.component_caption(str(who["detector"]))),
+        ("Segments with", str(who.get("segmenter", "–"))),
         ("Decides with", captions.component_caption(str(who["reasoner"]))),
         ("Seed", str(told["seed"])),
         ("Software", f"hypernav {run.configuration['hypernav']}"),

@@ -262,13 +262,15 @@ def _agent_of(job: Job) -> tuple[Agent, dict[str, str], bool, object]:
     """The agent, who in it sees and thinks, whether it looks at colours, and what to close."""
     if job.make_agent is not None:
         agent = job.make_agent()
-        words = {"agent": type(agent).__name__, "detector": "its own", "reasoner": "its own"}
+        kinds = ("detector", "reasoner", "segmenter")
+        words = {"agent": type(agent).__name__} | dict.fromkeys(kinds, "its own")
         return agent, words, looks_at_colours(agent), agent
     parts = build_agent(job.config, job.specs)
     words = {
         "agent": job.specs.agent,
         "detector": parts.detector_words,
         "reasoner": parts.reasoner_words,
+        "segmenter": parts.segmenter.words,
     }
     return parts.agent, words, parts.looks_at_colours, parts
 

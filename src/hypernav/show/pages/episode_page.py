@@ -151,7 +151,7 @@ def _summary(result: Mapping[str, Any]) -> str:
 
 
 def _facts(result: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Agent, detector, reasoner and scene, as name and value."""
+    """Agent, its components and scene, as name and value."""
 
     def told(name: str) -> str:
         return str(result.get(name) or "–")
@@ -160,6 +160,7 @@ def _facts(result: Mapping[str, Any]) -> list[tuple[str, str]]:
     return [
         ("Agent", told("agent") + preset),
         ("Sees with", captions.component_caption(told("detector"))),
+        ("Segments with", told("segmenter")),
         ("Decides with", captions.component_caption(told("reasoner"))),
         ("Scene", told("scene")),
     ]

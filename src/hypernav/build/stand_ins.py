@@ -1,0 +1,47 @@
+"""Words for what segments in place of the network that the published method names."""
+
+from dataclasses import dataclass
+
+from hypernav.build.choosing import ChosenComponents
+
+
+@dataclass(frozen=True)
+class SegmenterWords:
+    """The segmenter in words, and whether it only stands in for the published one.
+
+    Attributes:
+        words: Name of the segmenter for people.
+        warning: Sentence to show before a search; empty if nothing stands in.
+    """
+
+    words: str
+    warning: str = ""
+
+
+def segmenter_words(
+    chosen: ChosenComponents, published: str, *, detector_words: str, model: str
+) -> SegmenterWords:
+    """Name what segments.
+
+    Args:
+        chosen: Components in use. A segmenter is the published one if its specification says so:
+            ``onnx-sam:mobile_sam_encoder.onnx,…`` is MobileSAM.
+        published: Segmenter that the configuration asks for; empty if it asks for none.
+        detector_words: Name of the detector, whose detections may carry their masks.
+        model: Name of the chat model.
+    """
+    if chosen.segmenter is None:
+        if chosen.is_whole_agent or not published:
+            return SegmenterWords("none")
+        words = f"masks of {detector_words}, in place of {published}"
+        return SegmenterWords(words, f"segments with {words}")
+    words = chosen.segmenter.words(model=model)
+    if _letters(published) in _letters(chosen.segmenter.spec):
+        return SegmenterWords(words)
+    words += f", in place of {published}"
+    remedy = "with weights of it: --segmenter onnx-sam:ENCODER.onnx,DECODER.onnx"
+    return SegmenterWords(words, f"segments with {words}; {remedy}")
+
+
+def _letters(name: str) -> str:
+    return "".join(letter for letter in name.lower() if letter.isalnum())
