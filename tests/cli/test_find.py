@@ -49,6 +49,15 @@ def test_quiet_says_nothing(glb, tmp_path, capsys):
     assert said.out == said.err == ""
 
 
+def test_screen_result_and_page_say_what_stands_in_for_the_papers_segmenter(glb, tmp_path, capsys):
+    few = ("--max-steps", 2, *SMALL)
+    hypernav("find", "bed", "--scene", glb, "--out", tmp_path, "--preset", "paper", *few)
+    words = "masks of ground truth, in place of MobileSAM"
+    assert words in capsys.readouterr().err
+    assert json.loads((tmp_path / "result.json").read_text())["segmenter"] == words
+    assert words in (tmp_path / "index.html").read_text()
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

@@ -132,38 +132,56 @@ class HyPerNavConfig(RoomConfig):
         dilated_m = (
             local.dilation_kernel // 2 * local.dilation_iterations * self.mapping.cell_size_m
         )
-        return self.search.approach_gap_m + max(local.entry_reach_m - dilated_m, 0.0)
+        near_m = max(self.search.stop_distance_m, self.search.approach_gap_m)
+        return near_m + max(local.entry_reach_m - dilated_m, 0.0)
 
 
 def preset(name: PresetName) -> HyPerNavConfig:
-    """A named configuration: the published method, or the one measured to be better."""
+    """A named configuration: the published method, or the one measured to be better.
+
+    Which sentence of the paper each value comes from, and which values are ours: docs/method.md.
+    """
     if name == "default":
         return HyPerNavConfig()
     return HyPerNavConfig(
-        mapping=MappingConfig(frontier_min_size_m=0.3),
+        mapping=MappingConfig(pass_weight=0, free_footprint=False, block_destination="middle"),
         local=LocalConfig(
+            published_segmenter="MobileSAM",
+            keep_thin_masks=False,
+            min_points=1,
+            largest_cluster_only=False,
             entry_reach_m=0.0,
             target="latest",
             pick="first",
-            max_missed_share=1.0,
             min_mean_score=0.0,
             sure_score=0.0,
             weigh_rivals=False,
-            largest_cluster_only=False,
+            max_missed_share=1.0,
+            rejected_for_looks=40,
         ),
-        geometric=GeometricConfig(turn_cost_m=0.0, gain_exponent=0.5),
+        overview=OverviewConfig(visited="positions", max_questions=None, forget_visits=True),
+        geometric=GeometricConfig(min_frontier_cells=0),
         planning=PlanningConfig(
-            comfort_cost=0.0,
-            end_in_unknown=False,
-            targets="nearest-straight",
-            steering="waypoint",
-            replan_every_steps=10,
+            margin_m=0.12,
             squeeze_m=0.0,
+            comfort_cost=0.0,
+            unknown_cost=1.0,
+            targets="nearest-straight",
+            start_in_obstacle="nearest",
+            end_in_obstacle="nearest",
+            max_gap_m=None,
+            waypoints="dense",
+            replan_every_steps=10,
+            replan_when_moved=False,
+            steering="waypoint",
+            bump_sensor=False,
         ),
         search=SearchConfig(
             stop_distance_m=0.45,
             approach_gap_m=0.45,
+            local_first=True,
             give_up_when_stuck=False,
+            end_when_explored=False,
             look_around_at_start=False,
             look_again_before_giving_up=False,
             look_across_boundary=False,
