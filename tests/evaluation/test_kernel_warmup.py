@@ -1,12 +1,15 @@
 import os
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import pytest
 
 from hypernav.evaluation import kernel_warmup as module
 from hypernav.evaluation.kernel_warmup import FIRST_RUN, warm_up, warm_up_in_background
+from hypernav.mapping import integrate_kernels
 
+PYTHON = f"py{sys.version_info.major}{sys.version_info.minor}"
 ENTER = (
     "from hypernav.evaluation.kernel_warmup import is_compiled, warm_up_in_background\n"
     "print(is_compiled())\n"
@@ -50,3 +53,33 @@ def test_an_error_ends_the_warm_up(monkeypatch):
     with pytest.raises(KeyboardInterrupt), warm_up_in_background(lambda words: None):
         raise KeyboardInterrupt
     assert [process.poll() is not None for process in started] == [True]
+
+
+@pytest.mark.parametrize(
+    ("python", "age_s", "counts"),
+    [(PYTHON, 60, True), ("py39", 60, False),
+     (PYTHON, -60, False)],
+    ids=["of this source", "of another Python", "of an older source"],
+)  # fmt: skip
+def test_only_what_was_compiled_of_this_source_by_this_python_counts(
+    tmp_path, monkeypatch, python, age_s, counts
+):
+    kernel = SimpleNamespace(
+        __name__="integrate_frame", stats=SimpleNamespace(cache_path=str(tmp_path))
+    )
+    monkeypatch.setattr(integrate_kernels, "integrate_frame", kernel)
+    monkeypatch.setattr(module, "is_jitted", lambda kernel: True)
+    index = tmp_path / f"integrate_kernels.integrate_frame-260.{python}.nbi"
+    index.touch()
+    changed = os.stat(integrate_kernels.__file__).st_mtime
+    os.utime(index, (changed + age_s, changed + age_s))
+    assert module.is_compiled() == counts
+
+
+def test_without_compiling_there_is_no_first_run(tmp_path):
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path), "NUMBA_DISABLE_JIT": "1"}
+    ended = subprocess.run(
+        [sys.executable, "-c", ENTER],
+        env=environment, capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    assert ended.stdout.splitlines() == ["True"]

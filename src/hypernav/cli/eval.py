@@ -92,8 +92,6 @@ def _plan(options: Options, config: HyPerNavConfig) -> RunPlan:
     return RunPlan(
         dataset=options.dataset,
         selection=Selection(options.episodes, options.scenes, options.goals),
-        preset=options.who.preset,
-        specs=options.who.specs,
         config=config,
         max_steps=options.max_steps,
         success_distance_m=options.success_distance,
@@ -127,7 +125,6 @@ def _pool(options: Options, folder: Path, config: HyPerNavConfig) -> WorkerPool:
     job = Job(
         folder=folder,
         config=config,
-        specs=options.who.specs,
         seed=options.seed,
         save=options.save,
     )

@@ -15,6 +15,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
+from numba.extending import is_jitted
 
 from hypernav.build.agents import build_agent
 from hypernav.build.presets import preset
@@ -22,7 +23,7 @@ from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.evaluation.checks.box_room import DOOR, BoxRoom
-from hypernav.mapping.integrate_kernels import integrate_frame
+from hypernav.mapping import integrate_kernels
 from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.scenes.scene import Material
 from hypernav.worlds.scenes.scene_assembly import MeshPart, SceneObject, assemble
@@ -33,10 +34,20 @@ _STEPS = 12
 
 
 def is_compiled() -> bool:
-    """Whether the kernels are compiled on this machine, judged by the first of them."""
-    folder = integrate_frame.stats.cache_path
-    name = f"integrate_kernels.{integrate_frame.__name__}-*.nbi"
-    return folder is not None and any(Path(folder).glob(name))
+    """Whether the kernels are compiled on this machine, judged by the first of them.
+
+    What an older version of the source or another version of Python left behind doesn't count.
+    """
+    source = Path(integrate_kernels.__file__)
+    kernel = integrate_kernels.integrate_frame
+    if not is_jitted(kernel):
+        return True  # NUMBA_DISABLE_JIT: nothing is compiled at all
+    folder = kernel.stats.cache_path
+    if folder is None:
+        return False
+    python = f"py{sys.version_info.major}{sys.version_info.minor}"
+    indices = Path(folder).glob(f"{source.stem}.{kernel.__name__}-*.{python}.nbi")
+    return any(index.stat().st_mtime >= source.stat().st_mtime for index in indices)
 
 
 @contextmanager

@@ -6,7 +6,6 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from hypernav.build.component_specs import ComponentSpecs, PresetName
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.core.episode import MAX_STEPS, Episode
 from hypernav.core.metrics import SUCCESS_DISTANCE_M
@@ -37,8 +36,6 @@ class RunPlan:
     Attributes:
         dataset: Its name, as for `hypernav.evaluation.datasets.load_episodes`.
         selection: Selection of its episodes.
-        preset: Name of the preset that `config` is based on.
-        specs: Specifications of agent, model, detector, reasoner and segmenter, as requested.
         who: Description of the agent and its components in words, for people and reports.
         config: Values of the method, the robot and the camera.
         max_steps: Maximum number of steps of an episode.
@@ -49,8 +46,6 @@ class RunPlan:
 
     dataset: str
     selection: Selection = Selection()
-    preset: PresetName = "default"
-    specs: ComponentSpecs = field(default_factory=ComponentSpecs)
     who: dict[str, Any] = field(default_factory=dict)
     config: HyPerNavConfig = field(default_factory=HyPerNavConfig)
     max_steps: int = MAX_STEPS

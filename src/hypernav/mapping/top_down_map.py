@@ -194,13 +194,9 @@ class TopDownMap:
         # One cell more on each side: what is explored never touches the edge of the grid.
         first = np.floor(low / size) - 1
         last = np.floor(high / size) + 1
-        allocated = self._arrays.cells.shape
-        if allocated[0] > 0:
-            first = np.minimum(first, [self._first_column, self._first_row])
-            last = np.maximum(
-                last,
-                [self._first_column + allocated[1] - 1, self._first_row + allocated[0] - 1],
-            )
+        rows, columns = self._arrays.cells.shape
+        first = np.minimum(first, [self._first_column, self._first_row])
+        last = np.maximum(last, [self._first_column + columns - 1, self._first_row + rows - 1])
         side = float((last - first).max() + 1) * size
         if side > self.config.max_side_m + 2 * self.config.chunk_cells * size:
             raise MapError(
