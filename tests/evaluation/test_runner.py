@@ -1,7 +1,7 @@
 import pytest
 
 from eval_runs import apart, record, spec
-from hypernav.core.errors import ModelUnavailableError, RunFolderError
+from hypernav.core.errors import CrashError, ModelUnavailableError, RunFolderError
 from hypernav.evaluation.runner import RunHaltedError, run_episodes
 from hypernav.evaluation.store.run_store import RunStore, read_records
 from hypernav.evaluation.workers.worker_pool import Crashed, Done, Lost, Ready, Refused
@@ -111,16 +111,18 @@ def test_a_crash_leaves_its_episode_undone_and_the_others_go_on(tmp_path):
     assert list(progress.crashes.values()) == ["ZeroDivisionError: oops"]
 
 
-def test_crash_after_crash_ends_the_run_with_the_traceback(tmp_path):
-    pool = FakePool({k: lambda worker: Crashed(worker, "oops, line 3") for k in range(2, 9)})
-    with pytest.raises(RunHaltedError, match="oops, line 3"):
+def test_crash_after_crash_ends_the_run_and_keeps_the_tracebacks(tmp_path):
+    trace = "Traceback:\n  line 3\nZeroDivisionError: oops\n"
+    pool = FakePool({k: lambda worker: Crashed(worker, trace) for k in range(2, 9)})
+    with pytest.raises(CrashError, match=r"3 episodes, .*: ZeroDivisionError: oops$") as caught:
         run(tmp_path, pool, workers=1)
+    assert caught.value.details.count("line 3") == 3
     assert ids(tmp_path) == ["0"]
 
 
 def test_a_crash_before_the_first_episode_ends_the_run(tmp_path):
     pool = FakePool(starts={1: lambda worker: Crashed(worker, "ImportError: no torch")})
-    with pytest.raises(RunHaltedError, match="no torch"):
+    with pytest.raises(CrashError, match="no torch"):
         run(tmp_path, pool)
 
 

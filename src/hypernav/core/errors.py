@@ -99,6 +99,23 @@ class ModelSetupError(ChatError):
     """URL, key or choice of the model are wrong: no question succeeds until they are corrected."""
 
 
+class OutputError(HyPerNavError):
+    """A result cannot be written: an impossible name, no permission, a full disk."""
+
+
+class CrashError(HyPerNavError):
+    """The program itself failed in another process.
+
+    Attributes:
+        details: Traceback of the failure.
+    """
+
+    def __init__(self, message: str, details: str) -> None:
+        """Name what failed, and keep the traceback."""
+        super().__init__(message)
+        self.details = details
+
+
 class RunFolderError(HyPerNavError):
     """The folder of an evaluation is in use, damaged, not writable, or belongs to another run."""
 

@@ -1,11 +1,11 @@
 """The run of all episodes: hands them to workers and alone writes their records."""
 
 import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from hypernav.core.episode import Episode
-from hypernav.core.errors import HyPerNavError, ModelUnavailableError
+from hypernav.core.errors import CrashError, HyPerNavError, ModelUnavailableError
 from hypernav.evaluation.failures.classification import Failure
 from hypernav.evaluation.record import EpisodeRecord
 from hypernav.evaluation.store.run_store import RunStore
@@ -78,9 +78,9 @@ def run_episodes(
 
     Raises:
         ModelUnavailableError: The model is unavailable in one episode after the other.
-        RunHaltedError: The program fails again and again.
+        RunHaltedError: Workers are lost again and again, or one reports that the run can't go on.
+        CrashError: The program fails again and again.
         RunFolderError: The disk is full.
-        HyPerNavError: A worker reported that the run can't go on.
     """
     waiting = [episode for episode in episodes if episode.key not in store.records]
     owner = _Owner(Schedule(waiting), store, pool, RunProgress(list(store.records.values()), 0))
@@ -165,16 +165,15 @@ class _Owner:
 
     def _crash(self, worker: int, error: str) -> None:
         if not self.schedule.is_running(worker):
-            raise RunHaltedError(f"a worker failed before its first episode:\n{error}")
+            raise CrashError(
+                f"a worker failed before its first episode: {_last_line(error)}", error
+            )
         episode = self.schedule.done(worker)
-        _LOGGER.error("episode %s failed:\n%s", "/".join(episode.key), error)
+        _LOGGER.error("episode %s failed: %s", "/".join(episode.key), _last_line(error))
         self.progress.crashes[episode] = error
         self.crashes += 1
         if self.crashes >= _CRASHES_IN_A_ROW:
-            raise RunHaltedError(
-                f"the program failed in {self.crashes} episodes in a row, last in "
-                f"{'/'.join(episode.key)}:\n{error}"
-            )
+            raise crash_of(self.progress.crashes)
 
     def _replace(self, worker: int) -> None:
         """Start a new worker for a lost one, if an episode waits."""
@@ -185,3 +184,21 @@ class _Owner:
         episode = self.schedule.next_for(worker)
         if episode is not None:
             self.pool.send(worker, episode)
+
+
+def crash_of(crashes: Mapping[Episode, str]) -> CrashError:
+    """The error that sums up the episodes in which the program failed.
+
+    Args:
+        crashes: Tracebacks by episode; at least one.
+    """
+    episode, error = list(crashes.items())[-1]
+    several = f"{len(crashes)} episodes, last in " if len(crashes) > 1 else ""
+    return CrashError(
+        f"the program failed in {several}{'/'.join(episode.key)}: {_last_line(error)}",
+        "\n\n".join(f"{'/'.join(failed.key)}:\n{error}" for failed, error in crashes.items()),
+    )
+
+
+def _last_line(error: str) -> str:
+    return error.rstrip().rpartition("\n")[2] or "no message"

@@ -19,6 +19,7 @@ from hypernav.evaluation.store.run_store import (
     read_records,
     read_sessions,
 )
+from hypernav.evaluation.store.session import UNENDED, Session
 
 CONFIGURATION = {"agent": "hypernav", "config": {"search": {"endurance_steps": 40}}}
 
@@ -238,10 +239,18 @@ def test_what_is_taken_out_runs_again_but_is_not_lost(tmp_path):
     assert len((tmp_path / "retried.jsonl").read_text().splitlines()) == 1
 
 
-def test_sessions_are_kept_and_a_broken_one_is_left_out(tmp_path, caplog):
+def test_every_start_has_a_line_from_its_first_moment(tmp_path, caplog):
     with store(tmp_path) as run:
-        run.add_session({"workers": 2})
+        run.write_session(Session(began="today", workers=2))
     with (tmp_path / "sessions.jsonl").open("a") as file:
-        file.write("{broken\n")
-    assert read_sessions(tmp_path) == [{"workers": 2}]
-    assert "left out" in caplog.text
+        file.write('{"workers": "many"}\n{broken')
+    with store(tmp_path) as run:
+        run.write_session(Session(began="tomorrow"))
+        run.write_session(Session(began="tomorrow", ended="finished"))
+    found = read_sessions(tmp_path)
+    assert [(session.began, session.ended) for session in found] == [
+        ("today", UNENDED),
+        ("tomorrow", "finished"),
+    ]
+    assert found[0].workers == 2
+    assert caplog.text.count("left out") == 2

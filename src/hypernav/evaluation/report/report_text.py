@@ -189,19 +189,19 @@ def session_lines(run: RunData) -> list[str]:
     """Every start of the program in a line."""
     lines = []
     for session in run.sessions:
-        hours = session["seconds"] / 3600
-        rate = session["episodes"] / hours if hours else 0.0
-        peaks = [float(value) for value in session["peak_memory_mb"].values()]
+        hours = session.seconds / 3600
+        rate = session.episodes / hours if hours else 0.0
         text = (
-            f"{session['began']}: {session['episodes']:,} episodes in "
-            f"{captions.duration(session['seconds'])} with {session['workers']} "
-            f"worker{'' if session['workers'] == 1 else 's'} on {session['cores']} cores "
-            f"({rate:,.0f} an hour), {session['ended']}"
+            f"{session.began}: {session.episodes:,} episodes in "
+            f"{captions.duration(session.seconds)} with {session.workers} "
+            f"worker{'' if session.workers == 1 else 's'} on {session.cores} cores "
+            f"({rate:,.0f} an hour), {session.ended}"
         )
-        if peaks:
-            text += f"; a worker used at most {max(peaks):,.0f} MB"
-        if session["workers_lost"]:
-            text += f"; {session['workers_lost']} workers were lost and replaced"
+        if session.peak_memory_mb:
+            peak = max(session.peak_memory_mb.values())
+            text += f"; a worker used at most {peak:,.0f} MB"
+        if session.workers_lost:
+            text += f"; {session.workers_lost} workers were lost and replaced"
         lines.append(text)
     return lines
 

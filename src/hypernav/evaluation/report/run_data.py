@@ -8,6 +8,7 @@ from typing import Any
 from hypernav.core.errors import RunFolderError
 from hypernav.evaluation.record import EpisodeKey, EpisodeRecord
 from hypernav.evaluation.store.run_store import read_configuration, read_records, read_sessions
+from hypernav.evaluation.store.session import Session
 from hypernav.evaluation.summary import counted
 
 
@@ -27,7 +28,7 @@ class RunData:
     name: str
     configuration: dict[str, Any]
     records: list[EpisodeRecord]
-    sessions: list[dict[str, Any]]
+    sessions: list[Session]
 
     @property
     def counted(self) -> list[EpisodeRecord]:

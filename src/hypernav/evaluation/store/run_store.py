@@ -27,6 +27,7 @@ from hypernav.core.errors import RunFolderError
 from hypernav.evaluation.record import EpisodeKey, EpisodeRecord
 from hypernav.evaluation.store.append_only import append_line, write_whole
 from hypernav.evaluation.store.folder_lock import FolderLock
+from hypernav.evaluation.store.session import Session
 
 RUN_FILE = "run.json"
 EPISODES_FILE = "episodes.jsonl"
@@ -55,6 +56,7 @@ class RunStore:
         self.folder = folder
         self.records: dict[EpisodeKey, EpisodeRecord] = {}
         self._configuration = json.loads(json.dumps(configuration))
+        self._earlier_sessions = b""
         self._stack = ExitStack()
 
     def __enter__(self) -> "RunStore":
@@ -74,6 +76,7 @@ class RunStore:
             self._check_configuration()
             _repair_last_line(self.folder / EPISODES_FILE)
             self.records = {r.key: r for r in read_records(self.folder)}
+            self._earlier_sessions = _whole_lines(self.folder / SESSIONS_FILE)
             self._stack = stack.pop_all()
         return self
 
@@ -115,9 +118,14 @@ class RunStore:
             write_whole(self.folder / EPISODES_FILE, "".join(lines))
         return len(out)
 
-    def add_session(self, session: Mapping[str, Any]) -> None:
-        """Write the figures of one start of the program to ``sessions.jsonl``."""
-        append_line(self.folder / SESSIONS_FILE, json.dumps(session, ensure_ascii=False))
+    def write_session(self, session: Session) -> None:
+        """Write the figures of this start of the program, in place of those written before.
+
+        Raises:
+            RunFolderError: The disk is full; the file is as before.
+        """
+        line = session.model_dump_json().encode() + b"\n"
+        write_whole(self.folder / SESSIONS_FILE, self._earlier_sessions + line)
 
     def _check_configuration(self) -> None:
         path = self.folder / RUN_FILE
@@ -189,14 +197,14 @@ def read_records(folder: Path) -> list[EpisodeRecord]:
     return list(records.values())
 
 
-def read_sessions(folder: Path) -> list[dict[str, Any]]:
+def read_sessions(folder: Path) -> list[Session]:
     """The figures of every start of the program; unreadable lines are left out."""
     path = folder / SESSIONS_FILE
     sessions = []
-    for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else []:
+    for line in _whole_lines(path).splitlines():
         try:
-            sessions.append(json.loads(line))
-        except ValueError:
+            sessions.append(Session.model_validate_json(line))
+        except ValidationError:
             _LOGGER.warning("%s: a line cannot be read and is left out", path)
     return sessions
 
@@ -223,6 +231,12 @@ def _flat(value: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
 
 def _shown(values: Mapping[str, Any], key: str) -> str:
     return json.dumps(values[key], ensure_ascii=False) if key in values else "absent"
+
+
+def _whole_lines(path: Path) -> bytes:
+    """The content of a file of lines, with an end to the last one; empty if there is no file."""
+    content = path.read_bytes() if path.exists() else b""
+    return content if content.endswith(b"\n") or not content else content + b"\n"
 
 
 def _repair_last_line(path: Path) -> None:
