@@ -7,7 +7,7 @@ import tyro
 from hypernav.build.choosing import choose_components
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.cli.agent_options import AgentOptions
-from hypernav.cli.main import _with_one_set
+from hypernav.cli.command_line import _with_one_set
 from hypernav.core.errors import ConfigError, HyPerNavError
 
 VLM = "openai:http://localhost:8000/v1#Qwen/Qwen2.5-VL-7B-Instruct"

@@ -5,7 +5,8 @@ import sys
 
 import pytest
 
-from hypernav.cli.main import COMMANDS, main
+from hypernav.cli.command_line import COMMANDS
+from hypernav.cli.main import main
 
 HEAVY = {
     "av", "cv2", "gymnasium", "jinja2", "matplotlib", "numba", "openai", "onnxruntime", "PIL",

@@ -1,15 +1,10 @@
 """The command `hypernav eval`: run a whole benchmark so that no interruption loses results."""
 
-import os
 import re
-import signal
-import time
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, nullcontext
-from dataclasses import dataclass, field, replace
-from datetime import UTC, datetime
+from collections.abc import Sequence
+from contextlib import nullcontext
+from dataclasses import replace
 from pathlib import Path
-from types import FrameType
 from typing import Any
 
 from rich.console import Console
@@ -19,14 +14,17 @@ from rich.markup import escape
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.cli.eval_options import Options
 from hypernav.cli.eval_table import outcome_lines, progress_line, progress_table
+from hypernav.cli.guards.crashes import crash_report
+from hypernav.cli.guards.outputs import check_folder
+from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.core.episode import Episode
 from hypernav.core.errors import ConfigError, GoalError
 from hypernav.evaluation.run_plan import RunPlan, Selection
-from hypernav.evaluation.runner import RunProgress, run_episodes
+from hypernav.evaluation.run_session import RunSession, available_cores
+from hypernav.evaluation.runner import RunProgress, crash_of, run_episodes
 from hypernav.evaluation.store.run_store import RunStore
 from hypernav.evaluation.workers.process_pool import ProcessPool
 from hypernav.evaluation.workers.ray_pool import RayPool
-from hypernav.evaluation.workers.resource_usage import cpu_seconds_of_ended_workers
 from hypernav.evaluation.workers.worker import Job
 from hypernav.evaluation.workers.worker_pool import WorkerPool
 
@@ -37,9 +35,21 @@ def run(options: Options) -> int:
     """Run the command.
 
     Returns:
-        0 if every episode is done, 1 if some could not be run.
+        The status of success: every episode is done.
+
+    Raises:
+        HyPerNavError: The run cannot be begun, or stopped before its end.
+        ReportedCrashError: The program failed in some of the episodes.
     """
     _check(options)
+    folder = options.out or Path("runs") / _folder_name(f"{options.dataset}-{options.who.agent}")
+    check_folder(folder)
+    with crash_report(folder):
+        return _evaluate(options, folder)
+
+
+def _evaluate(options: Options, folder: Path) -> ExitStatus:
+    """Load the episodes, and run those that aren't done."""
     console = Console(stderr=True, quiet=options.quiet, highlight=False)
     config = options.who.resolve()
     with console.status("loading the episodes …") as status:
@@ -48,28 +58,28 @@ def run(options: Options) -> int:
             lambda done, total: status.update(f"loading the episodes, {done} of {total} …")
         )
         plan = replace(plan, who=_who(options, config, episodes, console))
-    folder = options.out or Path("runs") / _folder_name(f"{options.dataset}-{options.who.agent}")
-    with RunStore(folder, plan.configuration(episodes)) as store, _sigterm_as_interrupt():
+    with RunStore(folder, plan.configuration(episodes)) as store:
         if again := store.withdraw(lambda record: not record.counts):
             console.print(f"{again} episodes that don't count are run again")
         if store.records:
             console.print(f"{len(store.records)} of {len(episodes)} episodes are done already")
         pool = _pool(options, folder, config)
-        session = _RunSession(store, options.workers or _cores())
+        session = RunSession(store, options.workers or available_cores())
         try:
-            progress = _watch(console, episodes, store, pool, session)
+            with session:
+                progress = _watch(console, episodes, store, pool, session)
         except KeyboardInterrupt:
-            session.end("interrupted")
             console.print(
                 f"interrupted; {len(store.records)} of {len(episodes)} episodes are safe in "
                 f"{folder}. Run the same command again to go on",
                 soft_wrap=True,
             )
             raise
-        session.end("finished")
     for line in outcome_lines(progress, folder):
         console.print(line, soft_wrap=True)
-    return 1 if progress.crashes else 0
+    if progress.crashes:
+        raise crash_of(progress.crashes)
+    return ExitStatus.SUCCESS
 
 
 def _check(options: Options) -> None:
@@ -136,7 +146,7 @@ def _watch(
     episodes: Sequence[Episode],
     store: RunStore,
     pool: WorkerPool,
-    session: "_RunSession",
+    session: RunSession,
 ) -> RunProgress:
     """Run the episodes under a live table, or, without a terminal, with a line every minute."""
     live = Live(console=console, refresh_per_second=2, transient=True)
@@ -153,67 +163,6 @@ def _watch(
 
     with live if console.is_terminal else nullcontext():
         return run_episodes(episodes, store, pool, workers=session.workers, watch=watch)
-
-
-@dataclass
-class _RunSession:
-    """The figures of one start of the program, for ``sessions.jsonl``."""
-
-    store: RunStore
-    workers: int
-    progress: RunProgress | None = None
-    began: float = field(default_factory=time.monotonic)
-    began_at: str = field(
-        default_factory=lambda: datetime.now(UTC).isoformat(timespec="seconds"), init=False
-    )
-
-    @property
-    def seconds(self) -> float:
-        return time.monotonic() - self.began
-
-    def end(self, how: str) -> None:
-        """Write the figures of the session to the store."""
-        progress = self.progress
-        self.store.add_session(
-            {
-                "began": self.began_at,
-                "ended": how,
-                "seconds": round(self.seconds, 1),
-                "cpu_seconds": cpu_seconds_of_ended_workers(),
-                "workers": self.workers,
-                "cores": _cores(),
-                "episodes": progress.done_now if progress else 0,
-                "peak_memory_mb": (
-                    {str(k): v for k, v in progress.peak_mb.items()} if progress else {}
-                ),
-                "workers_lost": progress.losses if progress else 0,
-                "crashes": (
-                    {"/".join(spec.key): error for spec, error in progress.crashes.items()}
-                    if progress
-                    else {}
-                ),
-            }
-        )
-
-
-@contextmanager
-def _sigterm_as_interrupt() -> Iterator[None]:
-    """Let SIGTERM end the run as Ctrl-C does."""
-
-    def stop(number: int, frame: FrameType | None) -> None:
-        raise KeyboardInterrupt
-
-    before = signal.signal(signal.SIGTERM, stop)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
-
-
-def _cores() -> int:
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def _folder_name(text: str) -> str:

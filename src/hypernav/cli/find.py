@@ -1,5 +1,6 @@
 """The command `hypernav find`: search for an object and leave a page about the search."""
 
+import math
 import re
 from contextlib import closing
 from dataclasses import asdict
@@ -14,9 +15,13 @@ from rich.status import Status
 
 from hypernav.build.scenes import build_scene
 from hypernav.cli.find_options import Options
+from hypernav.cli.guards.crashes import crash_report
+from hypernav.cli.guards.interruptions import interruptions_put_off
+from hypernav.cli.guards.outputs import check_folder
+from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.warnings_shown import unusable_answers_line, warnings_on
 from hypernav.core.episode import Episode, Outcome
-from hypernav.core.errors import ConfigError, ModelSetupError
+from hypernav.core.errors import ConfigError, ModelSetupError, OutputError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.evaluation.kernel_warmup import warm_up_in_background
@@ -24,9 +29,6 @@ from hypernav.evaluation.recorder import EpisodeRecorder
 from hypernav.worlds.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
 from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
-
-MODEL_UNAVAILABLE_STATUS = 3
-"""Exit status of a command whose model was unavailable for longer than the patience."""
 
 _OUTCOME_WORDS = {
     Outcome.FOUND: "[green]found[/] the {goal}",
@@ -42,16 +44,26 @@ def run(options: Options) -> int:
     """Run the command.
 
     Returns:
-        0 if the goal was found, 1 if not, 3 if a model was not available.
+        The status of success if the goal was found, of failure if not, or of a model outage.
 
     Raises:
         ModelSetupError: URL, key or name of the model are wrong; what was done is on disk.
+        OutputError: Nothing can be written, or the disk is full; what fitted is on disk.
+        KeyboardInterrupt: Ctrl-C or SIGTERM; what was done is on disk.
     """
     if options.max_steps < 1:
         raise ConfigError(f"--max-steps {options.max_steps}: a search needs at least one step")
     if options.seed < 0:
         raise ConfigError(f"--seed {options.seed}: a seed is 0 or more")
     goal = Goal(options.goal)
+    folder = options.out or _new_folder(goal)
+    check_folder(folder)
+    with crash_report(folder):
+        return _find(options, goal, folder)
+
+
+def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
+    """Load the building, search, and write the page, however the search ended."""
     config = options.who.resolve()
     parts = options.who.build(config)
     parts.check_goal(goal)
@@ -71,7 +83,6 @@ def run(options: Options) -> int:
         start = _start(options, world, goal, rng)
         episode = Episode(options.scene, "", goal, start, max_steps=options.max_steps)
         search = EpisodeRun(parts.agent, world, episode, rng=rng)
-        folder = options.out or _new_folder(goal)
         with EpisodeRecorder(
             folder,
             goal=goal.text,
@@ -83,29 +94,34 @@ def run(options: Options) -> int:
             status.update("the first step …")
             stopped_by = _search(search, recorder, status, goal.text)
             status.update("writing the page …")
-            outcome = search.result(interrupted=isinstance(stopped_by, KeyboardInterrupt))
-            recorder.finish(
-                {
-                    "goal": goal.text,
-                    "scene": world.scene.name,
-                    **options.who.describe(parts),
-                    "seed": options.seed,
-                    "start": [start.x, start.y, float(np.degrees(start.yaw))],
-                    **_numbers(outcome),
-                    **parts.take_report(),
-                    "config": config.model_dump(mode="json"),
-                }
-            )
-    if isinstance(stopped_by, ModelSetupError):
-        raise stopped_by
-    _say(console, goal, outcome, folder)
-    if unusable := unusable_answers_line(outcome.model_calls, recorder.unusable_answers):
-        console.print(unusable, soft_wrap=True)
+            with interruptions_put_off():
+                outcome = search.result(
+                    interrupted=isinstance(stopped_by, KeyboardInterrupt | OutputError)
+                )
+                recorder.finish(
+                    {
+                        "goal": goal.text,
+                        "scene": world.scene.name,
+                        **options.who.describe(parts),
+                        "seed": options.seed,
+                        "start": [start.x, start.y, float(np.degrees(start.yaw))],
+                        **_numbers(outcome),
+                        **parts.take_report(),
+                        "config": config.model_dump(mode="json"),
+                    }
+                )
+                status.stop()
+                if not isinstance(stopped_by, ModelSetupError):
+                    _say(console, goal, outcome, folder, holds_goal=search.trial.holds_goal)
+                    if unusable := unusable_answers_line(
+                        outcome.model_calls, recorder.unusable_answers
+                    ):
+                        console.print(unusable, soft_wrap=True)
     if stopped_by is not None:
         raise stopped_by
     if outcome.outcome is Outcome.MODEL_UNAVAILABLE:
-        return MODEL_UNAVAILABLE_STATUS
-    return 0 if outcome.metrics.success else 1
+        return ExitStatus.MODEL_UNAVAILABLE
+    return ExitStatus.SUCCESS if outcome.metrics.success else ExitStatus.FAILURE
 
 
 def _start(options: Options, world: SimulatedWorld, goal: Goal, rng: np.random.Generator) -> Pose2:
@@ -117,26 +133,36 @@ def _start(options: Options, world: SimulatedWorld, goal: Goal, rng: np.random.G
 
 def _search(
     search: EpisodeRun, recorder: EpisodeRecorder, status: Status, goal: str
-) -> KeyboardInterrupt | ModelSetupError | None:
+) -> KeyboardInterrupt | ModelSetupError | OutputError | None:
     """Run the search to its end; what stopped it before, if anything."""
     try:
         for step in search:
             recorder.add(step.trace, step.grid, step.observation.rgb)
             status.update(escape(_live_line(step, goal)))
-    except (KeyboardInterrupt, ModelSetupError) as stop:
+    except (KeyboardInterrupt, ModelSetupError, OutputError) as stop:
         return stop
     return None
 
 
-def _say(console: Console, goal: Goal, result: EpisodeResult, folder: Path) -> None:
+def _say(
+    console: Console, goal: Goal, result: EpisodeResult, folder: Path, *, holds_goal: bool
+) -> None:
     metrics = result.metrics
     console.print(_OUTCOME_WORDS[result.outcome].format(goal=escape(goal.thing)))
+    if not holds_goal:
+        console.print(
+            f"  nothing in this building answers to '{escape(goal.text)}'", soft_wrap=True
+        )
     if result.detail:
         console.print(f"  {escape(result.detail)}", soft_wrap=True)
+    lengths = [f"{metrics.path_length_m:.1f} m driven"]
+    if math.isfinite(metrics.shortest_path_m):
+        lengths.append(f"shortest {metrics.shortest_path_m:.1f} m")
+    if math.isfinite(metrics.distance_to_goal_m):
+        lengths.append(f"{metrics.distance_to_goal_m:.2f} m from the goal")
     console.print(
-        f"  {result.steps} steps, {metrics.path_length_m:.1f} m driven, shortest "
-        f"{metrics.shortest_path_m:.1f} m, SPL {metrics.spl:.2f}, "
-        f"{metrics.distance_to_goal_m:.2f} m from the goal, {result.seconds['total']:.0f} s"
+        f"  {result.steps} steps, {', '.join(lengths)}, SPL {metrics.spl:.2f}, "
+        f"{result.seconds['total']:.0f} s"
     )
     console.print(f"  open {escape(str(folder / 'index.html'))}", soft_wrap=True)
 

@@ -7,6 +7,8 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from hypernav.build.scenes import house_number
+from hypernav.cli.guards.outputs import check_folder
+from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.houses_options import Episodes, Export, Show, Splits
 from hypernav.core.errors import ConfigError, EpisodeError
 from hypernav.houses.episodes.difficulty import Difficulty, difficulty
@@ -20,7 +22,7 @@ def run(options: Show | Export | Episodes | Splits) -> int:
     """Run the command.
 
     Returns:
-        0, the exit status of success.
+        The status of success.
     """
     match options:
         case Show():
@@ -31,7 +33,7 @@ def run(options: Show | Export | Episodes | Splits) -> int:
             _episodes(options)
         case Splits():
             _splits()
-    return 0
+    return ExitStatus.SUCCESS
 
 
 def _episodes(options: Episodes) -> None:
@@ -69,6 +71,7 @@ def _splits() -> None:
 def _export(options: Export) -> None:
     number = _number_of(options.house)
     folder = _folder_for(number) if options.out is None else options.out
+    check_folder(folder)
     console = Console(stderr=True, quiet=options.quiet, highlight=False)
     with console.status(f"building and writing house {number} …"):
         files = export_house(number, folder)
@@ -87,9 +90,11 @@ def _export(options: Export) -> None:
 
 def _show(options: Show) -> None:
     number = _number_of(options.house)
+    out = _folder_for(number) if options.out is None else options.out
+    check_folder(out.parent if out.suffix == ".html" else out)
     console = Console(stderr=True, quiet=options.quiet, highlight=False)
     with console.status(f"building and drawing house {number} …"):
-        page = house_page(number, _folder_for(number) if options.out is None else options.out)
+        page = house_page(number, out)
     console.print(f"house {number}: open {page}", soft_wrap=True)
 
 
@@ -111,15 +116,14 @@ def _range_of(text: str) -> range:
 
 
 def _check_writable(path: Path) -> None:
-    """Refuse a file that cannot be written, before the houses are measured."""
+    """Refuse a place that cannot be written, before the houses are measured."""
     if is_file_name(path) and path.is_dir():
         raise EpisodeError(f"{path}: is a folder, expected the name of a file")
     if not is_file_name(path) and path.suffix:
         raise EpisodeError(
             f"{path}: an episode file ends in .json.gz or .json; a folder's name has no ending"
         )
-    if path.is_file() and not is_file_name(path):
-        raise EpisodeError(f"{path}: is a file, expected a folder")
+    check_folder(path.parent if is_file_name(path) else path)
 
 
 def _progress(console: Console) -> Progress:

@@ -1,108 +1,42 @@
-"""The `hypernav` command.
+"""The `hypernav` command: how it begins, and how it ends whatever happens.
 
-A fast start: help and mistakes are answered from the options alone. For a command NAME, the module
-``NAME_options`` holds the class ``Options`` and imports next to nothing; the module ``NAME`` holds
-the function ``run``, imports all that it needs, and is loaded only to be called.
+Signals are minded first. Everything else is imported after that, so that Ctrl-C in the first second
+ends the program as it does later.
 """
 
-import contextlib
-import difflib
-import importlib
-import io
-import re
 import sys
 from collections.abc import Sequence
-from dataclasses import make_dataclass
-from typing import Any, NoReturn
+from typing import NoReturn
 
-import tyro
-
-from hypernav.core.errors import HyPerNavError
-
-COMMANDS = {
-    "find": "Search for an object in a simulated building and leave a page about it.",
-    "eval": "Run the episodes of a benchmark; the same command goes on where it was interrupted.",
-    "report": "Write a page, a CSV file and LaTeX tables about one or more evaluations.",
-    "doctor": "Examine a vision-language model and its server, and say what to change.",
-    "houses": "Generated houses: pages about them, files for other programs, splits and episodes.",
-}
-_BOX = re.compile(r"[\u2500-\u257f]+")
+from hypernav.cli.guards.crashes import ReportedCrashError, crash_report
+from hypernav.cli.guards.interruptions import Terminated, sigterm_as_interruption
+from hypernav.cli.guards.statuses import ExitStatus
+from hypernav.core.errors import HyPerNavError, ModelUnavailableError
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Run a command and leave with its exit status: 2 for bad usage or input."""
-    name, *rest = (sys.argv[1:] if arguments is None else list(arguments)) or [""]
-    if name in {"-h", "--help"}:
-        _help()
-    if name not in COMMANDS:
-        _fail(_unknown(name))
-    options = _parse(name, _with_one_set(rest))
+def main(arguments: Sequence[str] | None = None) -> NoReturn:
+    """Run a command and leave with its exit status, see `ExitStatus`."""
+    sys.exit(_status(sys.argv[1:] if arguments is None else arguments))
+
+
+def _status(arguments: Sequence[str]) -> int:
     try:
-        status = importlib.import_module(f"hypernav.cli.{name}").run(options)
-    except HyPerNavError as error:
-        _fail(str(error))
+        with sigterm_as_interruption(), crash_report():
+            from hypernav.cli.command_line import run_command
+
+            return run_command(arguments)
+    except Terminated:
+        return _say("terminated", ExitStatus.TERMINATED)
     except KeyboardInterrupt:
-        _fail("interrupted", status=130)
-    else:
-        sys.exit(status)
+        return _say("interrupted", ExitStatus.INTERRUPTED)
+    except ReportedCrashError as error:
+        return _say(str(error), ExitStatus.CRASH)
+    except ModelUnavailableError as error:
+        return _say(str(error), ExitStatus.MODEL_UNAVAILABLE)
+    except HyPerNavError as error:
+        return _say(str(error), ExitStatus.USAGE)
 
 
-def _parse(name: str, arguments: list[str]) -> Any:
-    """The options of a command; an error that tyro prints in a box becomes one line."""
-    said = io.StringIO()
-    try:
-        with contextlib.redirect_stderr(said):
-            return tyro.cli(
-                importlib.import_module(f"hypernav.cli.{name}_options").Options,
-                prog=f"hypernav {name}",
-                description=COMMANDS[name],
-                args=arguments,
-            )
-    except SystemExit as stop:
-        if stop.code == 0:
-            raise
-        _fail(" ".join(_BOX.sub(" ", said.getvalue()).split()))
-
-
-def _help() -> NoReturn:
-    """Print the list of commands, by means of empty dataclasses in place of their options."""
-    commands = {
-        name: make_dataclass(name, [], namespace={"__doc__": words})
-        for name, words in COMMANDS.items()
-    }
-    tyro.extras.subcommand_cli_from_dict(
-        commands,
-        prog="hypernav",
-        description="Find objects in buildings never seen before.",
-        args=["--help"],
-    )
-    raise AssertionError("help ends the program")
-
-
-def _unknown(name: str) -> str:
-    """The error message for a mistyped or missing command."""
-    close = difflib.get_close_matches(name, COMMANDS, n=1)
-    found = f"unknown command '{name}'" if name else "no command"
-    hint = f"did you mean '{close[0]}'? " if close else ""
-    return f"{found}; {hint}commands: {', '.join(COMMANDS)}; hypernav --help explains them"
-
-
-def _with_one_set(arguments: list[str]) -> list[str]:
-    """Merge several ``--set`` into one, since tyro keeps only the last of a repeated option."""
-    others: list[str] = []
-    values: list[str] = []
-    into = others
-    for argument in arguments:
-        if argument.startswith("--set="):
-            values.append(argument.removeprefix("--set="))
-            continue
-        if argument.startswith("-"):
-            into = values if argument == "--set" else others
-        if argument != "--set":
-            into.append(argument)
-    return [*others, "--set", *values] if values else arguments
-
-
-def _fail(message: str, status: int = 2) -> NoReturn:
+def _say(message: str, status: ExitStatus) -> ExitStatus:
     print(f"hypernav: {message}", file=sys.stderr)
-    sys.exit(status)
+    return status

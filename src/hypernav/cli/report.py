@@ -2,6 +2,8 @@
 
 from rich.console import Console
 
+from hypernav.cli.guards.outputs import check_folder
+from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.report_options import Options
 from hypernav.core.errors import ConfigError
 from hypernav.evaluation.report.report_page import write_report
@@ -12,7 +14,7 @@ def run(options: Options) -> int:
     """Run the command.
 
     Returns:
-        0, the exit status of success.
+        The status of success.
     """
     if not options.runs:
         raise ConfigError("name at least one folder of an evaluation")
@@ -20,7 +22,8 @@ def run(options: Options) -> int:
         raise ConfigError("--compare needs at least two folders")
     several = len(options.runs) > 1
     out = options.out or (options.runs[0] / "compared" if several else options.runs[0])
+    check_folder(out)
     page = write_report(out, load_runs(options.runs), compare=options.compare)
     console = Console(stderr=True, quiet=options.quiet, highlight=False)
     console.print(f"open {page}", soft_wrap=True)
-    return 0
+    return ExitStatus.SUCCESS

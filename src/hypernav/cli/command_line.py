@@ -1,0 +1,123 @@
+"""The words of a command line: which command is meant, and its options.
+
+A fast start: help and mistakes are answered from the options alone. For a command NAME, the module
+``NAME_options`` holds the class ``Options`` and imports next to nothing; the module ``NAME`` holds
+the function ``run``, imports all that it needs, and is loaded only to be called.
+"""
+
+import contextlib
+import difflib
+import importlib
+import io
+import itertools
+import re
+from collections.abc import Sequence
+from dataclasses import make_dataclass
+from typing import Any, NoReturn
+
+import tyro
+
+from hypernav.core.errors import ConfigError
+
+COMMANDS = {
+    "find": "Search for an object in a simulated building and leave a page about it.",
+    "eval": "Run the episodes of a benchmark; the same command goes on where it was interrupted.",
+    "report": "Write a page, a CSV file and LaTeX tables about one or more evaluations.",
+    "doctor": "Examine a vision-language model and its server, and say what to change.",
+    "houses": "Generated houses: pages about them, files for other programs, splits and episodes.",
+}
+_BOX = re.compile(r"[\u2500-\u257f]+")
+
+
+def run_command(arguments: Sequence[str]) -> int:
+    """Run the command that a command line asks for.
+
+    Args:
+        arguments: The words after the name of the program.
+
+    Returns:
+        Its exit status.
+
+    Raises:
+        ConfigError: The command line cannot be understood.
+        HyPerNavError: The command failed for a reason that its message gives.
+        SystemExit: The command line asks for help, which has been printed.
+    """
+    name, *rest = list(arguments) or [""]
+    if name in {"-h", "--help"}:
+        _help()
+    if name not in COMMANDS:
+        raise ConfigError(_unknown(name))
+    _refuse_empty(rest)
+    options = _parse(name, _with_one_set(rest))
+    return importlib.import_module(f"hypernav.cli.{name}").run(options)
+
+
+def _parse(name: str, arguments: list[str]) -> Any:
+    """The options of a command; an error that tyro prints in a box becomes one line."""
+    said = io.StringIO()
+    try:
+        with contextlib.redirect_stderr(said):
+            return tyro.cli(
+                importlib.import_module(f"hypernav.cli.{name}_options").Options,
+                prog=f"hypernav {name}",
+                description=COMMANDS[name],
+                args=arguments,
+            )
+    except SystemExit as stop:
+        if stop.code == 0:
+            raise
+        raise ConfigError(" ".join(_BOX.sub(" ", said.getvalue()).split())) from None
+
+
+def _help() -> NoReturn:
+    """Print the list of commands, by means of empty dataclasses in place of their options."""
+    commands = {
+        name: make_dataclass(name, [], namespace={"__doc__": words})
+        for name, words in COMMANDS.items()
+    }
+    tyro.extras.subcommand_cli_from_dict(
+        commands,
+        prog="hypernav",
+        description="Find objects in buildings never seen before.",
+        args=["--help"],
+    )
+    raise AssertionError("help ends the program")
+
+
+def _unknown(name: str) -> str:
+    """The error message for a mistyped or missing command."""
+    close = difflib.get_close_matches(name, COMMANDS, n=1)
+    found = f"unknown command '{name}'" if name else "no command"
+    hint = f"did you mean '{close[0]}'? " if close else ""
+    return f"{found}; {hint}commands: {', '.join(COMMANDS)}; hypernav --help explains them"
+
+
+def _with_one_set(arguments: list[str]) -> list[str]:
+    """Merge several ``--set`` into one, since tyro keeps only the last of a repeated option."""
+    others: list[str] = []
+    values: list[str] = []
+    into = others
+    for argument in arguments:
+        if argument.startswith("--set="):
+            values.append(argument.removeprefix("--set="))
+            continue
+        if argument.startswith("-"):
+            into = values if argument == "--set" else others
+        if argument != "--set":
+            into.append(argument)
+    return [*others, "--set", *values] if values else arguments
+
+
+def _refuse_empty(arguments: Sequence[str]) -> None:
+    """Refuse options with an empty value, such as that of an unset variable of a shell.
+
+    Raises:
+        ConfigError: There is one.
+    """
+    for before, argument in itertools.pairwise(["", *arguments]):
+        option, equals, value = argument.partition("=")
+        if option.startswith("--") and equals and not value:
+            raise ConfigError(f"{option} is empty; give a value, or leave the option out")
+        if before.startswith("--") and "=" not in before and not argument:
+            raise ConfigError(f"{before} is empty; give a value, or leave the option out")

@@ -1,0 +1,1 @@
+"""What stands around every command: exit statuses, interruptions, crashes, outputs."""

@@ -1,0 +1,43 @@
+"""Ctrl-C and SIGTERM: one kind of interruption, which a block can put off."""
+
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+from typing import NoReturn
+
+
+class Terminated(KeyboardInterrupt):
+    """SIGTERM came: it ends whatever Ctrl-C ends, and by the same path."""
+
+
+@contextmanager
+def sigterm_as_interruption() -> Iterator[None]:
+    """Raise `Terminated` in the block when SIGTERM comes."""
+    before = signal.signal(signal.SIGTERM, _terminate)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+@contextmanager
+def interruptions_put_off() -> Iterator[None]:
+    """Let the block finish: an interruption that comes meanwhile is raised at its end."""
+    came: list[int] = []
+
+    def note(number: int, _frame: FrameType | None) -> None:
+        came.append(number)
+
+    before = {number: signal.signal(number, note) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+    if came:
+        signal.raise_signal(came[0])
+
+
+def _terminate(_number: int, _frame: FrameType | None) -> NoReturn:
+    raise Terminated

@@ -1,0 +1,35 @@
+"""The check of outputs before the work begins: no search shall be lost for want of a folder."""
+
+import tempfile
+from contextlib import suppress
+from pathlib import Path
+
+from hypernav.core.errors import OutputError
+
+
+def check_folder(folder: Path) -> None:
+    """Make sure that files can be written to a folder, by doing it.
+
+    A folder that is missing is made and removed again: nothing is left of a command that fails.
+
+    Raises:
+        OutputError: They cannot; the message names the folder and the reason.
+    """
+    try:
+        if folder.exists() and not folder.is_dir():
+            raise OutputError(f"{folder} is not a folder; results go to a folder, choose another")
+        missing = [path for path in (folder, *folder.parents) if not path.exists()]
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryFile(dir=folder) as file:
+                file.write(b"a byte, as full disks take none")
+                file.flush()
+        finally:
+            for path in missing:
+                with suppress(OSError):
+                    path.rmdir()
+    except OSError as error:
+        raise OutputError(
+            f"{folder} cannot be written ({error.strerror}); choose a folder where files can be "
+            "made"
+        ) from error

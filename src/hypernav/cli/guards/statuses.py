@@ -1,0 +1,22 @@
+"""The exit statuses of all commands."""
+
+from enum import IntEnum
+
+
+class ExitStatus(IntEnum):
+    """How a command ended, for whoever started it."""
+
+    SUCCESS = 0
+    """The goal was found; the evaluation is complete; nothing is wrong with the model."""
+    FAILURE = 1
+    """The goal was not found; the model has a fault."""
+    USAGE = 2
+    """An option, a file or another input cannot be used, or a result cannot be written."""
+    MODEL_UNAVAILABLE = 3
+    """A model was unavailable for longer than the patience."""
+    CRASH = 70
+    """An error of this program; its message says where the traceback is."""
+    INTERRUPTED = 130
+    """Ctrl-C (SIGINT) ended the command."""
+    TERMINATED = 143
+    """SIGTERM ended the command."""
