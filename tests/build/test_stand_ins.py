@@ -1,8 +1,14 @@
 import pytest
 
+from hypernav.build.agents import build_search
 from hypernav.build.choosing import choose_components
 from hypernav.build.component_specs import ComponentSpecs
+from hypernav.build.presets import preset
 from hypernav.build.stand_ins import segmenter_words
+from hypernav.core.errors import ConfigError
+from hypernav.core.trace import ExchangeLog
+from hypernav.perception.local.depth_cut import DepthCutConfig, DepthCutSegmenter
+from hypernav.perception.local.ground_truth import GroundTruthDetector
 
 YOLOX = "yolox:net.onnx"
 MOBILE_SAM = "onnx-sam:mobile_sam_encoder.onnx,mobile_sam_decoder.onnx"
@@ -40,3 +46,22 @@ def test_nothing_stands_in_for_the_real_one_or_where_none_is_asked_for(published
     assert words in told.words
     assert "in place of" not in told.words
     assert told.warning == ""
+
+
+def test_no_segmenter_at_all_is_no_choice():
+    for vlm in (None, "openai:http://localhost:8000/v1"):
+        with pytest.raises(ConfigError, match="unknown segmenter 'none'; use depth-cut"):
+            choose_components(ComponentSpecs(vlm=vlm, segmenter="none"))
+
+
+def test_a_search_around_own_components_cuts_as_configured(monkeypatch):
+    made: list[DepthCutConfig] = []
+
+    def noting(config: DepthCutConfig) -> DepthCutSegmenter:
+        made.append(config)
+        return DepthCutSegmenter(config)
+
+    monkeypatch.setattr("hypernav.build.agents.DepthCutSegmenter", noting)
+    config = preset("default").model_copy(update={"depth_cut": DepthCutConfig(iterations=7)})
+    build_search(config, GroundTruthDetector(), ExchangeLog())
+    assert [one.iterations for one in made] == [7]

@@ -217,7 +217,7 @@ def _search(
         new_map=partial(TopDownMap, config.mapping, config.embodiment),
         local=LocalPerception(
             detector,
-            segmenter or DepthCutSegmenter(),
+            segmenter or DepthCutSegmenter(config.depth_cut),
             config.local,
             config.embodiment.camera,
             cell_size_m=config.mapping.cell_size_m,
