@@ -10,6 +10,8 @@ import yaml
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from hypernav.core.errors import ConfigError
+from hypernav.core.files.reading import read_file
+from hypernav.core.files.yaml_text import MOST_CHARACTERS, MOST_LEVELS, parse_yaml
 
 ENVIRONMENT_PREFIX = "HYPERNAV_"
 
@@ -89,6 +91,23 @@ class RoomConfig(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
+def check_option(name: str, value: float, bounds: tuple[float, float], why: str) -> None:
+    """Refuse a number of the command line that is out of bounds, or no number at all.
+
+    Args:
+        name: Name of the option.
+        value: Its value.
+        bounds: The smallest and the largest value.
+        why: Reason of the bounds.
+
+    Raises:
+        ConfigError: The value is out of bounds, or not a number.
+    """
+    low, high = bounds
+    if not low <= value <= high:
+        raise ConfigError(f"{name} {value!s:.20}: {why}; expected {low:,} to {high:,}")
+
+
 ConfigT = TypeVar("ConfigT", bound=BaseModel)
 
 
@@ -124,7 +143,7 @@ def layered(
                 f"--set {assignment}: expected SECTION.KEY=VALUE, for example "
                 "--set search.endurance_steps=60"
             )
-        _assign(type(base), values, key.split("."), text, source=f"--set {assignment}")
+        _assign(type(base), values, key.split("."), text, source=f"--set {assignment:.80}")
     return _validated(type(base), values)
 
 
@@ -150,7 +169,7 @@ def _validated(model: type[ConfigT], values: dict[str, Any], *, section: str = "
         first = error.errors()[0]
         where = ".".join(str(part) for part in (section, *first["loc"]) if part != "")
         why = _reason(str(first["loc"][-1])) if first["type"] in _OUT_OF_BOUNDS else ""
-        raise ConfigError(f"{where}: {first['msg']}, got {first['input']!r}{why}") from error
+        raise ConfigError(f"{where}: {first['msg']}, got {_shown(first['input'])}{why}") from error
 
 
 def _reason(name: str) -> str:
@@ -160,7 +179,7 @@ def _reason(name: str) -> str:
 
 def _read_yaml(file: Path) -> dict[str, Any]:
     try:
-        content = yaml.safe_load(file.read_text(encoding="utf-8"))
+        content = parse_yaml(read_file(file, most=4 * MOST_CHARACTERS).decode("utf-8"))
     except OSError as error:
         raise ConfigError(f"cannot read the configuration {file}: {error.strerror}") from error
     except (yaml.YAMLError, UnicodeDecodeError) as error:
@@ -176,11 +195,14 @@ def _assign(
     model: type[BaseModel], values: dict[str, Any], keys: list[str], text: str, *, source: str
 ) -> None:
     try:
-        nested: Any = yaml.safe_load(text)
+        nested: Any = parse_yaml(text)
     except yaml.YAMLError as error:
+        why = getattr(error, "problem", None) or error
         raise ConfigError(
-            f"{source}: '{text}' is not valid YAML; quote it, or check its brackets"
+            f"{source}: {_shown(text)} is not valid YAML ({why}); quote it, or check its brackets"
         ) from error
+    if len(keys) > MOST_LEVELS:
+        raise ConfigError(f"{source}: no option has a name of {len(keys)} parts")
     for key in reversed(keys):
         nested = {key: nested}
     _merge(model, values, nested, source=source)
@@ -200,7 +222,8 @@ def _merge(
             close = difflib.get_close_matches(str(key), model.model_fields, n=1)
             hint = f"did you mean '{close[0]}'? " if close else ""
             raise ConfigError(
-                f"{source}: unknown key '{key}'; {hint}keys here: {', '.join(model.model_fields)}"
+                f"{source}: unknown key '{key!s:.60}'; {hint}"
+                f"keys here: {', '.join(model.model_fields)}"
             )
         name = f"{section}.{key}" if section else key
         inner = model.model_fields[key].annotation
@@ -208,13 +231,19 @@ def _merge(
             if not isinstance(change, dict):
                 raise ConfigError(
                     f"{source}: '{key}' is a section with the keys "
-                    f"{', '.join(inner.model_fields)}, got {change!r}"
+                    f"{', '.join(inner.model_fields)}, got {_shown(change)}"
                 )
             _merge(inner, values[key], change, source=source, section=name)
         elif isinstance(change, dict) and isinstance(values[key], dict):
             values[key] = values[key] | change
         else:
             values[key] = change
+
+
+def _shown(value: Any) -> str:
+    """A value in a message, which a long one must not fill."""
+    text = repr(value)
+    return text if len(text) <= 80 else f"{text[:79]}…"
 
 
 def _refuse_renamed(name: str, change: Any, source: str) -> None:

@@ -1,0 +1,51 @@
+"""JSON from outside: without NaN, not too deep, and not too much of it."""
+
+import json
+from typing import Annotated, Any, NoReturn, TypeVar
+
+from pydantic import FailFast
+
+from hypernav.core.files.allowance import Allowance
+
+_Item = TypeVar("_Item")
+Items = Annotated[list[_Item], FailFast()]
+"""A list of which only the first wrong item is reported: a file may hold millions of them."""
+
+_BYTES_PER_VALUE = 100
+"""Memory that a short value, such as ``[]`` or ``0.5``, takes once it is read."""
+
+
+def parse_json(text: bytes, allowance: Allowance | None = None) -> Any:
+    """The value of a JSON text.
+
+    Args:
+        text: The text, UTF-8.
+        allowance: Memory that the file may still take; by default that of a file of its own.
+
+    Raises:
+        ValueError: The text is no JSON (NaN and infinity are none), is nested too deeply, or holds
+            half a character.
+        OSError: Its values would take too much memory.
+    """
+    check_json_size(text, allowance or Allowance())
+    try:
+        value = json.loads(text, parse_constant=_refuse_constant)
+    except RecursionError as error:
+        raise ValueError("it is nested too deeply") from error
+    if b"\\ud" in text or b"\\uD" in text:  # half a surrogate pair can be written nowhere
+        json.dumps(value, ensure_ascii=False).encode("utf-8")
+    return value
+
+
+def check_json_size(text: bytes, allowance: Allowance) -> None:
+    """Refuse a text whose values would take too much memory, before it is parsed.
+
+    Raises:
+        OSError: They would.
+    """
+    values = sum(text.count(mark) for mark in (b",", b"[", b"{", b":"))
+    allowance.take(2 * len(text) + values * _BYTES_PER_VALUE, f"JSON of {values:,} values")
+
+
+def _refuse_constant(name: str) -> NoReturn:
+    raise ValueError(f"{name} is not a number of JSON")

@@ -1,0 +1,75 @@
+"""Reading of files from outside: regular ones, of limited size, in the folder where they belong."""
+
+import errno
+import os
+import stat
+from pathlib import Path
+
+from hypernav.core.files.allowance import MOST_BYTES, megabytes
+
+_KINDS = (
+    (stat.S_ISDIR, errno.EISDIR, "a folder"),
+    (stat.S_ISCHR, errno.EINVAL, "a device"),
+    (stat.S_ISBLK, errno.EINVAL, "a device"),
+    (stat.S_ISFIFO, errno.EINVAL, "a pipe"),
+    (stat.S_ISSOCK, errno.EINVAL, "a socket"),
+)
+
+
+def read_file(path: Path, *, most: int = MOST_BYTES) -> bytes:
+    """The content of a regular file.
+
+    Args:
+        path: Path of the file.
+        most: Largest size that is read, bytes.
+
+    Raises:
+        OSError: It cannot be read, is no regular file (a device never ends), or is too large.
+    """
+    # A pipe that nobody writes to would block an ordinary open.
+    with open(path, "rb", opener=_open_at_once) as file:
+        size = _checked_size(os.fstat(file.fileno()), most)
+        return file.read(size)
+
+
+def check_file(path: Path, *, most: int = MOST_BYTES) -> None:
+    """Refuse a file that `read_file` would refuse, for libraries that open files themselves.
+
+    Raises:
+        OSError: It does not exist, is no regular file, or is too large.
+    """
+    _checked_size(os.stat(path), most)
+
+
+def path_below(folder: Path, reference: str) -> Path:
+    """The file that a relative reference names. Links in the folder may lead out of it.
+
+    Args:
+        folder: Folder that the reference must not leave.
+        reference: Relative path with ``/`` between its parts.
+
+    Raises:
+        OSError: The reference leads out of the folder, or is no path at all.
+    """
+    if not reference.isprintable():
+        raise OSError(errno.EINVAL, "its name holds characters that no name can have")
+    path = Path(os.path.normpath(folder / reference))
+    if not path.is_relative_to(os.path.normpath(folder)):
+        raise OSError(errno.EPERM, "it lies outside the folder")
+    return path
+
+
+def _open_at_once(path: str, flags: int) -> int:
+    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
+
+
+def _checked_size(status: os.stat_result, most: int) -> int:
+    for is_of_kind, code, kind in _KINDS:
+        if is_of_kind(status.st_mode):
+            raise OSError(code, f"it is {kind}, expected a file")
+    if status.st_size > most:
+        raise OSError(
+            errno.EFBIG,
+            f"it has {megabytes(status.st_size)}, at most {megabytes(most)} are read",
+        )
+    return status.st_size
