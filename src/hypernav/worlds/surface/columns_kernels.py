@@ -99,13 +99,13 @@ def _normal(triangle):
 
 
 @njit(cache=True, nogil=True)
-def rasterise(vertices, faces, cell_m, origin_x, origin_y, rows, columns, flat_cosine):
+def rasterise(vertices, faces, cell_m, origin_x, origin_y, rows, columns, flat_cosine, most):
     """Heights that triangles cover in each column.
 
     Returns:
         Four arrays, one entry per triangle and column it crosses: the column's number
         (``row * columns + column``), lowest and highest z there, whether the triangle is flat
-        enough to stand on.
+        enough to stand on. At least `most` entries mean that there are too many.
     """
     where = np.empty(max(faces.shape[0] * 2, 1024), dtype=np.int32)
     low = np.empty(where.size, dtype=np.float32)
@@ -151,6 +151,8 @@ def rasterise(vertices, faces, cell_m, origin_x, origin_y, rows, columns, flat_c
                     piece, band = band, piece
                 if n_piece == 0:
                     continue
+                if n == most:
+                    return where, low, high, flat
                 if n == where.size:
                     where, low, high, flat = _grown(where), _grown(low), _grown(high), _grown(flat)
                 where[n] = row * columns + column

@@ -16,7 +16,9 @@ from hypernav.worlds.surface.walkable_kernels import label_components, mark_clif
 CELL_M = 0.05
 """Default side of a cell, as in Habitat's navigation meshes."""
 
-_MOST_CELLS = 50_000_000
+_MOST_CELLS = 10_000_000
+_MOST_INTERVALS = 20_000_000
+_HIGHEST_M = 1000.0
 _STOREYS_TRIED = 6
 
 
@@ -96,6 +98,12 @@ def _floors(scene: Scene, robot: BodyConfig, cell_m: float) -> _Floors:
             f"scene '{scene.name}' spans {high[0] - low[0]:.0f} × {high[1] - low[1]:.0f} m, too "
             "large for a building; are its units metres?"
         )
+    lowest, highest = float(vertices[:, 2].min()), float(vertices[:, 2].max())
+    if highest - lowest > _HIGHEST_M:
+        raise SceneError(
+            f"scene '{scene.name}' is {highest - lowest:.0f} m high, too high for a building; are "
+            "its units metres?"
+        )
     origin = (float(first[0] * cell_m), float(first[1] * cell_m))
     where, low, high, flat = rasterise(
         vertices,
@@ -105,9 +113,14 @@ def _floors(scene: Scene, robot: BodyConfig, cell_m: float) -> _Floors:
         rows,
         columns,
         math.cos(math.radians(robot.max_slope_deg)) - 1e-6,
+        _MOST_INTERVALS,
     )
+    if len(where) >= _MOST_INTERVALS:
+        raise SceneError(
+            f"scene '{scene.name}': its triangles cover more than {_MOST_INTERVALS:,} cells of "
+            f"{cell_m:g} m, too many for a building; are its units metres?"
+        )
     # 16-bit keys make numpy's stable sort a fast radix sort; buildings span less than 65 m.
-    lowest = float(vertices[:, 2].min())
     upwards = np.argsort(
         np.clip((low - lowest) * 1000.0, 0, 65535).astype(np.uint16), kind="stable"
     )
