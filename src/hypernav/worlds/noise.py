@@ -31,12 +31,12 @@ class NoiseConfig(RoomConfig):
             the robot, degrees.
     """
 
-    depth_sigma_m: float = Field(default=0.0, ge=0.0, le=1.0)
+    depth_sigma_m: float = Field(default=0.0, ge=0.0, le=100.0)
     depth_edge_px: int = Field(default=0, ge=0, le=100)
     depth_edge_jump: float = Field(default=0.1, gt=0.0, le=10.0)
-    forward_sigma: float = Field(default=0.0, ge=0.0, le=1.0)
+    forward_sigma: float = Field(default=0.0, ge=0.0, le=100.0)
     turn_sigma_deg: float = Field(default=0.0, ge=0.0, le=180.0)
-    odometry_sigma: float = Field(default=0.0, ge=0.0, le=1.0)
+    odometry_sigma: float = Field(default=0.0, ge=0.0, le=100.0)
     odometry_turn_sigma_deg: float = Field(default=0.0, ge=0.0, le=180.0)
 
     @property
