@@ -5,13 +5,14 @@ is read from an image whose texels are as large as the pixels. Halving averages 
 numbers: a distant black and white checkerboard has the brightness of the real thing.
 """
 
+import math
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
 import cv2
 import numpy as np
-from jaxtyping import Float32, Int32, Int64, UInt8, UInt32
+from jaxtyping import Bool, Float32, Int32, Int64, UInt8, UInt32
 
 from hypernav.worlds.scenes.scene import Material
 
@@ -28,6 +29,8 @@ def linear_to_srgb(linear: np.ndarray) -> np.ndarray:
 
 
 _ENCODE_STEPS = 8192
+_STRIP_ROWS = 512
+"""Rows of an image that are worked on at once: intermediate values take much more memory."""
 _LINEAR_TO_CODE = np.rint(
     linear_to_srgb((np.arange(_ENCODE_STEPS) / (_ENCODE_STEPS - 1)) ** 2) * 255.0
 ).astype(np.uint8)
@@ -69,53 +72,107 @@ def collect_textures(materials: Sequence[Material], budget_mb: float) -> Texture
                 numbers[key] = len(sources)
                 sources.append(material)
             of_material[index] = numbers[key]
+    sizes = [_sizes(source) for source in sources]
+    _fit_to_budget(sizes, int(budget_mb * 1e6 / 4))
     with ThreadPoolExecutor() as pool:
-        pyramids = list(pool.map(_pyramid, sources))
-    _fit_to_budget(pyramids, int(budget_mb * 1e6 / 4))
+        pyramids = list(pool.map(_pyramid, sources, (len(levels) for levels in sizes)))
     return _pack(pyramids, of_material)
 
 
-def _pyramid(material: Material) -> list[UInt32[np.ndarray, "height width"]]:
-    """One texture in all its sizes, finest first."""
+def _sizes(material: Material) -> list[tuple[int, int]]:
+    """Width and height of a texture in all its sizes, finest first."""
     assert material.texture is not None
-    codes = material.texture
-    opacity = np.ones(codes.shape[:2], dtype=np.float32)
-    if material.opaque is not None:
-        opacity = material.opaque.astype(np.float32)
-    levels = [_packed(codes, opacity)]
-    # Weighted by opacity, so that the hidden colour of holes doesn't bleed into the leaves.
-    light = SRGB_TO_LINEAR[codes] * opacity[..., None]
-    while max(light.shape[:2]) > 1:
-        size = (max(light.shape[1] // 2, 1), max(light.shape[0] // 2, 1))
-        light = cv2.resize(light, size, interpolation=cv2.INTER_AREA).reshape(size[1], size[0], 3)
-        opacity = cv2.resize(opacity, size, interpolation=cv2.INTER_AREA).reshape(size[::-1])
-        levels.append(_packed(_encode(light / np.maximum(opacity, 1e-6)[..., None]), opacity))
+    height, width = material.texture.shape[:2]
+    sizes = [(width, height)]
+    while max(width, height) > 1:
+        width, height = max(width // 2, 1), max(height // 2, 1)
+        sizes.append((width, height))
+    return sizes
+
+
+def _pyramid(material: Material, count: int) -> list[UInt32[np.ndarray, "height width"]]:
+    """One texture in its smallest sizes, finest first."""
+    assert material.texture is not None
+    sizes = _sizes(material)
+    left_out = len(sizes) - count
+    levels: list[UInt32[np.ndarray, "height width"]] = []
+    if left_out == 0:
+        opaque = 1 if material.opaque is None else material.opaque
+        levels.append(_packed(material.texture, np.uint8(255) * opaque))
+    light = opacity = np.empty(0, np.float32)
+    for number, size in enumerate(sizes[1:], start=1):
+        if number == 1:
+            light, opacity = _first_halving(material.texture, material.opaque, size)
+        else:
+            light, opacity = _halved(light, size), _halved(opacity, size)
+        if number >= left_out:
+            levels.append(_packed(_encode(light, opacity), np.rint(opacity * 255.0)))
     return levels
 
 
-def _encode(light: Float32[np.ndarray, "height width 3"]) -> UInt8[np.ndarray, "height width 3"]:
+def _first_halving(
+    codes: UInt8[np.ndarray, "height width 3"],
+    opaque: Bool[np.ndarray, "height width"] | None,
+    size: tuple[int, int],
+) -> tuple[Float32[np.ndarray, "rows columns 3"], Float32[np.ndarray, "rows columns"]]:
+    """Light and opacity of a texture at half its size.
+
+    Light is weighted by opacity, so that the hidden colour of holes doesn't bleed into the leaves.
+    Strips of an image of even sides are halved one by one: its light takes four times its memory.
+    """
+    height, width = codes.shape[:2]
+    rows = _STRIP_ROWS if height % 2 == 0 and width % 2 == 0 else height
+    light = np.empty((size[1], size[0], 3), np.float32)
+    opacity = np.ones((size[1], size[0]), np.float32)
+    for top in range(0, height, rows):
+        strip = slice(top, min(top + rows, height))
+        half = slice(top // 2, max(strip.stop // 2, 1))
+        full = SRGB_TO_LINEAR[codes[strip]]
+        half_size = (size[0], half.stop - half.start)
+        if opaque is not None:
+            weight = opaque[strip].astype(np.float32)
+            full *= weight[..., None]
+            opacity[half] = _halved(weight, half_size)
+        light[half] = _halved(full, half_size)
+    return light, opacity
+
+
+def _halved(values: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+    halved = cv2.resize(values, size, interpolation=cv2.INTER_AREA)
+    return halved.reshape(size[1], size[0], *values.shape[2:])
+
+
+def _encode(
+    light: Float32[np.ndarray, "height width 3"], opacity: Float32[np.ndarray, "height width"]
+) -> UInt8[np.ndarray, "height width 3"]:
     """SRGB codes by table; indexed by the square root, where the codes lie evenly."""
-    index = np.sqrt(np.clip(light, 0.0, 1.0)) * (_ENCODE_STEPS - 1) + 0.5
-    return _LINEAR_TO_CODE[index.astype(np.int32)]
+    codes = np.empty(light.shape, np.uint8)
+    for top in range(0, len(light), _STRIP_ROWS):
+        strip = slice(top, top + _STRIP_ROWS)
+        own = light[strip] / np.maximum(opacity[strip], 1e-6)[..., None]
+        index = np.sqrt(np.clip(own, 0.0, 1.0)) * (_ENCODE_STEPS - 1) + 0.5
+        codes[strip] = _LINEAR_TO_CODE[index.astype(np.int32)]
+    return codes
 
 
 def _packed(
-    codes: UInt8[np.ndarray, "height width 3"], opacity: Float32[np.ndarray, "height width"]
+    codes: UInt8[np.ndarray, "height width 3"], opacity: np.ndarray | np.uint8
 ) -> UInt32[np.ndarray, "height width"]:
+    """Colours with their opacity, 0 to 255."""
     rgba = np.empty((*codes.shape[:2], 4), dtype=np.uint8)
     rgba[..., :3] = codes
-    rgba[..., 3] = np.rint(opacity * 255.0)
-    return rgba.view("<u4")[..., 0].astype(np.uint32)
+    rgba[..., 3] = opacity
+    return rgba.view("<u4")[..., 0].astype(np.uint32, copy=False)
 
 
-def _fit_to_budget(pyramids: list[list[np.ndarray]], budget_texels: int) -> None:
+def _fit_to_budget(textures: list[list[tuple[int, int]]], budget_texels: int) -> None:
     """Drop finest levels, largest first, until the budget holds; changes the lists in place."""
-    total = sum(level.size for levels in pyramids for level in levels)
+    total = sum(width * height for sizes in textures for width, height in sizes)
     while total > budget_texels:
-        largest = max(pyramids, key=lambda levels: levels[0].size)
+        largest = max(textures, key=lambda sizes: math.prod(sizes[0]))
         if len(largest) == 1:
             return
-        total -= largest.pop(0).size
+        total -= math.prod(largest.pop(0))
 
 
 def _pack(pyramids: list[list[np.ndarray]], of_material: Int32[np.ndarray, "m"]) -> TextureSet:

@@ -1,6 +1,5 @@
 """Reading of glTF files: nodes, their transforms and their triangles."""
 
-import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float, Float32, Float64, Int32, UInt8
 
+from hypernav.core.errors import SceneError
 from hypernav.worlds.drawing.textures import linear_to_srgb
 from hypernav.worlds.scenes.gltf_file import GltfFile
 from hypernav.worlds.scenes.gltf_format import Node, Primitive, TextureTransform
@@ -16,6 +16,8 @@ from hypernav.worlds.scenes.node_names import is_meaningful
 from hypernav.worlds.scenes.scene import Material
 from hypernav.worlds.scenes.scene_assembly import MeshPart
 
+_MOST_NODES, _MOST_PARTS = 50_000, 20_000
+_BYTES_PER_VERTEX, _BYTES_PER_CORNER = 50, 50
 _Y_UP_TO_Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 
 
@@ -27,14 +29,22 @@ def read_gltf(path: Path) -> tuple[list[MeshPart], list[Material]]:
 
     Raises:
         SceneError: The file is broken or needs something that is not supported.
+        OSError: It cannot be read, or would take too much memory.
     """
     file = GltfFile(path)
+    placed = _placed_nodes(file)
+    meshes = file.document.meshes
+    count = sum(len(file.item(meshes, node.mesh, "mesh").primitives) for node in placed)
+    if count > _MOST_PARTS:
+        raise SceneError(
+            f"{path}: has {count:,} parts, at most {_MOST_PARTS:,} are read; join its meshes"
+        )
     materials, transforms = read_materials(file)
-    return [
-        part
-        for placed in _placed_nodes(file)
-        for part in _parts_of(file, placed, materials, transforms)
-    ], materials
+    # Corners that end at infinity or nowhere are left out when the scene is assembled.
+    with np.errstate(over="ignore", invalid="ignore"):
+        return [
+            part for node in placed for part in _parts_of(file, node, materials, transforms)
+        ], materials
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,10 +59,14 @@ class _PlacedMesh:
 
 def _placed_nodes(file: GltfFile) -> list[_PlacedMesh]:
     nodes = file.document.nodes
+    if len(nodes) > _MOST_NODES:
+        raise SceneError(
+            f"{file.path}: has {len(nodes):,} nodes, at most {_MOST_NODES:,} are read; join them"
+        )
     turned = np.eye(4)
     turned[:3, :3] = _Y_UP_TO_Z_UP
     stack = [(index, turned, "") for index in reversed(_roots(file))]
-    names: set[str] = set()
+    names: dict[str, int] = {}
     visited: set[int] = set()
     placed: list[_PlacedMesh] = []
     while stack:
@@ -81,10 +95,14 @@ def _roots(file: GltfFile) -> list[int]:
     return [index for index in range(len(document.nodes)) if index not in children]
 
 
-def _unique(name: str, taken: set[str]) -> str:
-    candidates = itertools.chain([name], (f"{name}#{number}" for number in itertools.count(2)))
-    free = next(candidate for candidate in candidates if candidate not in taken)
-    taken.add(free)
+def _unique(name: str, taken: dict[str, int]) -> str:
+    """A name that no node has yet; `taken` holds the last number that was added to each."""
+    free, number = name, taken.get(name, 1)
+    while free in taken:
+        number += 1
+        free = f"{name}#{number}"
+    taken[name] = number
+    taken.setdefault(free, 1)
     return free
 
 
@@ -116,6 +134,7 @@ def _parts_of(
     for primitive in file.item(file.document.meshes, placed.mesh, "mesh").primitives:
         if "POSITION" not in primitive.attributes or primitive.mode not in (4, 5, 6):
             continue
+        _take_memory(file, primitive)
         positions = _vectors(file, primitive, "POSITION", 3)
         faces = _triangles(file, primitive, len(positions))
         if mirrored:
@@ -132,6 +151,18 @@ def _parts_of(
             colors=_colors(file, primitive, faces),
             normals=_normals(file, primitive, linear, faces),
         )
+
+
+def _take_memory(file: GltfFile, primitive: Primitive) -> None:
+    """Account for the triangles of a primitive; every node that shows it has its own."""
+    used = (primitive.attributes["POSITION"], primitive.indices)
+    counts = [
+        file.item(file.document.accessors, index, "accessor").count
+        for index in used
+        if index is not None
+    ]
+    size = counts[0] * _BYTES_PER_VERTEX + counts[-1] * _BYTES_PER_CORNER
+    file.allowance.take(size, f"{counts[0]:,} vertices with {counts[-1]:,} corners")
 
 
 def _vectors(
@@ -156,6 +187,8 @@ def _triangles(file: GltfFile, primitive: Primitive, count: int) -> Int32[np.nda
         corners = np.arange(count, dtype=np.int32)
     else:
         raw = file.array(primitive.indices)[:, 0]
+        if raw.dtype.kind != "u":
+            raise file.invalid("the indices of triangles must be unsigned whole numbers")
         if raw.size and int(raw.max()) >= count:
             raise file.invalid(f"a triangle uses vertex {int(raw.max())}, but there are {count}")
         corners = raw.astype(np.int32)
@@ -181,7 +214,7 @@ def _texture_coordinates(
     c, s = np.cos(transform.rotation), np.sin(transform.rotation)
     uv = uv @ np.array([[c, -s], [s, c]]) + np.array(transform.offset)
     uv[:, 1] = 1.0 - uv[:, 1]
-    return _corners(file, attribute, uv.astype(np.float32), faces)
+    return _corners(file, attribute, np.nan_to_num(uv.astype(np.float32)), faces)
 
 
 def _colors(
@@ -196,7 +229,7 @@ def _colors(
 def _normals(
     file: GltfFile, primitive: Primitive, linear: Float64[np.ndarray, "3 3"], faces: np.ndarray
 ) -> Float32[np.ndarray, "faces 3 3"] | None:
-    if "NORMAL" not in primitive.attributes or abs(np.linalg.det(linear)) < 1e-30:
+    if "NORMAL" not in primitive.attributes or not abs(np.linalg.det(linear)) > 1e-30:
         return None
     normals = _vectors(file, primitive, "NORMAL", 3) @ np.linalg.inv(linear)
     normals = np.nan_to_num(normals)

@@ -2,17 +2,19 @@
 
 import base64
 import binascii
-import json
 import struct
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 from urllib.parse import unquote
 
 import numpy as np
 from pydantic import ValidationError
 
 from hypernav.core.errors import SceneError
+from hypernav.core.files.allowance import Allowance
+from hypernav.core.files.json_text import parse_json
+from hypernav.core.files.reading import path_below, read_file
 from hypernav.worlds.scenes.gltf_format import Accessor, Document, Image
 
 _MAGIC = b"glTF"
@@ -45,6 +47,7 @@ class GltfFile:
     Attributes:
         path: Path of the file, for messages.
         document: Validated JSON part of the file.
+        allowance: Memory that the file may still take.
     """
 
     def __init__(self, path: Path) -> None:
@@ -56,10 +59,12 @@ class GltfFile:
         Raises:
             SceneError: The file is not glTF 2.0, is cut off, or needs an extension that is not
                 supported.
+            OSError: It cannot be read, or would take too much memory.
         """
         self.path = path
-        text, binary = _split(path)
-        self.document = _parse(path, text)
+        self.allowance = Allowance()
+        text, binary = _split(path, self.allowance)
+        self.document = _parse(path, text, self.allowance)
         unknown = sorted(set(self.document.extensions_required) - _EXTENSIONS)
         if unknown:
             raise SceneError(
@@ -85,11 +90,18 @@ class GltfFile:
         return items[index]
 
     def array(self, index: int) -> np.ndarray:
-        """An accessor's elements ``[count, width]``; normalised integers become float32."""
+        """An accessor's elements ``[count, width]``; normalised integers become float32.
+
+        Raises:
+            SceneError: The file does not hold them.
+            OSError: They would take too much memory.
+        """
         accessor = self.item(self.document.accessors, index, "accessor")
-        width = _WIDTHS[accessor.type]
+        width, dtype = _WIDTHS[accessor.type], np.dtype(_DTYPES[accessor.component_type])
+        if accessor.buffer_view is None or accessor.sparse is not None:
+            self.allowance.take(accessor.count * width * dtype.itemsize, f"accessor {index}")
         if accessor.buffer_view is None:
-            data = np.zeros((accessor.count, width), dtype=_DTYPES[accessor.component_type])
+            data = np.zeros((accessor.count, width), dtype=dtype)
         else:
             data = self._elements(
                 accessor.buffer_view,
@@ -108,7 +120,9 @@ class GltfFile:
     def image_bytes(self, image: Image) -> bytes:
         """The encoded bytes of an image."""
         if image.buffer_view is not None:
-            return self._view(image.buffer_view)[0]
+            data, _ = self._view(image.buffer_view)
+            self.allowance.take(len(data), "an image")
+            return bytes(data)
         if image.uri is None:
             raise self.invalid("an image has neither bytes nor a file")
         return self._fetch(image.uri)
@@ -150,7 +164,7 @@ class GltfFile:
             return np.zeros((0, width), dtype=dtype)
         return np.ndarray((count, width), dtype, data, offset, (stride, dtype.itemsize))
 
-    def _view(self, index: int) -> tuple[bytes, int | None]:
+    def _view(self, index: int) -> tuple[memoryview, int | None]:
         view = self.item(self.document.buffer_views, index, "buffer view")
         buffer = self._buffer(view.buffer)
         end = view.byte_offset + view.byte_length
@@ -159,7 +173,7 @@ class GltfFile:
                 f"{self.path}: is cut off: buffer {view.buffer} has {len(buffer)} bytes, but "
                 f"{end} are needed; copy or download the file again"
             )
-        return buffer[view.byte_offset : end], view.byte_stride
+        return memoryview(buffer)[view.byte_offset : end], view.byte_stride
 
     def _buffer(self, index: int) -> bytes:
         if index not in self._buffers:
@@ -170,25 +184,30 @@ class GltfFile:
         return self._buffers[index]
 
     def _fetch(self, uri: str) -> bytes:
-        """Bytes of a data URI or of a file beside this one."""
+        """Bytes of a data URI, or of a file beside this one or in a folder there."""
         if uri.startswith("data:"):
+            self.allowance.take(len(uri), "embedded data")
             try:
                 return base64.b64decode(uri.partition(",")[2], validate=True)
             except binascii.Error as error:
                 raise self.invalid(f"embedded data cannot be decoded ({error})") from error
-        file = self.path.parent / unquote(uri)
+        name = unquote(uri)
         try:
-            return file.read_bytes()
+            data = read_file(path_below(self.path.parent, name))
         except OSError as error:
             raise SceneError(
-                f"{self.path}: needs the file {file}, which cannot be read "
-                f"({error.strerror or error}); put it there or convert the scene to one .glb"
+                f"{self.path}: needs the file {name:.80}, which cannot be read "
+                f"({error.strerror or error}); put it beside the scene, or convert the scene to "
+                "one .glb"
             ) from error
+        self.allowance.take(len(data), f"the file {name:.80}")
+        return data
 
 
-def _split(path: Path) -> tuple[bytes, bytes | None]:
+def _split(path: Path, allowance: Allowance) -> tuple[bytes, bytes | None]:
     """The JSON text and the binary chunk of a file."""
-    data = path.read_bytes()
+    data = read_file(path)
+    allowance.take(len(data), "its content")
     if data[:4] != _MAGIC:
         if path.suffix.lower() == ".glb":
             raise SceneError(
@@ -215,9 +234,9 @@ def _split(path: Path) -> tuple[bytes, bytes | None]:
     return chunks.get(_JSON_CHUNK, b""), chunks.get(_BINARY_CHUNK)
 
 
-def _parse(path: Path, text: bytes) -> Document:
+def _parse(path: Path, text: bytes, allowance: Allowance) -> Document:
     try:
-        raw: Any = json.loads(text)
+        raw = parse_json(text, allowance)
     except ValueError as error:
         raise SceneError(
             f"{path}: is not valid glTF: its JSON part cannot be read ({error}); "

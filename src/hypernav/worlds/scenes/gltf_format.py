@@ -8,9 +8,11 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 from pydantic.alias_generators import to_camel
 
+from hypernav.core.files.json_text import Items
+
 
 class _Part(BaseModel):
-    model_config = ConfigDict(frozen=True, alias_generator=to_camel)
+    model_config = ConfigDict(frozen=True, alias_generator=to_camel, allow_inf_nan=False)
 
 
 class Asset(_Part):
@@ -149,7 +151,7 @@ class Mesh(_Part):
     """Primitives that belong together."""
 
     name: str = ""
-    primitives: list[Primitive]
+    primitives: Items[Primitive]
 
 
 class Node(_Part):
@@ -157,7 +159,7 @@ class Node(_Part):
 
     name: str = ""
     mesh: int | None = Field(default=None, ge=0)
-    children: list[int] = Field(default_factory=list)
+    children: Items[int] = Field(default_factory=list)
     matrix: list[float] | None = Field(default=None, min_length=16, max_length=16)
     translation: tuple[float, float, float] = (0.0, 0.0, 0.0)
     rotation: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
@@ -167,22 +169,22 @@ class Node(_Part):
 class GltfScene(_Part):
     """The nodes that a file shows."""
 
-    nodes: list[int] = Field(default_factory=list)
+    nodes: Items[int] = Field(default_factory=list)
 
 
 class Document(_Part):
     """A whole glTF document."""
 
     asset: Asset
-    extensions_required: list[str] = Field(default_factory=list)
+    extensions_required: Items[str] = Field(default_factory=list)
     scene: int | None = Field(default=None, ge=0)
-    scenes: list[GltfScene] = Field(default_factory=list)
-    nodes: list[Node] = Field(default_factory=list)
-    meshes: list[Mesh] = Field(default_factory=list)
-    materials: list[GltfMaterial] = Field(default_factory=list)
-    textures: list[Texture] = Field(default_factory=list)
-    samplers: list[Sampler] = Field(default_factory=list)
-    images: list[Image] = Field(default_factory=list)
-    accessors: list[Accessor] = Field(default_factory=list)
-    buffer_views: list[BufferView] = Field(default_factory=list)
-    buffers: list[Buffer] = Field(default_factory=list)
+    scenes: Items[GltfScene] = Field(default_factory=list)
+    nodes: Items[Node] = Field(default_factory=list)
+    meshes: Items[Mesh] = Field(default_factory=list)
+    materials: Items[GltfMaterial] = Field(default_factory=list)
+    textures: Items[Texture] = Field(default_factory=list)
+    samplers: Items[Sampler] = Field(default_factory=list)
+    images: Items[Image] = Field(default_factory=list)
+    accessors: Items[Accessor] = Field(default_factory=list)
+    buffer_views: Items[BufferView] = Field(default_factory=list)
+    buffers: Items[Buffer] = Field(default_factory=list)

@@ -11,6 +11,7 @@ from jaxtyping import UInt8
 from pydantic import BaseModel, ValidationError
 
 from hypernav.core.errors import SceneError
+from hypernav.core.files.image_sizes import MOST_PIXELS, image_size
 from hypernav.worlds.drawing.textures import linear_to_srgb
 from hypernav.worlds.scenes.gltf_file import GltfFile
 from hypernav.worlds.scenes.gltf_format import (
@@ -136,6 +137,8 @@ def _decode(file: GltfFile, numbers: list[int]) -> dict[int, _Image]:
     """Decode images on all cores; equal bytes give one and the same image."""
     entries = [file.item(file.document.images, number, "image") for number in numbers]
     data = [file.image_bytes(image) for image in entries]
+    for number, content in zip(numbers, data, strict=True):
+        _check_size(file, number, content)
     keys = [hashlib.sha256(content).digest() for content in data]
     distinct = dict(zip(keys, data, strict=True))
     with ThreadPoolExecutor() as pool:
@@ -152,6 +155,24 @@ def _decode(file: GltfFile, numbers: list[int]) -> dict[int, _Image]:
     return images
 
 
+def _check_size(file: GltfFile, number: int, content: bytes) -> None:
+    """Refuse an image before it is decoded, by what its header says."""
+    size = image_size(content)
+    if size is None:
+        raise SceneError(
+            f"{file.path}: texture {number} cannot be decoded: it is no PNG, JPEG or WebP image; "
+            "export the file again with PNG or JPEG textures"
+        )
+    width, height = size
+    what = f"texture {number} with {width} × {height} pixels"
+    if width * height > MOST_PIXELS:
+        raise SceneError(
+            f"{file.path}: {what} is too large, at most {MOST_PIXELS:,} pixels are read; make it "
+            "smaller"
+        )
+    file.allowance.take(3 * width * height, what)
+
+
 def _decode_one(content: bytes) -> _Image | None:
     if not content:
         return None
@@ -159,7 +180,7 @@ def _decode_one(content: bytes) -> _Image | None:
     if image is None or image.dtype not in (np.uint8, np.uint16):
         return None
     if image.dtype == np.uint16:
-        image = (image.astype(np.float64) / 257.0).astype(np.uint8)
+        image = (image // np.uint16(257)).astype(np.uint8)
     if image.ndim == 2:
         return _Image(cv2.cvtColor(image, cv2.COLOR_GRAY2RGB), None)
     if image.shape[2] == 3:

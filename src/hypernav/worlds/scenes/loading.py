@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from hypernav.core.errors import SceneError
+from hypernav.core.files.reading import check_file
 from hypernav.core.labels import ObjectLabel
 from hypernav.worlds.scenes.gltf import read_gltf
 from hypernav.worlds.scenes.node_names import category_of
@@ -33,15 +34,18 @@ def load_scene(path: Path) -> Scene:
     path = Path(path)
     _check_readable(path)
     suffix = path.suffix.lower()
-    if suffix in _GLTF_SUFFIXES:
-        parts, materials = read_gltf(path)
-    elif suffix in _MESH_SUFFIXES:
-        from hypernav.worlds.scenes.mesh_files import read_mesh
+    try:
+        if suffix in _GLTF_SUFFIXES:
+            parts, materials = read_gltf(path)
+        elif suffix in _MESH_SUFFIXES:
+            from hypernav.worlds.scenes.mesh_files import read_mesh
 
-        parts, materials = read_mesh(path)
-    else:
-        known = ", ".join((*_GLTF_SUFFIXES, *_MESH_SUFFIXES))
-        raise SceneError(f"{path}: unknown kind of file {suffix!r}; give one of {known}")
+            parts, materials = read_mesh(path)
+        else:
+            known = ", ".join((*_GLTF_SUFFIXES, *_MESH_SUFFIXES))
+            raise SceneError(f"{path}: unknown kind of file {suffix!r}; give one of {known}")
+    except OSError as error:
+        raise SceneError(f"{path}: cannot be read ({error.strerror or error})") from error
     if not parts:
         raise SceneError(f"{path}: holds no triangles; export a mesh with faces")
     return assemble(_name(path), parts, _scene_objects(path, parts), materials)
@@ -53,8 +57,8 @@ def _check_readable(path: Path) -> None:
         hint = f"did you mean {path / inside[0]}?" if inside else "it holds no .glb"
         raise SceneError(f"{path}: is a folder, expected a scene file; {hint}")
     try:
-        with path.open("rb") as file:
-            empty = not file.read(1)
+        check_file(path)
+        empty = path.stat().st_size == 0
     except FileNotFoundError as error:
         raise SceneError(f"{path}: no such scene file; check the path") from error
     except OSError as error:
@@ -75,7 +79,7 @@ def _scene_objects(path: Path, parts: Sequence[MeshPart]) -> list[SceneObject]:
     descriptive_names = {part.node: part.descriptive_name for part in parts}
     objects_file = path.parent / OBJECTS_FILE
     objects: list[SceneObject] = []
-    if objects_file.is_file():
+    if objects_file.exists():
         objects = read_objects(objects_file, set(descriptive_names))
     described = {node for item in objects for node in item.nodes}
     taken = {item.name for item in objects}

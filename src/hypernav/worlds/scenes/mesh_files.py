@@ -1,21 +1,59 @@
 """Reading of OBJ, PLY, STL and OFF files through trimesh."""
 
+import errno
+import io
+import struct
 from pathlib import Path
 
 import numpy as np
 import trimesh
 from jaxtyping import Float32, Int32, UInt8
 from PIL.Image import Image as PilImage
+from trimesh.resolvers import FilePathResolver
 from trimesh.visual import ColorVisuals, TextureVisuals
 from trimesh.visual.material import PBRMaterial
 
 from hypernav.core.errors import SceneError
+from hypernav.core.files.image_sizes import MOST_PIXELS, image_size
+from hypernav.core.files.reading import path_below, read_file
 from hypernav.worlds.scenes.scene import Material
 from hypernav.worlds.scenes.scene_assembly import MeshPart
 
 _Y_UP_TO_Z_UP = np.array(
     [[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
 )
+
+
+_MOST_BYTES = 500_000_000
+_BROKEN = (
+    ArithmeticError,
+    AssertionError,
+    AttributeError,
+    EOFError,
+    LookupError,
+    MemoryError,
+    NameError,
+    RecursionError,
+    TypeError,
+    ValueError,
+    struct.error,
+)
+"""What trimesh raises for files that are not what they seem to be."""
+
+
+class _FilesBeside(FilePathResolver):
+    """Materials and textures that a mesh file names: regular files beside it, of limited size."""
+
+    def get(self, name: str) -> bytes:
+        content = read_file(path_below(Path(self.parent), name.strip()), most=_MOST_BYTES)
+        size = image_size(content)
+        if size is not None and size[0] * size[1] > MOST_PIXELS:
+            raise OSError(
+                errno.EFBIG,
+                f"its texture {name:.80} has {size[0]} × {size[1]} pixels, at most "
+                f"{MOST_PIXELS:,} are read",
+            )
+        return content
 
 
 def read_mesh(path: Path) -> tuple[list[MeshPart], list[Material]]:
@@ -30,10 +68,18 @@ def read_mesh(path: Path) -> tuple[list[MeshPart], list[Material]]:
 
     Raises:
         SceneError: The file cannot be read as a mesh.
+        OSError: The file cannot be read, or is too large.
     """
+    content = io.BytesIO(read_file(path, most=_MOST_BYTES))
     try:
-        loaded = trimesh.load_scene(path, process=False, maintain_order=True)
-    except (ValueError, KeyError, IndexError, TypeError, AttributeError, EOFError) as error:
+        loaded = trimesh.load_scene(
+            content,
+            file_type=path.suffix[1:].lower(),
+            resolver=_FilesBeside(str(path)),
+            process=False,
+            maintain_order=True,
+        )
+    except _BROKEN as error:
         raise SceneError(
             f"{path}: cannot be read as a mesh ({error}); export the file again"
         ) from error

@@ -1,11 +1,12 @@
 """Reading of ``objects.json``: the objects that the nodes of a scene make up."""
 
-import json
 from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from hypernav.core.errors import SceneError
+from hypernav.core.files.json_text import Items, parse_json
+from hypernav.core.files.reading import read_file
 from hypernav.core.labels import ObjectLabel
 from hypernav.worlds.scenes.scene_assembly import SceneObject
 
@@ -24,7 +25,7 @@ class _Object(BaseModel):
 
 
 class _Objects(BaseModel):
-    objects: list[_Object]
+    objects: Items[_Object]
 
 
 def read_objects(path: Path, node_names: set[str]) -> list[SceneObject]:
@@ -41,7 +42,7 @@ def read_objects(path: Path, node_names: set[str]) -> list[SceneObject]:
         SceneError: The file cannot be read, lacks something, or doesn't belong to the scene.
     """
     try:
-        parsed = _Objects.model_validate(json.loads(path.read_bytes()))
+        parsed = _Objects.model_validate(parse_json(read_file(path)))
     except OSError as error:
         raise SceneError(f"{path}: cannot be read ({error.strerror or error})") from error
     except ValidationError as error:
