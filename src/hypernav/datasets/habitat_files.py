@@ -1,6 +1,7 @@
 """Episode files in Habitat's format: reading, validation and writing."""
 
 import gzip
+import io
 import json
 import zlib
 from pathlib import Path
@@ -9,8 +10,13 @@ from typing import Any
 from pydantic import ValidationError
 
 from hypernav.core.errors import EpisodeError
+from hypernav.core.files.allowance import Allowance, megabytes
+from hypernav.core.files.json_text import check_json_size
+from hypernav.core.files.reading import read_file
 from hypernav.datasets.habitat_format import EpisodeDataset
 
+_MOST_BYTES = 500_000_000
+"""The largest text; the one file of all of MP3D's validation episodes has a third of it."""
 _GZIP_MAGIC = b"\x1f\x8b"
 _SUFFIXES = (".json.gz", ".json")
 _TRIED_TYPES = ("int", "float", "constrained-float", "str")
@@ -30,7 +36,10 @@ def read_episodes(path: Path | str) -> EpisodeDataset:
     path = Path(path)
     text = _unpacked(path)
     try:
+        check_json_size(text, Allowance())
         dataset = EpisodeDataset.model_validate_json(text)
+    except OSError as error:
+        raise EpisodeError(f"{path}: {error.strerror}") from error
     except ValidationError as error:
         raise EpisodeError(f"{path}: {_description(error, text)}") from error
     for episode in dataset.episodes:
@@ -92,7 +101,7 @@ def episode_files(path: Path | str) -> tuple[Path, ...]:
 
 def _unpacked(path: Path) -> bytes:
     try:
-        data = path.read_bytes()
+        data = read_file(path, most=_MOST_BYTES)
     except FileNotFoundError as error:
         raise EpisodeError(f"{path}: no such episode file; check the path") from error
     except OSError as error:
@@ -100,9 +109,16 @@ def _unpacked(path: Path) -> bytes:
     if not data.startswith(_GZIP_MAGIC):
         return data
     try:
-        return gzip.decompress(data)
+        with gzip.GzipFile(fileobj=io.BytesIO(data)) as file:
+            text = file.read(_MOST_BYTES + 1)
     except (gzip.BadGzipFile, EOFError, zlib.error) as error:
         raise EpisodeError(f"{path}: broken gzip data ({error}); download it again") from error
+    if len(text) > _MOST_BYTES:
+        raise EpisodeError(
+            f"{path}: unpacks to more than {megabytes(_MOST_BYTES)}, which are the most that are "
+            "read; give each scene a file of its own"
+        )
+    return text
 
 
 def _description(error: ValidationError, text: bytes) -> str:

@@ -17,6 +17,7 @@ from jaxtyping import Float64
 from pydantic import AllowInfNan, BaseModel, ConfigDict, Field, StrictFloat, StrictInt
 
 from hypernav.core.errors import EpisodeError
+from hypernav.core.files.json_text import Items
 from hypernav.core.goal import Goal
 from hypernav.datasets.habitat_frames import positions_from_habitat
 
@@ -69,7 +70,7 @@ class ObjectGoal(_Entry):
     object_category: str
     object_id: StrictInt | str
     position: Position
-    view_points: list[ViewPoint] = Field(default_factory=list)
+    view_points: Items[ViewPoint] = Field(default_factory=list)
     object_name: str | None = None
 
 
@@ -94,7 +95,7 @@ class ObjectNavEpisode(_Entry):
     start_rotation: Quaternion
     object_category: str
     info: dict[str, Any] | None = None
-    goals: list[ObjectGoal] = Field(default_factory=list)
+    goals: Items[ObjectGoal] = Field(default_factory=list)
     children_object_categories: list[str] | None = None
 
     @property
@@ -118,7 +119,7 @@ class EpisodeDataset(_Entry):
     """
 
     episodes: list[ObjectNavEpisode]
-    goals_by_category: dict[str, list[ObjectGoal]] = Field(default_factory=dict)
+    goals_by_category: dict[str, Items[ObjectGoal]] = Field(default_factory=dict)
     category_to_task_category_id: dict[str, int] = Field(default_factory=dict)
 
     def goals_of(self, episode: ObjectNavEpisode) -> tuple[ObjectGoal, ...]:

@@ -3,13 +3,14 @@
 import math
 from typing import Annotated
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer
+from pydantic import AllowInfNan, BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer
 
 from hypernav.core.episode import Outcome
 from hypernav.evaluation.failures.classification import Failure
 
 Length = Annotated[
     float,
+    AllowInfNan(True),
     BeforeValidator(lambda value: math.inf if value is None else value),
     PlainSerializer(
         lambda value: value if math.isfinite(value) else None,
@@ -51,7 +52,7 @@ class EpisodeRecord(BaseModel):
         seconds: Wall-clock time: "total", "world" (the simulator) and by module of the agent.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     scene_id: str
     episode_id: str

@@ -1,14 +1,18 @@
 """Maps on disk as ROS reads them: ``map.pgm`` and ``map.yaml``."""
 
+import io
 import os
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import yaml
-from PIL import Image, UnidentifiedImageError
+from PIL import Image
 
 from hypernav.core.errors import MapError
+from hypernav.core.files.image_sizes import MOST_PIXELS
+from hypernav.core.files.reading import read_file
+from hypernav.core.files.yaml_text import MOST_CHARACTERS, parse_yaml
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 
 OCCUPIED_THRESHOLD = 0.65
@@ -79,9 +83,14 @@ def load_ros_map(path: Path) -> OccupancyGrid:
     if yaw != 0.0:
         raise MapError(f"{path}: a map turned by {yaw} rad cannot be read; save it unturned")
     try:
-        with Image.open(image) as image:
-            shades = np.asarray(image.convert("L"), dtype=np.float64)
-    except (OSError, UnidentifiedImageError) as error:
+        with Image.open(io.BytesIO(read_file(image))) as opened:
+            if opened.width * opened.height > MOST_PIXELS:
+                raise MapError(
+                    f"{path}: its image has {opened.width} × {opened.height} pixels, at most "
+                    f"{MOST_PIXELS:,} are read; save a smaller map"
+                )
+            shades = np.asarray(opened.convert("L"), dtype=np.float64)
+    except (OSError, ValueError, Image.DecompressionBombError) as error:
         raise MapError(f"{path}: cannot read its image {image}: {error}") from error
     darkness = shades / 255.0 if negate else (255.0 - shades) / 255.0
     cells = np.full(shades.shape, Cell.UNKNOWN, dtype=np.uint8)
@@ -92,7 +101,7 @@ def load_ros_map(path: Path) -> OccupancyGrid:
 
 def _read_facts(path: Path) -> dict[str, Any]:
     try:
-        facts = yaml.safe_load(path.read_text(encoding="utf-8"))
+        facts = parse_yaml(read_file(path, most=4 * MOST_CHARACTERS).decode("utf-8"))
     except OSError as error:
         raise MapError(f"cannot read the map {path}: {error.strerror}") from error
     except (yaml.YAMLError, UnicodeDecodeError) as error:

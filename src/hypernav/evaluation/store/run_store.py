@@ -24,6 +24,8 @@ from typing import Any
 from pydantic import ValidationError
 
 from hypernav.core.errors import RunFolderError
+from hypernav.core.files.json_text import parse_json
+from hypernav.core.files.reading import read_file
 from hypernav.evaluation.record import EpisodeKey, EpisodeRecord
 from hypernav.evaluation.store.append_only import append_line, write_whole
 from hypernav.evaluation.store.folder_lock import FolderLock
@@ -158,7 +160,7 @@ def read_configuration(folder: Path) -> dict[str, Any]:
     """
     path = folder / RUN_FILE
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = parse_json(read_file(path))
     except FileNotFoundError as error:
         raise RunFolderError(
             f"{folder} is not the folder of an evaluation: there is no {RUN_FILE} in it"
@@ -180,7 +182,7 @@ def read_records(folder: Path) -> list[EpisodeRecord]:
     if not path.exists():
         return []
     records: dict[EpisodeKey, EpisodeRecord] = {}
-    for number, line in enumerate(path.read_bytes().splitlines(), start=1):
+    for number, line in enumerate(_content(path).splitlines(), start=1):
         try:
             record = EpisodeRecord.model_validate_json(line)
         except ValidationError as error:
@@ -235,7 +237,7 @@ def _shown(values: Mapping[str, Any], key: str) -> str:
 
 def _whole_lines(path: Path) -> bytes:
     """The content of a file of lines, with an end to the last one; empty if there is no file."""
-    content = path.read_bytes() if path.exists() else b""
+    content = _content(path) if path.exists() else b""
     return content if content.endswith(b"\n") or not content else content + b"\n"
 
 
@@ -243,7 +245,7 @@ def _repair_last_line(path: Path) -> None:
     """Move a last line that was not written to its end into a file of its own."""
     if not path.exists():
         return
-    content = path.read_bytes()
+    content = _content(path)
     start = content.rstrip(b"\n").rfind(b"\n") + 1
     last = content[start:]
     if not last.strip(b"\n"):
@@ -261,6 +263,13 @@ def _repair_last_line(path: Path) -> None:
         path,
         backup.name,
     )
+
+
+def _content(path: Path) -> bytes:
+    try:
+        return read_file(path)
+    except OSError as error:
+        raise RunFolderError(f"{path} cannot be read: {error.strerror or error}") from error
 
 
 def _is_record(line: bytes) -> bool:

@@ -11,19 +11,25 @@ import threading
 from collections import defaultdict, deque
 from difflib import SequenceMatcher
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import AliasChoices, BaseModel, ConfigDict, Field, ValidationError
 
 from hypernav.core.chat import Answer, Fault, Question, Usage
 from hypernav.core.components.protocols import ChatModel
 from hypernav.core.errors import ModelUnavailableError, RecordingError
+from hypernav.core.files.allowance import Allowance
+from hypernav.core.files.json_text import check_json_size
+from hypernav.core.files.reading import read_file
 from hypernav.models.chat.answer_parsing import parse_answer, shortened
 from hypernav.models.chat.image_encoding import content_hash
 
+_MOST_BYTES = 500_000_000
+_MOST_TOKENS = 1_000_000_000
+
 
 class _Line(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
 class _Header(_Line):
@@ -61,11 +67,11 @@ class _RecordedQuestion(_Line):
 class _RecordedAnswer(_Line):
     text: str = ""
     model: str
-    tokens_in: int = 0
-    tokens_out: int = 0
-    seconds: float = 0.0
-    lost: dict[str, int] = Field(default_factory=dict)
-    probabilities: dict[str, float] = Field(default_factory=dict)
+    tokens_in: int = Field(default=0, ge=0, le=_MOST_TOKENS)
+    tokens_out: int = Field(default=0, ge=0, le=_MOST_TOKENS)
+    seconds: float = Field(default=0.0, ge=0.0)
+    lost: dict[str, Annotated[int, Field(ge=0)]] = Field(default_factory=dict)
+    probabilities: dict[str, Annotated[float, Field(ge=0.0)]] = Field(default_factory=dict)
     refused: bool = False
     unavailable: str = ""
 
@@ -206,8 +212,12 @@ class ReplayChat:
 def _read(path: Path) -> tuple[_Header, list[_Exchange]]:
     try:
         # Not `splitlines`: an answer may hold other line ends, which JSON does not escape.
-        lines = path.read_text(encoding="utf-8").removesuffix("\n").split("\n")
-    except (OSError, UnicodeDecodeError) as error:
+        text = read_file(path, most=_MOST_BYTES)
+        check_json_size(text, Allowance())
+        lines = text.decode("utf-8").removesuffix("\n").split("\n")
+    except OSError as error:
+        raise RecordingError(f"cannot read the recording {path}: {error.strerror}") from error
+    except UnicodeDecodeError as error:
         raise RecordingError(f"cannot read the recording {path}: {error}") from error
     if lines == [""]:
         raise RecordingError(f"the recording {path} is empty")

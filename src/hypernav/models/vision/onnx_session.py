@@ -5,6 +5,7 @@ from typing import Any
 
 from hypernav.core.components.extras import require
 from hypernav.core.errors import ModelError
+from hypernav.core.files.reading import check_file
 
 
 def open_session(path: Path, *, threads: int = 2) -> Any:
@@ -20,8 +21,12 @@ def open_session(path: Path, *, threads: int = 2) -> Any:
     """
     onnxruntime = require("onnxruntime", extra="onnx")
     states = require("onnxruntime.capi.onnxruntime_pybind11_state", extra="onnx")
-    if not path.is_file():
-        raise ModelError(f"model file not found: {path}; give the path of an .onnx file")
+    try:
+        check_file(path)
+    except FileNotFoundError as error:
+        raise ModelError(f"model file not found: {path}; give the path of an .onnx file") from error
+    except OSError as error:
+        raise ModelError(f"{path}: cannot be read ({error.strerror or error})") from error
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = threads
     options.inter_op_num_threads = 1
