@@ -4,12 +4,11 @@ from pathlib import Path
 
 from hypernav.build.registries import SCENES
 from hypernav.core.errors import SceneError
+from hypernav.core.whole_numbers import is_whole_number
 from hypernav.houses.house_cache import cached_house
 from hypernav.houses.numbers import BUILTIN_HOUSE
 from hypernav.worlds.scenes.loading import load_scene
 from hypernav.worlds.scenes.scene import Scene
-
-_HOUSE_DIGITS = 9
 
 
 def build_scene(spec: str) -> Scene:
@@ -48,9 +47,9 @@ def house_number(text: str) -> int:
     Raises:
         SceneError: The text is no such number.
     """
-    if not (text.isascii() and text.isdecimal() and len(text) <= _HOUSE_DIGITS):
+    if not is_whole_number(text):
         raise SceneError(
-            f"there is no house '{text}'; expected a whole number of at most {_HOUSE_DIGITS} "
-            "digits, for example houses:1234"
+            f"there is no house '{text:.40}'; expected a whole number of at most nine digits, for "
+            "example houses:1234"
         )
     return int(text)

@@ -88,5 +88,17 @@ class AgentOptions:
         }
 
 
+def check_steps_and_seed(max_steps: int, seed: int) -> None:
+    """Refuse numbers of steps and seeds that are out of bounds, in all commands that search.
+
+    Raises:
+        ConfigError: One of them is.
+    """
+    from hypernav.core.config import MOST_SEED, MOST_STEPS, check_option
+
+    check_option("--max-steps", max_steps, (1, MOST_STEPS), "a search needs at least one step")
+    check_option("--seed", seed, (0, MOST_SEED), "a seed is 0 or more")
+
+
 FlatAgentOptions = Annotated[AgentOptions, tyro.conf.arg(name="")]
 """Agent options as a field of a command's options: without a prefix on the command line."""

@@ -12,11 +12,13 @@ from rich.live import Live
 from rich.markup import escape
 
 from hypernav.build.presets import HyPerNavConfig
+from hypernav.cli.agent_options import check_steps_and_seed
 from hypernav.cli.eval_options import Options
 from hypernav.cli.eval_table import outcome_lines, progress_line, progress_table
 from hypernav.cli.guards.crashes import crash_report
 from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
+from hypernav.core.config import MOST_THREADS, check_option
 from hypernav.core.episode import Episode
 from hypernav.core.errors import ConfigError, GoalError
 from hypernav.evaluation.run_plan import RunPlan, Selection
@@ -83,14 +85,12 @@ def _evaluate(options: Options, folder: Path) -> ExitStatus:
 
 
 def _check(options: Options) -> None:
-    if options.max_steps < 1:
-        raise ConfigError(f"--max-steps {options.max_steps}: a search needs at least one step")
-    if options.seed < 0:
-        raise ConfigError(f"--seed {options.seed}: a seed is 0 or more")
-    if options.success_distance <= 0:
-        raise ConfigError(f"--success-distance {options.success_distance}: must be more than 0")
-    if options.workers is not None and options.workers < 1:
-        raise ConfigError(f"--workers {options.workers}: at least one is needed")
+    check_steps_and_seed(options.max_steps, options.seed)
+    check_option(
+        "--success-distance", options.success_distance, (0.001, 100.0), "must be more than 0"
+    )
+    if options.workers is not None:
+        check_option("--workers", options.workers, (1, MOST_THREADS), "at least one is needed")
     if options.who.record is not None:
         raise ConfigError(
             "--record is for single searches: use it with hypernav find; an evaluation keeps "

@@ -14,14 +14,16 @@ from rich.markup import escape
 from rich.status import Status
 
 from hypernav.build.scenes import build_scene
+from hypernav.cli.agent_options import check_steps_and_seed
 from hypernav.cli.find_options import Options
 from hypernav.cli.guards.crashes import crash_report
 from hypernav.cli.guards.interruptions import interruptions_put_off
 from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.warnings_shown import unusable_answers_line, warnings_on
+from hypernav.core.config import check_option
 from hypernav.core.episode import Episode, Outcome
-from hypernav.core.errors import ConfigError, ModelSetupError, OutputError
+from hypernav.core.errors import ModelSetupError, OutputError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.evaluation.kernel_warmup import warm_up_in_background
@@ -30,6 +32,7 @@ from hypernav.worlds.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
 from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
 
+_FARTHEST = 10_000.0
 _OUTCOME_WORDS = {
     Outcome.FOUND: "[green]found[/] the {goal}",
     Outcome.WRONG_PLACE: "[red]stopped where no {goal} is[/]",
@@ -51,10 +54,9 @@ def run(options: Options) -> int:
         OutputError: Nothing can be written, or the disk is full; what fitted is on disk.
         KeyboardInterrupt: Ctrl-C or SIGTERM; what was done is on disk.
     """
-    if options.max_steps < 1:
-        raise ConfigError(f"--max-steps {options.max_steps}: a search needs at least one step")
-    if options.seed < 0:
-        raise ConfigError(f"--seed {options.seed}: a seed is 0 or more")
+    check_steps_and_seed(options.max_steps, options.seed)
+    for number in options.start or ():
+        check_option("--start", number, (-_FARTHEST, _FARTHEST), "metres or degrees in a building")
     goal = Goal(options.goal)
     folder = options.out or _new_folder(goal)
     check_folder(folder)

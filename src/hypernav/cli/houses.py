@@ -11,6 +11,7 @@ from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.houses_options import Episodes, Export, Show, Splits
 from hypernav.core.errors import ConfigError, EpisodeError
+from hypernav.core.whole_numbers import is_whole_number
 from hypernav.houses.episodes.difficulty import Difficulty, difficulty
 from hypernav.houses.episodes.split_files import is_file_name, write_split
 from hypernav.houses.episodes.splits import SPLITS, load_split, split_named
@@ -110,8 +111,8 @@ def _folder_for(number: int) -> Path:
 def _range_of(text: str) -> range:
     """The houses that a text such as 1000:1004 names."""
     first, colon, end = text.partition(":")
-    if not colon or not (first.isdecimal() and end.isdecimal()):
-        raise ConfigError(f"--houses {text}: expected FIRST:END, for example 1000:1004")
+    if not colon or not (is_whole_number(first) and is_whole_number(end)):
+        raise ConfigError(f"--houses {text:.40}: expected FIRST:END, for example 1000:1004")
     return range(int(first), int(end))
 
 

@@ -20,6 +20,7 @@ from hypernav.core.episode import Episode
 from hypernav.core.errors import EpisodeError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
+from hypernav.core.whole_numbers import is_whole_number
 from hypernav.datasets.habitat_episodes import episodes_of
 from hypernav.datasets.habitat_files import episode_files, read_episodes
 from hypernav.houses.episodes.splits import SPLITS, load_split
@@ -28,6 +29,8 @@ from hypernav.worlds.surface.starts import random_start
 
 STARTS_PER_GOAL = 5
 """Number of starts per goal of ``scene:`` data sets that name none."""
+
+_MOST_STARTS = 10_000
 
 Progress = Callable[[int, int], None]
 """A function that is called with the number of finished parts, and of all."""
@@ -72,8 +75,11 @@ def split_episodes(split: str, request: DatasetRequest) -> list[Episode]:
 def scene_episodes(request: DatasetRequest) -> list[Episode]:
     """All goals of one scene, each from several drawn starts."""
     scene, starts = request.argument, request.part
-    if starts and not (starts.isdecimal() and int(starts) > 0):
-        raise EpisodeError(f"scene:{scene}#{starts}: expected the number of starts per goal")
+    if starts and not (is_whole_number(starts) and 0 < int(starts) <= _MOST_STARTS):
+        raise EpisodeError(
+            f"scene:{scene}#{starts:.20}: expected the number of starts per goal, 1 to "
+            f"{_MOST_STARTS:,}"
+        )
     count = int(starts) if starts else STARTS_PER_GOAL
     with closing(
         SimulatedWorld(build_scene(scene), request.simulation, request.embodiment)
@@ -139,10 +145,10 @@ def _scene_below(folder: Path, scene_id: str) -> str:
 
 def _house_numbers(split: str, part: str) -> range:
     first, colon, end = part.partition(":")
-    if not first.isdecimal() or (colon and not end.isdecimal()):
+    if not is_whole_number(first) or (colon and not is_whole_number(end)):
         raise EpisodeError(
-            f"{split}#{part}: expected house numbers, for example {split}#3000:3004 (END is not "
-            f"included) or {split}#3000"
+            f"{split}#{part:.40}: expected house numbers, for example {split}#3000:3004 (END is "
+            f"not included) or {split}#3000"
         )
     return range(int(first), int(end) if colon else int(first) + 1)
 

@@ -10,6 +10,7 @@ from typing import Any
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.episode import Episode
 from hypernav.core.errors import EpisodeError
+from hypernav.core.whole_numbers import is_whole_number
 from hypernav.evaluation.data_sources import DATA_SOURCES, DatasetRequest, Progress
 from hypernav.worlds.simulation import SimulationConfig
 
@@ -110,8 +111,8 @@ def _identity(episode: Episode) -> dict[str, Any]:
 
 def _slice(text: str, count: int) -> slice:
     first, colon, end = text.partition(":")
-    if not colon or not all(part == "" or part.isdecimal() for part in (first, end)):
-        raise EpisodeError(f"--episodes {text}: expected FIRST:END, for example 0:100")
+    if not colon or not all(part == "" or is_whole_number(part) for part in (first, end)):
+        raise EpisodeError(f"--episodes {text:.40}: expected FIRST:END, for example 0:100")
     chosen = slice(int(first or 0), int(end) if end else count)
     if chosen.start >= min(chosen.stop, count):
         raise EpisodeError(f"--episodes {text}: holds none of the {count} episodes")
@@ -122,7 +123,7 @@ def _scene_named(text: str, names: list[str]) -> str:
     for name in names:
         if text in (name, name.rpartition(":")[2], Path(name).stem):
             return name
-    if text.isdecimal() and int(text) < len(names):
+    if is_whole_number(text) and int(text) < len(names):
         return names[int(text)]
     raise EpisodeError(
         f"--scenes: there is no scene '{text}'; there are {len(names)}, from {names[0]} to "

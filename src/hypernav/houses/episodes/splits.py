@@ -18,6 +18,7 @@ from hypernav.houses.episodes.queries import CATEGORIES
 
 EPISODES_PER_ROUND = 4
 """Number of consecutive episodes in the same house."""
+_MOST_HOUSES = 100_000
 
 
 @dataclass(frozen=True)
@@ -48,6 +49,8 @@ class HouseSplit:
             EpisodeError: Some don't belong to it, or the range is empty.
         """
         said = f"{numbers.start}:{numbers.stop}"
+        if len(numbers) > _MOST_HOUSES:
+            raise EpisodeError(f"houses {said}: at most {_MOST_HOUSES:,} at once")
         if not numbers or numbers.step != 1 or numbers.start < 0:
             raise EpisodeError(
                 f"houses {said}: expected FIRST:END with 0 <= FIRST < END, for example "
