@@ -1,4 +1,5 @@
 import json
+from typing import Any
 
 import pytest
 
@@ -92,6 +93,25 @@ def test_failures_are_shares_of_what_counts_and_outages_stand_apart(good, bad):
     ]
     assert rows[0].shares == [0.25, pytest.approx(1 / 3)]
     assert rows[2].shares == [0.0, 0.25]
+
+
+def test_metres_by_hand(tmp_path):
+    found: dict[str, Any] = {"shortest_path_m": 4.0, "explored_m": 6.0}
+    records = [
+        record("0", **found, approached_m=3.0, shortest_from_sight_m=2.0),
+        record("1", **found, approached_m=1.0, shortest_from_sight_m=2.0),
+        missed("2", "house", **found, approached_m=90.0, shortest_from_sight_m=2.0),
+        missed("3", "house"),
+    ]
+    (row,) = tables.metres(load_runs([written(tmp_path, records)]))
+    assert (row.explored.mean, row.explored.count) == (18.0 / 12.0, 3)
+    assert (row.approached.mean, row.approached.count) == (1.0, 2)
+    assert row.unseen.mean == 0.25
+
+
+def test_without_a_sight_of_the_goal_there_are_no_metres_to_divide(tmp_path):
+    (row,) = tables.metres(load_runs([written(tmp_path, [missed("0", "house")])]))
+    assert (row.explored.count, row.approached.count, row.unseen.mean) == (0, 0, 1.0)
 
 
 def test_runs_are_paired_by_episode_and_only_where_both_count(good, bad):

@@ -8,7 +8,12 @@ from scipy import stats
 
 from eval_runs import apart, record
 from hypernav.evaluation.failures.classification import Failure
-from hypernav.evaluation.statistics import compare, discordance, mean_with_interval
+from hypernav.evaluation.statistics import (
+    compare,
+    discordance,
+    mean_with_interval,
+    ratio_with_interval,
+)
 from hypernav.evaluation.summary import failure_counts, summarise
 
 SCENES = ["a", "a", "b", "b", "c", "c"]
@@ -69,6 +74,13 @@ def test_without_episodes_there_is_no_number():
     estimate = mean_with_interval([], [])
     assert math.isnan(estimate.mean)
     assert estimate.count == 0
+
+
+def test_a_ratio_is_of_sums_and_its_interval_is_over_scenes():
+    # Scene a: 6 m for 2 m and 2 m for 2 m; scene b: 3 m for 1 m. In all 11 m for 5 m.
+    ratio = ratio_with_interval([6.0, 2.0, 3.0], [2.0, 2.0, 1.0], ["a", "a", "b"])
+    assert (ratio.mean, ratio.count) == (11 / 5, 3)
+    assert (ratio.low, ratio.high) == (2.0, 3.0)  # a alone, and b alone
 
 
 def test_a_run_does_not_differ_from_itself():

@@ -3,7 +3,6 @@
 import math
 import re
 from contextlib import closing
-from dataclasses import asdict
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -181,7 +180,7 @@ def _numbers(result: EpisodeResult) -> dict[str, Any]:
         "detail": result.detail,
         "steps": result.steps,
         "model_calls": result.model_calls,
-        **asdict(result.metrics),
+        **result.measures(),
         "seconds": {module: round(value, 3) for module, value in result.seconds.items()},
     }
 

@@ -41,6 +41,10 @@ class EpisodeRecord(BaseModel):
         distance_to_goal_m: Geodesic distance from the end to the nearest view point.
         shortest_path_m: Geodesic distance from the start to the nearest view point.
         path_length_m: Sum of the displacements in space.
+        explored_m: Length of the path until the goal was first in the image; None if it never was.
+        approached_m: Length of the path from then to the end; None if it never was.
+        shortest_from_sight_m: Geodesic distance from where it was first seen to the nearest view
+            point; infinite if it never was.
         stopped: Whether the robot took STOP.
         steps: Number of actions.
         model_calls: Number of questions that a model was asked.
@@ -67,6 +71,9 @@ class EpisodeRecord(BaseModel):
     distance_to_goal_m: Length
     shortest_path_m: Length
     path_length_m: float
+    explored_m: float | None = None
+    approached_m: float | None = None
+    shortest_from_sight_m: Length = math.inf
     stopped: bool
     steps: int
     model_calls: int

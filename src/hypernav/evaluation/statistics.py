@@ -87,16 +87,41 @@ def mean_with_interval(
     Returns:
         The estimate; NaN without episodes.
     """
-    numbers = np.asarray(values, dtype=np.float64)
+    return ratio_with_interval(values, np.ones(len(values)).tolist(), scenes, rng=rng, draws=draws)
+
+
+def ratio_with_interval(
+    values: Sequence[float],
+    references: Sequence[float],
+    scenes: Sequence[str],
+    *,
+    rng: np.random.Generator | None = None,
+    draws: int = DRAWS,
+) -> Estimate:
+    """The sum of values over the sum of references, with the bootstrap interval over scenes.
+
+    Args:
+        values: Values, one per episode.
+        references: What they are compared with, one positive number per episode.
+        scenes: Scenes, one per episode.
+        rng: Generator of the draws; by default one of a fixed seed, so that reports are repeatable.
+        draws: Number of bootstrap samples.
+
+    Returns:
+        The estimate, whose mean is the ratio; NaN without episodes.
+    """
+    numbers, weights = (np.asarray(each, dtype=np.float64) for each in (values, references))
     if numbers.size == 0:
         return Estimate(float("nan"), float("nan"), float("nan"), 0)
-    sums, counts = _by_cluster(numbers, _clusters(scenes))
+    clusters = _clusters(scenes)
+    sums, totals = (np.bincount(clusters, weights=each) for each in (numbers, weights))
     rng = rng or np.random.default_rng(_SEED)
     drawn = rng.integers(0, sums.size, size=(draws, sums.size))
-    means = sums[drawn].sum(axis=1) / counts[drawn].sum(axis=1)
+    ratios = sums[drawn].sum(axis=1) / totals[drawn].sum(axis=1)
     tail = (1.0 - CONFIDENCE) / 2.0
-    low, high = np.quantile(means, (tail, 1.0 - tail))
-    return Estimate(float(numbers.mean()), float(low), float(high), int(numbers.size))
+    low, high = np.quantile(ratios, (tail, 1.0 - tail))
+    ratio = float(numbers.sum() / weights.sum())
+    return Estimate(ratio, float(low), float(high), int(numbers.size))
 
 
 def compare(
@@ -121,7 +146,7 @@ def compare(
     difference = mean_with_interval(gaps.tolist(), scenes, rng=rng, draws=draws)
     if gaps.size == 0:
         return Comparison(difference, float("nan"))
-    sums, _ = _by_cluster(gaps, _clusters(scenes))
+    sums = np.bincount(_clusters(scenes), weights=gaps)
     return Comparison(difference, _flip_p_value(sums, rng, draws))
 
 
@@ -138,13 +163,6 @@ def _clusters(scenes: Sequence[str]) -> Int64[np.ndarray, "episodes"]:
     """Number of every episode's cluster: its scene, or the episode itself if there is one scene."""
     names, numbers = np.unique(np.asarray(scenes), return_inverse=True)
     return (np.arange(numbers.size) if names.size == 1 else numbers).astype(np.int64)
-
-
-def _by_cluster(
-    values: Float64[np.ndarray, "episodes"], clusters: Int64[np.ndarray, "episodes"]
-) -> tuple[Float64[np.ndarray, "clusters"], Float64[np.ndarray, "clusters"]]:
-    """Sum and number of the episodes of every cluster."""
-    return np.bincount(clusters, weights=values), np.bincount(clusters).astype(np.float64)
 
 
 def _flip_p_value(

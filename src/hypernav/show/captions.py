@@ -187,6 +187,26 @@ def duration(seconds: float) -> str:
     return f"{minutes} min {rest} s"
 
 
+def path_parts(result: Mapping[str, Any]) -> str:
+    """How far a robot drove before and after it first saw the goal; empty where that is unknown."""
+    explored, approached = result.get("explored_m"), result.get("approached_m")
+    if not isinstance(explored, int | float) or not isinstance(approached, int | float):
+        return ""
+    before = f"drove {_times(explored, result.get('shortest_path_m'))} before the goal was in view"
+    if explored == 0.0:
+        before = "had the goal in view where it started"
+    after = _times(approached, result.get("shortest_from_sight_m"))
+    return f" It {before}, and {after} from there on."
+
+
+def _times(length_m: float, shortest: object) -> str:
+    """A length, and how many times the shortest path it is if that is known."""
+    text = number(float(length_m), 1, "m")
+    if not isinstance(shortest, int | float) or not 0.0 < shortest < math.inf:
+        return text
+    return f"{text} ({length_m / shortest:.1f} times the shortest path)"
+
+
 def number(value: object, digits: int = 2, unit: str = "") -> str:
     """A number for people; a dash for what is missing, an infinity sign for what has no end."""
     if isinstance(value, bool):

@@ -2,7 +2,8 @@
 
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from hypernav.core.metrics import EpisodeMetrics
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending, Mode, StepTrace
 from hypernav.core.world import World
+from hypernav.worlds.goal_sight import GoalSight, PathParts
 from hypernav.worlds.trial import Trial
 
 
@@ -28,11 +30,13 @@ class EpisodeStep:
         observation: The observation that the agent was given.
         trace: The action, with its reason if the agent explains itself.
         grid: The agent's map; None if it has none.
+        goal_in_view: Whether the observation shows the goal, as far as the truth is known.
     """
 
     observation: Observation
     trace: StepTrace
     grid: OccupancyGrid | None
+    goal_in_view: bool = False
 
 
 @dataclass(frozen=True)
@@ -46,6 +50,8 @@ class EpisodeResult:
         model_calls: Number of questions that a model was asked.
         seconds: Wall-clock time: "total", "world" (the simulator's share) and per module.
         detail: Why a model was not available; empty otherwise.
+        parts: The path before and after the first sight of the goal; None if it was never in the
+            image, or the world has no labels.
     """
 
     outcome: Outcome
@@ -54,6 +60,12 @@ class EpisodeResult:
     model_calls: int
     seconds: dict[str, float]
     detail: str = ""
+    parts: PathParts | None = None
+
+    def measures(self) -> dict[str, Any]:
+        """All measures by name: those of `EpisodeMetrics`, and of `PathParts` if there are any."""
+        parts = {} if self.parts is None else asdict(self.parts)
+        return asdict(self.metrics) | parts
 
 
 class EpisodeRun:
@@ -100,6 +112,8 @@ class EpisodeRun:
         self._clock = ModuleClock()
         with self._clock("world"):
             self.trial = Trial(world, episode, rng)
+        referee = self.trial.referee
+        self._sight = None if referee is None else GoalSight(referee)
         self._model_calls = 0
         self._outage = ""
         agent.reset(episode.goal)
@@ -123,6 +137,11 @@ class EpisodeRun:
 
     def _step(self) -> EpisodeStep:
         observation = self.trial.observation
+        goal_in_view = (
+            self._sight is not None
+            and observation.truth is not None
+            and self._sight.watch(observation.truth)
+        )
         action = self._agent.act(observation)
         trace, grid = self._explanation(observation, action)
         self._model_calls += sum(exchange.by_model for exchange in trace.exchanges)
@@ -130,7 +149,7 @@ class EpisodeRun:
             self._clock.seconds[module] = self._clock.seconds.get(module, 0.0) + seconds
         with self._clock("world"):
             self.trial.take(action)
-        return EpisodeStep(observation, trace, grid)
+        return EpisodeStep(observation, trace, grid, goal_in_view)
 
     def _explanation(
         self, observation: Observation, action: Action | None
@@ -164,6 +183,7 @@ class EpisodeRun:
             model_calls=self._model_calls,
             seconds={"total": time.perf_counter() - self._began, **self._clock.seconds},
             detail=self._outage,
+            parts=None if self._sight is None else self._sight.parts,
         )
 
     def _outcome(self, metrics: EpisodeMetrics) -> Outcome:

@@ -22,10 +22,6 @@ from hypernav.houses.near_misses import near_misses
 from hypernav.planning.planner import Planner
 from hypernav.worlds.episode_run import EpisodeResult, EpisodeStep
 
-MIN_VISIBLE_SHARE = 0.0005
-"""Least share of the image that counts as seen: 12×12 pixels of 640×480."""
-
-_STRIDE = 2
 _SPACING_M = 0.05
 _BESIDE_M = 1.5
 """Distance within which a robot without a trace is assumed to mean an object by STOP, metres."""
@@ -55,10 +51,10 @@ class FailureEvidence:
         """Add the evidence of one step."""
         self._last = step
         self._explains = self._explains or step.grid is not None
+        self.goal_sightings += step.goal_in_view
         truth = step.observation.truth
         if truth is None:
             return
-        self.goal_sightings += self._is_goal_in(truth)
         if not step.trace.goal_area:
             self._votes.clear()
         for detection in step.trace.detections:
@@ -88,11 +84,6 @@ class FailureEvidence:
             ),
             error=result.detail,
         )
-
-    def _is_goal_in(self, truth: LabelledPixels) -> bool:
-        ids = truth.ids[::_STRIDE, ::_STRIDE]
-        pixels = np.bincount(ids.ravel() + 1, minlength=int(self._goal_ids.max(initial=0)) + 2)
-        return bool((pixels[self._goal_ids + 1] >= MIN_VISIBLE_SHARE * ids.size).any())
 
     def _believed_target(self, last: EpisodeStep, stopped: bool) -> BelievedTarget | None:
         """The object that the robot took for the goal."""

@@ -68,6 +68,7 @@ def _content(folder: Path, runs: Sequence[RunData], pairs: Sequence[tables.Pair]
         "stop_rules": list(StopRule),
         "matrices": [(run, tables.protocol_matrix(run)) for run in runs],
         "own": [tables.own_protocol(run) for run in runs],
+        "metres": list(zip(runs, tables.metres(runs), strict=True)),
         "failures": tables.failures(runs),
         "rules": [(failure, _rule_words(failure)) for failure, _ in RULES],
         "failed": _failed(folder, runs),

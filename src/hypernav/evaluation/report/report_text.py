@@ -3,12 +3,12 @@
 from collections.abc import Sequence
 
 from hypernav.evaluation.failures.classification import MISPLACED_M, Failure
-from hypernav.evaluation.failures.failure_evidence import MIN_VISIBLE_SHARE
 from hypernav.evaluation.report.run_data import RunData
 from hypernav.evaluation.report.tables import Pair
 from hypernav.evaluation.statistics import Estimate
 from hypernav.evaluation.summary import Summary
 from hypernav.show import captions
+from hypernav.worlds.goal_sight import MIN_VISIBLE_SHARE
 from hypernav.worlds.noise import NoiseConfig
 
 SIGNIFICANT = 0.05

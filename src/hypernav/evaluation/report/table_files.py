@@ -34,6 +34,7 @@ def write_csv(path: Path, runs: Sequence[RunData]) -> None:
             [
                 *("run", "scene_id", "episode_id", "goal", "group", "outcome", "failure", "why"),
                 *("counts", "stopped", "steps", "path_length_m", "shortest_path_m"),
+                *("explored_m", "approached_m", "shortest_from_sight_m"),
                 *("distance_to_goal_m", "soft_spl", "model_calls", "tokens_in", "tokens_out"),
                 "seconds",
                 *(f"{name}_{_column(p)}" for p in PROTOCOLS for name in ("success", "spl")),
@@ -47,7 +48,9 @@ def write_csv(path: Path, runs: Sequence[RunData]) -> None:
                         *(run.name, r.scene_id, r.episode_id, r.goal, r.group, r.outcome.value),
                         *(r.failure.value if r.failure else "", r.why, int(r.counts)),
                         *(int(r.stopped), r.steps, _length(r.path_length_m)),
-                        *(_length(r.shortest_path_m), _length(r.distance_to_goal_m)),
+                        _length(r.shortest_path_m),
+                        *(_length(r.explored_m), _length(r.approached_m)),
+                        *(_length(r.shortest_from_sight_m), _length(r.distance_to_goal_m)),
                         *(f"{r.soft_spl:.4f}", r.model_calls, r.tokens_in, r.tokens_out),
                         f"{r.seconds.get('total', 0.0):.3f}",
                         *(x for s in scores for x in (int(s.success), f"{s.spl:.4f}")),
@@ -120,5 +123,5 @@ def _column(protocol: EvaluationProtocol) -> str:
     return f"{protocol.success_distance_m:g}m_{rule}"
 
 
-def _length(value: float) -> str:
-    return f"{value:.4f}" if math.isfinite(value) else ""
+def _length(value: float | None) -> str:
+    return "" if value is None or math.isinf(value) else f"{value:.4f}"

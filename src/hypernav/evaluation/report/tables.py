@@ -17,6 +17,7 @@ from hypernav.evaluation.statistics import (
     compare,
     discordance,
     mean_with_interval,
+    ratio_with_interval,
 )
 from hypernav.evaluation.summary import Summary, failure_counts, summarise
 
@@ -54,6 +55,23 @@ class FailureRow:
     failure: Failure
     counts: list[int]
     shares: list[float]
+
+
+@dataclass(frozen=True)
+class MetresRow:
+    """Where a run drove its metres, before and after the goal was first in the image.
+
+    Attributes:
+        explored: Path until the goal was first in the image, over the shortest path from the
+            start; of all counted episodes in which it was, and whose goal can be reached.
+        approached: Path from then to STOP, over the shortest path from there; of successes only,
+            because other episodes never arrive.
+        unseen: Share of the counted episodes in which the goal was never in the image.
+    """
+
+    explored: Estimate
+    approached: Estimate
+    unseen: Estimate
 
 
 @dataclass(frozen=True)
@@ -161,6 +179,35 @@ def failures(runs: Sequence[RunData]) -> list[FailureRow]:
         )
         for failure in found
     ]
+
+
+def metres(runs: Sequence[RunData]) -> list[MetresRow]:
+    """Where every run drove its metres."""
+    return [_metres(run.counted) for run in runs]
+
+
+def _metres(records: Sequence[EpisodeRecord]) -> MetresRow:
+    scenes = [record.scene_id for record in records]
+    explored = [
+        (r.explored_m, r.shortest_path_m, r.scene_id)
+        for r in records
+        if r.explored_m is not None and 0.0 < r.shortest_path_m < math.inf
+    ]
+    approached = [
+        (r.approached_m, r.shortest_from_sight_m, r.scene_id)
+        for r in records
+        if r.success and r.approached_m is not None and 0.0 < r.shortest_from_sight_m < math.inf
+    ]
+    return MetresRow(
+        explored=_ratio(explored),
+        approached=_ratio(approached),
+        unseen=mean_with_interval([float(r.explored_m is None) for r in records], scenes),
+    )
+
+
+def _ratio(parts: Sequence[tuple[float, float, str]]) -> Estimate:
+    paths, shortest, scenes = zip(*parts, strict=True) if parts else ((), (), ())
+    return ratio_with_interval(paths, shortest, scenes)
 
 
 def module_times(runs: Sequence[RunData]) -> list[ModuleRow]:

@@ -4,9 +4,8 @@ import re
 from collections import Counter
 from collections.abc import Callable
 from contextlib import nullcontext
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -19,7 +18,7 @@ from hypernav.core.components.protocols import Agent
 from hypernav.core.episode import Episode, Outcome
 from hypernav.core.errors import CameraError, SceneError, StartError, WorldError
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.metrics import EpisodeMetrics, measure
+from hypernav.core.metrics import measure
 from hypernav.core.trace import Ending
 from hypernav.evaluation.failures.classification import Facts, Verdict, classify
 from hypernav.evaluation.failures.failure_evidence import FailureEvidence
@@ -157,12 +156,7 @@ class EpisodeWorker:
             outcome=result.outcome,
             failure=verdict.failure if verdict is not None else None,
             why=verdict.why if verdict is not None else "",
-            success=result.metrics.success,
-            spl=result.metrics.spl,
-            soft_spl=result.metrics.soft_spl,
-            distance_to_goal_m=result.metrics.distance_to_goal_m,
-            shortest_path_m=result.metrics.shortest_path_m,
-            path_length_m=result.metrics.path_length_m,
+            **result.measures(),
             stopped=stopped,
             steps=result.steps,
             model_calls=result.model_calls,
@@ -203,7 +197,7 @@ class EpisodeWorker:
                 "why": verdict.why if verdict is not None else "",
                 "steps": result.steps,
                 "model_calls": result.model_calls,
-                **_metrics(result.metrics),
+                **result.measures(),
                 "seconds": {module: round(s, 3) for module, s in result.seconds.items()},
                 "config": self._job.config.model_dump(mode="json"),
             }
@@ -247,7 +241,7 @@ def simulator_error_record(episode: Episode, error: str) -> EpisodeRecord:
         stopped=False,
         steps=0,
         model_calls=0,
-        **_metrics(nothing),
+        **asdict(nothing),
     )
 
 
@@ -280,14 +274,3 @@ def _count(step: EpisodeStep, questions: Counter[str], tokens: Counter[str]) -> 
         questions[exchange.kind] += 1
         tokens["in"] += exchange.tokens_in
         tokens["out"] += exchange.tokens_out
-
-
-def _metrics(metrics: EpisodeMetrics) -> dict[str, Any]:
-    return {
-        "success": metrics.success,
-        "spl": metrics.spl,
-        "soft_spl": metrics.soft_spl,
-        "distance_to_goal_m": metrics.distance_to_goal_m,
-        "shortest_path_m": metrics.shortest_path_m,
-        "path_length_m": metrics.path_length_m,
-    }

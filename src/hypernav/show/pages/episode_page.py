@@ -147,7 +147,7 @@ def _summary(result: Mapping[str, Any]) -> str:
     text += "."
     if isinstance(shortest, int | float) and math.isfinite(shortest):
         text += f" The shortest path is {captions.number(shortest, 1, 'm')}."
-    return text
+    return text + captions.path_parts(result)
 
 
 def _facts(result: Mapping[str, Any]) -> list[tuple[str, str]]:
