@@ -135,6 +135,7 @@ def _pool(options: Options, folder: Path, config: HyPerNavConfig) -> WorkerPool:
     job = Job(
         folder=folder,
         config=config,
+        specs=options.who.specs,
         seed=options.seed,
         save=options.save,
     )
