@@ -99,18 +99,22 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
                 outcome = search.result(
                     interrupted=isinstance(stopped_by, KeyboardInterrupt | OutputError)
                 )
-                recorder.finish(
-                    {
-                        "goal": goal.text,
-                        "scene": world.scene.name,
-                        **options.who.describe(parts),
-                        "seed": options.seed,
-                        "start": [start.x, start.y, float(np.degrees(start.yaw))],
-                        **_numbers(outcome),
-                        **parts.take_report(),
-                        "config": config.model_dump(mode="json"),
-                    }
-                )
+                try:
+                    recorder.finish(
+                        {
+                            "goal": goal.text,
+                            "scene": world.scene.name,
+                            **options.who.describe(parts),
+                            "seed": options.seed,
+                            "start": [start.x, start.y, float(np.degrees(start.yaw))],
+                            **_numbers(outcome),
+                            **parts.take_report(),
+                            "config": config.model_dump(mode="json"),
+                        }
+                    )
+                except OutputError as error:
+                    console.print(f"[red]{escape(str(error))}[/]", soft_wrap=True)
+                    stopped_by = stopped_by or error
                 status.stop()
                 if not isinstance(stopped_by, ModelSetupError):
                     _say(console, goal, outcome, folder, holds_goal=search.trial.holds_goal)

@@ -2,7 +2,11 @@
 
 import json
 import math
+import tempfile
 from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -10,13 +14,17 @@ from typing import Any
 import numpy as np
 from jaxtyping import UInt8
 
+from hypernav.core.errors import OutputError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.trace import StepTrace
+from hypernav.evaluation.store.append_only import LineFile
 from hypernav.mapping.ros_map import save_ros_map
 from hypernav.perception.exchanges import unusable_answers
 from hypernav.show.drawing.map_images import write_map_png
 from hypernav.show.pages.episode_page import write_page
 from hypernav.show.video.episode_video import EpisodeVideo
+
+_RESERVE_BYTES = 2_000_000
 
 
 class EpisodeRecorder:
@@ -56,21 +64,28 @@ class EpisodeRecorder:
             detector: Description of the detector, for people.
             reasoner: Description of the reasoner, for people.
             step_limit: Maximum number of steps of the episode.
+
+        Raises:
+            OutputError: They cannot be written.
         """
-        folder.mkdir(parents=True, exist_ok=True)
         self.folder = folder
         self.steps: list[StepTrace] = []
         self._grid: OccupancyGrid | None = None
-        self._trace = (folder / "trace.jsonl").open("w", encoding="utf-8")
-        self._timings = (folder / "timings.jsonl").open("w", encoding="utf-8")
-        self._video = EpisodeVideo(
-            folder / "episode.mp4",
-            goal,
-            agent,
-            detector=detector,
-            reasoner=reasoner,
-            step_limit=step_limit,
-        )
+        with _written_to(folder):
+            folder.mkdir(parents=True, exist_ok=True)
+            # Space for result and page, held without a name and given back when they are written.
+            self._reserve = tempfile.TemporaryFile(dir=folder, buffering=0)  # noqa: SIM115
+            self._reserve.write(bytes(_RESERVE_BYTES))
+            self._trace = LineFile(folder / "trace.jsonl")
+            self._timings = LineFile(folder / "timings.jsonl")
+            self._video = EpisodeVideo(
+                folder / "episode.mp4",
+                goal,
+                agent,
+                detector=detector,
+                reasoner=reasoner,
+                step_limit=step_limit,
+            )
 
     def __enter__(self) -> "EpisodeRecorder":
         """Start recording."""
@@ -82,10 +97,11 @@ class EpisodeRecorder:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Close trace and video."""
+        """Close all files; a video that cannot be finished is removed, for it would not play."""
+        self._reserve.close()
         self._trace.close()
         self._timings.close()
-        self._video.close()
+        self._attempt("episode.mp4", self._video.close)
 
     @property
     def unusable_answers(self) -> Counter[str]:
@@ -104,38 +120,110 @@ class EpisodeRecorder:
             step: Trace of the step.
             grid: The agent's map; None if it has none.
             image: Camera image, RGB; None if the video passes over the step.
+
+        Raises:
+            OutputError: The disk is full; what was recorded before is kept.
         """
-        self.steps.append(step)
-        self._trace.write(step.model_dump_json(exclude={"seconds"}) + "\n")
-        self._trace.flush()
         timing = {"step": step.step, "seconds": step.seconds}
-        self._timings.write(json.dumps(timing) + "\n")
-        self._timings.flush()
-        if grid is None or image is None:
-            self._video.pass_over(step)
-        else:
-            self._grid = grid
-            self._video.add(image, step, grid)
+        with _written_to(self.folder):
+            self._trace.add(step.model_dump_json(exclude={"seconds"}))
+            self._timings.add(json.dumps(timing))
+            self.steps.append(step)
+            if grid is None or image is None:
+                self._video.pass_over(step)
+            else:
+                self._grid = grid
+                self._video.add(image, step, grid)
 
     def finish(self, result: dict[str, Any]) -> None:
         """Write the files that are complete only at the end of the episode.
 
         Args:
             result: Content of ``result.json``; infinite lengths become null.
+
+        Raises:
+            OutputError: Some of them could not be written; the message names them.
         """
-        self._video.finish(result)
-        self._video.close()
         result = {key: _finite(value) for key, value in result.items()}
+        self._reserve.close()
+        missing = [
+            name
+            for name, write in (
+                ("result.json", lambda: self._write_result(result)),
+                ("episode.mp4", lambda: self._finish_video(result)),
+                ("trajectory.tum", self._write_trajectory),
+                ("map.pgm", self._write_ros_map),
+                ("map.png", self._write_map),
+                ("index.html", lambda: self._write_page(result)),
+            )
+            if not self._attempt(name, write)
+        ]
+        if missing:
+            raise OutputError(
+                f"{self.folder}: {', '.join(missing)} could not be written; is the disk full? All "
+                "other files are there"
+            )
+
+    def _attempt(self, name: str, write: Callable[[], object]) -> bool:
+        """Whether a file could be written; what was written of one that could not is removed."""
+        try:
+            write()
+        except OSError:
+            (self.folder / name).unlink(missing_ok=True)
+            return False
+        return True
+
+    def _write_result(self, result: dict[str, Any]) -> None:
         text = json.dumps(result, indent=2, ensure_ascii=False, allow_nan=False)
         (self.folder / "result.json").write_text(text + "\n", encoding="utf-8")
+
+    def _finish_video(self, result: dict[str, Any]) -> None:
+        try:
+            self._video.finish(result)
+        finally:
+            self._video.close()
+
+    def _write_trajectory(self) -> None:
         lines = [_tum_line(step) for step in self.steps]
         (self.folder / "trajectory.tum").write_text("".join(lines), encoding="utf-8")
+
+    def _write_ros_map(self) -> None:
         if self._grid is not None:
             save_ros_map(self._grid.cropped(), self.folder)
+
+    def _write_map(self) -> None:
+        if self._grid is not None:
             write_map_png(self.folder / "map.png", self._grid, self.steps)
-        write_page(
-            self.folder, result, self.steps, self._grid, frame_counts=self._video.frame_counts
+
+    def _write_page(self, result: dict[str, Any]) -> None:
+        page = partial(
+            write_page,
+            self.folder,
+            result,
+            self.steps,
+            self._grid,
+            frame_counts=self._video.frame_counts,
         )
+        try:
+            page()
+        except OSError:  # There may be space for a page that links to the video.
+            page(embed_limit_bytes=0)
+
+
+@contextmanager
+def _written_to(folder: Path) -> Iterator[None]:
+    """Name the folder in the error where the block cannot write.
+
+    Raises:
+        OutputError: It cannot.
+    """
+    try:
+        yield
+    except OSError as error:
+        raise OutputError(
+            f"{folder} cannot be written ({error.strerror}); what was recorded up to now is there. "
+            "Free some space, or choose another folder"
+        ) from error
 
 
 def _finite(value: Any) -> Any:

@@ -30,6 +30,36 @@ def append_line(path: Path, line: str) -> None:
         os.close(file)
 
 
+class LineFile:
+    """A new file of lines. Each is with the operating system at once, as a whole or not at all."""
+
+    def __init__(self, path: Path) -> None:
+        """Open the file; one that is there is replaced.
+
+        Raises:
+            OSError: It cannot be written.
+        """
+        self._file = path.open("wb", buffering=0)
+
+    def add(self, line: str) -> None:
+        """Write a line.
+
+        Raises:
+            OSError: The disk is full; the file is as before.
+        """
+        size = self._file.tell()
+        try:
+            _write_all(self._file.fileno(), line.encode() + b"\n")
+        except OSError:
+            self._file.seek(size)
+            self._file.truncate()
+            raise
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+
 def write_whole(path: Path, content: str | bytes) -> None:
     """Replace a file in one step, so that nobody reads half of it, and wait for the disk.
 

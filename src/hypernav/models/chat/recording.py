@@ -17,7 +17,7 @@ from pydantic import AliasChoices, BaseModel, ConfigDict, Field, ValidationError
 
 from hypernav.core.chat import Answer, Fault, Question, Usage
 from hypernav.core.components.protocols import ChatModel
-from hypernav.core.errors import ModelUnavailableError, RecordingError
+from hypernav.core.errors import ModelUnavailableError, OutputError, RecordingError
 from hypernav.core.files.allowance import Allowance
 from hypernav.core.files.json_text import check_json_size
 from hypernav.core.files.reading import read_file
@@ -136,10 +136,13 @@ class RecordingChat:
     def _write(self, question: Question, answer: _RecordedAnswer) -> None:
         line = _Exchange(question=_RecordedQuestion.of(question), answer=answer).model_dump_json()
         with self._lock:
-            if self._file.tell() == 0:
-                self._file.write(_Header(model=answer.model).model_dump_json() + "\n")
-            self._file.write(line + "\n")
-            self._file.flush()
+            try:
+                if self._file.tell() == 0:
+                    self._file.write(_Header(model=answer.model).model_dump_json() + "\n")
+                self._file.write(line + "\n")
+                self._file.flush()
+            except OSError as error:
+                raise OutputError(f"{self.path} cannot be written ({error.strerror})") from error
 
 
 class ReplayChat:

@@ -65,6 +65,7 @@ class VideoFile:
         # With frames of unequal length, reordered ones would make the file seem too short.
         context.max_b_frames = 0
         self._frames = 0
+        self._error: OSError | None = None
         self._last: av.VideoFrame | None = None
 
     @property
@@ -87,6 +88,9 @@ class VideoFile:
 
     def close(self) -> None:
         """Finish the file."""
+        if self._error is not None:
+            self._container.close()
+            return
         try:
             if self._last is not None and self._last.pts != self._frames - 1:
                 # The last image has no next one, so a second copy says how long it stays.
@@ -97,7 +101,13 @@ class VideoFile:
 
     def _encode(self, frame: av.VideoFrame, at: int) -> None:
         frame.pts = at
-        self._container.mux(self._stream.encode(frame))
+        if self._error is not None:
+            raise self._error  # FFmpeg crashes if it is asked to go on where it could not write.
+        try:
+            self._container.mux(self._stream.encode(frame))
+        except OSError as error:
+            self._error = error
+            raise
 
 
 class EpisodeVideo:
