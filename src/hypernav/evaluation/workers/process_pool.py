@@ -59,7 +59,7 @@ class ProcessPool:
         process = self._context.Process(
             target=_work, args=(self._job, theirs, log), name=f"hypernav-worker-{worker}"
         )
-        with _environment(ONE_THREAD):
+        with _environment(ONE_THREAD), _ctrl_c_blocked():
             process.start()
         # With our copy of their end open, the end of the worker would go unnoticed.
         theirs.close()
@@ -124,7 +124,7 @@ def _work(job: Job, pipe: Connection, log: Path) -> None:
     It sends None when it is ready, records, and a message if the run can't go on.
     """
     _die_with_owner()
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the owner handles Ctrl-C
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # where it could not be blocked
     signal.signal(signal.SIGTERM, _leave)  # scene and agent are closed on the way out
     os.dup2(os.open(log, os.O_WRONLY | os.O_APPEND), sys.stderr.fileno())
     try:
@@ -184,6 +184,22 @@ def _environment(values: dict[str, str]) -> Iterator[None]:
                 os.environ.pop(name, None)
             else:
                 os.environ[name] = value
+
+
+@contextmanager
+def _ctrl_c_blocked() -> Iterator[None]:
+    """Block Ctrl-C for processes that are started in the block: their owner handles it.
+
+    They inherit this. One that came while they import would end in a traceback on the terminal.
+    """
+    if sys.platform == "win32":
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _signal_name(number: int) -> str:
