@@ -4,8 +4,10 @@ Signals are minded first. Everything else is imported after that, so that Ctrl-C
 ends the program as it does later.
 """
 
+import re
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import NoReturn
 
 from hypernav.cli.guards.crashes import ReportedCrashError, crash_report
@@ -13,10 +15,12 @@ from hypernav.cli.guards.interruptions import Terminated, sigterm_as_interruptio
 from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.core.errors import HyPerNavError, ModelUnavailableError
 
+_LONG_WORD = re.compile(r"\S{300,}")
+
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
     """Run a command and leave with its exit status, see `ExitStatus`."""
-    sys.exit(_status(sys.argv[1:] if arguments is None else arguments))
+    sys.exit(_flushed(_status(sys.argv[1:] if arguments is None else arguments)))
 
 
 def _status(arguments: Sequence[str]) -> int:
@@ -37,6 +41,20 @@ def _status(arguments: Sequence[str]) -> int:
         return _say(str(error), ExitStatus.USAGE)
 
 
+def _flushed(status: int) -> int:
+    """The status, or that of an output that cannot be written: Python itself would say 120."""
+    try:
+        if sys.stdout is not None:
+            sys.stdout.flush()
+    except OSError as error:
+        sys.stdout = None  # Nobody shall try again.
+        return _say(f"standard output cannot be written ({error.strerror})", ExitStatus.USAGE)
+    return status
+
+
 def _say(message: str, status: ExitStatus) -> ExitStatus:
-    print(f"hypernav: {message}", file=sys.stderr)
+    """Print a message; words that only a program would write are shortened."""
+    text = _LONG_WORD.sub(lambda word: f"{word[0][:80]}…{word[0][-40:]}", message)
+    with suppress(OSError):  # A terminal that is gone changes no status.
+        print(f"hypernav: {text}", file=sys.stderr)
     return status

@@ -1,11 +1,16 @@
 """The goal of a search."""
 
 import re
+import unicodedata
 from dataclasses import dataclass
 
 from hypernav.core.errors import GoalError
 
+MAX_GOAL_LENGTH = 500
+"""Maximum length of a goal, characters: several sentences, and small enough for every prompt."""
+
 _ARTICLE = re.compile(r"^(the|an?) ", re.IGNORECASE)
+_UNPRINTABLE = {"Cc": "a control character", "Cs": "half a character, it is no valid UTF-8"}
 
 
 @dataclass(frozen=True)
@@ -15,9 +20,23 @@ class Goal:
     text: str
 
     def __post_init__(self) -> None:
-        """Reject a goal that names nothing."""
+        """Reject a goal that names nothing, or that nobody could read.
+
+        Raises:
+            GoalError: The text is empty, too long, or holds control characters or broken UTF-8.
+        """
         if not self.text.strip():
             raise GoalError("the goal is empty; say what to find, for example: bed")
+        if len(self.text) > MAX_GOAL_LENGTH:
+            raise GoalError(
+                f"the goal has {len(self.text)} characters, at most {MAX_GOAL_LENGTH} are read; "
+                f"it begins with {self.text[:40]!r}"
+            )
+        for character in self.text:
+            if kind := _UNPRINTABLE.get(unicodedata.category(character)):
+                raise GoalError(
+                    f"the goal holds {kind} (U+{ord(character):04X}); write it in plain text"
+                )
 
     @property
     def thing(self) -> str:

@@ -1,5 +1,6 @@
 """The episodes of a data set, and their selection."""
 
+import difflib
 import hashlib
 import json
 from collections.abc import Sequence
@@ -39,7 +40,9 @@ def load_episodes(
         EpisodeError: Its name is not understood, or it is broken.
         SceneError: A scene cannot be used.
     """
-    name, _, part = dataset.partition("#")
+    name, hash_sign, part = dataset.partition("#")
+    if hash_sign and not part:
+        raise EpisodeError(f"{dataset}: nothing follows the #; say which part, or leave it out")
     choice = DATA_SOURCES.find(name)
     return choice.load()(
         DatasetRequest(
@@ -81,8 +84,15 @@ def select(
         chosen = [episode for episode in chosen if episode.scene_id in wanted]
     if goals is not None:
         names = {text.strip() for text in goals.split(",")}
-        if unknown := sorted(names - {episode.goal.text for episode in episodes}):
-            raise EpisodeError(f"--goals: no episode asks for '{unknown[0]}'")
+        known = {episode.goal.text for episode in episodes}
+        if unknown := sorted(names - known):
+            close = difflib.get_close_matches(unknown[0], known, n=1)
+            hint = f"did you mean '{close[0]}'? " if close else ""
+            some = ", ".join(sorted(known)[:8])
+            raise EpisodeError(
+                f"--goals: no episode asks for '{unknown[0]}'; {hint}there are {len(known)} goals: "
+                f"{some}{', …' if len(known) > 8 else ''}"
+            )
         chosen = [episode for episode in chosen if episode.goal.text in names]
     if not chosen:
         raise EpisodeError(f"none of the {len(episodes)} episodes is left by what was chosen")
@@ -120,9 +130,21 @@ def _slice(text: str, count: int) -> slice:
 
 
 def _scene_named(text: str, names: list[str]) -> str:
-    for name in names:
-        if text in (name, name.rpartition(":")[2], Path(name).stem):
-            return name
+    """The scene of a name, the last part of a name, or a position.
+
+    Raises:
+        EpisodeError: There is no such scene, or more than one.
+    """
+    if text in names:
+        return text
+    found = [name for name in names if text in (name.rpartition(":")[2], Path(name).stem)]
+    if len(found) > 1:
+        raise EpisodeError(
+            f"--scenes: '{text}' names {len(found)} scenes: {', '.join(found[:5])}; write the "
+            "whole name of one"
+        )
+    if found:
+        return found[0]
     if is_whole_number(text) and int(text) < len(names):
         return names[int(text)]
     raise EpisodeError(

@@ -1,5 +1,6 @@
 """The running of episodes in a worker: one agent, and one scene at a time."""
 
+import hashlib
 import re
 from collections import Counter
 from collections.abc import Callable
@@ -246,10 +247,11 @@ def simulator_error_record(episode: Episode, error: str) -> EpisodeRecord:
 
 
 def folder_name(episode: Episode) -> str:
-    """A name for an episode's folder that every file system accepts."""
+    """A name for an episode's folder that every file system accepts, and no other episode has."""
+    key = hashlib.sha256(repr(episode.key).encode()).hexdigest()[:8]
     scene = Path(episode.scene_id).stem if "/" in episode.scene_id else episode.scene_id
     text = f"{scene}-{episode.episode_id}-{episode.goal.text}".lower()
-    return re.sub(r"[^a-z0-9]+", "-", text).strip("-")[:120]
+    return f"{re.sub(r'[^a-z0-9]+', '-', text).strip('-')[:110]}-{key}"
 
 
 def _agent_of(job: Job) -> tuple[Agent, dict[str, str], bool, object]:

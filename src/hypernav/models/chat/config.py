@@ -48,7 +48,7 @@ class ChatConfig(RoomConfig):
     patience_s: float = Field(default=120.0, ge=0.0, le=86_400.0)
     first_wait_s: float = Field(default=0.5, ge=0.0, le=3600.0)
     longest_wait_s: float = Field(default=8.0, gt=0.0, le=3600.0)
-    dialect: Literal["auto"] | DialectName = "auto"
+    dialect: Literal["auto", DialectName] = "auto"
     temperature: float | None = Field(default=0.0, ge=0.0, le=10.0)
     seed: int | None = Field(default=0, ge=0, le=MOST_SEED)
     logprobs: bool = True

@@ -40,7 +40,13 @@ def parse_vlm_spec(text: str) -> VlmSpec:
         raise ConfigError(f"'{text}' is not a model; expected {_FORMS}")
     if kind == "openai":
         url, _, model = target.partition("#")
-        if not url.startswith(("http://", "https://")):
+        scheme, separator, rest = url.partition("://")
+        if separator and scheme not in {"http", "https"}:
+            raise ConfigError(
+                f"'{url}' begins with {scheme}://, but model servers speak http:// or https://; "
+                f"write openai:http://{rest}"
+            )
+        if not separator:
             raise ConfigError(f"'{url}' is not a server's URL; write openai:http://{url}")
         return VlmSpec("openai", url, model or None)
     return VlmSpec("local" if kind == "local" else "replay", target)

@@ -40,7 +40,7 @@ class VlmDetectorConfig(RoomConfig):
         min_side_px: Shortest side of a box, pixels; smaller boxes are dropped.
     """
 
-    family: Literal["auto"] | FamilyName = "auto"
+    family: Literal["auto", FamilyName] = "auto"
     prompt: str = _PROMPT
     constrained: bool = False
     drop_other_labels: bool = False

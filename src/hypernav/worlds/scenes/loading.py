@@ -1,5 +1,6 @@
 """Loading of scenes from files."""
 
+import os
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -52,7 +53,7 @@ def load_scene(path: Path) -> Scene:
 
 
 def _check_readable(path: Path) -> None:
-    if path.is_dir():
+    if os.path.isdir(path):  # Unlike Path.is_dir, it takes any name.
         inside = sorted(p.name for p in path.iterdir() if p.suffix.lower() in _GLTF_SUFFIXES)
         hint = f"did you mean {path / inside[0]}?" if inside else "it holds no .glb"
         raise SceneError(f"{path}: is a folder, expected a scene file; {hint}")
