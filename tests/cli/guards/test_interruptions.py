@@ -1,0 +1,38 @@
+import signal
+
+import pytest
+
+from hypernav.cli.guards.interruptions import (
+    Terminated,
+    interruptions_put_off,
+    sigterm_as_interruption,
+)
+
+
+def test_sigterm_ends_a_block_as_ctrl_c_does():
+    before = signal.getsignal(signal.SIGTERM)
+    with pytest.raises(KeyboardInterrupt), sigterm_as_interruption():
+        signal.raise_signal(signal.SIGTERM)
+    assert signal.getsignal(signal.SIGTERM) == before
+
+
+@pytest.mark.parametrize(
+    ("number", "error"), [(signal.SIGINT, KeyboardInterrupt), (signal.SIGTERM, Terminated)]
+)
+def test_a_block_that_puts_it_off_comes_to_its_end(number, error):
+    done = []
+
+    def block():
+        with sigterm_as_interruption(), interruptions_put_off():
+            signal.raise_signal(number)
+            signal.raise_signal(number)
+            done.append("all")
+
+    with pytest.raises(error):
+        block()
+    assert done == ["all"]
+
+
+def test_without_an_interruption_nothing_is_raised():
+    with sigterm_as_interruption(), interruptions_put_off():
+        pass
