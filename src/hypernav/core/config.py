@@ -197,9 +197,8 @@ def _assign(
     try:
         nested: Any = parse_yaml(text)
     except yaml.YAMLError as error:
-        why = getattr(error, "problem", None) or error
         raise ConfigError(
-            f"{source}: {_shown(text)} is not valid YAML ({why}); quote it, or check its brackets"
+            f"{source}: {_shown(text)} is not valid YAML ({error}); quote it, or check its brackets"
         ) from error
     if len(keys) > MOST_LEVELS:
         raise ConfigError(f"{source}: no option has a name of {len(keys)} parts")

@@ -27,6 +27,10 @@ def parse_yaml(text: str) -> Any:
         )
     try:
         return yaml.load(text, _Loader)
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        line = f" in line {mark.line + 1}" if mark is not None else ""
+        raise yaml.YAMLError(f"{error.problem or error.context}{line}") from error
     except ValueError as error:  # a date or a number that only looks like one
         raise yaml.YAMLError(f"a value is impossible: {error}") from error
 

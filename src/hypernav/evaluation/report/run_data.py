@@ -69,16 +69,25 @@ def load_runs(folders: Sequence[Path]) -> list[RunData]:
             no episode yet.
     """
     configurations = [read_configuration(folder) for folder in folders]
+    for folder, configuration in zip(folders, configurations, strict=True):
+        _check_sections(folder, configuration)
+        _check_version(folder, configuration)
     runs = []
     for folder, name, configuration in zip(
         folders, _names(folders, configurations), configurations, strict=True
     ):
-        _check_version(folder, configuration)
         records = read_records(folder)
         if not any(record.counts for record in records):
             raise RunFolderError(f"{folder} holds no episode that counts yet; run it first")
         runs.append(RunData(folder, name, configuration, records, read_sessions(folder)))
     return runs
+
+
+def _check_sections(folder: Path, configuration: dict[str, Any]) -> None:
+    """Refuse a configuration that somebody has edited."""
+    for section in ("selection", "episodes", "who", "protocol", "config"):
+        if not isinstance(configuration.get(section), dict):
+            raise RunFolderError(f"{folder}: its configuration lacks '{section}'; was it edited?")
 
 
 def _check_version(folder: Path, configuration: dict[str, Any]) -> None:

@@ -41,7 +41,7 @@ def read_gltf(path: Path) -> tuple[list[MeshPart], list[Material]]:
         )
     materials, transforms = read_materials(file)
     # Corners that end at infinity or nowhere are left out when the scene is assembled.
-    with np.errstate(over="ignore", invalid="ignore"):
+    with np.errstate(all="ignore"):
         return [
             part for node in placed for part in _parts_of(file, node, materials, transforms)
         ], materials

@@ -196,11 +196,11 @@ class GltfFile:
             data = read_file(path_below(self.path.parent, name))
         except OSError as error:
             raise SceneError(
-                f"{self.path}: needs the file {name:.80}, which cannot be read "
+                f"{self.path}: needs the file {name[:80]!r}, which cannot be read "
                 f"({error.strerror or error}); put it beside the scene, or convert the scene to "
                 "one .glb"
             ) from error
-        self.allowance.take(len(data), f"the file {name:.80}")
+        self.allowance.take(len(data), f"the file {name[:80]!r}")
         return data
 
 

@@ -87,6 +87,19 @@ def read_mesh(path: Path) -> tuple[list[MeshPart], list[Material]]:
     scanned = path.suffix.lower() == ".ply"
     parts: list[MeshPart] = []
     materials: list[Material] = []
+    with np.errstate(all="ignore"):  # corners at infinity or nowhere are left out later
+        _collect(loaded, up, scanned, parts, materials)
+    return parts, materials
+
+
+def _collect(
+    loaded: trimesh.Scene,
+    up: np.ndarray,
+    scanned: bool,
+    parts: list[MeshPart],
+    materials: list[Material],
+) -> None:
+    """Add the meshes of a file, placed as its graph says, to the parts and materials."""
     for name in loaded.graph.nodes_geometry:
         to_scene, geometry = loaded.graph[name]
         mesh = loaded.geometry[geometry]
@@ -95,7 +108,6 @@ def read_mesh(path: Path) -> tuple[list[MeshPart], list[Material]]:
             placed.apply_transform(up @ to_scene)
             parts.append(_part(str(name), placed, len(materials)))
             materials.append(_material(str(name), placed, scanned=scanned))
-    return parts, materials
 
 
 def _part(name: str, mesh: trimesh.Trimesh, material: int) -> MeshPart:
