@@ -1,10 +1,10 @@
 """`hypernav doctor`: examine a vision-language model before relying on it."""
 
-from rich.console import Console
 from rich.markup import escape
 
 from hypernav.build.presets import preset
 from hypernav.cli.doctor_options import Options
+from hypernav.cli.terminal import Terminal
 from hypernav.core.config import layered
 from hypernav.core.errors import ConfigError
 from hypernav.models.chat.vlm_spec import open_chat, parse_vlm_spec
@@ -29,7 +29,7 @@ def run(options: Options) -> int:
     config = layered(preset("default"), file=options.config, assignments=options.set)
     # A fault shall show now, not after two minutes of retries.
     chat = open_chat(spec, config.chat.model_copy(update={"patience_s": 0.0}))
-    console = Console(highlight=False, soft_wrap=True)
+    console = Terminal(stderr=False, soft_wrap=True)
     faults = []
     with console.status("asking the model …"):
         findings = check_up(chat, config.grounding, config.block_choice, config.presence)

@@ -18,6 +18,7 @@ from hypernav.cli.eval_table import outcome_lines, progress_line, progress_table
 from hypernav.cli.guards.crashes import crash_report
 from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
+from hypernav.cli.terminal import Terminal
 from hypernav.core.config import MOST_THREADS, check_option
 from hypernav.core.episode import Episode
 from hypernav.core.errors import ConfigError, GoalError
@@ -52,7 +53,7 @@ def run(options: Options) -> int:
 
 def _evaluate(options: Options, folder: Path) -> ExitStatus:
     """Load the episodes, and run those that aren't done."""
-    console = Console(stderr=True, quiet=options.quiet, highlight=False)
+    console = Terminal(quiet=options.quiet)
     config = options.who.resolve()
     with console.status("loading the episodes …") as status:
         plan = _plan(options, config)

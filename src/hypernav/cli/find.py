@@ -19,6 +19,7 @@ from hypernav.cli.guards.crashes import crash_report
 from hypernav.cli.guards.interruptions import interruptions_put_off
 from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
+from hypernav.cli.terminal import Terminal
 from hypernav.cli.warnings_shown import unusable_answers_line, warnings_on
 from hypernav.core.config import check_option
 from hypernav.core.episode import Episode, Outcome
@@ -68,7 +69,7 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
     config = options.who.resolve()
     parts = options.who.build(config)
     parts.check_goal(goal)
-    console = Console(stderr=True, quiet=options.quiet, highlight=False)
+    console = Terminal(quiet=options.quiet)
     if parts.segmenter.warning:
         console.print(f"[yellow]{escape(parts.segmenter.warning)}[/]", soft_wrap=True)
     with (

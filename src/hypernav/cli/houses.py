@@ -10,6 +10,7 @@ from hypernav.build.scenes import house_number
 from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.houses_options import Episodes, Export, Show, Splits
+from hypernav.cli.terminal import Terminal
 from hypernav.core.errors import ConfigError, EpisodeError
 from hypernav.core.whole_numbers import is_whole_number
 from hypernav.houses.episodes.difficulty import Difficulty, difficulty
@@ -41,7 +42,7 @@ def _episodes(options: Episodes) -> None:
     split_named(options.split)
     numbers = None if options.houses is None else _range_of(options.houses)
     _check_writable(options.out)
-    console = Console(stderr=True, quiet=options.quiet, highlight=False)
+    console = Terminal(quiet=options.quiet)
     with _progress(console) as bar:
         task = bar.add_task("measuring houses", total=None)
         dataset = load_split(
@@ -66,14 +67,14 @@ def _splits() -> None:
         houses = f"{split.houses.start}:{split.houses.stop}"
         others = " by default; any others that belong to no split" if split.is_open else ""
         table.add_row(split.name, houses + others, str(split.episodes), split.style)
-    Console(highlight=False).print(table)
+    Terminal(stderr=False).print(table)
 
 
 def _export(options: Export) -> None:
     number = _number_of(options.house)
     folder = _folder_for(number) if options.out is None else options.out
     check_folder(folder)
-    console = Console(stderr=True, quiet=options.quiet, highlight=False)
+    console = Terminal(quiet=options.quiet)
     with console.status(f"building and writing house {number} …"):
         files = export_house(number, folder)
     console.print(f"house {number} in {folder}:", soft_wrap=True)
@@ -93,7 +94,7 @@ def _show(options: Show) -> None:
     number = _number_of(options.house)
     out = _folder_for(number) if options.out is None else options.out
     check_folder(out.parent if out.suffix == ".html" else out)
-    console = Console(stderr=True, quiet=options.quiet, highlight=False)
+    console = Terminal(quiet=options.quiet)
     with console.status(f"building and drawing house {number} …"):
         page = house_page(number, out)
     console.print(f"house {number}: open {page}", soft_wrap=True)

@@ -14,6 +14,7 @@ from hypernav.cli.guards.crashes import ReportedCrashError, crash_report
 from hypernav.cli.guards.interruptions import Terminated, sigterm_as_interruption
 from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.core.errors import HyPerNavError, ModelUnavailableError
+from hypernav.core.visible_text import visible
 
 _LONG_WORD = re.compile(r"\S{300,}")
 
@@ -56,5 +57,5 @@ def _say(message: str, status: ExitStatus) -> ExitStatus:
     """Print a message; words that only a program would write are shortened."""
     text = _LONG_WORD.sub(lambda word: f"{word[0][:80]}…{word[0][-40:]}", message)
     with suppress(OSError):  # A terminal that is gone changes no status.
-        print(f"hypernav: {text}", file=sys.stderr)
+        print(f"hypernav: {visible(text)}", file=sys.stderr)
     return status

@@ -1,10 +1,9 @@
 """The command `hypernav report`: one page about a run, or about several runs side by side."""
 
-from rich.console import Console
-
 from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.report_options import Options
+from hypernav.cli.terminal import Terminal
 from hypernav.core.errors import ConfigError
 from hypernav.evaluation.report.report_page import write_report
 from hypernav.evaluation.report.run_data import load_runs
@@ -24,6 +23,6 @@ def run(options: Options) -> int:
     out = options.out or (options.runs[0] / "compared" if several else options.runs[0])
     check_folder(out)
     page = write_report(out, load_runs(options.runs), compare=options.compare)
-    console = Console(stderr=True, quiet=options.quiet, highlight=False)
+    console = Terminal(quiet=options.quiet)
     console.print(f"open {page}", soft_wrap=True)
     return ExitStatus.SUCCESS

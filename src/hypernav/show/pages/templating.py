@@ -12,6 +12,7 @@ from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 from PIL import Image
 
 from hypernav.core.trace import Mode
+from hypernav.core.visible_text import visible
 from hypernav.show import captions
 from hypernav.show.drawing import palette
 
@@ -28,9 +29,11 @@ def page_environment(*packages: str) -> Environment:
         loader=ChoiceLoader(loaders),
         autoescape=True,
         undefined=StrictUndefined,
+        finalize=_shown,
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.policies["json.dumps_function"] = _shown_json
     environment.filters["css"] = palette.css
     environment.filters["sentence"] = captions.sentence
     environment.filters["duration"] = captions.duration
@@ -38,6 +41,23 @@ def page_environment(*packages: str) -> Environment:
     environment.globals["colors"] = page_colors()
     environment.globals["version"] = version("hypernav")
     return environment
+
+
+def _shown(value: Any) -> Any:
+    """A value of a template, with whatever a browser would obey made visible in its texts."""
+    match value:
+        case str():
+            shown = visible(value)
+            return value if shown == value else type(value)(shown)  # markup remains markup
+        case dict():
+            return {key: _shown(one) for key, one in value.items()}
+        case list() | tuple():
+            return [_shown(one) for one in value]
+    return value
+
+
+def _shown_json(value: Any, **options: Any) -> str:
+    return json.dumps(_shown(value), **options)
 
 
 def page_colors() -> dict[str, dict[str, str]]:
