@@ -1,8 +1,7 @@
 """A model server that sends raw bytes: all that no HTTP framework would send, and slowly.
 
 What it does with a request is a function of the talk, the open connection with the request that
-came in. Requests for its list of models and for its version are answered well unless told
-otherwise.
+came in. Whatever else it is asked is answered well unless told otherwise.
 """
 
 import json
@@ -105,17 +104,27 @@ def list_models(talk: Talk) -> None:
     talk.reply({"object": "list", "data": [{"id": MODEL, "owned_by": "vllm"}]})
 
 
+def answer_version(talk: Talk) -> None:
+    """The version of vLLM, and that there is nothing else."""
+    if talk.path == "/version":
+        talk.reply({"version": "0.12.1"})
+    else:
+        talk.reply({"detail": "Not Found"}, 404)
+
+
 class FaultyServer:
     """The server, in threads of its own. Use as a context manager."""
 
-    def __init__(self, act: Act, *, models: Act = list_models) -> None:
+    def __init__(self, act: Act, *, models: Act = list_models, other: Act = answer_version) -> None:
         """Prepare.
 
         Args:
             act: What it does with a question.
             models: What it does when asked for its models.
+            other: What it does with any other request.
         """
         self._act = act
+        self._other = other
         self._models = models
         self._stopped = threading.Event()
         self._listener = socket.create_server(("127.0.0.1", 0), backlog=64)
@@ -151,12 +160,10 @@ class FaultyServer:
                 match talk.method, talk.path:
                     case "GET", "/v1/models":
                         self._models(talk)
-                    case "GET", "/version":
-                        talk.reply({"version": "0.12.1"})
                     case "POST", "/v1/chat/completions":
                         self.questions += 1
                         self._act(talk)
                     case _:
-                        talk.reply({"detail": "Not Found"}, 404)
+                        self._other(talk)
             except (HungUpError, OSError):
                 pass

@@ -115,7 +115,7 @@ BOMBS: dict[str, Act] = {
 
 @pytest.mark.parametrize("name", BOMBS)
 def test_nothing_is_larger_than_the_limit(name: str):
-    with pytest.raises(ReplyTooLargeError, match="8 MiB"):
+    with pytest.raises(ReplyTooLargeError, match="4 MiB"):
         answered(BOMBS[name], 60.0)
 
 

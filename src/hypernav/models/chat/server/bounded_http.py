@@ -29,9 +29,9 @@ import truststore
 
 from hypernav.models.chat.server.deadline import Deadline
 
-LARGEST_REPLY_BYTES = 8 * 2**20
+LARGEST_REPLY_BYTES = 4 * 2**20
 """Limit of a reply with its headers, and of its unpacked body: an answer has a few kilobytes, one
-with probabilities or a long list of models less than one megabyte."""
+with probabilities or a long list of models about one megabyte. Parsing the worst takes a second."""
 
 _PORTS = {"http": 80, "https": 443}
 

@@ -6,11 +6,11 @@ forms exist: System One (``POST /v1/systemone``; ``transformers serve``, see
 ``openai/types/decision_create_params.py``; also SGLang and LiteLLM).
 """
 
+import reprlib
 from typing import Any
 
 from hypernav.core.chat import Question, Usage
 from hypernav.core.errors import ChatTransportError
-from hypernav.models.chat.answer_parsing import shortened
 from hypernav.models.chat.image_encoding import jpeg_base64, jpeg_data_url
 from hypernav.models.chat.server.reply_fields import finite_number, read_usage
 
@@ -87,16 +87,14 @@ def parse_decision(
     if isinstance(answers, list) and answers:
         answer = answers[0]
     if not isinstance(answer, dict):
-        found = shortened(str(reply), 200)
-        raise ChatTransportError(f"the {endpoint} endpoint sent no answer: {found}")
+        raise ChatTransportError(f"the {endpoint} endpoint sent no answer: {reprlib.repr(reply)}")
     usage = read_usage(reply.get("usage"))
     if answer.get("type") == "refusal":
         return "", {}, usage, True
     probabilities = _probabilities(answer.get("probabilities"), question.allowed)
     chosen = answer.get("choice")
     if not isinstance(chosen, str) or not probabilities:
-        found = shortened(str(answer), 200)
-        raise ChatTransportError(f"the {endpoint} endpoint sent no choice: {found}")
+        raise ChatTransportError(f"the {endpoint} endpoint sent no choice: {reprlib.repr(answer)}")
     return chosen, probabilities, usage, False
 
 

@@ -104,7 +104,7 @@ def _models(
 
 
 def _is_name(value: object) -> bool:
-    return isinstance(value, str) and 0 < len(value) <= _LONGEST_NAME
+    return isinstance(value, str) and 0 < len(value) <= _LONGEST_NAME and value.isprintable()
 
 
 def _only(names: tuple[str, ...], client: HttpClient) -> str:

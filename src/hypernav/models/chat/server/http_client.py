@@ -27,6 +27,7 @@ _NO_VISION = re.compile(
     r"image input is not supported|mmproj|does not support (?:image|vision)", re.I
 )
 _PLAIN = re.compile(r"[!-~]+")
+_MOST_CONTAINERS = 200_000
 _LOCAL_HOSTS = {"localhost", "127.0.0.1", "::1"}
 
 
@@ -103,6 +104,11 @@ class HttpClient:
         return self._parsed(reply, url)
 
     def _parsed(self, reply: Reply, url: str) -> dict[str, Any]:
+        # Each costs fifty times its bytes, and the garbage collector looks at all of them.
+        if reply.body.count(b"[") + reply.body.count(b"{") > _MOST_CONTAINERS:
+            raise ChatTransportError(
+                f"{url}: the answer holds more than {_MOST_CONTAINERS:,} lists and objects"
+            )
         try:
             parsed = json.loads(reply.body)
         except (ValueError, RecursionError) as error:

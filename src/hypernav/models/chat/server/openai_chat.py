@@ -2,6 +2,7 @@
 
 import logging
 import os
+import reprlib
 import threading
 import time
 from collections.abc import Callable, Mapping
@@ -10,7 +11,7 @@ from typing import Any
 
 from hypernav.core.chat import Answer, Question, Usage
 from hypernav.core.errors import ChatTransportError, ModelRejectedError, ModelSetupError
-from hypernav.models.chat.answer_parsing import parse_answer, shortened
+from hypernav.models.chat.answer_parsing import parse_answer
 from hypernav.models.chat.config import ChatConfig
 from hypernav.models.chat.image_encoding import jpeg_data_url
 from hypernav.models.chat.server.answer_probabilities import answer_probabilities, parse_logprobs
@@ -235,7 +236,7 @@ def _parse_completion(reply: dict[str, Any], question: Question, *, wrapped: boo
     choice = choices[0] if isinstance(choices, list) and choices else None
     message = choice.get("message") if isinstance(choice, dict) else None
     if not isinstance(choice, dict) or not isinstance(message, dict):
-        raise ChatTransportError(f"the server sent no choice: {shortened(str(reply), 200)}")
+        raise ChatTransportError(f"the server sent no choice: {reprlib.repr(reply)}")
     text, refusal = read_content(message.get("content")), message.get("refusal")
     refused = bool(refusal) or choice.get("finish_reason") == "content_filter"
     probabilities: dict[str, float] = {}
