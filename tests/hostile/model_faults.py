@@ -18,6 +18,7 @@ OK = b"HTTP/1.1 200 OK\r\n"
 CHUNKED = OK + b"transfer-encoding: chunked\r\n\r\n"
 EVIL = "\x1b]0;owned\x07\x1b[31m \x9b31m \u202egnp.exe"
 NAN = float("nan")
+HALF_A_LABEL = r'[{"bbox_2d": [5, 5, 50, 40], "label": "\ud800"}]'
 NO_USE = "no answer of the model could be used"
 MODELS = {"object": "list", "data": [{"id": MODEL, "owned_by": "vllm"}]}
 
@@ -240,6 +241,7 @@ STRANGE_ANSWERS = (
         "in an answer, negative counts",
         _say("[]", usage={"prompt_tokens": -5, "completion_tokens": -5}),
     ),
+    _harmless("in an answer, half a label", _say(HALF_A_LABEL)),
     _harmless("in an answer, counts of 400 digits", _say("[]", usage={"prompt_tokens": 10**400})),
     _harmless("in an answer, counts of NaN", _say("[]", usage={"prompt_tokens": NAN})),
     _harmless("in an answer, counts that are texts", _say("[]", usage={"prompt_tokens": "many"})),

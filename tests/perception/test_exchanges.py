@@ -41,6 +41,10 @@ def test_boxes_that_were_all_rejected_are_of_no_use():
     assert not unusable_answers(step(rejected, detections=[BOX]))
 
 
+def test_boxes_that_were_read_out_of_a_long_answer_are_of_use():
+    assert not unusable_answers(step(exchange("ground", "unparsable"), detections=[BOX]))
+
+
 def test_what_is_of_use_or_not_a_models_does_not_count():
     assert not unusable_answers(
         step(exchange("ground"), exchange("choose block"), exchange("x", "refused", by_model=False))

@@ -45,9 +45,9 @@ def unusable_answers(step: StepTrace) -> Counter[str]:
     """Number of a model's answers in a step that were of no use, by reason."""
     reasons = Counter[str]()
     for exchange in step.exchanges:
-        nothing_seen = exchange.kind == "ground" and not step.detections
-        if exchange.by_model and exchange.fault:
-            reasons[exchange.fault] += 1
-        elif exchange.by_model and nothing_seen and exchange.remarks:
-            reasons[exchange.remarks[0]] += 1
+        reason = exchange.fault
+        if exchange.kind == "ground":  # boxes are read out of anything, remarks tell of the rest
+            reason = "" if step.detections else reason or next(iter(exchange.remarks), "")
+        if exchange.by_model and reason:
+            reasons[reason] += 1
     return reasons

@@ -53,7 +53,7 @@ def parse_answer(
         probabilities: Probabilities of the allowed answers.
         refused: Whether the server reports that the model declined.
     """
-    text = _writable(text[:LONGEST_ANSWER])
+    text = writable(text[:LONGEST_ANSWER])
     answer = Answer(
         text=text,
         model=model,
@@ -82,15 +82,15 @@ def without_thinking(text: str) -> str:
     return _THINKING.sub("", text).strip()
 
 
-def shortened(text: str, length: int = _SHORT) -> str:
-    """Text as one line of limited length, for messages."""
-    line = " ".join(_writable(text[: 8 * length]).split())  # an answer may be long
-    return line if len(line) <= length else line[: length - 1] + "…"
-
-
-def _writable(text: str) -> str:
+def writable(text: str) -> str:
     """The text without half surrogate pairs, which JSON can carry and no file can hold."""
     return text.encode("utf-16", "surrogatepass").decode("utf-16", "replace")
+
+
+def shortened(text: str, length: int = _SHORT) -> str:
+    """Text as one line of limited length, for messages."""
+    line = " ".join(writable(text[: 8 * length]).split())  # an answer may be long
+    return line if len(line) <= length else line[: length - 1] + "…"
 
 
 def _faulty(answer: Answer, fault: Fault, detail: str) -> Answer:

@@ -14,7 +14,7 @@ from enum import StrEnum
 from typing import Any
 
 from hypernav.core.geometry.boxes import Box
-from hypernav.models.chat.answer_parsing import without_thinking
+from hypernav.models.chat.answer_parsing import without_thinking, writable
 from hypernav.models.chat.vlm_families import VlmFamily
 
 _MOST_CHARACTERS = 20_000
@@ -242,7 +242,7 @@ def _item_of(value: dict[Any, Any]) -> _Item | None:
     label = next((by_key[key] for key in _LABEL_KEYS if isinstance(by_key.get(key), str)), "")
     score = next((_number(by_key[key]) for key in _SCORE_KEYS if key in by_key), 1.0)
     score = score if 0.0 <= score <= 1.0 else 1.0
-    label = " ".join(label.split())[:80]
+    label = " ".join(writable(label).split())[:80]
     for key in _BOX_KEYS:
         if key not in by_key:
             continue

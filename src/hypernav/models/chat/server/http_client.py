@@ -18,7 +18,7 @@ from hypernav.core.errors import (
 )
 from hypernav.models.chat.answer_parsing import shortened
 from hypernav.models.chat.config import ChatConfig
-from hypernav.models.chat.server.bounded_http import Reply, exchange
+from hypernav.models.chat.server.bounded_http import Reply, ReplyTooLargeError, exchange
 from hypernav.models.chat.server.deadline import Deadline
 from hypernav.models.chat.server.retry import RetryLaterError
 
@@ -94,10 +94,12 @@ class HttpClient:
             raise ChatTimeoutError(
                 f"{self.url}: no answer within {deadline.limit_s:.3g} s"
             ) from error
-        except (OSError, http.client.HTTPException, ValueError) as error:
+        except (ReplyTooLargeError, http.client.HTTPException, ValueError) as error:
+            raise ChatTransportError(f"{url}: {self._told(error)}") from error
+        except OSError as error:
             raise ChatTransportError(
-                f"{self.url}: {self._without_key(str(error) or type(error).__name__)}; is the "
-                f"server running? try: hypernav doctor --vlm openai:{self.url}"
+                f"{self.url}: {self._told(error)}; is the server running? "
+                f"try: hypernav doctor --vlm openai:{self.url}"
             ) from error
         if not 200 <= reply.status < 300:
             raise self._status_error(reply, url)
@@ -137,6 +139,9 @@ class HttpClient:
             return NotFoundError(f"{where}: {said}")
         hint = "; set the environment variable HYPERNAV_API_KEY to the server's key"
         return ModelSetupError(f"{where}: {said}{hint if status in {401, 403} else ''}")
+
+    def _told(self, error: Exception) -> str:
+        return self._without_key(str(error) or type(error).__name__)
 
     def _without_key(self, text: str) -> str:
         return shortened(text.replace(self._key, "***") if self._key else text, 240)
