@@ -121,3 +121,17 @@ def test_reach_measures_the_way_around_a_wall():
     around = reach.travel_m[tuple(offset)]
     # The wall's end, a clearance away from it, then up and back.
     assert around == pytest.approx(2 * np.hypot(1.6 + 0.22 * 0.7, 1.0), rel=0.12)
+
+
+def test_a_robot_on_unknown_ground_reaches_what_is_around_it():
+    """Beside the robot lies a speck of free floor, and farther away a hall."""
+    cells = np.full((60, 120), Cell.UNKNOWN, np.uint8)
+    cells[30, 21] = Cell.FREE
+    cells[5:55, 24:115] = Cell.FREE
+    grid = OccupancyGrid(cells, 0.05, (0.0, 0.0))
+    robot = Pose2(1.02, 1.52, 0.0)
+    for free_footprint in (True, False):
+        config = MappingConfig(free_footprint=free_footprint)
+        reach = ReachableArea.of(grid, robot, config, 0.22)
+        assert (reach.reachable.sum() > 50 * 90) != free_footprint
+        assert not reach.reachable[reach.grid.cells != Cell.FREE].any()

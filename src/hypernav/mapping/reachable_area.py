@@ -23,7 +23,7 @@ class ReachableArea:
         grid: Cropped map.
         travel_m: Length of the path to every cell over free floor, clear of obstacles, metres;
             infinite where none leads.
-        reachable: Mask of the reachable cells: 1 where `travel_m` is finite.
+        reachable: Mask of the reachable cells: 1 where `travel_m` is finite and the cell is free.
         frontier: Mask of the free cells that touch the unknown and can be looked into from a
             reachable cell, in stretches that are long enough.
         look_within: Number of rows and columns on each side of a frontier cell within which such a
@@ -54,14 +54,19 @@ class ReachableArea:
         free = grid.cells == Cell.FREE
         occupied = grid.cells == Cell.OCCUPIED
         closed = inflate(occupied, clearance_m, size)
-        is_open = (free & (closed == 0)).view(np.uint8)
-        escape = Escape.find(occupied, is_open, grid.cell_of(*robot.xy), size)
+        is_open = free & (closed == 0)
+        here = grid.cell_of(*robot.xy)
+        if not config.free_footprint:
+            # It stands on floor all the same: else it would begin on an island of a few specks.
+            is_open |= _around(grid, here, clearance_m) & (closed == 0)
+        is_open = is_open.view(np.uint8)
+        escape = Escape.find(occupied, is_open, here, size)
         if escape is None:
             travel_m = np.full(free.shape, np.inf, dtype=np.float32)
         else:
             travel_m = travel_cells(is_open, *escape.exit)
             travel_m *= np.float32(size)
-        reachable = np.isfinite(travel_m).view(np.uint8)
+        reachable = (np.isfinite(travel_m) & free).view(np.uint8)
         # A frontier beside an obstacle is seen from a clearance away, and one cell for diagonals.
         look_m = clearance_m + size
         in_view = inflate(reachable, look_m, size) > 0
@@ -79,6 +84,15 @@ class ReachableArea:
     def look_out(self, row: int, column: int) -> tuple[int, int]:
         """The reachable cell nearest to a frontier cell."""
         return nearest_open_cell(self.reachable, row, column, self.look_within)
+
+
+def _around(
+    grid: OccupancyGrid, here: tuple[int, int], radius_m: float
+) -> Bool[np.ndarray, "rows columns"]:
+    """The cells within a radius of a cell, those on the grid."""
+    rows, columns = np.ogrid[: grid.cells.shape[0], : grid.cells.shape[1]]
+    squared = (rows - here[0]) ** 2 + (columns - here[1]) ** 2
+    return squared <= (radius_m / grid.resolution_m) ** 2
 
 
 def _long_stretches(
