@@ -21,7 +21,7 @@ CONFIG = PlanningConfig()
 BODY = BodyConfig()
 CLEARANCE_M = 0.22
 WIDE = PlanningConfig(squeeze_m=0.0)
-PAPER = PlanningConfig(
+SIMPLE = PlanningConfig(
     squeeze_m=0.0,
     comfort_cost=0.0,
     end_in_unknown=False,
@@ -147,7 +147,7 @@ def costmap_of(grid, start):
 
 
 @settings(deadline=None, max_examples=150)
-@given(coarse_maps, st.sampled_from([CONFIG, WIDE, PAPER]), st.data())
+@given(coarse_maps, st.sampled_from([CONFIG, WIDE, SIMPLE]), st.data())
 def test_a_path_never_touches_an_inflated_obstacle(coarse, config, data):
     grid = grid_of(coarse)
     start, target = data.draw(middles(grid))
@@ -191,7 +191,7 @@ def test_a_path_across_open_floor_is_one_straight_line():
 def test_a_way_through_a_door_keeps_to_its_middle_where_comfort_counts():
     grid = drawn(DOOR, scale=10)  # the door is y 1 to 2, and the path could stay at y 1.25
     start, target = (0.5, 1.25), np.array([[5.5, 1.25]])
-    direct = path_of(PAPER, grid, start, target)
+    direct = path_of(SIMPLE, grid, start, target)
     comfortable = path_of(CONFIG, grid, start, target)
     assert len(direct.waypoints) == 2
     middle = max(y for x, y in comfortable.waypoints if 2.0 < x < 4.0)
@@ -204,7 +204,7 @@ def test_a_way_ends_in_the_unknown_only_at_a_destination_that_has_no_known_cell(
     for config, targets, end, gap_m in (
         (CONFIG, [unknown], unknown, 0.0),
         (CONFIG, [unknown, known], known, 0.0),
-        (PAPER, [unknown], [2.975, 1.5], 0.5),
+        (SIMPLE, [unknown], [2.975, 1.5], 0.5),
     ):
         path = path_of(config, grid, start, np.array(targets))
         assert path.end == pytest.approx(end, abs=0.06)
@@ -244,13 +244,13 @@ def test_of_several_targets_the_configured_one_is_gone_to():
     )
     start = (0.5, 0.5)
     targets = np.array([[0.5, 2.0], [2.6, 0.5]])  # near behind the wall, or farther on this side
-    assert path_of(PAPER, grid, start, targets).end == pytest.approx((0.5, 2.0), abs=0.03)
+    assert path_of(SIMPLE, grid, start, targets).end == pytest.approx((0.5, 2.0), abs=0.03)
     assert path_of(CONFIG, grid, start, targets).end == pytest.approx((2.6, 0.5), abs=0.03)
 
 
 def test_a_target_inside_an_obstacle_moves_to_the_nearest_open_cell():
     grid = drawn("..........\n" * 4 + "....##....\n" * 2 + "..........\n" * 4, scale=10)
-    path = path_of(PAPER, grid, (0.5, 2.5), np.array([[2.05, 2.5]]))
+    path = path_of(SIMPLE, grid, (0.5, 2.5), np.array([[2.05, 2.5]]))
     assert path.end == pytest.approx((1.75, 2.5), abs=0.06)
     assert path.gap_m == pytest.approx(0.3, abs=0.06)
 
@@ -331,7 +331,7 @@ def test_a_gap_that_only_just_fits_is_taken_where_no_other_way_leads():
     grid.cells[:, 40] = Cell.OCCUPIED
     grid.cells[16:24, 40] = Cell.FREE
     start, targets = (0.5, 1.0), np.array([[3.5, 1.0]])
-    assert Planner(PAPER, BODY).plan(grid, start, targets) is None
+    assert Planner(SIMPLE, BODY).plan(grid, start, targets) is None
     path = path_of(CONFIG, grid, start, targets)
     assert path is not None
     assert path.length_m < 3.3
