@@ -1,4 +1,7 @@
 import logging
+import shlex
+import subprocess
+import sys
 
 import pytest
 from rich.table import Table
@@ -46,3 +49,36 @@ def test_an_error_about_input_is_shown_not_obeyed(capsys: pytest.CaptureFixture[
         main(["find", "bed", "--scene", f"{EVIL}.glb", "--detector", EVIL])
     said = capsys.readouterr().err
     assert not set(said) & set("\x1b\x07\x9b\u202e")
+
+
+def ended(command: str) -> tuple[int, str, str]:
+    """Status and outputs of a line of shell; ``$say 1`` writes long to a stream."""
+    script = (
+        "import sys\n"
+        "from hypernav.cli.terminal import Terminal\n"
+        "from hypernav.core.errors import OutputError\n"
+        "terminal = Terminal(stderr=sys.argv[1] == '2')\n"
+        "try:\n"
+        "    for _ in range(3000): terminal.print('x' * 60)\n"
+        "except OutputError as error:\n"
+        "    print(error, file=sys.stderr)\n"
+        "    sys.exit(2)\n"
+    )
+    say = shlex.join([sys.executable, "-c", script])
+    line = f"set -o pipefail; {command.replace('$say', say)}"
+    done = subprocess.run(["bash", "-c", line], capture_output=True, text=True, check=False)
+    return done.returncode, done.stdout, done.stderr
+
+
+@pytest.mark.parametrize("command", ["$say 1 | head -1", "$say 2 2>&1 >/dev/null | head -1"])
+def test_a_reader_that_leaves_ends_nothing(command: str):
+    assert ended(command) == (0, "x" * 60 + "\n", "")
+
+
+def test_messages_that_cannot_be_written_are_dropped():
+    assert ended("$say 2 2>/dev/full") == (0, "", "")
+
+
+def test_a_result_that_cannot_be_written_is_an_error():
+    expected = "standard output cannot be written (No space left on device)\n"
+    assert ended("$say 1 >/dev/full") == (2, "", expected)

@@ -1,10 +1,13 @@
 """The terminal, on which no text from a stranger can do more than be read."""
 
+import os
 from collections.abc import Iterable
+from typing import IO, Any
 
 from rich.console import Console, ConsoleOptions, RenderableType
 from rich.segment import Segment
 
+from hypernav.core.errors import OutputError
 from hypernav.core.visible_text import visible
 
 
@@ -26,6 +29,15 @@ class Terminal(Console):
         """
         super().__init__(stderr=stderr, quiet=quiet, soft_wrap=soft_wrap, highlight=False)
 
+    @property
+    def file(self) -> Any:
+        """The stream, whose loss ends no search."""
+        return _Stream(super().file, is_result=not self.stderr)
+
+    @file.setter
+    def file(self, new_file: IO[str]) -> None:
+        self._file = new_file
+
     def render(
         self, renderable: RenderableType, options: ConsoleOptions | None = None
     ) -> Iterable[Segment]:
@@ -35,3 +47,35 @@ class Terminal(Console):
                 yield segment
             else:
                 yield Segment(visible(segment.text), segment.style)
+
+
+class _Stream:
+    """A stream of the terminal. Once nobody reads it any more, what is written is dropped.
+
+    Messages that cannot be written are dropped as well: their loss is no reason to lose a search. A
+    result that cannot be written is an error.
+    """
+
+    def __init__(self, stream: Any, *, is_result: bool) -> None:
+        self._stream = stream
+        self._is_result = is_result
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+    def write(self, text: str) -> int:
+        try:
+            self._stream.write(text)
+            self._stream.flush()
+        except OSError as error:
+            # What the stream still holds is written when Python ends, and must go somewhere.
+            with open(os.devnull, "w") as nowhere:
+                os.dup2(nowhere.fileno(), self._stream.fileno())
+            if self._is_result and not isinstance(error, BrokenPipeError):
+                raise OutputError(
+                    f"standard output cannot be written ({error.strerror})"
+                ) from error
+        return len(text)
+
+    def flush(self) -> None:
+        """Do nothing: every text is flushed when it is written."""
