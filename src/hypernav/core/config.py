@@ -177,7 +177,7 @@ def _reason(name: str) -> str:
     return next((f" ({reason})" for reason in reasons), "")
 
 
-def _read_yaml(file: Path) -> dict[str, Any]:
+def _read_yaml(file: Path) -> dict[Any, Any]:
     try:
         content = parse_yaml(read_file(file, most=4 * MOST_CHARACTERS).decode("utf-8"))
     except OSError as error:
