@@ -38,7 +38,7 @@ from hypernav.perception.local.depth_cut import DepthCutSegmenter
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.perception.local.local_perception import LocalPerception
 from hypernav.planning.planner import Planner
-from hypernav.show.drawing.map_images import draw_overview
+from hypernav.show.drawing.question_map import draw_question_map
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.worlds.scenes.loading import load_scene
 from hypernav.worlds.simulation import SimulatedWorld
@@ -95,7 +95,7 @@ def main(data: Path = TEST_DATA, house: str = "houses:100007") -> None:
         watch("frontiers", find_frontiers, grid, robot, config.mapping, clearance_m)
         blocks = watch("blocks", divide_into_blocks, grid, robot, config.mapping, clearance_m)
         if step % 10 == 0:
-            watch("draw overview", draw_overview, grid, blocks, robot, trajectory)
+            watch("draw overview", draw_question_map, grid, blocks, robot, trajectory)
         far = max(blocks, key=lambda b: b.travel_m)
         target = np.array([far.destination])
         watch("plan to the farthest block", planner.plan, grid, robot.xy, target)

@@ -5,7 +5,7 @@ import pytest
 from hypernav.cli.main import main
 from servers.eyes import SeeingBrain
 from servers.faulty import FaultyServer, Talk
-from servers.scripted import ScriptedServer, closed_port
+from servers.scripted import Asked, ScriptedServer, closed_port
 
 
 @pytest.fixture(scope="module")
@@ -41,6 +41,76 @@ def test_a_healthy_server_is_well(server: ScriptedServer, capsys: pytest.Capture
     timed = [line for line in lines if "tokens in" in line]
     assert [kind for line in timed for kind in ("ground", "choose block", "verify") if kind in line]
     assert len(timed) == 3
+    for word in ("maps", "presence"):
+        assert any(line.startswith(f"ok    {word}:") for line in lines)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ("block_choice.mode=paper", "overview.strong_colors=false", "overview.draw_frontier=false"),
+        ("block_choice.mode=constrained", "overview.clear_numbers=false"),
+    ],
+)
+def test_the_questions_of_other_configurations_are_asked(
+    server: ScriptedServer, options: tuple[str, ...], capsys: pytest.CaptureFixture[str]
+):
+    assert examine(capsys, server.spec, "--set", *options)[0] == 0
+
+
+class Blind(SeeingBrain):
+    """Guesses colours."""
+
+    def __call__(self, asked: Asked) -> str:
+        return "Green" if asked.text.startswith("What colour") else super().__call__(asked)
+
+
+class MapBlind(SeeingBrain):
+    """Always goes to the second block."""
+
+    def __call__(self, asked: Asked) -> str:
+        is_map = asked.kind == "choose block"
+        return "It looks promising.\nAnswer: 2" if is_map else super().__call__(asked)
+
+
+class AlwaysYes(SeeingBrain):
+    """Sees whatever it is asked about."""
+
+    def __call__(self, asked: Asked) -> str:
+        return "yes" if asked.kind == "verify" else super().__call__(asked)
+
+
+class Talkative(SeeingBrain):
+    """Answers what it likes where only some answers are allowed."""
+
+    def __call__(self, asked: Asked) -> str:
+        return "That depends on how one looks at it." if asked.allowed else super().__call__(asked)
+
+
+@pytest.mark.parametrize(
+    ("brain", "check", "honours"),
+    [
+        (Blind(), "images", True),
+        (MapBlind(), "maps", True),
+        (AlwaysYes(), "presence", True),
+        (SeeingBrain(scale=0.6), "coordinates", True),
+        (Talkative(), "constraints", False),
+    ],
+    ids=["blind", "cannot read maps", "always yes", "wrong coordinates", "ignores what is allowed"],
+)
+def test_bad_models_are_found_out(
+    server: ScriptedServer,
+    brain: SeeingBrain,
+    check: str,
+    honours: bool,
+    capsys: pytest.CaptureFixture[str],
+):
+    server.brain = brain
+    if not honours:
+        server.personality.honours = ()
+    status, lines = examine(capsys, server.spec)
+    assert status == 1
+    assert check in faults(lines)[0].split(":")[0]
 
 
 def test_broken_1_wrong_url(capsys: pytest.CaptureFixture[str]):

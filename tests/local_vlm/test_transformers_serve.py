@@ -26,7 +26,8 @@ from hypernav.models.chat.server.openai_chat import OpenAiChat
 from hypernav.models.chat.vlm_families import smart_resize
 from hypernav.models.chat.vlm_spec import open_chat, parse_vlm_spec
 from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
-from hypernav.perception.explorers.vlm_reasoner import VlmReasoner, VlmReasonerConfig
+from hypernav.perception.explorers.map_question import VlmReasonerConfig
+from hypernav.perception.explorers.vlm_reasoner import VlmReasoner
 from hypernav.perception.local.presence import VlmPresenceCheck
 from hypernav.perception.local.vlm_detector import VlmDetector, VlmDetectorConfig
 
@@ -50,7 +51,7 @@ def observation() -> Observation:
 @pytest.fixture
 def overview() -> Overview:
     blocks = tuple(Block(n, float(n), 0.0, 2.0, 100, 20, (n + 1.0, 1.0), 3.0) for n in range(1, 6))
-    return Overview(lambda: image(1, 768, 768), blocks, Pose2(0.0, 0.0, 0.0))
+    return Overview(lambda *_: image(1, 768, 768), blocks, Pose2(0.0, 0.0, 0.0))
 
 
 def test_the_server_is_recognised_and_its_decisions_are_used(chat: OpenAiChat):

@@ -26,14 +26,33 @@ class SeeingBrain:
             case "ground":
                 return json.dumps([{"bbox_2d": self._red(asked.images[0]), "label": "red"}])
             case "choose block":
-                return "2"
+                return f"One room alone is open.\nAnswer: {self.open_room(asked.images[0])}"
             case "verify":
-                return "yes"
+                return "yes" if self._is_red(asked.images[0]).any() else "no"
         return _ESSAY
 
-    def _red(self, image: np.ndarray) -> list[float]:
+    @staticmethod
+    def open_room(image: np.ndarray) -> int:
+        """Number of the quarter of a drawn house whose outer wall is missing."""
+        dark = image.max(axis=2) < 90
+        rows, columns = (np.flatnonzero(dark.mean(axis=axis) > 0.3) for axis in (1, 0))
+        top, bottom, left, right = rows[0], rows[-1], columns[0], columns[-1]
+        middle = (top + bottom) // 2
+        walls = [
+            dark[top:middle, left : left + 9],
+            dark[top:middle, right - 8 : right + 1],
+            dark[middle:bottom, left : left + 9],
+            dark[middle:bottom, right - 8 : right + 1],
+        ]
+        return 1 + int(np.argmin([wall.any(axis=1).mean() for wall in walls]))
+
+    @staticmethod
+    def _is_red(image: np.ndarray) -> np.ndarray:
         pixels = image.astype(int)
-        red = (pixels[..., 0] > 150) & (pixels[..., 1] < 100)
+        return (pixels[..., 0] > 150) & (pixels[..., 1] < 100)
+
+    def _red(self, image: np.ndarray) -> list[float]:
+        red = self._is_red(image)
         rows, columns = np.nonzero(red)
         height, width = red.shape
         x, y = 640 / width, 480 / height

@@ -20,14 +20,13 @@ from hypernav.core.chat import Question
 from hypernav.core.geometry.boxes import Box
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.core.overview import Overview
-from hypernav.core.trace import ExchangeLog
+from hypernav.core.overview import Block, Overview
 from hypernav.models.chat.vlm_families import family_named
-from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
 from hypernav.perception.explorers.vlm_reasoner import VlmReasoner
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.perception.local.presence import VlmPresenceCheck
 from hypernav.perception.local.vlm_detector import VlmDetector
+from hypernav.worlds.simulation import SimulatedWorld
 from servers.scripted import Asked
 
 
@@ -43,6 +42,7 @@ class Errors:
         truncate: It stops in the middle.
         jitter_px: How far a box's edges are off, standard deviation.
         babble: It answers a closed question with nonsense.
+        wrong_block: It names another block than the one on the shortest path to the goal.
     """
 
     miss: float = 0.0
@@ -52,6 +52,7 @@ class Errors:
     truncate: float = 0.0
     jitter_px: float = 0.0
     babble: float = 0.0
+    wrong_block: float = 0.0
 
 
 @dataclass
@@ -59,15 +60,28 @@ class Truth:
     """What an agent has seen so far, by a small version of each image."""
 
     observations: list[tuple[np.ndarray, Observation]] = field(default_factory=list)
-    overviews: list[tuple[np.ndarray, Overview]] = field(default_factory=list)
+    overviews: list[tuple[np.ndarray, tuple[Overview, Goal]]] = field(default_factory=list)
+    world: SimulatedWorld | None = None
 
     def see(self, observation: Observation) -> None:
         """Remember a camera image."""
         self.observations.append((_small(observation.rgb), observation))
 
-    def draw(self, overview: Overview) -> None:
-        """Remember a map."""
-        self.overviews.append((_small(overview.image), overview))
+    def draw(self, image: np.ndarray, overview: Overview, goal: Goal) -> None:
+        """Remember a map and what was searched on it."""
+        self.overviews.append((_small(image), (overview, goal)))
+
+    def by_way_of(self, block: Block, goal: Goal) -> tuple[int, float]:
+        """Length of the shortest path to the goal that leads by a block, and what is left there.
+
+        The length is rounded to 0.5 m, so that of several blocks on the path the last one leads on.
+        """
+        assert self.world is not None
+        x, y = block.destination
+        scene_x, scene_y, _ = self.world.map_to_scene.apply(np.array([[x, y, 0.0]]))[0]
+        left_m = self.world.goal_truth(goal).distance(float(scene_x), float(scene_y))
+        length_m = min(block.travel_m + left_m, 1e6)
+        return round(length_m / 0.5), left_m
 
 
 def _small(image: np.ndarray) -> np.ndarray:
@@ -75,7 +89,18 @@ def _small(image: np.ndarray) -> np.ndarray:
     return small.astype(np.float32)
 
 
-def _recognised(image: np.ndarray, known: list) -> object:
+def offered_numbers(text: str) -> set[int]:
+    """Numbers of the blocks that a question about the map offers."""
+    offered = re.search(r"(?:is one of|numbered blocks:) ([\d, ]+)\.", text)
+    excluded = re.search(r"Don't answer number \[([\d, ]+)\]", text)
+    listed, ruled_out = (
+        {int(number) for number in match[1].split(",")} if match else set[int]()
+        for match in (offered, excluded)
+    )
+    return listed - ruled_out
+
+
+def _recognised(image: np.ndarray, known: list) -> Any:
     small = _small(image)
     return min(reversed(known), key=lambda one: float(np.abs(one[0] - small).mean()))[1]
 
@@ -84,15 +109,22 @@ def _recognised(image: np.ndarray, known: list) -> object:
 def watching(truth: Truth) -> Iterator[Truth]:
     """While it lasts, all that is asked about in this process becomes known to the truth."""
     about_image, about_map = VlmDetector.question, VlmReasoner.question
-    is_present = VlmPresenceCheck.is_present
+    is_present, reset = VlmPresenceCheck.is_present, SimulatedWorld.reset
 
     def watched_image(self: VlmDetector, observation: Observation, goal: Goal) -> Question:
         truth.see(observation)
         return about_image(self, observation, goal)
 
-    def watched_map(self: VlmReasoner, overview: Overview, *others: Any, **more: Any) -> Question:
-        truth.draw(overview)
-        return about_map(self, overview, *others, **more)
+    def watched_map(
+        self: VlmReasoner, overview: Overview, goal: Goal, *others: Any, **more: Any
+    ) -> Question:
+        question = about_map(self, overview, goal, *others, **more)
+        truth.draw(question.images[0], overview, goal)
+        return question
+
+    def watched_reset(self: SimulatedWorld, *others: Any, **more: Any) -> Observation:
+        truth.world = self
+        return reset(self, *others, **more)
 
     def watched_presence(self: VlmPresenceCheck, observation: Observation, goal: Goal) -> bool:
         truth.see(observation)
@@ -102,6 +134,7 @@ def watching(truth: Truth) -> Iterator[Truth]:
         patch.setattr(VlmDetector, "question", watched_image)
         patch.setattr(VlmReasoner, "question", watched_map)
         patch.setattr(VlmPresenceCheck, "is_present", watched_presence)
+        patch.setattr(SimulatedWorld, "reset", watched_reset)
         yield truth
 
 
@@ -113,7 +146,6 @@ class TruthfulBrain:
         self.errors = errors or Errors()
         self._rng = random.Random(seed)
         self._detector = GroundTruthDetector()
-        self._reasoner = GeometricReasoner(ExchangeLog())
 
     def __call__(self, asked: Asked) -> str:
         match asked.kind:
@@ -154,14 +186,15 @@ class TruthfulBrain:
     def _choose(self, asked: Asked) -> str:
         if self._happens(self.errors.babble):
             return "The kitchen smells of 4 or 5 sorts of cheese."
-        match = re.search(r"Don't answer number \[([\d, ]+)\]", asked.text)
-        excluded = frozenset(map(int, match[1].split(","))) if match else frozenset[int]()
-        overview = _recognised(asked.images[0], self._truth.overviews)
-        assert isinstance(overview, Overview)
-        number = self._reasoner.choose(overview, Goal("anything"), excluded).number
-        if number is not None:
-            return f"The robot should go to block {number}." if not asked.allowed else str(number)
-        return asked.allowed[0] if asked.allowed else "nowhere"
+        overview, goal = _recognised(asked.images[0], self._truth.overviews)
+        numbers = offered_numbers(asked.text)
+        offered = [block for block in overview.blocks if block.number in numbers]
+        best = min(offered, key=lambda block: self._truth.by_way_of(block, goal))
+        if self._happens(self.errors.wrong_block) and len(offered) > 1:
+            best = self._rng.choice([block for block in offered if block is not best])
+        if asked.allowed:
+            return str(best.number)
+        return f"The goal is that way.\nAnswer: {best.number}"
 
     def _verify(self, asked: Asked) -> str:
         if self._happens(self.errors.babble):

@@ -19,8 +19,8 @@ from hypernav.models.vision.yolox import YoloxConfig
 from hypernav.models.vision.zero_shot import ZeroShotConfig
 from hypernav.perception.explorers.block_explorer import OverviewConfig
 from hypernav.perception.explorers.geometric_reasoner import GeometricConfig
+from hypernav.perception.explorers.map_question import VlmReasonerConfig
 from hypernav.perception.explorers.prefetch import PrefetchConfig
-from hypernav.perception.explorers.vlm_reasoner import VlmReasonerConfig
 from hypernav.perception.local.attention import AttentionConfig
 from hypernav.perception.local.config import LocalConfig
 from hypernav.perception.local.depth_cut import DepthCutConfig
@@ -159,7 +159,16 @@ def preset(name: PresetName) -> HyPerNavConfig:
             max_missed_share=1.0,
             rejected_for_looks=40,
         ),
-        overview=OverviewConfig(visited="positions", max_questions=None, forget_visits=True),
+        overview=OverviewConfig(
+            image_px=768,
+            strong_colors=False,
+            draw_frontier=False,
+            fill_obstacles=False,
+            clear_numbers=False,
+            visited="positions",
+            max_questions=None,
+            forget_visits=True,
+        ),
         geometric=GeometricConfig(min_frontier_cells=0),
         planning=PlanningConfig(
             margin_m=0.12,
@@ -192,5 +201,12 @@ def preset(name: PresetName) -> HyPerNavConfig:
             pursue_far_sightings=False,
         ),
         prefetch=PrefetchConfig(enabled=False),
-        block_choice=VlmReasonerConfig(mode="paper", skip_only_block=False),
+        block_choice=VlmReasonerConfig(
+            mode="paper",
+            facts=False,
+            list_excluded=True,
+            min_frontier_cells=0,
+            max_blocks=None,
+            skip_only_block=False,
+        ),
     )

@@ -32,7 +32,9 @@ def run(options: Options) -> int:
     console = Terminal(stderr=False, soft_wrap=True)
     faults = []
     with console.status("asking the model …"):
-        findings = check_up(chat, config.grounding, config.block_choice, config.presence)
+        findings = check_up(
+            chat, config.grounding, config.overview, config.block_choice, config.presence
+        )
         for finding in findings:
             console.print(_line(finding))
             faults += [finding] if finding.state is State.FAULT else []

@@ -1,6 +1,6 @@
 """The map as a question: numbered blocks, the image of them, and the answer."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -35,25 +35,35 @@ class Block:
     destination: tuple[float, float]
     travel_m: float
 
+    def holds(self, position: tuple[float, float]) -> bool:
+        """Whether a position ``(x, y)``, metres, lies in the block."""
+        x, y = position[0] - self.x_min, position[1] - self.y_min
+        return 0.0 <= x < self.size_m and 0.0 <= y < self.size_m
+
 
 @dataclass(frozen=True, eq=False)
 class Overview:
     """Everything that a reasoner may know when it chooses a block.
 
     Attributes:
-        draw: Function that draws the image; not every reasoner looks at it.
+        draw: Function that draws the image of the blocks with the first numbers, and hatches those
+            with the second; not every reasoner looks at it.
         blocks: Blocks in the order of their numbers.
         robot: Pose of the robot, ``map`` frame.
+        legend: Sentences that say what the colours and marks of the image mean.
+        trajectory: Positions of the robot so far, ``map`` frame, metres.
     """
 
-    draw: Callable[[], UInt8[np.ndarray, "height width 3"]]
+    draw: Callable[[Collection[int], Collection[int]], UInt8[np.ndarray, "height width 3"]]
     blocks: tuple[Block, ...]
     robot: Pose2
+    legend: str = ""
+    trajectory: Sequence[tuple[float, float]] = ()
 
     @cached_property
     def image(self) -> UInt8[np.ndarray, "height width 3"]:
-        """Map, numbered blocks, robot arrow and trajectory, drawn for a model and for people."""
-        return self.draw()
+        """Map, all blocks, robot arrow and trajectory, drawn for a model and for people."""
+        return self.draw([block.number for block in self.blocks], ())
 
     def block(self, number: int) -> Block:
         """The block with this number."""

@@ -1,7 +1,8 @@
 """Examination of a model and its server before a robot relies on them.
 
 Every check asks about something whose answer is known: a plain colour, a rectangle drawn at a known
-position, a question that a free model would answer at length.
+position, a map of which one room alone leads on, an image that shows a thing and one that doesn't,
+a question that a free model would answer at length.
 """
 
 from collections.abc import Generator, Iterator
@@ -10,7 +11,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from hypernav.core.chat import Answer, Image, Question
+from hypernav.core.chat import Answer, Question
 from hypernav.core.components.protocols import ChatModel
 from hypernav.core.errors import ChatError, ConfigError, ModelRejectedError, ModelSetupError
 from hypernav.core.geometry.boxes import Box
@@ -18,19 +19,31 @@ from hypernav.core.goal import Goal
 from hypernav.models.chat.answer_parsing import shortened, without_thinking
 from hypernav.models.chat.server.openai_chat import OpenAiChat
 from hypernav.models.chat.vlm_families import VlmFamily, family_named, family_of
-from hypernav.perception.explorers.vlm_reasoner import VlmReasonerConfig, map_question
+from hypernav.perception.explorers.block_explorer import OverviewConfig
+from hypernav.perception.explorers.block_replies import chosen_number
+from hypernav.perception.explorers.map_question import (
+    VlmReasonerConfig,
+    map_question,
+    offered_blocks,
+)
+from hypernav.perception.known_answers import (
+    HEIGHT,
+    SHAPE,
+    SHAPE_BOX,
+    WIDTH,
+    drawn_ground,
+    drawn_house,
+    drawn_shape,
+)
 from hypernav.perception.local.grounding_format import read_grounding
 from hypernav.perception.local.presence import PresenceConfig, presence_question
 from hypernav.perception.local.vlm_detector import VlmDetectorConfig, grounding_question
 
-_GOAL = Goal("red rectangle")
-_WIDTH, _HEIGHT = 640, 480
-_SHAPE_BOX = Box(380.0, 90.0, 560.0, 330.0)
-_MAP_SIDE = 768
 _MATCH = 0.5
 _COLOURS: dict[str, tuple[int, int, int]] = {"blue": (30, 60, 220), "green": (40, 160, 60)}
 _READINGS = ("pixels", "thousandths", "unit", "gemini")
-_BLOCKS = (1, 2, 3, 4)
+_MAP_GOAL = Goal("bed")
+_RIGHT_BLOCKS = (2, 3)
 _NO_WORDS = "let the model answer without thinking first; the server's log may say more"
 _WAIT = "look into the server's log; --set chat.timeout_s=… waits longer for an answer"
 
@@ -63,6 +76,7 @@ class Finding:
 def check_up(
     chat: ChatModel,
     grounding: VlmDetectorConfig,
+    overview: OverviewConfig,
     block_choice: VlmReasonerConfig,
     presence: PresenceConfig,
 ) -> Iterator[Finding]:
@@ -71,6 +85,7 @@ def check_up(
     Args:
         chat: Model to examine; best without retries, so that faults show at once.
         grounding: Configuration of the question for boxes.
+        overview: Drawing of the map.
         block_choice: Configuration of the map question.
         presence: Configuration of the question whether the goal is there.
     """
@@ -81,19 +96,12 @@ def check_up(
         if answers and (yield from _check_vision(chat)):
             yield from _check_coordinates(chat, grounding)
             yield from _check_constraints(chat)
-            yield from _time_questions(chat, block_choice, presence)
+            yield from _check_map(chat, overview, block_choice)
+            yield from _check_presence(chat, presence)
         elif answers:
             yield from _check_constraints(chat)
     except ChatError as error:
         yield Finding("answers", State.FAULT, str(error), _WAIT)
-
-
-def drawn_shape() -> Image:
-    """A red rectangle at a known position on a plain, light ground."""
-    image = np.full((_HEIGHT, _WIDTH, 3), 225, dtype=np.uint8)
-    x_min, y_min, x_max, y_max = _SHAPE_BOX.pixels()
-    image[y_min:y_max, x_min:x_max] = (215, 30, 30)
-    return image
 
 
 def _check_server(chat: OpenAiChat) -> Generator[Finding, None, bool]:
@@ -157,7 +165,7 @@ def _check_vision(chat: ChatModel) -> Generator[Finding, None, bool]:
 def _check_coordinates(chat: ChatModel, config: VlmDetectorConfig) -> Iterator[Finding]:
     """In which coordinates the model answers, by a shape at a known position."""
     family, unknown = _family(chat, config)
-    answer = chat.ask(grounding_question(config, family, drawn_shape(), _GOAL))
+    answer = chat.ask(grounding_question(config, family, drawn_shape(), SHAPE))
     best = max(_READINGS, key=lambda name: _overlap(answer.text, family_named(name)))
     scale = _scale(answer.text)
     if _overlap(answer.text, family) >= _MATCH and not unknown:
@@ -199,14 +207,54 @@ def _check_constraints(chat: ChatModel) -> Iterator[Finding]:
     )
 
 
-def _time_questions(
-    chat: ChatModel, block_choice: VlmReasonerConfig, presence: PresenceConfig
+def _check_map(
+    chat: ChatModel, overview: OverviewConfig, config: VlmReasonerConfig
 ) -> Iterator[Finding]:
-    """Time and tokens of the other questions of a search."""
-    image = drawn_shape()
-    overview = np.full((_MAP_SIDE, _MAP_SIDE, 3), 200, dtype=np.uint8)
-    yield _timed(chat.ask(map_question(block_choice, overview, _GOAL, _BLOCKS)), "choose block")
-    yield _timed(chat.ask(presence_question(presence, image, _GOAL)), "verify")
+    """Whether the model finds on a map the one room that leads on."""
+    # Whatever tells the answer in words is left out: the image is examined.
+    config = config.model_copy(
+        update={"facts": False, "min_frontier_cells": 0, "max_blocks": None, "max_tokens": 300}
+    )
+    wrong, answers = [], []
+    for right in _RIGHT_BLOCKS:
+        house = drawn_house(overview, right)
+        question = map_question(config, house, _MAP_GOAL)
+        answer = chat.ask(question)
+        answers.append(answer)
+        numbers = [block.number for block in offered_blocks(config, house, frozenset())]
+        if chosen_number(question, answer, numbers) != right:
+            wrong.append(f"block {right} leads on, and it says '{shortened(answer.text, 60)}'")
+    if wrong:
+        yield Finding(
+            "maps",
+            State.FAULT,
+            f"it can't read maps: of a house with one way out, {'; '.join(wrong)}",
+            "use a larger model, or let our own rule choose blocks: --reasoner geometric",
+        )
+    else:
+        yield Finding("maps", State.GOOD, "it finds the one room that leads on")
+    yield _timed(answers[-1], "choose block")
+
+
+def _check_presence(chat: ChatModel, config: PresenceConfig) -> Iterator[Finding]:
+    """Whether the model tells an image that shows a thing from one that doesn't."""
+    wrong, answers = [], []
+    for image, right in ((drawn_shape(), "yes"), (drawn_ground(), "no")):
+        answer = chat.ask(presence_question(config, image, SHAPE))
+        answers.append(answer)
+        if answer.fault is not None or answer.value != right:
+            shown = "an image with" if right == "yes" else "an empty image without"
+            wrong.append(f"of {shown} the {SHAPE.text} it says '{shortened(answer.text, 40)}'")
+    if wrong:
+        yield Finding(
+            "presence",
+            State.FAULT,
+            f"asked whether it sees a {SHAPE.text}, it is wrong: {'; '.join(wrong)}",
+            "use a larger model, or search without the check: --set presence.enabled=false",
+        )
+    else:
+        yield Finding("presence", State.GOOD, "it tells what is there from what isn't")
+    yield _timed(answers[-1], "verify")
 
 
 def _timed(answer: Answer, kind: str) -> Finding:
@@ -228,16 +276,16 @@ def _family(chat: ChatModel, config: VlmDetectorConfig) -> tuple[VlmFamily, str]
 
 def _overlap(text: str, family: VlmFamily) -> float:
     """Overlap of the best box, read as this family's, with the shape, 0 to 1."""
-    boxes = read_grounding(text, family, _WIDTH, _HEIGHT).boxes
-    return max((one.box.iou(_SHAPE_BOX) for one in boxes), default=0.0)
+    boxes = read_grounding(text, family, WIDTH, HEIGHT).boxes
+    return max((one.box.iou(SHAPE_BOX) for one in boxes), default=0.0)
 
 
 def _scale(text: str) -> float | None:
     """The one factor by which the answer differs from the shape in pixels, if there is one."""
     huge = VlmFamily("pixels", "pixels")
-    for one in read_grounding(text, huge, 20 * _WIDTH, 20 * _HEIGHT).boxes:
-        factor = (one.box.x_max - one.box.x_min) / (_SHAPE_BOX.x_max - _SHAPE_BOX.x_min)
-        edges = (_SHAPE_BOX.x_min, _SHAPE_BOX.y_min, _SHAPE_BOX.x_max, _SHAPE_BOX.y_max)
+    for one in read_grounding(text, huge, 20 * WIDTH, 20 * HEIGHT).boxes:
+        factor = (one.box.x_max - one.box.x_min) / (SHAPE_BOX.x_max - SHAPE_BOX.x_min)
+        edges = (SHAPE_BOX.x_min, SHAPE_BOX.y_min, SHAPE_BOX.x_max, SHAPE_BOX.y_max)
         if one.box.iou(Box(*(factor * edge for edge in edges))) >= _MATCH:
             return factor
     return None

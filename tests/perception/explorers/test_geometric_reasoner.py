@@ -18,7 +18,7 @@ def block(number, frontier_cells, travel_m, destination=(1.0, 0.0)):
 
 
 def choose(*blocks, excluded=(), log=None, **config):
-    overview = Overview(lambda: np.zeros((8, 8, 3), np.uint8), blocks, Pose2(0.0, 0.0, 0.0))
+    overview = Overview(lambda *_: np.zeros((8, 8, 3), np.uint8), blocks, Pose2(0.0, 0.0, 0.0))
     reasoner = GeometricReasoner(log or ExchangeLog(), GeometricConfig(**config))
     return reasoner.choose(overview, GOAL, frozenset(excluded))
 

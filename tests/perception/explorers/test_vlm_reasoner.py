@@ -10,11 +10,14 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.overview import Block, Overview
 from hypernav.core.trace import ExchangeLog
+from hypernav.perception.explorers.block_replies import summarised
 from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
-from hypernav.perception.explorers.vlm_reasoner import VlmReasoner, VlmReasonerConfig, summarised
+from hypernav.perception.explorers.map_question import VlmReasonerConfig
+from hypernav.perception.explorers.vlm_reasoner import VlmReasoner
 
 BED = Goal("bed")
-PAPER = VlmReasonerConfig(mode="paper")
+PAPER = VlmReasonerConfig(mode="paper", list_excluded=True)
+CONSTRAINED = VlmReasonerConfig(mode="constrained")
 NOTHING = frozenset[int]()
 
 
@@ -22,7 +25,7 @@ def overview(count: int = 12) -> Overview:
     blocks = tuple(
         Block(n, float(n), 0.0, 2.0, 100, 10 + n, (n + 1.0, 1.0), 3.0) for n in range(1, count + 1)
     )
-    return Overview(lambda: np.zeros((64, 64, 3), np.uint8), blocks, Pose2(0.0, 0.0, 0.0))
+    return Overview(lambda *_: np.zeros((64, 64, 3), np.uint8), blocks, Pose2(0.0, 0.0, 0.0))
 
 
 def reasoner(
@@ -34,12 +37,12 @@ def reasoner(
 
 def test_constrained_numbers_are_the_only_possible_answers():
     parrot = Parrot("7")
-    chooser, log = reasoner(parrot)
+    chooser, log = reasoner(parrot, CONSTRAINED)
     choice = chooser.choose(overview(), BED, frozenset({2, 3}))
     assert choice.number == 7
     (question,) = parrot.asked
     assert question.allowed == ("1", "4", "5", "6", "7", "8", "9", "10", "11", "12")
-    assert "Don't answer number [2, 3]." in question.text
+    assert "blocks: 1, 4, 5, 6, 7, 8, 9, 10, 11, 12." in question.text
     assert question.images[0].shape == (64, 64, 3)
     (exchange,) = log.drain()
     assert (exchange.kind, exchange.chosen, exchange.excluded) == ("choose block", 7, [2, 3])
@@ -84,7 +87,7 @@ def test_an_excluded_answer_is_asked_for_again():
     assert len(log.drain()) == 3
 
 
-@pytest.mark.parametrize("config", [PAPER, VlmReasonerConfig()])
+@pytest.mark.parametrize("config", [PAPER, CONSTRAINED, VlmReasonerConfig()])
 @pytest.mark.parametrize("text", ["", "who knows", "99", "I'm sorry, I can't.", "3 or 4"])
 def test_ill_formed_answers_fall_back_for_this_choice_only(config: VlmReasonerConfig, text: str):
     parrot = Parrot(text)
@@ -103,7 +106,7 @@ def test_ill_formed_answers_fall_back_for_this_choice_only(config: VlmReasonerCo
 
 def test_asking_again_says_what_was_wrong():
     parrot = Parrot("somewhere", "8")
-    chooser, _ = reasoner(parrot)
+    chooser, _ = reasoner(parrot, CONSTRAINED)
     assert chooser.choose(overview(), BED, NOTHING).number == 8
     assert parrot.asked[0].text != parrot.asked[1].text
     assert "'somewhere'" in parrot.asked[1].text

@@ -13,11 +13,12 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.overview import Block
 from hypernav.core.trace import BlockRecord, StepTrace
 from hypernav.show.drawing import palette
-from hypernav.show.drawing.map_images import draw_map, draw_overview, draw_result, write_map_png
+from hypernav.show.drawing.map_images import draw_map, draw_result, write_map_png
 from hypernav.show.drawing.map_painter import MapPainter
 from hypernav.show.drawing.map_raster import rasterize_map
 from hypernav.show.drawing.map_view import MapView
 from hypernav.show.drawing.number_placement import Disc, Square, number_position
+from hypernav.show.drawing.question_map import draw_question_map
 
 
 def pixels_near(image: np.ndarray, color: palette.Rgb, tolerance: int = 40) -> np.ndarray:
@@ -146,8 +147,8 @@ def test_the_overview_shows_the_whole_arrow_among_sixty_numbers(room: OccupancyG
     blocks = grid_of_blocks(0.4, 10, 6)
     for x, y in ((0.2, -1.3), (1.0, -0.6), (2.05, 0.15)):
         robot = Pose2(x, y, 0.7)
-        with_numbers = draw_overview(room, blocks, robot, [])
-        alone = draw_overview(room, [], robot, [])
+        with_numbers = draw_question_map(room, blocks, robot, [])
+        alone = draw_question_map(room, [], robot, [])
         assert with_numbers.shape == (768, 768, 3)
         assert len(pixels_near(with_numbers, palette.ROBOT, 8)) >= 0.95 * len(
             pixels_near(alone, palette.ROBOT, 8)
@@ -158,7 +159,7 @@ def test_the_overview_holds_blocks_that_reach_beyond_the_explored_area(
     room: OccupancyGrid,
 ) -> None:
     far = block(7, 2.5, 0.5, 2.5)
-    image = draw_overview(room, [far], Pose2(1.0, -0.5, 0.0), [(0.0, -1.0), (1.0, -0.5)])
+    image = draw_question_map(room, [far], Pose2(1.0, -0.5, 0.0), [(0.0, -1.0), (1.0, -0.5)])
     outline = pixels_near(image, palette.BLOCK, 12)
     view = MapView.fit(room, 768, points=[(2.5, 0.5), (5.0, 3.0)], margin=0.04)
     left, top = view.pixel_of(2.5, 3.0)
@@ -190,8 +191,8 @@ def test_records_of_blocks_draw_the_same_image_as_blocks(room: OccupancyGrid) ->
 def test_drawing_changes_neither_map_nor_result(room: OccupancyGrid) -> None:
     before = room.cells.copy()
     arguments = (room, grid_of_blocks(1.0, 3, 2), Pose2(0.0, 0.0, 1.0), [(0.0, -1.0), (0.0, 0.0)])
-    first = draw_overview(*arguments)
-    assert (first == draw_overview(*arguments)).all()
+    first = draw_question_map(*arguments)
+    assert (first == draw_question_map(*arguments)).all()
     assert (room.cells == before).all()
 
 

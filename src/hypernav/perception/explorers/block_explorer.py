@@ -1,9 +1,11 @@
 """Global perception: draw the map, ask which block to visit, remember what was visited."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Literal
 
+import numpy as np
+from jaxtyping import UInt8
 from pydantic import Field
 
 from hypernav.core.components.protocols import BlockReasoner
@@ -15,14 +17,20 @@ from hypernav.core.goal import Goal
 from hypernav.core.overview import Block, Overview
 from hypernav.mapping.blocks import divide_into_blocks
 from hypernav.mapping.config import MappingConfig
-from hypernav.show.drawing.map_images import draw_overview
+from hypernav.mapping.frontiers import find_frontiers
+from hypernav.show.drawing.question_map import QuestionStyle, draw_question_map
 
 
 class OverviewConfig(RoomConfig):
     """Configuration of the map question. The paper gives no values for it: these are ours.
 
     Attributes:
-        image_px: Side of the image of the map, pixels.
+        image_px: Side of the image of the map, pixels; a multiple of 28 fits the patches of most
+            models.
+        strong_colors: Whether unknown stands out from free floor, at least three to one.
+        draw_frontier: Whether the boundary to the unknown is drawn in a colour.
+        fill_obstacles: Whether the inside of furniture and walls, which no camera sees, is filled.
+        clear_numbers: Whether numbers are larger and keep off furniture.
         visited: What counts as a visit: "destinations" that were reached or given up, or the
             "positions" that the robot has been at (paper), beside the latest destination, so that
             the next is a new one.
@@ -34,11 +42,25 @@ class OverviewConfig(RoomConfig):
             goes on; else nothing is left to explore.
     """
 
-    image_px: int = Field(default=768, ge=64, le=4096)
+    image_px: int = Field(default=756, ge=64, le=4096)
+    strong_colors: bool = True
+    draw_frontier: bool = True
+    fill_obstacles: bool = True
+    clear_numbers: bool = True
     visited: Literal["destinations", "positions"] = "destinations"
     visited_radius_m: float = Field(default=0.5, ge=0.0, le=100.0)
     max_questions: int | None = Field(default=4, ge=1, le=1000)
     forget_visits: bool = False
+
+    @property
+    def style(self) -> QuestionStyle:
+        """Style of the image."""
+        return QuestionStyle(
+            strong_colors=self.strong_colors,
+            frontier=self.draw_frontier,
+            fill_obstacles=self.fill_obstacles,
+            clear_numbers=self.clear_numbers,
+        )
 
 
 class BlockExplorer:
@@ -100,22 +122,42 @@ class BlockExplorer:
             if _squares(blocks) == _squares(offered):
                 break
             offered = blocks
-            destination = self._ask(blocks, grid, robot, trajectory)
+            overview = self._overview(blocks, grid, robot, trajectory, clearance_m)
+            destination = self._ask(overview, trajectory)
             if destination is not None:
                 return destination
         return None
 
-    def _ask(
+    def _overview(
         self,
         blocks: tuple[Block, ...],
         grid: OccupancyGrid,
         robot: Pose2,
         trajectory: Sequence[tuple[float, float]],
+        clearance_m: float,
+    ) -> Overview:
+        style, size = self._config.style, self._config.image_px
+
+        def draw(shown: Collection[int], excluded: Collection[int]) -> UInt8[np.ndarray, "_ _ 3"]:
+            found = find_frontiers(grid, robot, self._mapping, clearance_m)
+            frontier = np.concatenate([np.empty((0, 2)), *(one.points for one in found)])
+            return draw_question_map(
+                grid,
+                [one for one in blocks if one.number in shown or one.number in excluded],
+                robot,
+                trajectory,
+                style,
+                size=size,
+                excluded=excluded,
+                frontier=frontier,
+            )
+
+        return Overview(draw, blocks, robot, legend=style.legend, trajectory=trajectory)
+
+    def _ask(
+        self, overview: Overview, trajectory: Sequence[tuple[float, float]]
     ) -> Destination | None:
-        size, radius_m = self._config.image_px, self._config.visited_radius_m
-        overview = Overview(
-            lambda: draw_overview(grid, blocks, robot, trajectory, size=size), blocks, robot
-        )
+        blocks, radius_m = overview.blocks, self._config.visited_radius_m
         excluded: frozenset[int] = frozenset()
         visits = self._visits(trajectory)
         for _ in range(self._config.max_questions or len(blocks)):

@@ -9,7 +9,6 @@ from PIL import Image
 
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.overview import Block
 from hypernav.core.trace import StepTrace
 from hypernav.show.drawing import palette
 from hypernav.show.drawing.legend import Layer, draw_legend
@@ -77,45 +76,6 @@ def draw_map(
     if robot is not None:
         painter.robot(robot)
     return painter.image
-
-
-def draw_overview(
-    grid: OccupancyGrid,
-    blocks: Sequence[Block],
-    robot: Pose2,
-    trajectory: Sequence[XY],
-    *,
-    size: int = 768,
-    excluded: Collection[int] = (),
-) -> UInt8[np.ndarray, "_ _ 3"]:
-    """Draw the image that comes with the question "which block next?".
-
-    White is free, dark is occupied, grey is unknown; the orange arrow is the robot, the blue line
-    its trajectory, the numbered squares are the blocks.
-
-    Args:
-        grid: The map.
-        blocks: All blocks that may be answered.
-        robot: Pose of the robot, ``map`` frame.
-        trajectory: Past positions of the robot, ``map`` frame, metres.
-        size: Side of the image, pixels.
-        excluded: Numbers of blocks that may not be answered; hatched.
-
-    Returns:
-        RGB, ``size`` squared.
-    """
-    corners = [corner for block in blocks for corner in _opposite_corners(block)]
-    view = MapView.fit(grid, size, points=[*corners, robot.xy], margin=0.04)
-    return draw_map(
-        grid, view=view, robot=robot, trajectory=trajectory, blocks=blocks, excluded=excluded
-    )
-
-
-def _opposite_corners(block: Block) -> tuple[XY, XY]:
-    return (
-        (block.x_min, block.y_min),
-        (block.x_min + block.size_m, block.y_min + block.size_m),
-    )
 
 
 def final_view(grid: OccupancyGrid, steps: Sequence[StepTrace], size: int) -> MapView:

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Collection, Iterable, Sequence
 
+import cv2
 import numpy as np
 from jaxtyping import Float64, UInt8
 
@@ -11,9 +12,15 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.overview import Block
 from hypernav.core.trace import BlockRecord
 from hypernav.show.drawing import palette, shapes
-from hypernav.show.drawing.map_raster import rasterize_map
+from hypernav.show.drawing.map_raster import CellColors, rasterize_map
 from hypernav.show.drawing.map_view import MapView
-from hypernav.show.drawing.number_placement import Disc, Square, number_position, number_size
+from hypernav.show.drawing.number_placement import (
+    Disc,
+    Square,
+    clear_position,
+    number_position,
+    number_size,
+)
 from hypernav.show.drawing.text import draw_text, text_width
 
 _SHADES_OF_TIME = 24
@@ -38,7 +45,12 @@ class MapPainter:
     """
 
     def __init__(
-        self, grid: OccupancyGrid, *, size: int = 768, view: MapView | None = None
+        self,
+        grid: OccupancyGrid,
+        *,
+        size: int = 768,
+        view: MapView | None = None,
+        colors: CellColors | None = None,
     ) -> None:
         """Paint the cells.
 
@@ -46,10 +58,24 @@ class MapPainter:
             grid: The map.
             size: Side of the image, pixels; unused if ``view`` is given.
             view: Window of the map; by default the explored area, fitted and centred.
+            colors: Colours of the cells; those of all other maps unless given.
         """
         self.view = view if view is not None else MapView.fit(grid, size)
-        self.image: UInt8[np.ndarray, "_ _ 3"] = rasterize_map(grid, self.view)
+        self.image: UInt8[np.ndarray, "_ _ 3"] = rasterize_map(grid, self.view, colors)
         self._unit = self.view.size / 768.0
+
+    def frontier(self, points: Float64[np.ndarray, "_ 2"], side_m: float) -> None:
+        """Mark cells that touch the unknown.
+
+        Args:
+            points: Middles of the cells, metres.
+            side_m: Side of a cell, metres.
+        """
+        half = max(0.5 * side_m * self.view.pixels_per_m, 2.2 * self._unit)
+        for u, v in self._pixels(points):
+            shapes.rectangle(
+                self.image, (u - half, v - half), (u + half, v + half), palette.FRONTIER
+            )
 
     def goal_area(self, polygons: Iterable[Sequence[XY]]) -> None:
         """Fill the cells that the goal was seen on."""
@@ -113,6 +139,45 @@ class MapPainter:
                 halo=palette.FREE,
                 halo_px=max(round(2 * self._unit), 1),
                 opacity=opacity,
+            )
+
+    def clear_numbers(
+        self,
+        blocks: Sequence[NumberedSquare],
+        grid: OccupancyGrid,
+        *,
+        excluded: Collection[int] = (),
+        robot: Pose2,
+    ) -> None:
+        """Write larger numbers of blocks, on free floor where there is room, never on furniture.
+
+        Args:
+            blocks: Numbered blocks.
+            grid: The map.
+            excluded: Numbers of the blocks that are not numbered.
+            robot: Pose of the robot, whose arrow stays clear.
+        """
+        squares = {b.number: self._square(b) for b in blocks if b.number not in excluded}
+        size = number_size(list(squares.values()), self.view.size, most=1.0 / 22.0)
+        hides = _Hidden(grid, self.view)
+        for number, square in squares.items():
+            width = text_width(str(number), size, bold=True) + 4.0
+            at = clear_position(
+                square,
+                width,
+                0.8 * size,
+                self._arrow_disc(robot),
+                lambda u, v, width=width: hides.weight(u, v, width, 0.8 * size),
+            )
+            draw_text(
+                self.image,
+                str(number),
+                at,
+                size,
+                bold=True,
+                align=0.5,
+                halo=palette.FREE,
+                halo_px=max(round(2 * self._unit), 1),
             )
 
     def trajectory(self, points: Sequence[XY]) -> None:
@@ -189,7 +254,9 @@ class MapPainter:
             halo=palette.FREE,
         )
 
-    def _pixels(self, points: Sequence[XY]) -> Float64[np.ndarray, "_ 2"]:
+    def _pixels(
+        self, points: Sequence[XY] | Float64[np.ndarray, "_ 2"]
+    ) -> Float64[np.ndarray, "_ 2"]:
         return self.view.to_pixels(np.asarray(points, dtype=np.float64).reshape(-1, 2))
 
     def _square(self, block: NumberedSquare) -> Square:
@@ -210,6 +277,27 @@ class MapPainter:
 
     def _mark_disc(self, x: float, y: float) -> Disc:
         return Disc(*self.view.pixel_of(x, y), max(13.0 * self._unit, 8.0))
+
+
+class _Hidden:
+    """What a number would hide: above all obstacles, and better floor than the unknown."""
+
+    def __init__(self, grid: OccupancyGrid, view: MapView) -> None:
+        cells = CellColors((1, 0, 0), (0, 0, 0), (100, 0, 0))
+        weights = rasterize_map(grid, view, cells)[..., 0]
+        self._sums = cv2.integral(weights)
+        self._most = view.size
+
+    def weight(self, u: float, v: float, width: float, height: float) -> float:
+        """Mean weight of the pixels under a number that is centred at ``(u, v)``."""
+        left, right = (self._bounded(u + side * width / 2.0) for side in (-1, 1))
+        top, bottom = (self._bounded(v + side * height / 2.0) for side in (-1, 1))
+        sums = self._sums
+        total = sums[bottom, right] - sums[top, right] - sums[bottom, left] + sums[top, left]
+        return float(total) / max((right - left) * (bottom - top), 1)
+
+    def _bounded(self, pixel: float) -> int:
+        return min(max(round(pixel), 0), self._most)
 
 
 def draw_arrow(

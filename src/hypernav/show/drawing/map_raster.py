@@ -1,7 +1,8 @@
 """Base layer of every map image: unknown, free and occupied cells as colours."""
 
 import math
-from functools import reduce
+from functools import lru_cache, reduce
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -18,11 +19,21 @@ _SHADE_OCCUPIED, _SHADE_UNKNOWN, _SHADE_FREE = 0, 128, 255
 _SUPERSAMPLING = 2
 
 
-def _color_table() -> UInt8[np.ndarray, "1 256 3"]:
+class CellColors(NamedTuple):
+    """Colours of the three states of a cell."""
+
+    unknown: Rgb = UNKNOWN
+    free: Rgb = FREE
+    occupied: Rgb = OCCUPIED
+
+
+@lru_cache(maxsize=4)
+def _color_table(colors: CellColors) -> UInt8[np.ndarray, "1 256 3"]:
     def color(shade: int) -> Rgb:
         if shade <= _SHADE_UNKNOWN:
-            return blend(OCCUPIED, UNKNOWN, shade / _SHADE_UNKNOWN)
-        return blend(UNKNOWN, FREE, (shade - _SHADE_UNKNOWN) / (_SHADE_FREE - _SHADE_UNKNOWN))
+            return blend(colors.occupied, colors.unknown, shade / _SHADE_UNKNOWN)
+        share = (shade - _SHADE_UNKNOWN) / (_SHADE_FREE - _SHADE_UNKNOWN)
+        return blend(colors.unknown, colors.free, share)
 
     return np.array([[color(shade) for shade in range(256)]], dtype=np.uint8)
 
@@ -34,11 +45,12 @@ def _shade_table() -> UInt8[np.ndarray, "256"]:
     return shades
 
 
-_COLORS = _color_table()
 _SHADES = _shade_table()
 
 
-def rasterize_map(grid: OccupancyGrid, view: MapView) -> UInt8[np.ndarray, "_ _ 3"]:
+def rasterize_map(
+    grid: OccupancyGrid, view: MapView, colors: CellColors | None = None
+) -> UInt8[np.ndarray, "_ _ 3"]:
     """Draw the cells that a window shows, edges anti-aliased.
 
     Where a pixel covers many cells, an obstacle among them wins: thin walls stay visible on the
@@ -58,7 +70,7 @@ def rasterize_map(grid: OccupancyGrid, view: MapView) -> UInt8[np.ndarray, "_ _ 
     shade = cv2.LUT(_cells_at(cells, rows, columns), _SHADES)
     if samples != view.size:
         shade = cv2.resize(shade, (view.size, view.size), interpolation=cv2.INTER_AREA)
-    return cv2.LUT(cv2.cvtColor(shade, cv2.COLOR_GRAY2RGB), _COLORS)
+    return cv2.LUT(cv2.cvtColor(shade, cv2.COLOR_GRAY2RGB), _color_table(colors or CellColors()))
 
 
 def _downsampled(grid: OccupancyGrid, factor: int) -> tuple[UInt8[np.ndarray, "_ _"], float]:

@@ -1,7 +1,7 @@
 """Positions of block numbers: inside their squares and clear of the robot."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 _OFFSETS = tuple(
@@ -64,6 +64,35 @@ def number_position(
     return _moved_away(middle, width, height, robot) if robot is not None else middle
 
 
+def clear_position(
+    square: Square,
+    width: float,
+    height: float,
+    robot: Disc | None,
+    cover: Callable[[float, float], float],
+) -> tuple[float, float]:
+    """Centre of a number that hides as little as it can, and lies near the square's centre.
+
+    Args:
+        square: The block.
+        width: Width of the written number.
+        height: Height of the written number.
+        robot: Disc that holds the robot's arrow.
+        cover: Function that weighs what a number centred at ``(u, v)`` would hide.
+
+    Returns:
+        ``(u, v)``.
+    """
+    middle = (square.left + square.side / 2.0, square.top + square.side / 2.0)
+    reach_u = max(square.side - width, 0.0) / 2.0
+    reach_v = max(square.side - height, 0.0) / 2.0
+    places = [(middle[0] + u * reach_u, middle[1] + v * reach_v) for u, v in _OFFSETS]
+    if robot is not None:
+        apart = [at for at in places if _apart(at, width, height, robot)]
+        places = apart or [_moved_away(middle, width, height, robot)]
+    return min(places, key=lambda at: round(cover(*at), 3))
+
+
 def _apart(at: tuple[float, float], width: float, height: float, disc: Disc) -> bool:
     beyond_u = max(abs(at[0] - disc.u) - width / 2.0, 0.0)
     beyond_v = max(abs(at[1] - disc.v) - height / 2.0, 0.0)
@@ -80,7 +109,13 @@ def _moved_away(
     return disc.u + direction[0] * distance, disc.v + direction[1] * distance
 
 
-def number_size(squares: Sequence[Square], image_size: int) -> int:
-    """Font size of all numbers of an image, fitted to the smallest square, pixels."""
+def number_size(squares: Sequence[Square], image_size: int, *, most: float = 1.0 / 30.0) -> int:
+    """Font size of all numbers of an image, fitted to the smallest square, pixels.
+
+    Args:
+        squares: All blocks.
+        image_size: Side of the image.
+        most: Largest size, as a share of the image's side.
+    """
     side = min((square.side for square in squares), default=0.0)
-    return round(min(max(0.38 * side, image_size / 64.0, 9.0), image_size / 30.0))
+    return round(min(max(0.38 * side, image_size / 64.0, 9.0), image_size * most))

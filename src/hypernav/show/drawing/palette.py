@@ -14,6 +14,11 @@ UNKNOWN: Rgb = (221, 225, 230)
 FREE: Rgb = (255, 255, 255)
 OCCUPIED: Rgb = (43, 52, 64)
 
+UNKNOWN_STRONG: Rgb = (138, 144, 152)
+"""Stands out from white at least three to one, for models that see the map small."""
+OCCUPIED_STRONG: Rgb = (16, 18, 24)
+FRONTIER: Rgb = (204, 0, 120)
+
 TRAJECTORY_OLD: Rgb = (158, 202, 232)
 TRAJECTORY_NEW: Rgb = (0, 96, 160)
 ROBOT: Rgb = (213, 94, 0)

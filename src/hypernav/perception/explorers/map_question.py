@@ -1,0 +1,160 @@
+"""The question about the map, as a model gets it."""
+
+import math
+from typing import Literal
+
+from pydantic import Field
+
+from hypernav.core.chat import Question
+from hypernav.core.config import RoomConfig
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
+from hypernav.core.overview import Block, Overview
+
+_CONTEXT = (
+    "A robot searches an unknown building for: {goal}. The picture is the map that it has drawn so "
+    "far, seen from above: white is free floor, dark is walls and furniture, grey is not yet "
+    "explored. The orange arrow is the robot and where it looks, the blue line is where it has "
+    "been. The explored area is divided into numbered blocks: {numbers}."
+)
+_FREE = (
+    "Which numbered block should the robot go to next to find the {goal}? Think about what kind of "
+    "room each part may be and where unexplored space begins. Answer with the number of one block "
+    "and a short reason."
+)
+_CONSTRAINED = (
+    "Which numbered block should the robot go to next to find the {goal}? Answer with the number "
+    "only."
+)
+_REASONED = (
+    "A robot searches an unknown building for this: {goal}. The image is the map that it has drawn "
+    "so far, seen from above: {legend}.\n\n"
+    "It can go to these numbered blocks:\n{facts}\n\n"
+    "Which numbered block should the robot go to next to find the {goal}? Think about what kind of "
+    "room each part may be, where such a thing usually is and where unexplored space begins. "
+    'Reason in two or three sentences. Then end with a last line "Answer: N", where N is one of '
+    "{numbers}."
+)
+_DIRECTIONS = ("ahead", "ahead on the left", "on the left", "behind on the left")
+
+
+class VlmReasonerConfig(RoomConfig):
+    """Configuration of the map question to a model. Values not marked with "paper" are ours.
+
+    Attributes:
+        mode: Form of the answer. "paper": free text, summarised to a number by rules and, where
+            they fail, by a second short question. "reasoned": a short reasoning and a last line
+            "Answer: N", which are read in the same way. "constrained": the numbers are the only
+            possible answers.
+        facts: Whether a reasoned question says for each block how far it is, in which direction,
+            what share of the unexplored boundary it holds, and whether the robot was there.
+        list_excluded: Whether blocks that are ruled out are shown like all others and named in
+            "don't answer number [x, …]" (paper), instead of being hatched and left out.
+        min_frontier_cells: Length of unexplored boundary, cells, below which a block holds nothing
+            new and is left out; 0 leaves none out (paper).
+        max_blocks: Largest number of blocks to choose from, those with the longest boundaries; None
+            for all.
+        attempts: Number of questions, where answers give no number, before the fallback chooses.
+        max_tokens: Limit on the length of a free answer, tokens.
+        skip_only_block: Whether to go without a question where only one block is left.
+    """
+
+    mode: Literal["paper", "reasoned", "constrained"] = "reasoned"
+    facts: bool = True
+    list_excluded: bool = False
+    min_frontier_cells: int = Field(default=6, ge=0, le=1_000_000)
+    max_blocks: int | None = Field(default=20, ge=1, le=10_000)
+    attempts: int = Field(default=2, ge=1, le=100)
+    max_tokens: int = Field(default=300, ge=16, le=1_000_000)
+    skip_only_block: bool = True
+
+
+def offered_blocks(
+    config: VlmReasonerConfig, overview: Overview, excluded: frozenset[int]
+) -> list[Block]:
+    """The blocks that may be answered, in the order of their numbers."""
+    offered = [
+        block
+        for block in overview.blocks
+        if block.number not in excluded and block.frontier_cells >= config.min_frontier_cells
+    ]
+    longest = sorted(offered, key=lambda block: (-block.frontier_cells, block.travel_m))
+    return sorted(longest[: config.max_blocks], key=lambda block: block.number)
+
+
+def map_question(
+    config: VlmReasonerConfig,
+    overview: Overview,
+    goal: Goal,
+    excluded: frozenset[int] = frozenset(),
+    *,
+    hint: str = "",
+) -> Question:
+    """Question to a model about one map.
+
+    Args:
+        config: Form of the question.
+        overview: Map and blocks.
+        goal: Target of the search.
+        excluded: Numbers of the blocks that must not be answered.
+        hint: Additional text about an answer that could not be used.
+    """
+    offered = offered_blocks(config, overview, excluded)
+    numbers = [block.number for block in offered]
+    shown, hatched = frozenset(numbers), excluded
+    avoid = ""
+    if config.list_excluded:
+        shown, hatched = shown | excluded, frozenset[int]()
+        # The paper's words for what was visited already.
+        avoid = f" Don't answer number {sorted(excluded)}." if excluded else ""
+    return Question(
+        kind="choose block",
+        text=_text(config, overview, goal, offered, shown) + avoid + hint,
+        images=(overview.draw(shown, hatched),),
+        allowed=tuple(map(str, numbers)) if config.mode == "constrained" else (),
+        max_tokens=8 if config.mode == "constrained" else config.max_tokens,
+    )
+
+
+def _text(
+    config: VlmReasonerConfig,
+    overview: Overview,
+    goal: Goal,
+    offered: list[Block],
+    shown: frozenset[int],
+) -> str:
+    numbers = ", ".join(map(str, sorted(shown)))
+    if config.mode == "reasoned":
+        return _REASONED.format(
+            goal=goal.thing,
+            legend=overview.legend,
+            facts=_facts(offered, overview) if config.facts else numbers,
+            numbers=", ".join(str(block.number) for block in offered),
+        )
+    context = _CONTEXT.format(goal=goal.text.strip(), numbers=numbers)
+    asked = _FREE if config.mode == "paper" else _CONSTRAINED
+    return f"{context}\n\n{asked.format(goal=goal.text.strip())}"
+
+
+def _facts(blocks: list[Block], overview: Overview) -> str:
+    """What is known of each block, a line for each."""
+    boundary = max(sum(block.frontier_cells for block in overview.blocks), 1)
+    lines = []
+    for block in blocks:
+        share = block.frontier_cells / boundary
+        borders = f"{share:.0%} of the boundary to the unexplored" if share else "nothing new"
+        was_there = any(map(block.holds, overview.trajectory))
+        visited = "the robot was there" if was_there else "not visited yet"
+        lines.append(
+            f"- block {block.number}: {_whereabouts(block, overview.robot)}; {borders}; {visited}"
+        )
+    return "\n".join(lines)
+
+
+def _whereabouts(block: Block, robot: Pose2) -> str:
+    """Distance and direction of a block, for example "3.2 m away, ahead on the left"."""
+    far = f"{block.travel_m:.1f} m away" if math.isfinite(block.travel_m) else "out of reach"
+    bearing = robot.bearing_to(*block.destination)
+    eighth = round(abs(bearing) / (math.pi / 4.0))
+    words = _DIRECTIONS[eighth] if eighth < len(_DIRECTIONS) else "behind"
+    return f"{far}, {words if bearing > 0 else words.replace('left', 'right')}"
