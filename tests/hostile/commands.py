@@ -31,7 +31,7 @@ class Ended:
         status: Exit status, or the negative number of the signal that killed it.
         out: Standard output.
         err: Standard error.
-        seconds: Wall-clock time.
+        seconds: Wall-clock time; in a forked child, less what it waited for a core.
         peak_mb: Peak memory above that of a process that has only imported everything.
     """
 

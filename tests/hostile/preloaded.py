@@ -17,6 +17,7 @@ import sys
 import tempfile
 import threading
 import time
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO, Any, NoReturn
@@ -35,7 +36,8 @@ class Request:
         arguments: The command line without its first word.
         folder: Working folder.
         environment: Environment variables that are set for it.
-        seconds: Time limit; the child and what it started are killed then.
+        seconds: Time limit; the child and what it started are killed then. Time that it waits for
+            a core doesn't count.
         memory_mb: Memory limit above that of the parent.
         file_mb: Limit of a file's size; writing beyond it fails as on a full disk.
     """
@@ -100,18 +102,26 @@ def _become(request: Request, out: IO[bytes], err: IO[bytes]) -> None:
 def _wait(child: int, seconds: float) -> dict[str, Any]:
     """The end of a child, which comes by force after the time limit."""
     began = time.monotonic()
-    late = False
+    taken, late = 0.0, False
     while not (ended := os.wait4(child, os.WNOHANG))[0]:
-        if not late and time.monotonic() - began > seconds:
+        taken = time.monotonic() - began - _starved_s(child)
+        if not late and taken > seconds:
             late = True
             os.killpg(child, signal.SIGKILL)
         time.sleep(_POLL_S)
     _, status, usage = ended
     return {
         "status": os.waitstatus_to_exitcode(status),
-        "seconds": time.monotonic() - began,
+        "seconds": taken,
         "peak_mb": usage.ru_maxrss / 1024,
     }
+
+
+def _starved_s(process: int) -> float:
+    """How long a process has waited for a core that others had: that isn't its fault, seconds."""
+    with suppress(FileNotFoundError):
+        return int(Path(f"/proc/{process}/schedstat").read_text().split()[1]) / 1e9
+    return 0.0
 
 
 def _limit(what: int, megabytes: float) -> None:
