@@ -17,6 +17,8 @@ from hypernav.datasets.habitat_format import EpisodeDataset
 
 _MOST_BYTES = 500_000_000
 """The largest text; the one file of all of MP3D's validation episodes has a third of it."""
+_MOST_ERRORS = 10_000
+"""The most errors of which the first is described: pydantic writes all of them out at once."""
 _GZIP_MAGIC = b"\x1f\x8b"
 _SUFFIXES = (".json.gz", ".json")
 _TRIED_TYPES = ("int", "float", "constrained-float", "str")
@@ -123,6 +125,8 @@ def _unpacked(path: Path) -> bytes:
 
 def _description(error: ValidationError, text: bytes) -> str:
     """First error, with the name of the episode or goal that has it."""
+    if error.error_count() > _MOST_ERRORS:
+        return f"{error.error_count():,} values are not what Habitat's format has; is it another?"
     first = error.errors(include_url=False)[0]
     location = first["loc"]
     if first["type"] == "json_invalid":
