@@ -19,6 +19,7 @@ from small_episodes import episode_from
 from small_worlds import small_config, two_rooms
 
 START = Pose2(2.5, 1.0, math.pi / 2)
+FAR = Pose2(1.5, 3.0, math.pi)
 BED = Goal("bed")
 QUICK = {"timeout_s": 5.0, "patience_s": 10.0, "first_wait_s": 0.01, "longest_wait_s": 0.1}
 NO_FAULTS: dict[Failure, float] = {}
@@ -157,7 +158,8 @@ def test_another_label_is_seen_in_the_trace(server: ScriptedServer):
 def test_a_babbling_model_falls_back_and_is_counted(server: ScriptedServer):
     server.personality.honours = ()
     bend(server, Errors(babble=1.0))
-    parts = agent_on(server.spec)
+    trusting = small_config(chat=QUICK, presence={"unsure": "yes"})
+    parts = build_agent(trusting, ComponentSpecs(vlm=server.spec))
     steps, result = search(parts)
     report = parts.take_report()
     assert result.outcome is Outcome.FOUND
@@ -165,6 +167,25 @@ def test_a_babbling_model_falls_back_and_is_counted(server: ScriptedServer):
     assert report["fallbacks"]["unsure_presence_checks"] > 0
     faults = [one.fault for step in steps for one in step.exchanges if one.fault]
     assert report["ledger"]["total"]["faults"] == {"unparsable": len(faults)}
+
+
+def test_a_model_that_cannot_say_yes_has_not_found_the_goal(server: ScriptedServer):
+    server.personality.honours = ()
+    bend(server, Errors(babble=1.0))
+    parts = agent_on(server.spec)
+    _, result = search(parts)
+    assert result.outcome is Outcome.NOT_FOUND
+    assert parts.take_report()["fallbacks"]["unsure_presence_checks"] > 0
+
+
+def test_the_search_is_as_good_as_the_model_that_reads_the_map(server: ScriptedServer):
+    """The scripted model names the block on the true shortest path, or as often another."""
+    lengths_m = {}
+    for wrong in (0.0, 1.0):
+        bend(server, Errors(wrong_block=wrong))
+        runs = [search(agent_on(server.spec), start=start)[1] for start in (START, FAR)]
+        lengths_m[wrong] = sum(run.metrics.path_length_m for run in runs)
+    assert lengths_m[0.0] <= lengths_m[1.0]
 
 
 def test_a_model_that_denies_the_goal_has_the_place_rejected(server: ScriptedServer):

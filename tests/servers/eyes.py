@@ -27,7 +27,7 @@ class SeeingBrain:
                 return json.dumps([{"bbox_2d": self._red(asked.images[0]), "label": "red"}])
             case "choose block":
                 return f"One room alone is open.\nAnswer: {self.open_room(asked.images[0])}"
-            case "verify":
+            case "verify" | "crop":
                 return "yes" if self._is_red(asked.images[0]).any() else "no"
         return _ESSAY
 

@@ -53,8 +53,10 @@ class Asked:
             return "ground"
         if "Which numbered block" in self.text:
             return "choose block"
-        if self.text.startswith("Is there a"):
+        if self.text.startswith("Is there "):
             return "verify"
+        if self.text.startswith("What is the thing in the middle"):
+            return "crop"
         return "summarise" if "Which number did they choose" in self.text else "other"
 
 

@@ -17,12 +17,13 @@ import numpy as np
 import pytest
 
 from hypernav.core.chat import Question
-from hypernav.core.geometry.boxes import Box
+from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.overview import Block, Overview
 from hypernav.models.chat.vlm_families import family_named
 from hypernav.perception.explorers.vlm_reasoner import VlmReasoner
+from hypernav.perception.local.crop_check import crop_of
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.perception.local.presence import VlmPresenceCheck
 from hypernav.perception.local.vlm_detector import VlmDetector
@@ -61,6 +62,7 @@ class Truth:
 
     observations: list[tuple[np.ndarray, Observation]] = field(default_factory=list)
     overviews: list[tuple[np.ndarray, tuple[Overview, Goal]]] = field(default_factory=list)
+    crops: list[tuple[np.ndarray, tuple[Box, Observation, Goal]]] = field(default_factory=list)
     world: SimulatedWorld | None = None
 
     def see(self, observation: Observation) -> None:
@@ -100,6 +102,12 @@ def offered_numbers(text: str) -> set[int]:
     return listed - ruled_out
 
 
+def _share_inside(box: Box, other: Box) -> float:
+    width = min(box.x_max, other.x_max) - max(box.x_min, other.x_min)
+    height = min(box.y_max, other.y_max) - max(box.y_min, other.y_min)
+    return max(width, 0.0) * max(height, 0.0) / max(box.area, 1e-9)
+
+
 def _recognised(image: np.ndarray, known: list) -> Any:
     small = _small(image)
     return min(reversed(known), key=lambda one: float(np.abs(one[0] - small).mean()))[1]
@@ -110,6 +118,7 @@ def watching(truth: Truth) -> Iterator[Truth]:
     """While it lasts, all that is asked about in this process becomes known to the truth."""
     about_image, about_map = VlmDetector.question, VlmReasoner.question
     is_present, reset = VlmPresenceCheck.is_present, SimulatedWorld.reset
+    looked_at = VlmDetector._looked_at
 
     def watched_image(self: VlmDetector, observation: Observation, goal: Goal) -> Question:
         truth.see(observation)
@@ -121,6 +130,14 @@ def watching(truth: Truth) -> Iterator[Truth]:
         question = about_map(self, overview, goal, *others, **more)
         truth.draw(question.images[0], overview, goal)
         return question
+
+    def watched_crops(
+        self: VlmDetector, found: list[Detection], observation: Observation, goal: Goal
+    ) -> list[Detection]:
+        for one in found:
+            crop = crop_of(observation.rgb, one.box, self._config.crop_margin)
+            truth.crops.append((_small(crop), (one.box, observation, goal)))
+        return looked_at(self, found, observation, goal)
 
     def watched_reset(self: SimulatedWorld, *others: Any, **more: Any) -> Observation:
         truth.world = self
@@ -134,6 +151,7 @@ def watching(truth: Truth) -> Iterator[Truth]:
         patch.setattr(VlmDetector, "question", watched_image)
         patch.setattr(VlmReasoner, "question", watched_map)
         patch.setattr(VlmPresenceCheck, "is_present", watched_presence)
+        patch.setattr(VlmDetector, "_looked_at", watched_crops)
         patch.setattr(SimulatedWorld, "reset", watched_reset)
         yield truth
 
@@ -155,6 +173,8 @@ class TruthfulBrain:
                 return self._choose(asked)
             case "verify":
                 return self._verify(asked)
+            case "crop":
+                return self._look_closer(asked)
         return "I was not asked a question that I know."
 
     def _happens(self, rate: float) -> bool:
@@ -196,10 +216,17 @@ class TruthfulBrain:
             return str(best.number)
         return f"The goal is that way.\nAnswer: {best.number}"
 
+    def _look_closer(self, asked: Asked) -> str:
+        if self._happens(self.errors.babble):
+            return "It is what it is."
+        box, view, goal = _recognised(asked.images[0], self._truth.crops)
+        things = self._detector.detect(view, goal)
+        return "yes" if any(_share_inside(box, thing.box) > 0.5 for thing in things) else "no"
+
     def _verify(self, asked: Asked) -> str:
         if self._happens(self.errors.babble):
             return "Beauty lies in the eye of the beholder."
-        match = re.match(r"Is there a (.+?) in this picture", asked.text)
+        match = re.match(r"Is there (?:an? )?(.+?) in this picture", asked.text)
         goal = Goal(match[1] if match else "nothing")
         view = _recognised(asked.images[0], self._truth.observations)
         assert isinstance(view, Observation)

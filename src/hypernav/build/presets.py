@@ -200,6 +200,8 @@ def preset(name: PresetName) -> HyPerNavConfig:
             see_before_stop=False,
             pursue_far_sightings=False,
         ),
+        grounding=VlmDetectorConfig(right_articles=False, score_crops=0, min_score=0.0),
+        presence=PresenceConfig(right_articles=False, unsure="yes"),
         prefetch=PrefetchConfig(enabled=False),
         block_choice=VlmReasonerConfig(
             mode="paper",

@@ -10,6 +10,10 @@ MAX_GOAL_LENGTH = 500
 """Maximum length of a goal, characters: several sentences, and small enough for every prompt."""
 
 _ARTICLE = re.compile(r"^(the|an?) ", re.IGNORECASE)
+_VOWEL = re.compile(
+    r"(?!uni|use|uti|euro|one\b|one-)[aeiou]|hour|honest|heir|[fhlmnrsx]-", re.IGNORECASE
+)
+_WITHOUT_ARTICLE = re.compile(r"(?:equipment|furniture|clothes|food|water|[^su]s)$", re.IGNORECASE)
 _UNPRINTABLE = {"Cc": "a control character", "Cs": "half a character, it is no valid UTF-8"}
 
 
@@ -42,3 +46,14 @@ class Goal:
     def thing(self) -> str:
         """The text without a leading article, for sentences about "the …"."""
         return _ARTICLE.sub("", self.text.strip())
+
+    @property
+    def with_article(self) -> str:
+        """The thing with the right article: "a bed", "an umbrella", "stairs"."""
+        if _WITHOUT_ARTICLE.search(self.thing):
+            return self.thing
+        return f"{'an' if _VOWEL.match(self.thing) else 'a'} {self.thing}"
+
+    def named_in(self, text: str) -> str:
+        """A text with the goal for ``{goal}``, and with its right article for ``a {goal}``."""
+        return text.replace("a {goal}", self.with_article).replace("{goal}", self.thing)

@@ -28,6 +28,7 @@ MODES_EXPLAINED: dict[Mode, str] = {
 QUESTIONS: dict[str, str] = {
     "ground": "Is it in the image?",
     "choose block": "Where to look next?",
+    "crop": "Is it that, seen closer?",
     "verify": "Is it really there?",
     "summarise": "Which number was meant?",
     "attention": "Is there anything new to see?",

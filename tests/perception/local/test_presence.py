@@ -11,7 +11,7 @@ from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
-from hypernav.perception.local.presence import PresenceConfig, VlmPresenceCheck
+from hypernav.perception.local.presence import PresenceConfig, VlmPresenceCheck, presence_question
 
 BED = Goal("bed")
 VIEW = Observation(
@@ -40,6 +40,23 @@ def test_neither_counts_as_configured_and_is_told(unsure: Literal["yes", "no"]):
     assert check.is_present(VIEW, BED) is (unsure == "yes")
     assert check.unsure == 1
     assert f"taken for {unsure}" in log.drain()[0].remarks[0]
+
+
+@pytest.mark.parametrize(
+    ("goal", "question"),
+    [
+        ("bed", "Is there a bed in this picture?"),
+        ("umbrella", "Is there an umbrella in this picture?"),
+        ("the chair in the office", "Is there a chair in the office in this picture?"),
+        ("unicorn", "Is there a unicorn in this picture?"),
+        ("L-shaped sofa", "Is there an L-shaped sofa in this picture?"),
+        ("stairs", "Is there stairs in this picture?"),
+        ("glass", "Is there a glass in this picture?"),
+    ],
+)
+def test_the_goal_has_the_right_article(goal: str, question: str):
+    asked = presence_question(PresenceConfig(), VIEW.rgb, Goal(goal))
+    assert asked.text.startswith(question)
 
 
 def test_probabilities_decide_where_there_are_some():

@@ -4,15 +4,18 @@ import numpy as np
 import pytest
 
 from chat_models import Parrot
+from hypernav.core.chat import Answer, Question
 from hypernav.core.errors import ConfigError, ModelUnavailableError
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
+from hypernav.perception.local.crop_check import confusions, crop_question
 from hypernav.perception.local.vlm_detector import VlmDetector, VlmDetectorConfig, labels_agree
 
 BED = Goal("bed")
+AS_THEY_ARE = VlmDetectorConfig(score_crops=0)
 
 
 @pytest.fixture
@@ -29,7 +32,7 @@ def said(*boxes: list[float], label: str = "bed") -> str:
 
 def test_boxes_come_back_in_pixels_of_the_camera_image(view: Observation):
     parrot, log = Parrot(said([322, 238, 644, 476], [0, 0, 161, 119])), ExchangeLog()
-    first, second = VlmDetector(parrot, log).detect(view, BED)
+    first, second = VlmDetector(parrot, log, AS_THEY_ARE).detect(view, BED)
     assert (first.box.x_min, first.box.y_max) == pytest.approx((320.0, 480.0))
     assert (second.box.x_max, second.box.y_max) == pytest.approx((160.0, 120.0))
     assert (first.label, first.score) == ("bed", 1.0)
@@ -42,7 +45,7 @@ def test_boxes_come_back_in_pixels_of_the_camera_image(view: Observation):
 def test_the_exchange_is_logged_word_for_word(view: Observation):
     text = said([0, 0, 161, 119])
     log = ExchangeLog()
-    VlmDetector(Parrot(text), log).detect(view, BED)
+    VlmDetector(Parrot(text), log, AS_THEY_ARE).detect(view, BED)
     (exchange,) = log.drain()
     assert (exchange.kind, exchange.asked, exchange.answer) == ("ground", "parrot/Qwen2.5-VL", text)
     assert (exchange.tokens_in, exchange.tokens_out) == (100, len(text))
@@ -140,3 +143,65 @@ def test_a_goal_with_braces_is_only_text(view: Observation):
     parrot = Parrot("[]")
     VlmDetector(parrot, ExchangeLog()).detect(view, Goal("{key} {0}"))
     assert "every {key} {0} in" in parrot.asked[0].text
+
+
+class Certain(Parrot):
+    """Says where beds are, and how likely each crop is one."""
+
+    def __init__(self, boxes: str, *yes: float) -> None:
+        super().__init__(boxes)
+        self.yes = list(yes)
+
+    def ask(self, question: Question) -> Answer:
+        if question.kind != "crop":
+            return super().ask(question)
+        self.asked.append(question)
+        yes = self.yes.pop(0)
+        said = "yes" if yes > 0.5 else "no"
+        return Answer(said, "m", value=said, probabilities={"yes": yes, "no": 1.0 - yes})
+
+
+def test_the_probability_of_a_crop_is_the_score_of_its_box(view: Observation):
+    model = Certain(said([0, 0, 161, 119], [322, 238, 644, 476]), 0.8, 0.4)
+    log = ExchangeLog()
+    small, large = VlmDetector(model, log).detect(view, BED)
+    assert (large.score, small.score) == (0.8, 0.4)
+    _, of_large, of_small = model.asked
+    assert of_large.allowed == ("yes", "no")
+    assert of_large.images[0].shape[0] > of_small.images[0].shape[0] > 120
+    assert [exchange.kind for exchange in log.drain()] == ["ground", "crop", "crop"]
+
+
+def test_what_is_denied_on_a_closer_look_is_no_detection(view: Observation):
+    detector = VlmDetector(Certain(said([0, 0, 161, 119]), 0.1), ExchangeLog())
+    assert detector.detect(view, BED) == []
+    assert detector.rejected == {"denied on a closer look": 1}
+
+
+@pytest.mark.parametrize(("text", "score"), [("yes", 1.0), ("perhaps", 0.5)])
+def test_without_probabilities_the_word_counts_and_doubt_is_doubt(
+    view: Observation, text: str, score: float
+):
+    (one,) = VlmDetector(Parrot(said([0, 0, 161, 119]), text), ExchangeLog()).detect(view, BED)
+    assert one.score == score
+
+
+def test_no_more_crops_than_configured_are_asked_about(view: Observation):
+    model = Certain(said([0, 0, 161, 119], [322, 238, 644, 476], [0, 238, 161, 476]), 0.9)
+    config = VlmDetectorConfig(score_crops=1)
+    found = VlmDetector(model, ExchangeLog(), config).detect(view, BED)
+    assert [one.score for one in found] == [1.0, 0.9, 1.0]
+
+
+def test_likely_confusions_are_offered_as_alternatives(view: Observation):
+    question = crop_question(view.rgb, Goal("the shower curtain"))
+    assert "a shower curtain, a window curtain or something else?" in question.text
+    assert confusions(Goal("umbrella")) == ()
+    assert set(confusions(Goal("couch"))) == {"armchair", "bed"}
+
+
+def test_goals_are_asked_for_without_their_article(view: Observation):
+    model = Parrot("[]")
+    VlmDetector(model, ExchangeLog()).detect(view, Goal("the chair in the office"))
+    assert "Locate every chair in the office in the picture" in model.asked[0].text
+    assert "no chair in the office in" in model.asked[0].text

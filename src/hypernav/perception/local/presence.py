@@ -21,21 +21,25 @@ class PresenceConfig(RoomConfig):
     Attributes:
         enabled: Whether to ask, where there is a chat model.
         prompt: Text of the question; ``{goal}`` is filled in.
+        right_articles: Whether the goal is named without its own article, and with the right one
+            for ``a {goal}``; else as it was said.
         unsure: Value of an answer that is neither yes nor no. "yes" trusts the detector.
         min_probability: Probability that "yes" needs, where the model tells probabilities.
     """
 
     enabled: bool = True
     prompt: str = _PROMPT
-    unsure: Literal["yes", "no"] = "yes"
+    right_articles: bool = True
+    unsure: Literal["yes", "no"] = "no"
     min_probability: float = Field(default=0.5, ge=0.0, le=1.0)
 
 
 def presence_question(config: PresenceConfig, image: Image, goal: Goal) -> Question:
     """Question to a model at the goal."""
+    as_said = config.prompt.replace("{goal}", goal.text.strip())
     return Question(
         kind="verify",
-        text=config.prompt.replace("{goal}", goal.text.strip()),
+        text=goal.named_in(config.prompt) if config.right_articles else as_said,
         images=(image,),
         allowed=("yes", "no"),
         max_tokens=8,

@@ -1,6 +1,7 @@
 """Detection by a vision-language model that is asked for boxes (paper: VLM grounding)."""
 
 from collections import Counter
+from dataclasses import replace
 from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
@@ -15,6 +16,7 @@ from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
 from hypernav.models.chat.vlm_families import FamilyName, VlmFamily, family_named, family_of
 from hypernav.perception.exchanges import exchange_of
+from hypernav.perception.local.crop_check import crop_of, crop_question, probability_of_yes
 from hypernav.perception.local.grounding_format import GroundedBox, Grounding, read_grounding
 
 _PROMPT = (
@@ -32,6 +34,11 @@ class VlmDetectorConfig(RoomConfig):
             model's name.
         prompt: Text of the question. ``{goal}``, ``{key}`` (of a box) and ``{example}`` are filled
             in.
+        right_articles: Whether the goal is named without its own article.
+        score_crops: Number of boxes of an image, the largest first, whose crops are looked at once
+            more: the probability of "yes" is the box's score. 0 takes boxes as they are.
+        crop_margin: Width of what a crop shows around its box, as a share of the box's sides.
+        min_score: Score below which a box is dropped.
         constrained: Whether to enforce the JSON form where the server can. The models were trained
             on free answers and these are read tolerantly, so it is rarely needed.
         drop_other_labels: Whether to reject boxes that the model itself labels as something else.
@@ -42,6 +49,10 @@ class VlmDetectorConfig(RoomConfig):
 
     family: Literal["auto", FamilyName] = "auto"
     prompt: str = _PROMPT
+    right_articles: bool = True
+    score_crops: int = Field(default=2, ge=0, le=1000)
+    crop_margin: float = Field(default=0.3, ge=0.0, le=10.0)
+    min_score: float = Field(default=0.3, ge=0.0, le=1.0)
     constrained: bool = False
     drop_other_labels: bool = False
     max_tokens: int = Field(default=300, ge=16, le=1_000_000)
@@ -80,9 +91,10 @@ def grounding_question(
 ) -> Question:
     """Question to a model of a family about one image."""
     example = "[y1, x1, y2, x2]" if family.rows_first else "[x1, y1, x2, y2]"
+    name = goal.thing if config.right_articles else goal.text.strip()
     return Question(
         kind="ground",
-        text=config.prompt.format(goal=goal.text.strip(), key=family.box_key, example=example),
+        text=config.prompt.format(goal=name, key=family.box_key, example=example),
         images=(family.prepared(image),),
         form=_Things if config.constrained else None,
         max_tokens=config.max_tokens,
@@ -144,7 +156,8 @@ class VlmDetector:
             ModelUnavailableError: The model did not answer within the configured patience.
         """
         question = self.question(observation, goal)
-        return self.read(question, self._chat.ask(question), observation, goal)
+        found = self.read(question, self._chat.ask(question), observation, goal)
+        return self._looked_at(found, observation, goal)
 
     def read(
         self, question: Question, answer: Answer, observation: Observation, goal: Goal
@@ -162,6 +175,24 @@ class VlmDetector:
         boxes, remarks = self._judge(answer, grounding, goal)
         self._log.record(exchange_of(question, answer, remarks=remarks))
         return [Detection(one.box, one.score, one.label or goal.text) for one in boxes]
+
+    def _looked_at(
+        self, found: list[Detection], observation: Observation, goal: Goal
+    ) -> list[Detection]:
+        """The detections with the scores of their crops; those with too low a score are dropped."""
+        by_size = sorted(range(len(found)), key=lambda k: -found[k].box.area)
+        for k in by_size[: self._config.score_crops]:
+            crop = crop_of(observation.rgb, found[k].box, self._config.crop_margin)
+            question = crop_question(crop, goal)
+            answer = self._chat.ask(question)
+            score = probability_of_yes(answer)
+            remarks = [] if answer.fault is None else [answer.detail]
+            self._log.record(exchange_of(question, answer, remarks=remarks))
+            found[k] = replace(found[k], score=score)
+        kept = [one for one in found if one.score >= self._config.min_score]
+        if len(kept) < len(found):
+            self.rejected["denied on a closer look"] += len(found) - len(kept)
+        return kept
 
     def _judge(
         self, answer: Answer, grounding: Grounding, goal: Goal

@@ -1,0 +1,74 @@
+"""A closer look at a detection: whether its crop shows the goal, and how certain that is."""
+
+import numpy as np
+
+from hypernav.core.chat import Answer, Image, Question
+from hypernav.core.geometry.boxes import Box
+from hypernav.core.goal import Goal
+from hypernav.core.labels import same_name
+
+_CONFUSIONS: tuple[tuple[str, ...], ...] = (
+    ("shower curtain", "window curtain"),
+    ("chair", "armchair", "stool"),
+    ("sofa", "armchair", "bed"),
+    ("tv", "mirror", "picture"),
+    ("desk", "dining table"),
+    ("dining table", "coffee table"),
+    ("nightstand", "cabinet", "dresser"),
+    ("sink", "bathtub"),
+    ("refrigerator", "wardrobe"),
+    ("washing machine", "oven", "dishwasher"),
+    ("potted plant", "vase"),
+    ("toilet", "bidet"),
+)
+UNSURE = 0.5
+"""Probability that an answer which is neither yes nor no stands for."""
+
+
+def confusions(goal: Goal) -> tuple[str, ...]:
+    """Things that are easily taken for a goal, or the goal for them."""
+    return tuple(
+        other
+        for group in _CONFUSIONS
+        if any(same_name(name, goal.thing) for name in group)
+        for other in group
+        if not same_name(other, goal.thing)
+    )
+
+
+def crop_question(crop: Image, goal: Goal) -> Question:
+    """Question whether a crop shows the goal, with what it is easily taken for as alternatives."""
+    wanted = goal.with_article
+    others = "".join(f", {Goal(other).with_article}" for other in confusions(goal))
+    return Question(
+        kind="crop",
+        text=(
+            f"What is the thing in the middle of this image: {wanted}{others} or something else? "
+            f"Answer yes if it is {wanted}, else no."
+        ),
+        images=(crop,),
+        allowed=("yes", "no"),
+        max_tokens=8,
+    )
+
+
+def crop_of(image: Image, box: Box, margin: float) -> Image:
+    """The part of an image around a box.
+
+    Args:
+        image: RGB.
+        box: Box, pixels; a part of it lies in the image.
+        margin: Width of what is shown around the box, as a share of its sides.
+    """
+    dx, dy = margin * (box.x_max - box.x_min), margin * (box.y_max - box.y_min)
+    around = Box(box.x_min - dx, box.y_min - dy, box.x_max + dx, box.y_max + dy)
+    height, width = image.shape[:2]
+    x_min, y_min, x_max, y_max = around.clipped(width, height).pixels()
+    return np.ascontiguousarray(image[y_min:y_max, x_min:x_max])
+
+
+def probability_of_yes(answer: Answer) -> float:
+    """Probability that a crop shows the goal; 1 or 0 where the model tells none."""
+    if answer.fault is not None:
+        return UNSURE
+    return float(answer.probabilities.get("yes", answer.value == "yes"))
