@@ -30,6 +30,7 @@ from hypernav.core.components.protocols import (
 )
 from hypernav.core.components.registry import Choice, check_protocol
 from hypernav.core.goal import Goal
+from hypernav.core.sightings import Sightings
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.top_down_map import TopDownMap
 from hypernav.models.chat.ledger import Ledger
@@ -137,9 +138,13 @@ def build_agent(
     # A reasoner that is asked while the robot drives to its last answer needs its own log.
     ahead = config.prefetch.enabled and _asks_chat(chosen.reasoner) and not chosen.is_whole_agent
     map_log = ExchangeLog() if ahead else log
+    # A thread that asks ahead would see more or less of it, as the model is fast or slow.
+    tells = _asks_chat(chosen.reasoner) and not ahead and not chosen.is_whole_agent
+    sightings = Sightings() if tells else None
     built: dict[str, Any] = {}
     for kind, choice in chosen.by_kind.items():
         offers = _offers(config, map_log if kind in ("reasoner", "agent") else log) | built
+        offers["sightings"] = sightings
         if chat is not None:
             offers["chat"] = chat
         built[kind] = _made(choice, kind, config, offers)
@@ -159,6 +164,7 @@ def build_agent(
             segmenter=built.get("segmenter"),
             presence=presence,
             attention=Attention(log, config.attention) if _asks_chat(chosen.detector) else None,
+            sightings=sightings,
         )
     model = "" if chat is None or chosen.vlm is None else model_words(chosen.vlm, chat.identify)
     detector_words = chosen.detector.words(model=model) if chosen.detector else "its own"
@@ -211,6 +217,7 @@ def _search(
     segmenter: Segmenter | None,
     presence: PresenceCheck | None,
     attention: Attention | None = None,
+    sightings: Sightings | None = None,
 ) -> SearchAgent:
     """The search of this package around an explorer."""
     components = SearchComponents(
@@ -222,6 +229,7 @@ def _search(
             config.embodiment.camera,
             cell_size_m=config.mapping.cell_size_m,
             attention=attention,
+            sightings=sightings,
         ),
         explorer=explorer,
         planning=config.planning,

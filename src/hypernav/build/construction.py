@@ -12,6 +12,7 @@ chat          `hypernav.core.components.protocols.ChatModel` of ``--vlm``; requi
 embodiment    `hypernav.core.embodiment.Embodiment`: what the robot is
 mapping       `hypernav.mapping.config.MappingConfig`: cells and blocks of the map
 clearances_m  how far from obstacles destinations lie, metres, in the order to try
+sightings     for agents: what was seen besides the goal; None unless a model chooses blocks
 fallback      for reasoners: a reasoner that needs no model
 reasoner      for agents: the `BlockReasoner` of ``--reasoner``
 detector      for agents: the `Detector` of ``--detector``

@@ -165,6 +165,7 @@ def preset(name: PresetName) -> HyPerNavConfig:
             draw_frontier=False,
             fill_obstacles=False,
             clear_numbers=False,
+            label_things=False,
             visited="positions",
             max_questions=None,
             forget_visits=True,

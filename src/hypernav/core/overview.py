@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import UInt8
 
 from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.sightings import SeenThing
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,8 @@ class Overview:
         robot: Pose of the robot, ``map`` frame.
         legend: Sentences that say what the colours and marks of the image mean.
         trajectory: Positions of the robot so far, ``map`` frame, metres.
+        things: Things that were seen, other than the goal.
+        camera_image: What the robot's camera sees, RGB; None where nobody keeps it.
     """
 
     draw: Callable[[Collection[int], Collection[int]], UInt8[np.ndarray, "height width 3"]]
@@ -59,6 +62,8 @@ class Overview:
     robot: Pose2
     legend: str = ""
     trajectory: Sequence[tuple[float, float]] = ()
+    things: Sequence[SeenThing] = ()
+    camera_image: UInt8[np.ndarray, "height width 3"] | None = None
 
     @cached_property
     def image(self) -> UInt8[np.ndarray, "height width 3"]:

@@ -5,6 +5,7 @@ import numpy as np
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.overview import Block, Overview
+from hypernav.core.sightings import SeenThing
 from hypernav.perception.explorers.map_question import VlmReasonerConfig, map_question
 
 CHAIR = Goal("the chair in the office")
@@ -33,7 +34,13 @@ class Drawn:
 def asked(excluded: frozenset[int] = frozenset(), **config):
     drawn = Drawn()
     overview = Overview(
-        drawn, BLOCKS, Pose2(0.0, 0.0, 0.0), legend="white is floor", trajectory=[(6.5, 0.0)]
+        drawn,
+        BLOCKS,
+        Pose2(0.0, 0.0, 0.0),
+        legend="white is floor",
+        trajectory=[(6.5, 0.0)],
+        things=[SeenThing("sofa", (3.5, 4.0)), SeenThing("lamp", (4.0, 4.5))],
+        camera_image=np.ones((4, 4, 3), np.uint8),
     )
     return map_question(VlmReasonerConfig(**config), overview, CHAIR, excluded), drawn
 
@@ -43,7 +50,8 @@ def test_each_block_is_described():
     lines = question.text.splitlines()
     first, third, fourth = (line for line in lines if line.startswith("- block"))
     assert "- block 1: 4.2 m away, ahead on the left; 30% of the boundary" in first
-    assert "not visited yet" in first
+    assert first.endswith("not visited yet; seen there: lamp, sofa")
+    assert "seen there" not in third
     assert "behind" in third
     assert "60% of the boundary" in third
     assert "ahead; 10%" in fourth
@@ -66,6 +74,13 @@ def test_what_is_excluded_is_hatched_and_neither_listed_nor_allowed():
         assert "3" not in question.text.replace("30%", "")
         assert "3" not in question.allowed
         assert (drawn.shown, drawn.excluded) == ({1, 4}, {3})
+
+
+def test_the_camera_image_is_shown_beside_the_map_if_asked_for():
+    assert len(asked()[0].images) == 1
+    question, _ = asked(camera_image=True)
+    assert [image.shape[0] for image in question.images] == [8, 4]
+    assert question.text.startswith("The second image is what the robot's camera sees")
 
 
 def test_every_switch_alone():

@@ -9,7 +9,9 @@ from drawn_grids import drawn
 from hypernav.core.geometry.grid import Cell
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.overview import Block
+from hypernav.core.sightings import SeenThing
 from hypernav.show.drawing import palette
+from hypernav.show.drawing.map_view import MapView
 from hypernav.show.drawing.question_map import QuestionStyle, draw_question_map, filled
 
 STRONG = QuestionStyle(**{field.name: True for field in fields(QuestionStyle)})
@@ -87,3 +89,12 @@ def test_excluded_blocks_are_hatched_and_have_no_number():
     hatched = draw_question_map(ROOM, BLOCKS, ROBOT, [], STRONG, excluded=[3])
     assert near(hatched, palette.EXCLUDED).sum() > near(plain, palette.EXCLUDED).sum() + 1000
     assert near(hatched, palette.INK).sum() < near(plain, palette.INK).sum()
+
+
+def test_things_are_named_where_they_are():
+    sofa = SeenThing("sofa", (1.0, 3.2))
+    image = draw_question_map(ROOM, (), ROBOT, [], STRONG, things=[sofa])
+    changed = (image != draw_question_map(ROOM, (), ROBOT, [], STRONG)).any(axis=2)
+    u, v = MapView.fit(ROOM, 768, points=[ROBOT.xy], margin=0.04).pixel_of(*sofa.position)
+    rows, columns = np.nonzero(changed)
+    assert (columns.mean(), rows.mean()) == pytest.approx((u, v), abs=6.0)

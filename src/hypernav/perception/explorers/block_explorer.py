@@ -15,6 +15,7 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.overview import Block, Overview
+from hypernav.core.sightings import Sightings
 from hypernav.mapping.blocks import divide_into_blocks
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.frontiers import find_frontiers
@@ -31,6 +32,8 @@ class OverviewConfig(RoomConfig):
         draw_frontier: Whether the boundary to the unknown is drawn in a colour.
         fill_obstacles: Whether the inside of furniture and walls, which no camera sees, is filled.
         clear_numbers: Whether numbers are larger and keep off furniture.
+        label_things: Whether things that a detector has named beside the goal are written into the
+            map; not where the next question is prefetched.
         visited: What counts as a visit: "destinations" that were reached or given up, or the
             "positions" that the robot has been at (paper), beside the latest destination, so that
             the next is a new one.
@@ -47,6 +50,7 @@ class OverviewConfig(RoomConfig):
     draw_frontier: bool = True
     fill_obstacles: bool = True
     clear_numbers: bool = True
+    label_things: bool = True
     visited: Literal["destinations", "positions"] = "destinations"
     visited_radius_m: float = Field(default=0.5, ge=0.0, le=100.0)
     max_questions: int | None = Field(default=4, ge=1, le=1000)
@@ -60,6 +64,7 @@ class OverviewConfig(RoomConfig):
             frontier=self.draw_frontier,
             fill_obstacles=self.fill_obstacles,
             clear_numbers=self.clear_numbers,
+            labels=self.label_things,
         )
 
 
@@ -76,6 +81,7 @@ class BlockExplorer:
         config: OverviewConfig,
         mapping: MappingConfig,
         clearances_m: tuple[float, ...],
+        sightings: Sightings | None = None,
     ) -> None:
         """Create it.
 
@@ -84,11 +90,13 @@ class BlockExplorer:
             config: Configuration of the question.
             mapping: Size of the blocks.
             clearances_m: Distances of destinations from obstacles, in the order to try, metres.
+            sightings: Memory of what was seen; None where nobody keeps one.
         """
         self._reasoner = reasoner
         self._config = config
         self._mapping = mapping
         self._clearances_m = clearances_m
+        self._sightings = sightings or Sightings()
         self.reset(Goal("nothing yet"))
 
     def reset(self, goal: Goal) -> None:
@@ -137,6 +145,7 @@ class BlockExplorer:
         clearance_m: float,
     ) -> Overview:
         style, size = self._config.style, self._config.image_px
+        things = self._sightings.things
 
         def draw(shown: Collection[int], excluded: Collection[int]) -> UInt8[np.ndarray, "_ _ 3"]:
             found = find_frontiers(grid, robot, self._mapping, clearance_m)
@@ -150,9 +159,18 @@ class BlockExplorer:
                 size=size,
                 excluded=excluded,
                 frontier=frontier,
+                things=things,
             )
 
-        return Overview(draw, blocks, robot, legend=style.legend, trajectory=trajectory)
+        return Overview(
+            draw,
+            blocks,
+            robot,
+            legend=style.legend,
+            trajectory=trajectory,
+            things=things,
+            camera_image=self._sightings.image,
+        )
 
     def _ask(
         self, overview: Overview, trajectory: Sequence[tuple[float, float]]

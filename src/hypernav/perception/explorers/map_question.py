@@ -47,7 +47,9 @@ class VlmReasonerConfig(RoomConfig):
             "Answer: N", which are read in the same way. "constrained": the numbers are the only
             possible answers.
         facts: Whether a reasoned question says for each block how far it is, in which direction,
-            what share of the unexplored boundary it holds, and whether the robot was there.
+            what share of the unexplored boundary it holds, whether the robot was there and which
+            things a detector has named there beside the goal.
+        camera_image: Whether the camera's image is shown beside the map.
         list_excluded: Whether blocks that are ruled out are shown like all others and named in
             "don't answer number [x, …]" (paper), instead of being hatched and left out.
         min_frontier_cells: Length of unexplored boundary, cells, below which a block holds nothing
@@ -61,6 +63,7 @@ class VlmReasonerConfig(RoomConfig):
 
     mode: Literal["paper", "reasoned", "constrained"] = "reasoned"
     facts: bool = True
+    camera_image: bool = False
     list_excluded: bool = False
     min_frontier_cells: int = Field(default=6, ge=0, le=1_000_000)
     max_blocks: int | None = Field(default=20, ge=1, le=10_000)
@@ -107,10 +110,14 @@ def map_question(
         shown, hatched = shown | excluded, frozenset[int]()
         # The paper's words for what was visited already.
         avoid = f" Don't answer number {sorted(excluded)}." if excluded else ""
+    images, beside = (overview.draw(shown, hatched),), ""
+    if config.camera_image and overview.camera_image is not None:
+        images += (overview.camera_image,)
+        beside = "The second image is what the robot's camera sees now.\n\n"
     return Question(
         kind="choose block",
-        text=_text(config, overview, goal, offered, shown) + avoid + hint,
-        images=(overview.draw(shown, hatched),),
+        text=beside + _text(config, overview, goal, offered, shown) + avoid + hint,
+        images=images,
         allowed=tuple(map(str, numbers)) if config.mode == "constrained" else (),
         max_tokens=8 if config.mode == "constrained" else config.max_tokens,
     )
@@ -145,9 +152,10 @@ def _facts(blocks: list[Block], overview: Overview) -> str:
         borders = f"{share:.0%} of the boundary to the unexplored" if share else "nothing new"
         was_there = any(map(block.holds, overview.trajectory))
         visited = "the robot was there" if was_there else "not visited yet"
-        lines.append(
-            f"- block {block.number}: {_whereabouts(block, overview.robot)}; {borders}; {visited}"
-        )
+        seen = sorted({one.label for one in overview.things if block.holds(one.position)})
+        things = f"; seen there: {', '.join(seen)}" if seen else ""
+        where = _whereabouts(block, overview.robot)
+        lines.append(f"- block {block.number}: {where}; {borders}; {visited}{things}")
     return "\n".join(lines)
 
 

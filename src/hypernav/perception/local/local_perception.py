@@ -13,6 +13,7 @@ from hypernav.core.geometry.boxes import Detection
 from hypernav.core.geometry.transforms import wrap_angle
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
+from hypernav.core.sightings import Sightings
 from hypernav.core.trace import DetectionRecord
 from hypernav.perception.local.attention import Attention
 from hypernav.perception.local.config import LocalConfig
@@ -53,6 +54,7 @@ class LocalPerception:
         *,
         cell_size_m: float,
         attention: Attention | None = None,
+        sightings: Sightings | None = None,
     ) -> None:
         """Create it.
 
@@ -64,9 +66,11 @@ class LocalPerception:
             camera: Camera, whose range of depth counts.
             cell_size_m: Side of a map cell, metres.
             attention: Choice of the images that the detector is asked about; None asks about all.
+            sightings: Memory of all that is detected; None keeps none.
         """
         self._detector = detector
         self._attention = attention
+        self._sightings = sightings
         self._segmenter = segmenter
         self._config = config
         self._camera = camera
@@ -82,6 +86,8 @@ class LocalPerception:
         self._score_now = 0.0
         if self._attention is not None:
             self._attention.reset()
+        if self._sightings is not None:
+            self._sightings.reset()
 
     @property
     def far_bearing(self) -> float | None:
@@ -172,6 +178,8 @@ class LocalPerception:
         if self._attention and not self._attention.is_worth_a_question(observation, self._held):
             return records
         detections = self._detector.detect(observation, self._goal)
+        if self._sightings is not None:
+            self._sightings.note(observation, detections)
         for detection in (one for one in detections if one.is_goal):
             mask = self._refined_mask(detection, observation)
             area, reason = self._area(mask, observation)

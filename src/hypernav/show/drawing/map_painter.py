@@ -10,6 +10,7 @@ from jaxtyping import Float64, UInt8
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.overview import Block
+from hypernav.core.sightings import SeenThing
 from hypernav.core.trace import BlockRecord
 from hypernav.show.drawing import palette, shapes
 from hypernav.show.drawing.map_raster import CellColors, rasterize_map
@@ -179,6 +180,14 @@ class MapPainter:
                 halo=palette.FREE,
                 halo_px=max(round(2 * self._unit), 1),
             )
+
+    def labels(self, things: Sequence[SeenThing]) -> None:
+        """Write the names of things where they are."""
+        size = max(round(15 * self._unit), 9)
+        for thing in things:
+            at = self.view.pixel_of(*thing.position)
+            halo = max(round(2 * self._unit), 1)
+            draw_text(self.image, thing.label, at, size, align=0.5, halo=palette.FREE, halo_px=halo)
 
     def trajectory(self, points: Sequence[XY]) -> None:
         """Draw the trajectory, from pale (long ago) to dark (now)."""

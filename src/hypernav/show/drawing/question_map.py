@@ -10,6 +10,7 @@ from jaxtyping import Float64, UInt8
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.overview import Block
+from hypernav.core.sightings import SeenThing
 from hypernav.show.drawing import palette
 from hypernav.show.drawing.map_painter import XY, MapPainter
 from hypernav.show.drawing.map_raster import CellColors
@@ -29,21 +30,24 @@ class QuestionStyle:
         frontier: Whether the boundary to the unknown is drawn in a colour.
         fill_obstacles: Whether the inside of furniture and walls, which no camera sees, is filled.
         clear_numbers: Whether numbers are larger and keep off furniture.
+        labels: Whether things that were seen are named.
     """
 
     strong_colors: bool = False
     frontier: bool = False
     fill_obstacles: bool = False
     clear_numbers: bool = False
+    labels: bool = False
 
     @property
     def legend(self) -> str:
         """Sentences that say what the colours and marks mean."""
         frontier = "; the pink line is the boundary to what is unexplored" if self.frontier else ""
+        labels = "; small words name things that were seen there" if self.labels else ""
         return (
             "white is free floor, dark is walls and furniture, grey is not yet explored"
-            f"{frontier}. The orange arrow is the robot and where it looks, the blue line is where "
-            "it has been. Hatched blocks are ruled out"
+            f"{frontier}{labels}. The orange arrow is the robot and where it looks, the blue line "
+            "is where it has been. Hatched blocks are ruled out"
         )
 
 
@@ -60,6 +64,7 @@ def draw_question_map(
     size: int = 768,
     excluded: Collection[int] = (),
     frontier: Float64[np.ndarray, "n 2"] | None = None,
+    things: Sequence[SeenThing] = (),
 ) -> UInt8[np.ndarray, "_ _ 3"]:
     """Draw the image that comes with the question "which block next?".
 
@@ -72,6 +77,7 @@ def draw_question_map(
         size: Side of the image, pixels.
         excluded: Numbers of blocks that may not be answered; hatched.
         frontier: Middles of the cells at the boundary to the unknown, ``map`` frame, metres.
+        things: Things that were seen.
 
     Returns:
         RGB, ``size`` squared.
@@ -83,6 +89,8 @@ def draw_question_map(
     if style.frontier and frontier is not None:
         painter.frontier(frontier, grid.resolution_m)
     painter.blocks(blocks, excluded=excluded)
+    if style.labels:
+        painter.labels(things)
     painter.trajectory(trajectory)
     if style.clear_numbers:
         painter.clear_numbers(blocks, grid, excluded=excluded, robot=robot)
