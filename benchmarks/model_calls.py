@@ -133,19 +133,30 @@ def main(
 
 
 def table(tallies: dict[str, Tally], question_s: float, map_question_s: float) -> Table:
-    columns = ("found", "SPL", "steps", "ground", "map", "verify", "calls", "ahead", "waited")
+    columns = (
+        "found",
+        "SPL",
+        "steps",
+        "ground",
+        "crop",
+        "map",
+        "verify",
+        "calls",
+        "ahead",
+        "waited",
+    )
     rows = Table("per search", *columns)
     for variant, tally in tallies.items():
         n = len(tally.steps)
-        ground, verify = tally.calls.get("ground", 0), tally.calls.get("verify", 0)
+        ground, crop, verify = (tally.calls.get(kind, 0) for kind in ("ground", "crop", "verify"))
         of_map = tally.calls.get("choose block", 0) + tally.calls.get("summarise", 0)
-        waited = question_s * (ground + verify) + map_question_s * (of_map - tally.ahead)
+        waited = question_s * (ground + crop + verify) + map_question_s * (of_map - tally.ahead)
         rows.add_row(
             variant,
             f"{tally.found} of {n}",
             f"{np.mean(tally.spl):.3f}",
             f"{np.mean(tally.steps):.0f}",
-            *(f"{count / n:.1f}" for count in (ground, of_map, verify)),
+            *(f"{count / n:.1f}" for count in (ground, crop, of_map, verify)),
             f"{sum(tally.calls.values()) / n:.1f}",
             f"{tally.ahead / n:.1f} ({tally.wasted / n:.1f} wasted)",
             f"{waited / n:.0f} s",
