@@ -57,7 +57,7 @@ def test_the_frontier_agent_thinks_for_itself():
 
 def test_the_paper_asks_in_its_own_way():
     assert read("--preset", "paper").resolve().block_choice.mode == "paper"
-    assert read().resolve().block_choice.mode == "constrained"
+    assert read().resolve().block_choice.mode == "reasoned"
 
 
 def test_options_travel_to_other_processes():

@@ -194,7 +194,7 @@ def test_broken_5_ignores_constraints(server: ScriptedServer, capsys: pytest.Cap
     (fault,) = faults(lines)
     assert "constraints:" in fault
     assert "ignores constraints" in fault
-    assert "block_choice.mode=paper" in lines[-1]
+    assert "--set chat.dialect=" in lines[-1]
 
 
 def test_a_server_that_rejects_constraints(

@@ -202,8 +202,7 @@ def _check_constraints(chat: ChatModel) -> Iterator[Finding]:
         State.FAULT,
         f"the server {how} constraints: allowed were alpha, bravo and charlie, and it said "
         f"'{shortened(answer.text, 40)}'",
-        "name its kind with --set chat.dialect=…, or let it answer freely with "
-        "--set block_choice.mode=paper; answers are checked either way",
+        "name its kind with --set chat.dialect=…; answers are checked either way",
     )
 
 
