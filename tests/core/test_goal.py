@@ -13,6 +13,8 @@ def test_what_a_person_may_write_is_a_goal(text):
     ("text", "words"),
     [
         (" ", "is empty"),
+        ("\u200b", r"'\\u200b' names nothing"),
+        ("...", "names nothing"),
         ("a" * (MAX_GOAL_LENGTH + 1), "501 characters"),
         ("bed\n", r"U\+000A"),
         ("\x1b[2J", r"U\+001B"),

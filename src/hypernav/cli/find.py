@@ -143,7 +143,8 @@ def _search(
     """Run the search to its end; what stopped it before, if anything."""
     try:
         for step in search:
-            recorder.add(step.trace, step.grid, step.observation.rgb)
+            with interruptions_put_off():  # half a frame would spoil the video
+                recorder.add(step.trace, step.grid, step.observation.rgb)
             status.update(escape(_live_line(step, goal)))
     except (KeyboardInterrupt, ModelSetupError, OutputError) as stop:
         return stop

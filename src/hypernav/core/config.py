@@ -197,8 +197,9 @@ def _assign(
     try:
         nested: Any = parse_yaml(text)
     except yaml.YAMLError as error:
+        why = " ".join(str(error).split())
         raise ConfigError(
-            f"{source}: {_shown(text)} is not valid YAML ({error}); quote it, or check its brackets"
+            f"{source}: {_shown(text)} is not valid YAML ({why}); quote it, or check its brackets"
         ) from error
     if len(keys) > MOST_LEVELS:
         raise ConfigError(f"{source}: no option has a name of {len(keys)} parts")

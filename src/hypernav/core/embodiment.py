@@ -5,12 +5,14 @@ import math
 from pydantic import Field, model_validator
 
 from hypernav.core.config import RoomConfig
-from hypernav.core.files.allowance import MOST_BYTES, megabytes
+from hypernav.core.files.allowance import megabytes
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Transform
 
 _BYTES_PER_PIXEL = 200
 """Memory for the rays behind a pixel, their colours, depth and instances, and its points."""
+_MOST_BYTES = 1_000_000_000
+"""The limit on all of these, bytes: images of five million pixels."""
 
 
 class BodyConfig(RoomConfig):
@@ -79,10 +81,10 @@ class CameraConfig(RoomConfig):
     @model_validator(mode="after")
     def _images_fit_into_memory(self) -> "CameraConfig":
         size = self.width * self.height * _BYTES_PER_PIXEL
-        if size > MOST_BYTES:
+        if size > _MOST_BYTES:
             raise ValueError(
                 f"an image of {self.width} × {self.height} pixels would take "
-                f"{megabytes(size)} to draw and to map, at most {megabytes(MOST_BYTES)} are "
+                f"{megabytes(size)} to draw and to map, at most {megabytes(_MOST_BYTES)} are "
                 "allowed; make width or height smaller"
             )
         return self

@@ -14,6 +14,8 @@ _VOWEL = re.compile(
     r"(?!uni|use|uti|euro|one\b|one-)[aeiou]|hour|honest|heir|[fhlmnrsx]-", re.IGNORECASE
 )
 _WITHOUT_ARTICLE = re.compile(r"(?:equipment|furniture|clothes|food|water|[^su]s)$", re.IGNORECASE)
+_VISIBLE = set("LNS")
+"""Unicode's letters, numbers and symbols: a goal without any of them names nothing."""
 _UNPRINTABLE = {"Cc": "a control character", "Cs": "half a character, it is no valid UTF-8"}
 
 
@@ -41,6 +43,8 @@ class Goal:
                 raise GoalError(
                     f"the goal holds {kind} (U+{ord(character):04X}); write it in plain text"
                 )
+        if not any(unicodedata.category(character)[0] in _VISIBLE for character in self.text):
+            raise GoalError(f"the goal {self.text!a} names nothing; for example: bed")
 
     @property
     def thing(self) -> str:
