@@ -183,7 +183,8 @@ def _read_yaml(file: Path) -> dict[Any, Any]:
     except OSError as error:
         raise ConfigError(f"cannot read the configuration {file}: {error.strerror}") from error
     except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise ConfigError(f"{file} is not valid YAML: {error}") from error
+        why = " ".join(str(error).split())
+        raise ConfigError(f"{file} is not valid YAML: {why}") from error
     if content is None:
         return {}
     if not isinstance(content, dict):
@@ -211,7 +212,7 @@ def _assign(
 def _merge(
     model: type[BaseModel],
     values: dict[str, Any],
-    changes: dict[str, Any],
+    changes: dict[Any, Any],
     *,
     source: str,
     section: str = "",
