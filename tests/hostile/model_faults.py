@@ -241,7 +241,7 @@ STRANGE_ANSWERS = (
         "in an answer, negative counts",
         _say("[]", usage={"prompt_tokens": -5, "completion_tokens": -5}),
     ),
-    Fault("in an answer, half a label", 1, ("no bed is",), _say(HALF_A_LABEL)),
+    Fault("in an answer, half a label", 1, ("did not find the bed",), _say(HALF_A_LABEL)),
     _harmless("in an answer, counts of 400 digits", _say("[]", usage={"prompt_tokens": 10**400})),
     _harmless("in an answer, counts of NaN", _say("[]", usage={"prompt_tokens": NAN})),
     _harmless("in an answer, counts that are texts", _say("[]", usage={"prompt_tokens": "many"})),
