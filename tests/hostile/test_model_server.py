@@ -80,7 +80,7 @@ def check_files(fault: Fault, out: Path) -> None:
     """Whatever happened, result and page are there and can be looked at."""
     result = json.loads((out / "result.json").read_text())
     assert (result["outcome"] == "model_unavailable") == (fault.status != 1)
-    assert result["ledger"]["total"]["tokens_in"] < 1000
+    assert result["ledger"]["total"]["tokens_in"] < 100_000
     page = (out / "index.html").read_text()
     assert not set(page) & HURTFUL
     assert "<script>alert" not in page
