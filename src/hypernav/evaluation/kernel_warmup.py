@@ -28,7 +28,7 @@ from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.scenes.scene import Material
 from hypernav.worlds.scenes.scene_assembly import MeshPart, SceneObject, assemble
 
-FIRST_RUN = "first run: compiling for this machine, once, takes half a minute …"
+FIRST_RUN = "first run: compiling for this machine, once, takes a quarter of a minute or more …"
 
 _STEPS = 12
 
