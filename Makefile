@@ -47,7 +47,7 @@ $(VLM)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(VLM)
 	$(VLM)/bin/python -m pip install --quiet --upgrade pip
 	$(VLM)/bin/python -m pip install --quiet torch==2.13.0
-	$(VLM)/bin/python -m pip install --quiet transformers==5.23.0 accelerate
+	$(VLM)/bin/python -m pip install --quiet transformers==5.23.0 accelerate openai
 	$(VLM)/bin/python -m pip install --quiet --no-deps torchvision==0.28.0
 	$(VLM)/bin/python -m pip install --quiet --editable '.[onnx]' --group dev
 	touch $@

@@ -16,8 +16,16 @@ def find(glb: Path, out: Path, *arguments: str) -> dict:
     """Run a short search; its result.json."""
     camera = ("embodiment.camera.width=160", "embodiment.camera.height=120")
     few = ("grounding.max_tokens=16", "block_choice.max_tokens=16", "attention.seen_share=1")
+    chosen = ("block_choice.mode=constrained",)  # its answers have probabilities
     options = ("--scene", str(glb), "--out", str(out), "--start", "1", "2", "180")
-    settings = ("--set", *camera, *few, "search.look_around_at_start=false", "chat.device=cpu")
+    settings = (
+        "--set",
+        *camera,
+        *few,
+        *chosen,
+        "search.look_around_at_start=false",
+        "chat.device=cpu",
+    )
     command = ["find", "bed", *options, "--max-steps", str(STEPS), *arguments, *settings]
     with pytest.raises(SystemExit) as stop:
         main(command)
