@@ -7,13 +7,12 @@ import subprocess
 import sys
 import time
 from dataclasses import replace
-from typing import Any
+from functools import partial
 
 import pytest
 
 from certainty import certain
 from eval_runs import SMALL, timeless_lines, write_room
-from hypernav.build.agents import build_agent
 from hypernav.evaluation.datasets import load_episodes
 from hypernav.evaluation.runner import run_episodes
 from hypernav.evaluation.store.run_store import RunStore, read_records
@@ -21,30 +20,9 @@ from hypernav.evaluation.workers.process_pool import ProcessPool
 from hypernav.evaluation.workers.worker import Job
 from hypernav.evaluation.workers.worker_pool import Done, Lost, Ready
 from small_worlds import small_config
+from tired import SlowAgent
 
 MAX_STEPS = 25
-
-
-class Slow:
-    """An agent that takes its time, so that there is something to interrupt."""
-
-    def __init__(self):
-        self._agent: Any = build_agent(small_config()).agent
-
-    def reset(self, goal):
-        self._agent.reset(goal)
-
-    def act(self, observation):
-        time.sleep(0.02)
-        return self._agent.act(observation)
-
-    @property
-    def last_step(self):
-        return self._agent.last_step
-
-    @property
-    def grid(self):
-        return self._agent.grid
 
 
 class KillingPool(ProcessPool):
@@ -67,7 +45,7 @@ def run(folder, room, pool_of, workers=2, starts=6):
     config = small_config()
     found = load_episodes(f"scene:{room}#{starts}", config.world, config.embodiment)
     episodes = [replace(episode, max_steps=MAX_STEPS) for episode in found]
-    job = Job(folder, config, make_agent=Slow)
+    job = Job(folder, config, make_agent=partial(SlowAgent, config, 0.02))
     with RunStore(folder, {"test": "survival"}) as store:
         return run_episodes(episodes, store, pool_of(job), workers=workers)
 

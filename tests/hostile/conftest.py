@@ -6,35 +6,6 @@ import pytest
 
 from hostile.commands import run
 
-_TIRED = '''
-import time
-
-from hypernav.build.agents import build_agent
-from hypernav.build.presets import preset
-
-class Tired:
-    """The agent of this package, slow enough to be interrupted."""
-
-    def __init__(self, embodiment):
-        config = preset("default").model_copy(update={"embodiment": embodiment})
-        self._agent = build_agent(config).agent
-
-    def reset(self, goal):
-        self._agent.reset(goal)
-
-    def act(self, observation):
-        time.sleep(0.05)
-        return self._agent.act(observation)
-
-    @property
-    def last_step(self):
-        return self._agent.last_step
-
-    @property
-    def grid(self):
-        return self._agent.grid
-'''
-
 
 @pytest.fixture(scope="session", autouse=True)
 def compiled(tmp_path_factory):
@@ -44,9 +15,7 @@ def compiled(tmp_path_factory):
     assert ended.status == 0, ended.err
 
 
-@pytest.fixture(scope="session")
-def tired(tmp_path_factory) -> Path:
-    """The module ``tired``, for ``--agent tired:Tired``."""
-    path = tmp_path_factory.mktemp("agents") / "tired.py"
-    path.write_text(_TIRED)
-    return path
+@pytest.fixture
+def tired() -> Path:
+    """The module ``tired``, to be copied for ``--agent tired:Tired``."""
+    return Path(__file__).parents[1] / "tired.py"

@@ -108,3 +108,16 @@ def test_black_on_white_has_the_greatest_contrast() -> None:
     assert palette.contrast((0, 0, 0), (255, 255, 255)) == pytest.approx(21.0)
     assert palette.blend((0, 0, 0), (255, 255, 255), 0.5) == (128, 128, 128)
     assert palette.css((0, 96, 160)) == "#0060a0"
+
+
+def test_the_two_parts_of_a_path_in_a_sentence():
+    walked = {"shortest_path_m": 5.0, "explored_m": 9.5, "approached_m": 3.6}
+    assert captions.path_parts(walked | {"shortest_from_sight_m": 3.0}).replace("\u00a0", " ") == (
+        " It walked 9.5 m (1.9 times the shortest path) before it saw the goal, and 3.6 m "
+        "(1.2 times the shortest path) from there."
+    )
+    at_once = walked | {"explored_m": 0.0, "shortest_from_sight_m": None}
+    assert captions.path_parts(at_once).replace("\u00a0", " ") == (
+        " It saw the goal from where it started, and walked 3.6 m from there."
+    )
+    assert captions.path_parts({"shortest_path_m": 5.0}) == ""

@@ -100,29 +100,22 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
                 outcome = search.result(
                     interrupted=isinstance(stopped_by, KeyboardInterrupt | OutputError)
                 )
-                try:
-                    recorder.finish(
-                        {
-                            "goal": goal.text,
-                            "scene": world.scene.name,
-                            **options.who.describe(parts),
-                            "seed": options.seed,
-                            "start": [start.x, start.y, float(np.degrees(start.yaw))],
-                            **_numbers(outcome),
-                            **parts.take_report(),
-                            "config": config.model_dump(mode="json"),
-                        }
-                    )
-                except OutputError as error:
-                    console.print(f"[red]{escape(str(error))}[/]", soft_wrap=True)
-                    stopped_by = stopped_by or error
+                result = {
+                    "goal": goal.text,
+                    "scene": world.scene.name,
+                    **options.who.describe(parts),
+                    "seed": options.seed,
+                    "start": [start.x, start.y, float(np.degrees(start.yaw))],
+                    **_numbers(outcome),
+                    **parts.take_report(),
+                    "config": config.model_dump(mode="json"),
+                }
+                unwritten = _finish(recorder, result, console)
+                stopped_by = stopped_by or unwritten
                 status.stop()
                 if not isinstance(stopped_by, ModelSetupError):
                     _say(console, goal, outcome, folder, holds_goal=search.trial.holds_goal)
-                    if unusable := unusable_answers_line(
-                        outcome.model_calls, recorder.unusable_answers
-                    ):
-                        console.print(unusable, soft_wrap=True)
+                    _warn(console, outcome, recorder)
     if stopped_by is not None:
         raise stopped_by
     if outcome.outcome is Outcome.MODEL_UNAVAILABLE:
@@ -149,6 +142,24 @@ def _search(
     except (KeyboardInterrupt, ModelSetupError, OutputError) as stop:
         return stop
     return None
+
+
+def _finish(
+    recorder: EpisodeRecorder, result: dict[str, Any], console: Console
+) -> OutputError | None:
+    """Write the page and all other files; the error, which is told, if some could not be."""
+    try:
+        recorder.finish(result)
+    except OutputError as error:
+        console.print(f"[red]{escape(str(error))}[/]", soft_wrap=True)
+        return error
+    return None
+
+
+def _warn(console: Console, result: EpisodeResult, recorder: EpisodeRecorder) -> None:
+    """Say so if no answer of the model could be used."""
+    if line := unusable_answers_line(result.model_calls, recorder.unusable_answers):
+        console.print(line, soft_wrap=True)
 
 
 def _say(

@@ -189,15 +189,15 @@ def duration(seconds: float) -> str:
 
 
 def path_parts(result: Mapping[str, Any]) -> str:
-    """How far a robot drove before and after it first saw the goal; empty where that is unknown."""
+    """How far a robot walked before and after it first saw the goal; empty if that is unknown."""
     explored, approached = result.get("explored_m"), result.get("approached_m")
     if not isinstance(explored, int | float) or not isinstance(approached, int | float):
         return ""
-    before = f"drove {_times(explored, result.get('shortest_path_m'))} before the goal was in view"
-    if explored == 0.0:
-        before = "had the goal in view where it started"
     after = _times(approached, result.get("shortest_from_sight_m"))
-    return f" It {before}, and {after} from there on."
+    if explored == 0.0:
+        return f" It saw the goal from where it started, and walked {after} from there."
+    before = _times(explored, result.get("shortest_path_m"))
+    return f" It walked {before} before it saw the goal, and {after} from there."
 
 
 def _times(length_m: float, shortest: object) -> str:

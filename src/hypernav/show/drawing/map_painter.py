@@ -3,7 +3,6 @@
 import math
 from collections.abc import Collection, Iterable, Sequence
 
-import cv2
 import numpy as np
 from jaxtyping import Float64, UInt8
 
@@ -13,6 +12,7 @@ from hypernav.core.overview import Block
 from hypernav.core.sightings import SeenThing
 from hypernav.core.trace import BlockRecord
 from hypernav.show.drawing import palette, shapes
+from hypernav.show.drawing.hidden_weight import HiddenWeight
 from hypernav.show.drawing.map_raster import CellColors, rasterize_map
 from hypernav.show.drawing.map_view import MapView
 from hypernav.show.drawing.number_placement import (
@@ -160,7 +160,7 @@ class MapPainter:
         """
         squares = {b.number: self._square(b) for b in blocks if b.number not in excluded}
         size = number_size(list(squares.values()), self.view.size, most=1.0 / 22.0)
-        hides = _Hidden(grid, self.view)
+        hides = HiddenWeight(grid, self.view)
         for number, square in squares.items():
             width = text_width(str(number), size, bold=True) + 4.0
             at = clear_position(
@@ -286,27 +286,6 @@ class MapPainter:
 
     def _mark_disc(self, x: float, y: float) -> Disc:
         return Disc(*self.view.pixel_of(x, y), max(13.0 * self._unit, 8.0))
-
-
-class _Hidden:
-    """What a number would hide: above all obstacles, and better floor than the unknown."""
-
-    def __init__(self, grid: OccupancyGrid, view: MapView) -> None:
-        cells = CellColors((1, 0, 0), (0, 0, 0), (100, 0, 0))
-        weights = rasterize_map(grid, view, cells)[..., 0]
-        self._sums = cv2.integral(weights)
-        self._most = view.size
-
-    def weight(self, u: float, v: float, width: float, height: float) -> float:
-        """Mean weight of the pixels under a number that is centred at ``(u, v)``."""
-        left, right = (self._bounded(u + side * width / 2.0) for side in (-1, 1))
-        top, bottom = (self._bounded(v + side * height / 2.0) for side in (-1, 1))
-        sums = self._sums
-        total = sums[bottom, right] - sums[top, right] - sums[bottom, left] + sums[top, left]
-        return float(total) / max((right - left) * (bottom - top), 1)
-
-    def _bounded(self, pixel: float) -> int:
-        return min(max(round(pixel), 0), self._most)
 
 
 def draw_arrow(

@@ -52,15 +52,13 @@ def number_position(
     Returns:
         ``(u, v)``.
     """
-    middle = (square.left + square.side / 2.0, square.top + square.side / 2.0)
-    reach_u = max(square.side - width, 0.0) / 2.0
-    reach_v = max(square.side - height, 0.0) / 2.0
+    positions = _positions(square, width, height)
     for obstacles in ((robot, mark), (robot,)):
         discs = [disc for disc in obstacles if disc is not None]
-        for offset_u, offset_v in _OFFSETS:
-            at = (middle[0] + offset_u * reach_u, middle[1] + offset_v * reach_v)
+        for at in positions:
             if all(_apart(at, width, height, disc) for disc in discs):
                 return at
+    middle = positions[0]
     return _moved_away(middle, width, height, robot) if robot is not None else middle
 
 
@@ -83,14 +81,19 @@ def clear_position(
     Returns:
         ``(u, v)``.
     """
+    positions = _positions(square, width, height)
+    if robot is not None:
+        apart = [at for at in positions if _apart(at, width, height, robot)]
+        positions = apart or [_moved_away(positions[0], width, height, robot)]
+    return min(positions, key=lambda at: round(cover(*at), 3))
+
+
+def _positions(square: Square, width: float, height: float) -> list[tuple[float, float]]:
+    """Possible centres of a number within its square, from its middle outwards."""
     middle = (square.left + square.side / 2.0, square.top + square.side / 2.0)
     reach_u = max(square.side - width, 0.0) / 2.0
     reach_v = max(square.side - height, 0.0) / 2.0
-    places = [(middle[0] + u * reach_u, middle[1] + v * reach_v) for u, v in _OFFSETS]
-    if robot is not None:
-        apart = [at for at in places if _apart(at, width, height, robot)]
-        places = apart or [_moved_away(middle, width, height, robot)]
-    return min(places, key=lambda at: round(cover(*at), 3))
+    return [(middle[0] + u * reach_u, middle[1] + v * reach_v) for u, v in _OFFSETS]
 
 
 def _apart(at: tuple[float, float], width: float, height: float, disc: Disc) -> bool:
