@@ -30,13 +30,16 @@ class KillingPool(ProcessPool):
 
     def __init__(self, job, rng, kills):
         super().__init__(job)
-        self._rng, self.kills_left = rng, kills
+        self._rng, self.kills_left, self._killed = rng, kills, []
 
     def wait(self, seconds):
         reports = super().wait(seconds)
-        if self.kills_left and any(isinstance(report, Done) for report in reports):
-            victim = self._rng.choice(sorted(self._started))
-            self._started[victim].process.kill()
+        # A killed worker stays among the started ones until its loss is reported.
+        running = [at for at in self._started if self._started[at].process not in self._killed]
+        if self.kills_left and running and any(isinstance(report, Done) for report in reports):
+            victim = self._started[self._rng.choice(sorted(running))].process
+            victim.kill()
+            self._killed.append(victim)
             self.kills_left -= 1
         return reports
 
