@@ -26,7 +26,14 @@ COMMANDS = {
     "doctor": "Examine a vision-language model and its server, and say what to change.",
     "houses": "Generated houses: pages about them, files for other programs, splits and episodes.",
 }
-_BOX = re.compile(r"[\u2500-\u257f]+")
+_BOX = re.compile(r"[\u2500-\u257f]+|(?<!\S)-{3,}(?!\S)")
+_KIND_OF_ERROR = re.compile(
+    r"^(Value error Error parsing|(Invalid|Missing|Required|Unrecognized) \w+) (?=[-\w])"
+)
+_NO_TYPE = re.compile(
+    r"no type matching (?:\{None\}\|)?[{\[]*(\w+).*? could be instantiated from \[(.*?)\]"
+)
+_ITS_HELP = re.compile(r"\.?( Got errors:.*)?( Argument helptext:.*)? For full helptext.*")
 
 
 def run_command(arguments: Sequence[str]) -> int:
@@ -67,7 +74,13 @@ def _parse(name: str, arguments: list[str]) -> Any:
     except SystemExit as stop:
         if stop.code == 0:
             raise
-        raise ConfigError(" ".join(_BOX.sub(" ", said.getvalue()).split())) from None
+        raise ConfigError(f"{_plain(said.getvalue())}; see hypernav {name} --help") from None
+
+
+def _plain(said: str) -> str:
+    """An error of tyro in one line, without its names of types and its help."""
+    line = " ".join(_BOX.sub(" ", said).split())
+    return _NO_TYPE.sub(r"expected \1, got \2", _KIND_OF_ERROR.sub("", _ITS_HELP.sub("", line)))
 
 
 def _help() -> NoReturn:

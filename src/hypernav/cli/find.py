@@ -23,7 +23,7 @@ from hypernav.cli.terminal import Terminal
 from hypernav.cli.warnings_shown import unusable_answers_line, warnings_on
 from hypernav.core.config import check_option
 from hypernav.core.episode import Episode, Outcome
-from hypernav.core.errors import ModelSetupError, OutputError
+from hypernav.core.errors import ConfigError, ModelSetupError, OutputError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.evaluation.kernel_warmup import warm_up_in_background
@@ -55,6 +55,11 @@ def run(options: Options) -> int:
         KeyboardInterrupt: Ctrl-C or SIGTERM; what was done is on disk.
     """
     check_steps_and_seed(options.max_steps, options.seed)
+    if options.start is not None and len(options.start) != 3:
+        raise ConfigError(
+            f"--start takes three numbers, X and Y in metres and YAW in degrees; got "
+            f"{len(options.start)}: {' '.join(map(str, options.start)) or 'none'}"
+        )
     for number in options.start or ():
         check_option("--start", number, (-_FARTHEST, _FARTHEST), "metres or degrees in a building")
     goal = Goal(options.goal)

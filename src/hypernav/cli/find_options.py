@@ -19,7 +19,7 @@ class Options:
     """The building: builtin, houses:N (any whole number N), or the path of a GLB."""
     who: FlatAgentOptions = field(default_factory=AgentOptions)
     """The options that configure the agent."""
-    start: Annotated[tuple[float, float, float] | None, tyro.conf.arg(metavar="X Y YAW")] = None
+    start: Annotated[tuple[float, ...] | None, tyro.conf.arg(metavar="X Y YAW")] = None
     """Start pose in the scene: metres, and degrees counter-clockwise from x; else random."""
     seed: int = 0
     """Seed of the random start and of all noise."""

@@ -44,7 +44,7 @@ def parse_vlm_spec(text: str) -> VlmSpec:
         if separator and scheme not in {"http", "https"}:
             raise ConfigError(
                 f"'{url}' begins with {scheme}://, but model servers speak http:// or https://; "
-                f"write openai:http://{rest}"
+                f"write openai:http://{rest.lstrip('/') or 'localhost:8000/v1'}"
             )
         if not separator:
             raise ConfigError(f"'{url}' is not a server's URL; write openai:http://{url}")
