@@ -81,8 +81,10 @@ def test_the_description_repeats_the_agent():
         (["--detector", "vlm"], "--detector vlm needs a chat model; name it"),
         (
             ["--reasoner", "magic"],
-            "unknown reasoner 'magic'; use geometric, vlm or one of",
+            "unknown reasoner 'magic'; use geometric, vlm, noisy:P, random or one of",
         ),
+        (["--reasoner", "noisy"], "reasoner 'noisy': expected noisy:P"),
+        (["--reasoner", "noisy:2"], "--reasoner noisy:2: expected the probability"),
         (["--detector", "magic"], "unknown detector 'magic'; use ground-truth"),
         (["--detector", "yolox:"], "detector 'yolox:': expected yolox:PATH.onnx"),
         (["--segmenter", "scissors"], "unknown segmenter 'scissors'; use depth-cut"),

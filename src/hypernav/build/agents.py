@@ -29,6 +29,7 @@ from hypernav.core.components.protocols import (
     Segmenter,
 )
 from hypernav.core.components.registry import Choice, check_protocol
+from hypernav.core.episode_truth import EpisodeTruth
 from hypernav.core.goal import Goal
 from hypernav.core.sightings import Sightings
 from hypernav.core.trace import ExchangeLog
@@ -57,6 +58,8 @@ class BuiltAgent:
         components: All components, for their optional abilities.
         ledger: Ledger of the questions to the chat model; empty without one.
         price: Price of the chat model's tokens.
+        truth: Truth that stand-ins for models wait to be told, see
+            `hypernav.worlds.episode_run.EpisodeRun`; nobody else asks for it.
     """
 
     agent: Agent
@@ -67,6 +70,7 @@ class BuiltAgent:
     components: tuple[object, ...]
     ledger: Ledger
     price: PriceConfig
+    truth: EpisodeTruth
 
     def check_goal(self, goal: Goal) -> None:
         """Refuse a goal that a component can never find, a detector of fixed classes for example.
@@ -133,7 +137,7 @@ def build_agent(
         MissingExtraError: A component needs a package that is not installed.
     """
     chosen = choose_components(specs or ComponentSpecs(), presence=config.presence.enabled)
-    log, ledger = ExchangeLog(), Ledger()
+    log, ledger, truth = ExchangeLog(), Ledger(), EpisodeTruth()
     chat, recording = wrap_chat(chosen.vlm, config.chat, ledger, record)
     # A reasoner that is asked while the robot drives to its last answer needs its own log.
     ahead = config.prefetch.enabled and _asks_chat(chosen.reasoner) and not chosen.is_whole_agent
@@ -144,7 +148,7 @@ def build_agent(
     built: dict[str, Any] = {}
     for kind, choice in chosen.by_kind.items():
         offers = _offers(config, map_log if kind in ("reasoner", "agent") else log) | built
-        offers["sightings"] = sightings
+        offers |= {"sightings": sightings, "truth": truth}
         if chat is not None:
             offers["chat"] = chat
         built[kind] = _made(choice, kind, config, offers)
@@ -178,6 +182,7 @@ def build_agent(
         components=tuple(one for one in (*built.values(), presence, recording) if one is not None),
         ledger=ledger,
         price=config.price,
+        truth=truth,
     )
 
 

@@ -14,6 +14,7 @@ mapping       `hypernav.mapping.config.MappingConfig`: cells and blocks of the m
 clearances_m  how far from obstacles destinations lie, metres, in the order to try
 sightings     for agents: what was seen besides the goal; None unless a model chooses blocks
 fallback      for reasoners: a reasoner that needs no model
+truth         `hypernav.core.episode_truth.EpisodeTruth`: for stand-ins, in simulation only
 reasoner      for agents: the `BlockReasoner` of ``--reasoner``
 detector      for agents: the `Detector` of ``--detector``
 segmenter     for agents: the `Segmenter` of ``--segmenter``

@@ -82,6 +82,19 @@ REASONERS: Registry[Factory] = Registry(
             words="{model}",
             section="block_choice",
         ),
+        Entry(
+            "noisy",
+            "hypernav.perception.explorers.noisy_reasoner:NoisyReasoner",
+            form="noisy:P",
+            words="noisy ({files} truly best)",
+            section="block_choice",
+        ),
+        Entry(
+            "random",
+            "hypernav.perception.explorers.noisy_reasoner:RandomReasoner",
+            words="random block",
+            section="block_choice",
+        ),
     ],
 )
 """Reasoners that choose the block to visit (`hypernav.core.components.protocols.BlockReasoner`)."""

@@ -29,7 +29,7 @@ class AgentOptions:
     detector: str | None = None
     """Detector of the goal, if not --vlm: ground-truth, yolox:PATH.onnx, vlm, zero-shot:ID, …"""
     reasoner: str | None = None
-    """Reasoner that chooses the next block of the map, if not --vlm: geometric or vlm."""
+    """Reasoner that chooses the next block, if not --vlm: geometric, vlm, noisy:P or random."""
     segmenter: str | None = None
     """Segmenter of the pixels in a box: depth-cut, sam:ID or onnx-sam:ENC.onnx,DEC.onnx."""
     record: Path | None = None

@@ -89,7 +89,7 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
         rng = np.random.default_rng(options.seed)
         start = _start(options, world, goal, rng)
         episode = Episode(options.scene, "", goal, start, max_steps=options.max_steps)
-        search = EpisodeRun(parts.agent, world, episode, rng=rng)
+        search = EpisodeRun(parts.agent, world, episode, rng=rng, told=parts.truth)
         with EpisodeRecorder(
             folder,
             goal=goal.text,

@@ -48,6 +48,10 @@ class LabelsMissingError(HyPerNavError):
     """Ground-truth perception was asked of a world that supplies no labels."""
 
 
+class TruthMissingError(HyPerNavError):
+    """A stand-in for a model was asked in an episode that nobody told it the truth about."""
+
+
 class ModelError(HyPerNavError):
     """A model file is missing or is not the kind of network that was expected."""
 

@@ -50,6 +50,8 @@ _SHORT_QUESTION = 160
 _PARTS_WITHOUT_MODEL: dict[str, str] = {
     "ground truth": "ground truth labels from the simulator (no model)",
     "geometric": "geometric rule (no model)",
+    "noisy": "a stand-in that knows the truth and errs at a set rate (no model)",
+    "random block": "chance (no model)",
 }
 
 

@@ -12,6 +12,7 @@ from hypernav.core.clock import ModuleClock
 from hypernav.core.components.abilities import BuiltForRobot
 from hypernav.core.components.protocols import Agent, ExplainsItself
 from hypernav.core.episode import Episode, Outcome
+from hypernav.core.episode_truth import EpisodeTruth
 from hypernav.core.errors import ConfigError, ModelSetupError, ModelUnavailableError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.metrics import EpisodeMetrics
@@ -20,6 +21,7 @@ from hypernav.core.trace import Ending, Mode, StepTrace
 from hypernav.core.world import World
 from hypernav.worlds.goal_sight import GoalSight, PathParts
 from hypernav.worlds.trial import Trial
+from hypernav.worlds.true_paths import true_paths
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,6 +95,7 @@ class EpisodeRun:
         episode: Episode,
         *,
         rng: np.random.Generator | None = None,
+        told: EpisodeTruth | None = None,
     ) -> None:
         """Place the robot and give the agent its goal.
 
@@ -101,6 +104,8 @@ class EpisodeRun:
             world: The world that the agent acts in.
             episode: Goal, start and limits.
             rng: Generator of the world's noise.
+            told: What stand-ins for models in the agent are told of the truth, if it has any
+                (`hypernav.build.agents.BuiltAgent.truth`); their generator is spawned from ``rng``.
 
         Raises:
             ConfigError: The agent was built for another robot.
@@ -116,6 +121,10 @@ class EpisodeRun:
         self._sight = None if referee is None else GoalSight(referee)
         self._model_calls = 0
         self._outage = ""
+        if told is not None:
+            told.tell(
+                rng=None if rng is None else rng.spawn(1)[0], path_left_m=true_paths(self.trial)
+            )
         agent.reset(episode.goal)
 
     def __iter__(self) -> Iterator[EpisodeStep]:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from hypernav.build.agents import build_agent
+from hypernav.build.agents import BuiltAgent, build_agent
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.scenes import build_scene
@@ -77,6 +77,7 @@ class EpisodeWorker:
         """
         self._job = job
         self._agent, self._words, self._needs_colours, self._parts = _agent_of(job)
+        self._truth = self._parts.truth if isinstance(self._parts, BuiltAgent) else None
         self._place: _Place | None = None
 
     def run(self, episode: Episode) -> EpisodeRecord:
@@ -96,6 +97,7 @@ class EpisodeWorker:
                 place.world,
                 episode,
                 rng=np.random.default_rng(episode.seed(self._job.seed)),
+                told=self._truth,
             )
             return self._watch(run, place)
         except _SIMULATOR_ERRORS as error:

@@ -1,0 +1,160 @@
+"""Stand-ins for a model of known quality: the truly best block at a set rate, or just any block."""
+
+import math
+from collections.abc import Sequence
+
+from hypernav.core.episode_truth import EpisodeTruth
+from hypernav.core.errors import ConfigError
+from hypernav.core.goal import Goal
+from hypernav.core.overview import Block, BlockChoice, Overview
+from hypernav.core.trace import Exchange, ExchangeLog
+from hypernav.perception.explorers.map_question import VlmReasonerConfig, offered_blocks
+
+_EQUAL_M = 0.5
+"""Difference in length below which two paths are equally short."""
+
+
+class NoisyReasoner:
+    """Names the truly best of the offered blocks with a set probability, else another of them.
+
+    It says how good a model must be: with probability 1 it is as good as any model can be, so what
+    is still lost then is lost by the method. The best block is on the shortest path to the goal by
+    way of a block; of several on that path the one that leads farthest. All others are as likely as
+    each other, which is worse than a model that errs: that would rather name the second best.
+    The blocks that a model would be offered are offered here. Ours; the paper has no such thing.
+    """
+
+    def __init__(
+        self,
+        probability: float | str,
+        log: ExchangeLog,
+        truth: EpisodeTruth,
+        config: VlmReasonerConfig | None = None,
+    ) -> None:
+        """Create the reasoner.
+
+        Args:
+            probability: Probability of the best block, 0 to 1; a text is read as a number.
+            log: Log of all choices, for the trace.
+            truth: True paths to the goal and the generator of the episode.
+            config: Configuration of the question to a model, which says what is offered.
+
+        Raises:
+            ConfigError: The probability is no number from 0 to 1.
+        """
+        self._probability = _read_probability(probability)
+        self._log = log
+        self._truth = truth
+        self._config = config or VlmReasonerConfig()
+
+    def choose(self, overview: Overview, goal: Goal, excluded: frozenset[int]) -> BlockChoice:
+        """The truly best block or another one; None if none is offered.
+
+        Raises:
+            TruthMissingError: Nobody told the truth about this episode.
+        """
+        offered = offered_blocks(self._config, overview, excluded)
+        choice = self._choice(offered)
+        _record(
+            self._log, choice, excluded, asked="noisy", question="Which block is the truly best?"
+        )
+        return choice
+
+    def _choice(self, offered: Sequence[Block]) -> BlockChoice:
+        rng = self._truth.rng
+        if len(offered) < 2:
+            return _without_choice(offered)
+        best = self._best(offered)
+        if rng.random() < self._probability:
+            left_m = self._truth.path_left_m(*best.destination)
+            reason = f"block {best.number}: truly the best, {left_m:.1f} m from there to the goal"
+            return BlockChoice(best.number, reason)
+        others = [block for block in offered if block is not best]
+        other = others[int(rng.integers(len(others)))]
+        reason = f"block {other.number}: an error on purpose, the best is {best.number}"
+        return BlockChoice(other.number, reason)
+
+    def _best(self, offered: Sequence[Block]) -> Block:
+        """The block on the shortest path; of equally short ones that with the shortest rest."""
+        left_m = {one.number: self._truth.path_left_m(*one.destination) for one in offered}
+        shortest_m = min(one.travel_m + left_m[one.number] for one in offered)
+        if math.isinf(shortest_m):
+            return min(offered, key=lambda one: (left_m[one.number], one.travel_m, one.number))
+        equal = [
+            one for one in offered if one.travel_m + left_m[one.number] <= shortest_m + _EQUAL_M
+        ]
+        return min(equal, key=lambda one: (left_m[one.number], one.number))
+
+
+class RandomReasoner:
+    """Names any of the offered blocks, all with the same probability; uses neither map nor goal.
+
+    It says what a search is worth without any global perception.
+    """
+
+    def __init__(
+        self, log: ExchangeLog, truth: EpisodeTruth, config: VlmReasonerConfig | None = None
+    ) -> None:
+        """Create the reasoner.
+
+        Args:
+            log: Log of all choices, for the trace.
+            truth: Generator of the episode.
+            config: Configuration of the question to a model, which says what is offered.
+        """
+        self._log = log
+        self._truth = truth
+        self._config = config or VlmReasonerConfig()
+
+    def choose(self, overview: Overview, goal: Goal, excluded: frozenset[int]) -> BlockChoice:
+        """A block by chance; None if none is offered.
+
+        Raises:
+            TruthMissingError: Nobody told the generator of this episode.
+        """
+        offered = offered_blocks(self._config, overview, excluded)
+        choice = self._choice(offered)
+        _record(self._log, choice, excluded, asked="random block", question="Which block is drawn?")
+        return choice
+
+    def _choice(self, offered: Sequence[Block]) -> BlockChoice:
+        rng = self._truth.rng
+        if len(offered) < 2:
+            return _without_choice(offered)
+        drawn = offered[int(rng.integers(len(offered)))]
+        return BlockChoice(drawn.number, f"block {drawn.number}: drawn from {len(offered)}")
+
+
+def _read_probability(text: float | str) -> float:
+    try:
+        probability = float(text)
+    except ValueError:
+        probability = math.nan
+    if not 0.0 <= probability <= 1.0:
+        raise ConfigError(
+            f"--reasoner noisy:{text!s:.40}: expected the probability of the truly best block, "
+            "a number from 0 to 1, for example noisy:0.7"
+        )
+    return probability
+
+
+def _without_choice(offered: Sequence[Block]) -> BlockChoice:
+    """The choice from at most one block."""
+    if not offered:
+        return BlockChoice(None, "every block is excluded or holds nothing new")
+    return BlockChoice(offered[0].number, f"block {offered[0].number} is the only one left")
+
+
+def _record(
+    log: ExchangeLog, choice: BlockChoice, excluded: frozenset[int], *, asked: str, question: str
+) -> None:
+    log.record(
+        Exchange(
+            kind="choose block",
+            asked=asked,
+            question=question,
+            answer=choice.reason,
+            chosen=choice.number,
+            excluded=sorted(excluded),
+        )
+    )
