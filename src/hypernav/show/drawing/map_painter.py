@@ -13,6 +13,7 @@ from hypernav.core.sightings import SeenThing
 from hypernav.core.trace import BlockRecord
 from hypernav.show.drawing import palette, shapes
 from hypernav.show.drawing.hidden_weight import HiddenWeight
+from hypernav.show.drawing.label_placement import Label, placed_labels
 from hypernav.show.drawing.map_raster import CellColors, rasterize_map
 from hypernav.show.drawing.map_view import MapView
 from hypernav.show.drawing.number_placement import (
@@ -182,12 +183,15 @@ class MapPainter:
             )
 
     def labels(self, things: Sequence[SeenThing]) -> None:
-        """Write the names of things where they are."""
-        size = max(round(15 * self._unit), 9)
-        for thing in things:
-            at = self.view.pixel_of(*thing.position)
-            halo = max(round(2 * self._unit), 1)
-            draw_text(self.image, thing.label, at, size, align=0.5, halo=palette.FREE, halo_px=halo)
+        """Write the names of things where they are, or beside, where another name is."""
+        size, halo = max(round(15 * self._unit), 9), max(round(2 * self._unit), 1)
+        labels = [
+            Label(one.label, *self.view.pixel_of(*one.position), text_width(one.label, size) + halo)
+            for one in things
+        ]
+        for label in placed_labels(labels, size + halo):
+            at = (label.u, label.v)
+            draw_text(self.image, label.text, at, size, align=0.5, halo=palette.FREE, halo_px=halo)
 
     def trajectory(self, points: Sequence[XY]) -> None:
         """Draw the trajectory, from pale (long ago) to dark (now)."""
