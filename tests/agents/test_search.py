@@ -85,6 +85,36 @@ def test_it_looks_around_first_and_only_if_asked_to():
     assert steps[0].mode is Mode.EXPLORE
 
 
+@pytest.mark.parametrize("preset", ["default", "paper"])
+def test_who_looks_at_destinations_only_turns_around_before_every_map_question(preset):
+    agent = search(name=preset, search={"looks": "at-destinations"})
+    steps, result = run(agent, "bed", max_steps=200)
+    assert result.outcome is Outcome.FOUND
+    turned = 0
+    for step in steps:
+        assert turned or not step.detections
+        if step.exchanges:
+            assert turned == 12
+        turned = turned + 1 if step.mode is Mode.LOOK_AROUND else 0
+
+
+@pytest.mark.parametrize("preset", ["default", "paper"])
+@pytest.mark.parametrize(
+    "switched",
+    [
+        {"local": {"pixels": "box"}},
+        {"local": {"erosion_px": 1}},
+        {"local": {"dilation_iterations": 0}},
+        {"overview": {"visited": "none"}},
+        {"planning": {"replan_every_steps": None}},
+    ],
+    ids=str,
+)
+def test_a_search_without_one_part_finds_a_bed_that_is_easy_to_find(preset, switched):
+    _, result = run(search(name=preset, **switched), "bed", max_steps=200)
+    assert result.outcome is Outcome.FOUND
+
+
 def test_every_map_question_is_in_the_trace():
     steps, _ = run(search(), "bed")
     asked = [step for step in steps if step.exchanges]

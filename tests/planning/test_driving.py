@@ -193,6 +193,15 @@ def test_a_path_is_planned_anew_after_so_many_steps():
     assert len({id(path) for path in paths}) == 3
 
 
+def test_a_path_may_be_kept_to_its_end():
+    navigator, goal = Navigator(PlanningConfig(replan_every_steps=None), ROBOT), [[4.0, 0.0]]
+    paths = set()
+    for _ in range(25):
+        navigator.towards(HALL, Pose2(-4.0, 0.0, 0.0), np.array(goal))
+        paths.add(id(navigator.path))
+    assert len(paths) == 1
+
+
 def test_no_way_is_not_an_arrival():
     grid = OccupancyGrid(HALL.cells.copy(), 0.05, HALL.origin)
     grid.cells[:, 100:110] = Cell.OCCUPIED

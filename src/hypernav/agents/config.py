@@ -45,6 +45,9 @@ class SearchConfig(RoomConfig):
             it.
         drop_explored: Whether to give a destination up once nothing unknown is left around it.
         drop_explored_radius_m: Radius around a destination for both of these, metres.
+        looks: Steps at which the camera is asked for the goal: at all ("always", as in the paper) or
+            only "at-destinations", where the robot then turns once around before it asks the map
+            (our reading of the paper's ablation without local perception).
         verify_view: Image for the presence check: the "current" one or the "best" of the
             approach, which still shows what stands too close or too low.
         face_target: Whether to turn towards the goal area before the presence check.
@@ -66,6 +69,7 @@ class SearchConfig(RoomConfig):
     look_across_boundary: bool = True
     drop_explored: bool = True
     drop_explored_radius_m: float = Field(default=0.75, gt=0.0, le=10.0)
+    looks: Literal["always", "at-destinations"] = "always"
     verify_view: Literal["current", "best"] = "best"
     face_target: bool = True
     see_before_stop: bool = True

@@ -19,7 +19,7 @@ from hypernav.core.errors import WorldError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.core.trace import DetectionRecord, ExchangeLog, StepTrace
+from hypernav.core.trace import DetectionRecord, ExchangeLog, Mode, StepTrace
 from hypernav.mapping.top_down_map import TopDownMap
 from hypernav.perception.local.local_perception import LocalPerception
 from hypernav.planning.bump_sensor import BumpSensor
@@ -108,12 +108,15 @@ class _Search:
         self._bumps = BumpSensor(planning, embodiment)
         self._trajectory: list[tuple[float, float]] = []
         self._steps = 0
+        self._always_looks = config.looks == "always"
         self._motion = embodiment.motion
         # Each keeps to its own plan: steps that lead to two positions by turns lead to neither.
         navigator = Navigator(planning, embodiment)
         roaming = Navigator(planning, embodiment)
         self._look_around = LookAround(embodiment.motion)
-        self._explore = Explore(goal, local, components.explorer, roaming, config)
+        self._explore = Explore(
+            goal, local, components.explorer, roaming, self._look_around, config
+        )
         self._approach = Approach(goal, local, navigator, self._explore, self._look_around, config)
         self._second_look = SecondLook(
             goal,
@@ -160,7 +163,7 @@ class _Search:
             self.world_map.integrate(observation)
             self.world_map.mark_occupied(self._bumps.points(observation.robot, self.world_map.grid))
         with clock("local"):
-            detections = self._local.look(observation)
+            detections = self._local.look(observation, asks=self._asks_the_camera())
         step = Step(observation, self.world_map.grid, self._trajectory, self._motion, clock, events)
         decision = self._decide(step)
         if decision.action is not None:
@@ -168,6 +171,10 @@ class _Search:
         self.trace = self._traced(step, decision, detections)
         self._steps += 1
         return decision.action
+
+    def _asks_the_camera(self) -> bool:
+        turned_around = self.trace is not None and self.trace.mode is Mode.LOOK_AROUND
+        return self._always_looks or turned_around
 
     def _decide(self, step: Step) -> Decision:
         """Let one phase after another look at the step until one of them decides it."""

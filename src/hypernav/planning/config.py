@@ -38,6 +38,7 @@ class PlanningConfig(RoomConfig):
         waypoints: Waypoints of a path: "corners", between which the robot drives straight, or
             "dense", one in every cell (paper: fine-grained waypoints).
         replan_every_steps: Number of steps that a path is kept unless it is blocked (paper: 10).
+            None keeps it to its end.
         replan_when_moved: Whether a path is planned anew as well when a detection moves its
             destination; the paper names no such case.
         steering: Manner of following a path. "waypoint": turn if the next waypoint is too far off
@@ -60,7 +61,7 @@ class PlanningConfig(RoomConfig):
     end_in_obstacle: Literal["reachable", "nearest"] = "reachable"
     max_gap_m: float | None = Field(default=1.0, ge=0.0, le=50.0)
     waypoints: Literal["corners", "dense"] = "corners"
-    replan_every_steps: int = Field(default=10, ge=1, le=MOST_STEPS)
+    replan_every_steps: int | None = Field(default=10, ge=1, le=MOST_STEPS)
     replan_when_moved: bool = True
     steering: Literal["waypoint", "lattice"] = "lattice"
     heading_tolerance_deg: float = Field(default=15.0, gt=0.0, le=180.0)

@@ -81,11 +81,9 @@ class Navigator:
         return sum(math.dist(*leg) for leg in pairwise(self._follower.remaining(robot)))
 
     def _path_is_fresh(self, targets: Float64[np.ndarray, "n 2"]) -> bool:
-        return (
-            self.path is not None
-            and self._age < self._config.replan_every_steps
-            and self._leads_to(targets)
-        )
+        every = self._config.replan_every_steps
+        is_young = every is None or self._age < every
+        return self.path is not None and is_young and self._leads_to(targets)
 
     def _leads_to(self, targets: Float64[np.ndarray, "n 2"]) -> bool:
         """Whether the path was planned to this destination, or to one that it overlaps."""

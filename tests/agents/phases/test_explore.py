@@ -9,6 +9,7 @@ from certainty import certain
 from drawn_grids import drawn
 from hypernav.agents.config import SearchConfig
 from hypernav.agents.phases.explore import Explore, unexplored_boundary
+from hypernav.agents.phases.look_around import LookAround
 from hypernav.agents.phases.step import Decision, PhaseName, Step, turn_towards
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
@@ -81,6 +82,7 @@ def explore(explorer, robot, steps, **options):
         local,
         explorer,
         Navigator(PlanningConfig(), Embodiment()),
+        LookAround(MotionConfig()),
         SearchConfig(**options),
     )
     phase.destination = explorer.next_destination(None, None, [])

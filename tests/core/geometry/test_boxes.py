@@ -24,6 +24,13 @@ def test_clipping_keeps_a_box_inside_the_image(box):
     assert clipped.clipped(640, 480) == clipped
 
 
+def test_the_mask_of_a_box_holds_its_pixels_inside_the_image():
+    mask = Box(-3.0, 1.2, 2.0, 3.0).mask(5, 4)
+    assert mask.shape == (4, 5)
+    assert mask.sum() == mask[1:3, :2].sum() == 4
+    assert not Box(9.0, 9.0, 12.0, 12.0).mask(5, 4).any()
+
+
 def test_a_box_overlaps_itself_fully_and_a_distant_one_not_at_all():
     box = Box(10, 10, 20, 30)
     assert box.iou(box) == pytest.approx(1.0)

@@ -128,6 +128,13 @@ def test_the_latest_destination_is_not_the_next_one():
     assert certain(explorer.next_destination(hall(), HERE, [HERE.xy])).xy == first.xy
 
 
+def test_who_remembers_nothing_goes_where_it_was():
+    explorer = blocks_explorer(InOrder(), visited="none")
+    first = certain(explorer.next_destination(hall(), HERE, [HERE.xy]))
+    explorer.remember_visit(*first.xy)
+    assert certain(explorer.next_destination(hall(), HERE, [HERE.xy, first.xy])).xy == first.xy
+
+
 def test_when_all_is_visited_visits_are_forgotten_but_for_where_the_robot_is():
     reasoner = InOrder()
     explorer = blocks_explorer(reasoner, (0.22,), **POSITIONS)

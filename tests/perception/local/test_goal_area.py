@@ -55,6 +55,11 @@ def test_a_single_point_grows_by_the_paper_s_dilation(x, y):
     assert area.distance_to(x, y) <= 0.051
 
 
+def test_without_dilation_a_single_point_is_a_single_cell():
+    area = area_of([[1.0, 2.0, 0.4]], iterations=0)
+    assert area.mask.sum() == area.seen.sum() == 1
+
+
 def test_without_points_there_is_no_area():
     assert GoalArea.from_points(np.zeros((0, 3)), resolution_m=0.05) is None
 

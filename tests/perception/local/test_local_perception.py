@@ -104,6 +104,28 @@ def test_a_thin_mask_is_eroded_away_or_kept(keeps):
     assert record.accepted == keeps
 
 
+@pytest.mark.parametrize(("pixels", "depths_m"), [("mask", 1), ("box", 2)])
+def test_the_raw_box_takes_the_wall_behind_for_the_goal(pixels, depths_m):
+    mask = Box(60.0, 40.0, 100.0, 80.0).mask(160, 120)
+    detection = Detection(Box(40.0, 40.0, 120.0, 80.0), 0.9, "bed", mask)
+    local = perception(
+        ScriptedDetector([[detection]]), pixels=pixels, largest_cluster_only=False, entry_reach_m=0
+    )
+    local.look(thing_before_wall())
+    points = certain(local.target).area.seen_points
+    assert len(set(points[:, 0].round(1))) == depths_m
+
+
+def test_an_image_that_is_not_asked_about_changes_nothing():
+    detector = ScriptedDetector([seen()])
+    local = perception(detector)
+    local.look(thing_before_wall())
+    before = local.target
+    assert local.look(thing_before_wall(), asks=False) == []
+    assert local.target is before
+    assert local.far_bearing is None
+
+
 def test_a_held_target_is_not_left_for_another():
     local = perception(ScriptedDetector([seen(), seen((5.0, 40.0, 30.0, 80.0))]))
     local.look(thing_before_wall())

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from hypernav.agents.config import SearchConfig
+from hypernav.agents.phases.look_around import LookAround
 from hypernav.agents.phases.step import Decision, PhaseName, Step, turn_towards
 from hypernav.agents.progress import patience_of
 from hypernav.core.actions import Action
@@ -40,6 +41,7 @@ class Explore:
         local: LocalPerception,
         explorer: Explorer,
         navigator: Navigator,
+        look_around: LookAround,
         config: SearchConfig,
     ) -> None:
         """Begin without a destination.
@@ -50,6 +52,8 @@ class Explore:
                 measured.
             explorer: Explorer that chooses destinations.
             navigator: Navigator that drives there.
+            look_around: Turn around, begun before questions about the map where the camera is asked
+                only then.
             config: Conditions under which a destination ends.
         """
         explorer.reset(goal)
@@ -57,6 +61,7 @@ class Explore:
         self._local = local
         self._explorer = explorer
         self._navigator = navigator
+        self._look_around = look_around
         self._config = config
         self._patience = patience_of(config)
         self._age = 0
@@ -77,6 +82,9 @@ class Explore:
             self._pursue(step, far_bearing)
         for _ in range(_CHOICES_PER_STEP):
             if self.destination is None:
+                if config.looks == "at-destinations" and not self._has_looked(robot):
+                    self._look_around.begin()
+                    return PhaseName.LOOK_AROUND
                 with step.clock("global"):
                     self.destination = self._explorer.next_destination(grid, robot, step.trajectory)
                 self._age = 0
@@ -97,6 +105,9 @@ class Explore:
                     self._explorer.prefetch(grid, robot, step.trajectory, self.destination)
                 return self._decision(action, self.destination.reason, robot)
         return self._decision(Action.TURN_LEFT, "no way to any destination, looking again", robot)
+
+    def _has_looked(self, robot: Pose2) -> bool:
+        return self._look_around.was_at(robot, self._config.arrival_distance_m)
 
     def _decision(self, action: Action, reason: str, robot: Pose2) -> Decision:
         return Decision(action, Mode.EXPLORE, reason, self._navigator.remaining(robot))

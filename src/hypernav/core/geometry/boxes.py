@@ -49,6 +49,13 @@ class Box:
             int(np.ceil(self.y_max)),
         )
 
+    def mask(self, width: int, height: int) -> Bool[np.ndarray, "height width"]:
+        """The pixels of the box in an image of this size."""
+        x_min, y_min, x_max, y_max = self.clipped(width, height).pixels()
+        mask = np.zeros((height, width), dtype=bool)
+        mask[y_min:y_max, x_min:x_max] = True
+        return mask
+
 
 @dataclass(frozen=True, eq=False)
 class Detection:

@@ -36,7 +36,7 @@ class OverviewConfig(RoomConfig):
             map; not where the next question is prefetched.
         visited: What counts as a visit: "destinations" that were reached or given up, or the
             "positions" that the robot has been at (paper), beside the latest destination, so that
-            the next is a new one.
+            the next is a new one. "none": nothing is remembered.
         visited_radius_m: Distance from a visit, metres, within which a destination counts as
             visited.
         max_questions: Largest number of questions for one choice, with visited blocks excluded;
@@ -51,7 +51,7 @@ class OverviewConfig(RoomConfig):
     fill_obstacles: bool = True
     clear_numbers: bool = True
     label_things: bool = True
-    visited: Literal["destinations", "positions"] = "destinations"
+    visited: Literal["destinations", "positions", "none"] = "destinations"
     visited_radius_m: float = Field(default=0.5, ge=0.0, le=100.0)
     max_questions: int | None = Field(default=4, ge=1, le=1000)
     forget_visits: bool = False
@@ -190,9 +190,13 @@ class BlockExplorer:
 
     def _visits(self, trajectory: Sequence[tuple[float, float]]) -> Sequence[tuple[float, float]]:
         """All that counts as visited, metres."""
-        if self._config.visited == "positions":
-            return [*trajectory[self._forgotten_positions :], *self._ended[-1:]]
-        return self._ended
+        match self._config.visited:
+            case "positions":
+                return [*trajectory[self._forgotten_positions :], *self._ended[-1:]]
+            case "destinations":
+                return self._ended
+            case "none":
+                return []
 
 
 def _squares(blocks: tuple[Block, ...]) -> set[tuple[float, float, int]]:

@@ -27,6 +27,8 @@ class LocalConfig(RoomConfig):
     Attributes:
         published_segmenter: Segmenter of the published method (paper: MobileSAM). Where another
             stands in for it, screens, results and reports say so. Empty: none is missed.
+        pixels: Pixels of a detection that count: those of its "mask" (paper), or all of its "box",
+            which are not eroded.
         erosion_px: Side of the kernel that erodes the mask, pixels, so that its edge does not spill
             onto the background (paper: "the mask is eroded", its size is ours); 1 does not erode.
         keep_thin_masks: Whether a mask of which erosion would leave less than a quarter stays as it
@@ -57,6 +59,7 @@ class LocalConfig(RoomConfig):
     """
 
     published_segmenter: str = ""
+    pixels: Literal["mask", "box"] = "mask"
     erosion_px: OddSide = 5
     keep_thin_masks: bool = True
     min_points: int = Field(default=12, ge=1, le=1_000_000)

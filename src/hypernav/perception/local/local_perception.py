@@ -164,8 +164,12 @@ class LocalPerception:
             )
             self._target = None
 
-    def look(self, observation: Observation) -> list[DetectionRecord]:
+    def look(self, observation: Observation, *, asks: bool = True) -> list[DetectionRecord]:
         """Search one image and update the target.
+
+        Args:
+            observation: Present frame.
+            asks: Whether the detector may be asked about it; else only time passes.
 
         Returns:
             Every detection of the image, and whether it gave a goal area or the reason why not.
@@ -175,6 +179,8 @@ class LocalPerception:
         self._far_bearing = None
         self._score_now = 0.0
         self._rejected = [one.after_a_look() for one in self._rejected if one.looks_left > 0]
+        if not asks:
+            return records
         if self._attention and not self._attention.is_worth_a_question(observation, self._held):
             return records
         detections = self._detector.detect(observation, self._goal)
@@ -202,6 +208,9 @@ class LocalPerception:
     def _refined_mask(
         self, detection: Detection, observation: Observation
     ) -> Bool[np.ndarray, "height width"]:
+        if self._config.pixels == "box":
+            height, width = observation.depth.shape
+            return detection.box.mask(width, height)
         mask = detection.mask
         if mask is None:
             mask = self._segmenter.segment(observation, detection.box)
