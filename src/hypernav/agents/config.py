@@ -45,9 +45,9 @@ class SearchConfig(RoomConfig):
             it.
         drop_explored: Whether to give a destination up once nothing unknown is left around it.
         drop_explored_radius_m: Radius around a destination for both of these, metres.
-        looks: Steps at which the camera is asked for the goal: at all ("always", as in the paper) or
-            only "at-destinations", where the robot then turns once around before it asks the map
-            (our reading of the paper's ablation without local perception).
+        looks: Steps at which the camera is asked for the goal: "always" (paper), or only
+            "at-destinations", where the robot then turns once around before it asks the map (our
+            reading of the paper's ablation without local perception).
         verify_view: Image for the presence check: the "current" one or the "best" of the
             approach, which still shows what stands too close or too low.
         face_target: Whether to turn towards the goal area before the presence check.

@@ -22,6 +22,7 @@ from hypernav.core.errors import ConfigError
 COMMANDS = {
     "find": "Search for an object in a simulated building and leave a page about it.",
     "eval": "Run the episodes of a benchmark; the same command goes on where it was interrupted.",
+    "ablate": "Run variants of the method on the same episodes, and say what each part is worth.",
     "report": "Write a page, a CSV file and LaTeX tables about one or more evaluations.",
     "doctor": "Examine a vision-language model and its server, and say what to change.",
     "houses": "Generated houses: pages about them, files for other programs, splits and episodes.",

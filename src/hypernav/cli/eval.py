@@ -44,16 +44,33 @@ def run(options: Options) -> int:
         HyPerNavError: The run cannot be begun, or stopped before its end.
         ReportedCrashError: The program failed in some of the episodes.
     """
-    _check(options)
-    folder = options.out or Path("runs") / _folder_name(f"{options.dataset}-{options.who.agent}")
+    check(options)
+    folder = options.out or Path("runs") / folder_name(f"{options.dataset}-{options.who.agent}")
     check_folder(folder)
-    with crash_report(folder):
-        return _evaluate(options, folder)
-
-
-def _evaluate(options: Options, folder: Path) -> ExitStatus:
-    """Load the episodes, and run those that aren't done."""
     console = Terminal(quiet=options.quiet)
+    with crash_report(folder):
+        progress = evaluate(options, folder, console)
+        for line in outcome_lines(progress, folder):
+            console.print(line, soft_wrap=True)
+        if progress.crashes:
+            raise crash_of(progress.crashes)
+    return ExitStatus.SUCCESS
+
+
+def evaluate(options: Options, folder: Path, console: Terminal) -> RunProgress:
+    """Load the episodes, and run those that aren't done.
+
+    Args:
+        options: The whole command but for the folder.
+        folder: Folder of the run.
+        console: Terminal that shows the progress.
+
+    Returns:
+        The state of the run at its end.
+
+    Raises:
+        HyPerNavError: The run cannot be begun, or stopped before its end.
+    """
     config = options.who.resolve()
     with console.status("loading the episodes …") as status:
         plan = _plan(options, config)
@@ -70,7 +87,7 @@ def _evaluate(options: Options, folder: Path) -> ExitStatus:
         session = RunSession(store, options.workers or available_cores())
         try:
             with session:
-                progress = _watch(console, episodes, store, pool, session)
+                return _watch(console, episodes, store, pool, session)
         except KeyboardInterrupt:
             console.print(
                 f"interrupted; {len(store.records)} of {len(episodes)} episodes are safe in "
@@ -78,14 +95,14 @@ def _evaluate(options: Options, folder: Path) -> ExitStatus:
                 soft_wrap=True,
             )
             raise
-    for line in outcome_lines(progress, folder):
-        console.print(line, soft_wrap=True)
-    if progress.crashes:
-        raise crash_of(progress.crashes)
-    return ExitStatus.SUCCESS
 
 
-def _check(options: Options) -> None:
+def check(options: Options) -> None:
+    """Refuse options that no run can have.
+
+    Raises:
+        ConfigError: There is one.
+    """
     check_steps_and_seed(options.max_steps, options.seed)
     check_option(
         "--success-distance", options.success_distance, (0.001, 100.0), "must be more than 0"
@@ -167,5 +184,6 @@ def _watch(
         return run_episodes(episodes, store, pool, workers=session.workers, watch=watch)
 
 
-def _folder_name(text: str) -> str:
+def folder_name(text: str) -> str:
+    """A text as the name of a folder."""
     return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")[:80]

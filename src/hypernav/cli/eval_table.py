@@ -41,10 +41,19 @@ def progress_line(progress: RunProgress, seconds: float) -> str:
     """The progress in one line, for log files."""
     done, rate = len(progress.records), progress.done_now / max(seconds, 1e-9)
     text = f"{done} of {progress.total} episodes, {3600 * rate:.0f} an hour"
-    if done:
-        summary = summarise(progress.records, draws=1)
-        text += f", SR {100 * summary.success.mean:.1f} %, SPL {summary.spl.mean:.3f}"
-    return text
+    return f"{text}, {_rates(progress)}" if done else text
+
+
+def result_line(progress: RunProgress) -> str:
+    """The result of a run in one line."""
+    done = len(progress.records)
+    text = f"{done} of {progress.total} episodes done"
+    return f"{text}, {_rates(progress)}" if done else text
+
+
+def _rates(progress: RunProgress) -> str:
+    summary = summarise(progress.records, draws=1)
+    return f"SR {100 * summary.success.mean:.1f} %, SPL {summary.spl.mean:.3f}"
 
 
 def outcome_lines(progress: RunProgress, folder: Path) -> Iterator[str]:

@@ -21,7 +21,7 @@ class PlanningConfig(RoomConfig):
             metres; 0 does without.
         comfort_m: Distance beyond the dilation, metres, within which a path costs more, so that it
             keeps to the middle of doors where there is room.
-        comfort_cost: Addition to the cost factor of 1 within that distance; 0 switches it off.
+        comfort_cost: Addition to the cost factor of 1 within `comfort_m`; 0 switches it off.
         unknown_cost: Cost factor of unknown cells; 1 treats them as free ones, 0 forbids them.
         end_in_unknown: Whether a path may end in unknown cells of the destination if it has no
             other open ones; else it ends in known ones only.

@@ -129,6 +129,11 @@ class Registry(Generic[T]):
         """Full forms of everything built in, in the order of registration."""
         return [entry.full_form for entry in self._entries.values()]
 
+    @property
+    def sections(self) -> set[str]:
+        """Sections of the configuration that are for components built in."""
+        return {entry.section for entry in self._entries.values() if entry.section}
+
     def knows(self, name: str) -> bool:
         """Whether a component has this name, built in or from an installed package."""
         return name in self._entries or self._installed(name) is not None

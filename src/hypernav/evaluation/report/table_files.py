@@ -80,9 +80,9 @@ def _overall(runs: Sequence[RunData]) -> str:
     for run, summary in zip(runs, tables.overall(runs), strict=True):
         cells = [
             tex(run.name),
-            _with_interval(summary.success, 100.0, 1),
-            _with_interval(summary.spl, 1.0, 3),
-            _with_interval(summary.soft_spl, 1.0, 3),
+            with_interval(summary.success, 100.0, 1),
+            with_interval(summary.spl, 1.0, 3),
+            with_interval(summary.soft_spl, 1.0, 3),
             str(summary.success.count),
         ]
         lines.append(" & ".join(cells) + r" \\")
@@ -113,7 +113,8 @@ def _by_scene(runs: Sequence[RunData]) -> str:
     return "\n".join([*lines, r"\bottomrule", r"\end{tabular}"]) + "\n"
 
 
-def _with_interval(estimate: Estimate, factor: float, digits: int) -> str:
+def with_interval(estimate: Estimate, factor: float, digits: int) -> str:
+    """A mean with its interval in brackets."""
     mean, low, high = (factor * v for v in (estimate.mean, estimate.low, estimate.high))
     return f"{mean:.{digits}f} [{low:.{digits}f}, {high:.{digits}f}]"
 

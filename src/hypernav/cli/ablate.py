@@ -1,0 +1,108 @@
+"""The command `hypernav ablate`: what each part of a method is worth."""
+
+import difflib
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+from hypernav.build.choosing import choose_components
+from hypernav.cli.ablate_options import Options
+from hypernav.cli.eval import check, evaluate, folder_name
+from hypernav.cli.eval_table import result_line
+from hypernav.cli.guards.crashes import crash_report
+from hypernav.cli.guards.outputs import check_folder
+from hypernav.cli.guards.statuses import ExitStatus
+from hypernav.cli.terminal import Terminal
+from hypernav.core.errors import ConfigError
+from hypernav.evaluation.ablation.ablation_page import write_ablation
+from hypernav.evaluation.ablation.studies import STUDIES
+from hypernav.evaluation.ablation.study import Method, Study, Variant, slug
+from hypernav.evaluation.ablation.study_name import StudyName
+from hypernav.evaluation.runner import crash_of
+
+
+def run(options: Options) -> int:
+    """Run the command.
+
+    Returns:
+        The status of success: every episode of every variant is done.
+
+    Raises:
+        HyPerNavError: A run cannot be begun, or stopped before its end.
+        ReportedCrashError: The program failed in some of the episodes.
+    """
+    check(options)
+    return _WORK[options.study](options)
+
+
+def _run_variants(options: Options) -> ExitStatus:
+    """Run every variant of a study as an evaluation of its own, and write the page."""
+    study = STUDIES[options.study](_method(options))
+    if options.list:
+        _show(study)
+        return ExitStatus.SUCCESS
+    study = replace(study, variants=_chosen(study, options.only))
+    who = options.who
+    name = f"{options.dataset}-{who.agent}-{who.preset}-{options.study}"
+    folder = options.out or Path("runs") / f"{folder_name(name)}-ablation"
+    check_folder(folder)
+    console = Terminal(quiet=options.quiet)
+    with crash_report(folder):
+        try:
+            for place, variant in enumerate(study.variants, start=1):
+                console.print(f"variant {place} of {len(study.variants)}: {variant.name}")
+                _run(variant, options, folder, console)
+        finally:  # whatever happened: what there is can be read
+            page = write_ablation(folder, study)
+            if page is not None:
+                console.print(f"open {page}", soft_wrap=True)
+    return ExitStatus.SUCCESS
+
+
+def _run(variant: Variant, options: Options, folder: Path, console: Terminal) -> None:
+    who = replace(
+        options.who, set=(*options.who.set, *variant.assignments), **dict(variant.components)
+    )
+    progress = evaluate(replace(options, who=who), folder / variant.slug, console)
+    if progress.crashes:
+        raise crash_of(progress.crashes)
+    console.print(f"  {result_line(progress)}", soft_wrap=True)
+
+
+def _method(options: Options) -> Method:
+    config = options.who.resolve()
+    chosen = choose_components(options.who.specs, presence=config.presence.enabled)
+    return Method(options.who.preset, config, chosen)
+
+
+def _chosen(study: Study, only: str | None) -> tuple[Variant, ...]:
+    """The unchanged method and the variants of these names, or all."""
+    first, *others = study.variants
+    if only is None:
+        return study.variants
+    names = [slug(name) for name in only.split(",")]
+    known = {variant.slug: variant for variant in others}
+    for name in names:
+        if name in known or name == first.slug:
+            continue
+        for one in study.left_out:
+            if one.variant.slug == name:
+                raise ConfigError(f"--only {name}: this variant is left out, because {one.why}")
+        close = difflib.get_close_matches(name, known, n=1)
+        hint = f"did you mean '{close[0]}'? " if close else ""
+        raise ConfigError(f"--only: unknown variant '{name}'; {hint}variants: {', '.join(known)}")
+    return (first, *(variant for name, variant in known.items() if name in names))
+
+
+def _show(study: Study) -> None:
+    console = Terminal(stderr=False, soft_wrap=True)
+    for variant in study.variants:
+        console.print(f"{variant.slug}: {variant.words}", markup=False)
+        if variant.changes:
+            console.print(f"    {variant.changes}", markup=False)
+    for one in study.left_out:
+        console.print(f"left out: {one.variant.slug} ({one.why})", markup=False)
+
+
+_WORK: dict[StudyName, Callable[[Options], ExitStatus]] = {"switches": _run_variants}
+"""What the command does for each study."""

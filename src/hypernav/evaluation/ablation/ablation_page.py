@@ -1,0 +1,134 @@
+"""The page of a study: what each part of the method is worth, at a glance and in full."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from hypernav.core.errors import OutputError
+from hypernav.evaluation.ablation.figures import SVG, write_figure
+from hypernav.evaluation.ablation.results import StudyResults, VariantResult, read_results
+from hypernav.evaluation.ablation.study import LeftOut, Study
+from hypernav.evaluation.ablation.study_tables import write_csv, write_tex
+from hypernav.evaluation.report import report_text, tables
+from hypernav.show.pages.templating import data_uri, page_environment
+
+PAGE = "index.html"
+
+
+def write_ablation(folder: Path, study: Study) -> Path | None:
+    """Write the page, the figure, ``ablation.csv`` and ``ablation.tex``, of what there is.
+
+    Args:
+        folder: Folder of the study, with a folder for every variant.
+        study: Its variants.
+
+    Returns:
+        Path of the page, which is one file and needs no network; None as long as no episode of the
+        unchanged method is done.
+
+    Raises:
+        OutputError: The folder can't be written.
+        RunFolderError: A folder is damaged.
+    """
+    results = read_results(folder, study)
+    if results is None:
+        return None
+    page = page_environment("hypernav.evaluation").get_template("ablation.html.j2")
+    try:
+        write_figure(folder, results)
+        write_csv(folder / "ablation.csv", results)
+        write_tex(folder / "ablation.tex", results)
+        figure = data_uri((folder / SVG).read_bytes(), "image/svg+xml")
+        text = page.render(**_content(results), figure=figure)
+        (folder / PAGE).write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise OutputError(f"{folder} cannot be written ({error.strerror or error})") from error
+    return folder / PAGE
+
+
+def _content(results: StudyResults) -> dict[str, Any]:
+    shown = results.all if results.study.axis else (results.baseline, *results.worst_first)
+    return {
+        "study": results.study,
+        "baseline": results.baseline,
+        "results": shown,
+        "lead": _lead(results),
+        "verdicts": _verdicts(results),
+        "warnings": _warnings(results),
+        "failures": tables.failures([result.run for result in shown]),
+        "left_out": _by_reason(results.study.left_out),
+        "protocol": report_text.protocol_lines(results.baseline.run),
+        "report_text": report_text,
+    }
+
+
+def _lead(results: StudyResults) -> str:
+    run, summary = results.baseline.run, results.baseline.summary
+    return (
+        f"{len(results.variants)} variants of the preset {run.who['preset']} searched for the same "
+        f"goals as the unchanged method, in {run.wanted:,} episodes of {run.dataset}. Unchanged, "
+        f"it finds {report_text.percent(summary.success)} "
+        f"({report_text.interval(summary.success, 100.0)} %) of its goals with an SPL of "
+        f"{summary.spl.mean:.3f} ({report_text.interval(summary.spl)})."
+    )
+
+
+def _verdicts(results: StudyResults) -> list[str]:
+    """What can be said of SPL, in sentences: what loses, what gains, and what cannot be told."""
+    lost, gained, others = [], [], 0
+    for result in results.worst_first:
+        assert result.pair is not None
+        gap = result.pair.spl
+        if not gap.p_value < report_text.SIGNIFICANT:
+            others += 1
+            continue
+        told = f"“{result.variant.name}” ({gap.difference.mean:+.3f})"
+        (gained if gap.difference.mean > 0.0 else lost).append(told)
+    sentences = []
+    if lost:
+        sentences.append(f"SPL falls with {_listed(lost)}.")
+    if gained:
+        sentences.append(f"SPL rises with {_listed(gained[::-1])}.")
+    if others:
+        which = "the other" if lost or gained else "the"
+        sentences.append(f"Of {which} {others} no difference in SPL is shown.")
+    count = len(results.variants)
+    if count > 1:
+        sentences.append(
+            f"Of {count} comparisons, {report_text.SIGNIFICANT * count:.1f} are expected below "
+            f"p = {report_text.SIGNIFICANT:g} by chance alone."
+        )
+    return sentences
+
+
+def _warnings(results: StudyResults) -> list[str]:
+    found = report_text.warnings([results.baseline.run])
+    short = [
+        f"{one.variant.name} ({len(one.run.records):,} of {one.run.wanted:,} episodes)"
+        for one in results.variants
+        if len(one.run.records) < one.run.wanted
+    ]
+    if short:
+        found.append(f"Not finished: {_listed(short)}. Only episodes that both have are compared.")
+    if results.waiting:
+        names = [variant.name for variant in results.waiting]
+        found.append(f"Without results so far: {_listed(names)}.")
+    apart = [one for one in results.variants if len(one.run.counted) < len(one.run.records)]
+    if apart:
+        found.append(f"Outages, which are in no rate, ended episodes of {_listed(_names(apart))}.")
+    return found
+
+
+def _names(results: Sequence[VariantResult]) -> list[str]:
+    return [result.variant.name for result in results]
+
+
+def _by_reason(left_out: Sequence[LeftOut]) -> dict[str, list[str]]:
+    reasons: dict[str, list[str]] = {}
+    for one in left_out:
+        reasons.setdefault(one.why, []).append(one.variant.name)
+    return reasons
+
+
+def _listed(names: Sequence[str]) -> str:
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"

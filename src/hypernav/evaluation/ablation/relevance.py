@@ -1,0 +1,78 @@
+"""Which switches cannot matter with the components in use, and why."""
+
+from hypernav.build.construction import asked_by
+from hypernav.build.registries import AGENTS, DETECTORS, REASONERS, SEGMENTERS
+from hypernav.core.config import layered
+from hypernav.evaluation.ablation.config_fields import differing_fields
+from hypernav.evaluation.ablation.study import Method, Variant
+
+_DRAWN = frozenset(
+    f"overview.{key}"
+    for key in (
+        "image_px",
+        "strong_colors",
+        "draw_frontier",
+        "fill_obstacles",
+        "clear_numbers",
+        "label_things",
+    )
+)
+_ABOUT_SCORES = frozenset({"local.min_mean_score", "local.sure_score", "local.weigh_rivals"})
+_ABOUT_EROSION = frozenset({"local.erosion_px", "local.keep_thin_masks"})
+
+
+def why_idle(variant: Variant, method: Method) -> str:
+    """The reason why a variant of a method cannot differ from it; empty if it can."""
+    missing = [kind for kind, _ in variant.components if kind not in method.chosen.by_kind]
+    if missing:
+        return f"--agent {method.chosen.agent.spec} asks no {missing[0]}"
+    if variant.components:
+        return ""
+    changed = layered(method.config, environment={}, assignments=variant.assignments)
+    fields = differing_fields(method.config, changed)
+    if not fields:
+        return "it is so already"
+    reasons = [why_unread(field, method) for field in fields]
+    return reasons[0] if all(reasons) else ""
+
+
+def why_unread(field: str, method: Method) -> str:
+    """The reason why nothing in use reads a field; empty if something does.
+
+    Args:
+        field: Full name of the field.
+        method: Method, whose components decide.
+    """
+    chosen, local = method.chosen, method.config.local
+    section = field.partition(".")[0]
+    asks_model = chosen.reasoner is not None and "chat" in asked_by(chosen.reasoner)
+    if field == "local.published_segmenter":
+        return "it changes only what screens and reports say about the segmenter"
+    if section in _sections_of_components() - _sections_in_use(method):
+        return f"no component in use reads the section '{section}'"
+    if field in _DRAWN and not asks_model:
+        return "no model looks at the image of the map"
+    if field == "mapping.block_destination" and chosen.reasoner is None:
+        return f"--agent {chosen.agent.spec} goes to no blocks"
+    if (section == "presence" or field == "search.verify_view") and not chosen.presence:
+        return "without a model nobody checks the presence of the goal"
+    if field in _ABOUT_SCORES and chosen.detector and chosen.detector.spec == "ground-truth":
+        return "ground-truth detections are certain, and of nothing but the goal"
+    if field in _ABOUT_EROSION and local.pixels == "box":
+        return "a box is not eroded"
+    if field == "local.keep_thin_masks" and local.erosion_px == 1:
+        return "no mask is eroded"
+    return ""
+
+
+def _sections_of_components() -> set[str]:
+    registries = (AGENTS, DETECTORS, REASONERS, SEGMENTERS)
+    return set().union(*(registry.sections for registry in registries))
+
+
+def _sections_in_use(method: Method) -> set[str]:
+    choices = method.chosen.by_kind.values()
+    used = {choice.entry.section for choice in choices}
+    if any("fallback" in asked_by(choice) for choice in choices):
+        used.add("geometric")
+    return used

@@ -1,0 +1,103 @@
+"""The results of a study, read back from the folders of its variants."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from hypernav.evaluation.ablation.study import Study, Variant
+from hypernav.evaluation.report.run_data import RunData, load_runs
+from hypernav.evaluation.report.tables import Pair, own_protocol, pair
+from hypernav.evaluation.store.run_store import read_records
+from hypernav.evaluation.summary import Summary, summarise
+
+
+@dataclass(frozen=True)
+class VariantResult:
+    """The results of one variant so far.
+
+    Attributes:
+        variant: The variant.
+        run: Its records.
+        summary: Mean results.
+        pair: Comparison with the unchanged method on the episodes that both have done; None for
+            the unchanged method itself.
+    """
+
+    variant: Variant
+    run: RunData
+    summary: Summary
+    pair: Pair | None
+
+
+@dataclass(frozen=True)
+class StudyResults:
+    """The results of a study so far.
+
+    Attributes:
+        study: The study.
+        baseline: Results of the unchanged method.
+        variants: Results of the others that have an episode in common with it, in the order of the
+            study.
+        waiting: Variants without results.
+    """
+
+    study: Study
+    baseline: VariantResult
+    variants: tuple[VariantResult, ...]
+    waiting: tuple[Variant, ...]
+
+    @property
+    def all(self) -> tuple[VariantResult, ...]:
+        """The unchanged method, then its variants."""
+        return (self.baseline, *self.variants)
+
+    @property
+    def worst_first(self) -> tuple[VariantResult, ...]:
+        """The variants, that with the greatest loss of SPL first."""
+
+        def gain(result: VariantResult) -> tuple[float, float]:
+            assert result.pair is not None
+            differences = (result.pair.spl.difference, result.pair.success.difference)
+            return (differences[0].mean, differences[1].mean)
+
+        return tuple(sorted(self.variants, key=gain))
+
+
+def read_results(folder: Path, study: Study) -> StudyResults | None:
+    """Read what there is of a study.
+
+    Args:
+        folder: Folder of the study, with a folder for every variant.
+        study: Its variants.
+
+    Returns:
+        The results; None as long as the unchanged method has none.
+
+    Raises:
+        RunFolderError: A folder is damaged.
+    """
+    first, *others = study.variants
+    unchanged = _load(folder, first)
+    if unchanged is None:
+        return None
+    baseline = VariantResult(first, unchanged, _summary(unchanged), None)
+    results, waiting = [], []
+    for variant in others:
+        run = _load(folder, variant)
+        compared = None if run is None else pair(unchanged, run)
+        if run is None or compared is None or compared.count == 0:
+            waiting.append(variant)
+        else:
+            results.append(VariantResult(variant, run, _summary(run), compared))
+    return StudyResults(study, baseline, tuple(results), tuple(waiting))
+
+
+def _load(folder: Path, variant: Variant) -> RunData | None:
+    """The run of a variant; None as long as no episode of it counts."""
+    own = folder / variant.slug
+    if not any(record.counts for record in read_records(own)):
+        return None
+    return replace(load_runs([own])[0], name=variant.name)
+
+
+def _summary(run: RunData) -> Summary:
+    return summarise(run.records, own_protocol(run))

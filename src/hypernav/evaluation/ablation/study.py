@@ -1,0 +1,91 @@
+"""What a study is: a list of variants of a method, the first of which is the method itself."""
+
+import re
+from dataclasses import dataclass
+
+from hypernav.build.choosing import ChosenComponents
+from hypernav.build.component_specs import PresetName
+from hypernav.build.presets import HyPerNavConfig
+
+
+@dataclass(frozen=True)
+class Method:
+    """The method that a study varies.
+
+    Attributes:
+        preset: Preset that it is made from.
+        config: The whole configuration, settings of the user included.
+        chosen: Its components.
+    """
+
+    preset: PresetName
+    config: HyPerNavConfig
+    chosen: ChosenComponents
+
+
+@dataclass(frozen=True)
+class Variant:
+    """One variant of a method.
+
+    Attributes:
+        name: Short name for people, unique in a study.
+        words: What is different, in a sentence; it says where the reading of the paper is ours.
+        assignments: Values that it sets, as ``--set`` takes them.
+        components: Components that it exchanges, as kind ("reasoner") and specification.
+        quality: Position on the axis of a study of quality; None for the variants of others.
+        curve: Name of the curve that it belongs to, in a study of quality.
+    """
+
+    name: str
+    words: str
+    assignments: tuple[str, ...] = ()
+    components: tuple[tuple[str, str], ...] = ()
+    quality: float | None = None
+    curve: str = ""
+
+    @property
+    def slug(self) -> str:
+        """Name of its folder, and a name without blanks for the command line."""
+        return slug(self.name)
+
+    @property
+    def changes(self) -> str:
+        """Options of `hypernav eval` that make the variant; empty for the unchanged method."""
+        options = [f"--{kind} {spec}" for kind, spec in self.components]
+        return " ".join([*options, *(f"--set {assignment}" for assignment in self.assignments)])
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """A variant that a study leaves out because it could not differ from the method.
+
+    Attributes:
+        variant: The variant.
+        why: The reason.
+    """
+
+    variant: Variant
+    why: str
+
+
+@dataclass(frozen=True)
+class Study:
+    """Variants of a method, and how their results are drawn.
+
+    Attributes:
+        title: Title of the page.
+        variants: The unchanged method, and its variants.
+        left_out: Variants that make no difference here.
+        axis: Words on the axis of `Variant.quality`: success and SPL are drawn as curves over it.
+            Empty: each variant's difference from the unchanged method is drawn.
+    """
+
+    title: str
+    variants: tuple[Variant, ...]
+    left_out: tuple[LeftOut, ...] = ()
+    axis: str = ""
+
+
+def slug(text: str) -> str:
+    """A text as the name of a folder."""
+    return re.sub(r"[^a-z0-9.]+", "-", text.lower()).strip("-.")

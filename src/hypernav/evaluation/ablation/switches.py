@@ -1,0 +1,85 @@
+"""The study of switches: the paper's own ablations, and every rule of the preset ``default``."""
+
+from collections.abc import Iterator
+
+from hypernav.build.presets import preset
+from hypernav.core.errors import ConfigError
+from hypernav.evaluation.ablation.config_fields import (
+    assignment,
+    differing_fields,
+    switch_name,
+    values_by_field,
+    words_of,
+)
+from hypernav.evaluation.ablation.relevance import why_idle
+from hypernav.evaluation.ablation.study import LeftOut, Method, Study, Variant
+
+ABLATIONS = (
+    Variant(
+        "global only",
+        "The camera is asked for the goal only while the robot turns once around, which it does "
+        "before every question about the map. Our reading: the paper doesn't say how.",
+        ("search.looks=at-destinations",),
+    ),
+    Variant(
+        "raw box instead of mask",
+        "All pixels of a detection's box count, and nothing is eroded.",
+        ("local.pixels=box",),
+    ),
+    Variant("no erosion", "The mask keeps its edge.", ("local.erosion_px=1",)),
+    Variant(
+        "no dilation",
+        "The goal area is the cells that the goal was seen in.",
+        ("local.dilation_iterations=0",),
+    ),
+    Variant(
+        "no visited memory",
+        "Blocks may be named again and again; nothing is ruled out.",
+        ("overview.visited=none",),
+    ),
+    Variant(
+        "no presence check",
+        "At the goal area the robot stops without asking whether the goal is really there.",
+        ("presence.enabled=false",),
+    ),
+    Variant(
+        "no replanning",
+        "A path is kept to its end unless it is blocked. Our reading: blocked paths are planned "
+        "anew all the same.",
+        ("planning.replan_every_steps=null", "planning.replan_when_moved=false"),
+    ),
+)
+"""The paper's own ablations."""
+
+
+def switches(method: Method) -> Study:
+    """The paper's own ablations and, of ``default``, every switch turned back alone.
+
+    Raises:
+        ConfigError: The agent is a whole one, which has none of these switches.
+    """
+    if method.chosen.is_whole_agent:
+        raise ConfigError(
+            f"--agent {method.chosen.agent.spec} acts by itself and has none of the switches of "
+            "this study; use hypernav or another explorer"
+        )
+    variants = [
+        Variant("unchanged", f"The preset {method.preset} with the options of the command.")
+    ]
+    left_out = []
+    for variant in (*ABLATIONS, *(_turned_back() if method.preset == "default" else ())):
+        if why := why_idle(variant, method):
+            left_out.append(LeftOut(variant, why))
+        else:
+            variants.append(variant)
+    return Study(
+        f"What each part of the preset {method.preset} is worth", tuple(variants), tuple(left_out)
+    )
+
+
+def _turned_back() -> Iterator[Variant]:
+    """Every field in which ``default`` differs from ``paper``, with the paper's value."""
+    values = values_by_field(preset("paper"))
+    for field in differing_fields(preset("default"), preset("paper")):
+        value = values[field]
+        yield Variant(switch_name(field, value), words_of(field), (assignment(field, value),))

@@ -1,0 +1,117 @@
+"""The variants of the study of switches, against the presets and the components in use."""
+
+import pytest
+
+from hypernav.build.choosing import choose_components
+from hypernav.build.component_specs import ComponentSpecs, PresetName
+from hypernav.build.presets import preset
+from hypernav.core.actions import Action
+from hypernav.core.config import layered
+from hypernav.core.errors import ConfigError
+from hypernav.evaluation.ablation.config_fields import differing_fields, values_by_field, words_of
+from hypernav.evaluation.ablation.study import Method, Study, Variant
+from hypernav.evaluation.ablation.switches import ABLATIONS, switches
+
+MODEL = ComponentSpecs(vlm="replay:none.jsonl")
+
+
+def method(of: PresetName, specs: ComponentSpecs | None = None, *assignments: str) -> Method:
+    config = layered(preset(of), environment={}, assignments=assignments)
+    chosen = choose_components(specs or ComponentSpecs(), presence=config.presence.enabled)
+    return Method(of, config, chosen)
+
+
+def changed(variant: Variant, of: Method) -> list[str]:
+    """The fields that a variant changes."""
+    config = layered(of.config, environment={}, assignments=variant.assignments)
+    return differing_fields(of.config, config)
+
+
+def fields_of(variants) -> set[str]:
+    return {assignment.partition("=")[0] for one in variants for assignment in one.assignments}
+
+
+def names(study: Study) -> set[str]:
+    return {variant.slug for variant in study.variants}
+
+
+CASES = [
+    pytest.param(of, specs, id=f"{of}-{specs.agent}-{specs.vlm}")
+    for of in ("paper", "default")
+    for specs in (ComponentSpecs(), MODEL, ComponentSpecs(agent="frontier"))
+]
+
+
+@pytest.mark.parametrize("specs", [ComponentSpecs(), MODEL], ids=["no model", "model"])
+def test_every_difference_of_the_presets_is_turned_back_or_left_out_with_a_reason(specs):
+    study = switches(method("default", specs))
+    different = set(differing_fields(preset("default"), preset("paper")))
+    own = [one for one in study.variants if one not in ABLATIONS]
+    out = [one.variant for one in study.left_out if one.variant not in ABLATIONS]
+    assert fields_of(own) | fields_of(out) == different
+    assert not fields_of(own) & fields_of(out)
+    assert all(one.why for one in study.left_out)
+    paper = values_by_field(preset("paper"))
+    for variant in own[1:]:
+        config = layered(preset("default"), environment={}, assignments=variant.assignments)
+        (field,) = differing_fields(preset("default"), config)
+        assert values_by_field(config)[field] == paper[field]
+
+
+@pytest.mark.parametrize(("of", "specs"), CASES)
+def test_every_variant_changes_exactly_what_it_names(of, specs):
+    base = method(of, specs)
+    first, *others = switches(base).variants
+    assert changed(first, base) == []
+    for variant in others:
+        assert changed(variant, base)
+        assert set(changed(variant, base)) <= fields_of([variant])
+        assert variant.words.endswith((".", ")"))
+
+
+@pytest.mark.parametrize(("of", "specs"), CASES)
+def test_names_and_folders_are_unique(of, specs):
+    study = switches(method(of, specs))
+    assert len(names(study)) == len(study.variants)
+
+
+def test_what_only_a_model_is_asked_is_left_out_without_one():
+    alone, asked = switches(method("default")), switches(method("default", MODEL))
+    assert {"no-presence-check", "facts-off", "strong-colors-off", "score-crops-0"} <= names(asked)
+    assert not {"no-presence-check", "facts-off", "strong-colors-off"} & names(alone)
+    why = {one.variant.slug: one.why for one in alone.left_out}
+    assert why["no-presence-check"] == "without a model nobody checks the presence of the goal"
+
+
+def test_an_explorer_without_blocks_has_no_memory_to_lose():
+    study = switches(method("paper", ComponentSpecs(agent="frontier")))
+    assert "no-visited-memory" not in names(study)
+    assert "no-erosion" in names(study)
+
+
+def test_what_is_so_already_is_left_out():
+    study = switches(method("default", None, "planning.bump_sensor=false", "local.pixels=box"))
+    why = {one.variant.slug: one.why for one in study.left_out}
+    assert why["bump-sensor-off"] == why["raw-box-instead-of-mask"] == "it is so already"
+    assert why["no-erosion"] == "a box is not eroded"
+
+
+class Spinning:
+    """An agent that acts itself."""
+
+    def reset(self, goal):
+        pass
+
+    def act(self, observation):
+        return Action.TURN_LEFT
+
+
+def test_a_whole_agent_has_no_switches():
+    whole = method("default", ComponentSpecs(agent=f"{__name__}:Spinning"))
+    with pytest.raises(ConfigError, match="acts by itself"):
+        switches(whole)
+
+
+def test_every_field_has_words():
+    for field in values_by_field(preset("default")):
+        assert len(words_of(field)) > 10, field
