@@ -53,7 +53,8 @@ class SearchConfig(RoomConfig):
         face_target: Whether to turn towards the goal area before the presence check.
         see_before_stop: Whether a robot that faces the goal area and has something in between, such
             as a wall, goes on to another position at it.
-        pursue_far_sightings: Whether to go towards a goal that is seen beyond the range of depth.
+        pursue_far_sightings: Whether to go towards a goal that was seen beyond the range of depth:
+            to where that range ended, also through the unknown, before all else that is unexplored.
     """
 
     stop_distance_m: float = Field(default=0.15, ge=0.0, le=10.0)

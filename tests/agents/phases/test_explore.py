@@ -1,6 +1,7 @@
 """How a destination of global perception ends."""
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -25,6 +26,7 @@ from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.perception.local.local_perception import LocalPerception
 from hypernav.planning.config import PlanningConfig
 from hypernav.planning.navigator import Navigator
+from images import thing_before_wall
 
 # A corridor from the left to the right, 2 m wide, and a dark door in the middle of its upper wall.
 CORRIDOR = """
@@ -37,6 +39,15 @@ CORRIDOR = """
     ################
 """
 DOOR = (4.0, 2.4)
+# What lies behind the door, of which only the far wall was seen.
+UNKNOWN_HALL = """
+    ??????####??????
+    ????????????????
+    ????????????????
+    ????????????????
+    ????????????????
+    ????????????????
+"""
 
 
 class Once:
@@ -72,11 +83,15 @@ def frame_of(robot):
     )
 
 
-def explore(explorer, robot, steps, **options):
-    """Actions and reasons on a map that never changes; the robot only turns."""
-    local = LocalPerception(
+def perception():
+    return LocalPerception(
         GroundTruthDetector(), DepthCutSegmenter(), LocalConfig(), CameraConfig(), cell_size_m=0.05
     )
+
+
+def explore(explorer, robot, steps, *, local=None, **options):
+    """Actions and reasons on a map that never changes; the robot only turns."""
+    local = local or perception()
     phase = Explore(
         Goal("bed"),
         local,
@@ -132,3 +147,60 @@ def test_a_turn_towards_what_is_ahead_is_none():
     assert turn_towards(robot, (1.0, 0.1), MotionConfig()) is None
     assert turn_towards(robot, (0.0, 1.0), MotionConfig()) is Action.TURN_LEFT
     assert turn_towards(robot, (0.0, -1.0), MotionConfig()) is Action.TURN_RIGHT
+
+
+def far_beyond_the_door():
+    """Perception that has seen the goal through the door, 7 m away."""
+    local = perception()
+    local.reset(Goal("bed"))
+    local.look(thing_before_wall(thing_m=7.0, wall_m=9.0, robot=Pose2(4.0, 0.5, math.pi / 2)))
+    return local
+
+
+def heading_for(local, robot):
+    """Positions of a robot that explores a map that never changes, until nothing is left."""
+    grid = drawn(UNKNOWN_HALL + CORRIDOR, scale=10)
+    explorer, positions, events = Once((1.0, 1.5)), [robot.xy], []
+    navigator = Navigator(PlanningConfig(), Embodiment())
+    look_around = LookAround(MotionConfig())
+    phase = Explore(Goal("bed"), local, explorer, navigator, look_around, SearchConfig())
+    for _ in range(60):
+        outcome = phase.act(Step(frame_of(robot), grid, [], MotionConfig(), ModuleClock(), events))
+        if outcome is PhaseName.END:
+            break
+        assert isinstance(outcome, Decision)
+        action = certain(outcome.action)
+        if action is Action.MOVE_FORWARD:
+            robot = Pose2(
+                robot.x + 0.5 * math.cos(robot.yaw), robot.y + 0.5 * math.sin(robot.yaw), robot.yaw
+            )
+            positions.append(robot.xy)
+        else:
+            turn = math.radians(30.0 if action is Action.TURN_LEFT else -30.0)
+            robot = Pose2(robot.x, robot.y, robot.yaw + turn)
+    return positions, events
+
+
+def test_who_saw_the_goal_far_away_goes_there_through_the_unknown_before_all_else():
+    local = far_beyond_the_door()
+    end = certain(local.far_position)
+    positions, events = heading_for(local, Pose2(4.0, 1.0, -math.pi / 2))
+    nearest = min(range(len(positions)), key=lambda i: math.dist(positions[i], end))
+    assert math.dist(positions[nearest], end) < 0.6
+    driven = sum(math.dist(a, b) for a, b in pairwise(positions[: nearest + 1]))
+    assert driven < 1.3 * math.dist(positions[0], end)
+    assert events.count("goal seen far away") == 1  # once there, it explores
+
+
+def test_the_paper_does_not_go_to_what_is_far_away():
+    explorer = Once((4.0, 2.2))
+    turns, _ = explore(
+        explorer,
+        Pose2(4.0, 2.0, math.pi),
+        20,
+        local=far_beyond_the_door(),
+        pursue_far_sightings=False,
+        look_across_boundary=False,
+    )
+    assert turns == []
+    assert explorer.visited == [(4.0, 2.2)]

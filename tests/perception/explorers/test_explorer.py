@@ -1,7 +1,4 @@
-import math
-
 import numpy as np
-import pytest
 
 from certainty import certain
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
@@ -11,7 +8,6 @@ from hypernav.core.overview import BlockChoice
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.config import MappingConfig
 from hypernav.perception.explorers.block_explorer import BlockExplorer, OverviewConfig
-from hypernav.perception.explorers.line_of_sight import last_free_towards
 from hypernav.perception.explorers.nearest_frontier import NearestFrontierExplorer
 
 HERE = Pose2(0.0, 0.0, 0.0)
@@ -57,20 +53,6 @@ def blocks_explorer(reasoner, clearances_m=CLEARANCES_M, **config):
 
 POSITIONS = {"visited": "positions", "max_questions": None, "forget_visits": True}
 """The memory of the paper."""
-
-
-def test_the_last_free_place_lies_before_the_unknown():
-    x, y = last_free_towards(hall(), HERE, 0.0)
-    assert (x, y) == pytest.approx((4.0, 0.0), abs=0.06)
-
-
-def test_the_last_free_place_lies_before_a_wall():
-    x, y = last_free_towards(hall(), HERE, math.pi / 2)
-    assert (x, y) == pytest.approx((0.0, 1.0), abs=0.11)
-
-
-def test_without_free_floor_ahead_there_is_no_way_on():
-    assert last_free_towards(hall(), Pose2(9.0, 9.0, 0.0), 0.0) == (9.0, 9.0)
 
 
 def test_the_chosen_block_is_the_destination():

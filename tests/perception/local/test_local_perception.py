@@ -123,7 +123,7 @@ def test_an_image_that_is_not_asked_about_changes_nothing():
     before = local.target
     assert local.look(thing_before_wall(), asks=False) == []
     assert local.target is before
-    assert local.far_bearing is None
+    assert local.far_position is None
 
 
 def test_a_held_target_is_not_left_for_another():
@@ -181,15 +181,33 @@ def test_the_best_view_is_the_largest():
     assert certain(local.target).sightings == 3
 
 
-def test_a_goal_beyond_the_depth_camera_gives_its_direction():
+def test_a_goal_beyond_the_depth_camera_lies_at_the_end_of_its_range_or_beyond():
     local = perception()
     local.look(thing_before_wall(thing_m=7.0, wall_m=9.0, box=(20, 40, 40, 80)))
-    left = certain(local.far_bearing)
+    left = certain(local.far_position)
     local.look(thing_before_wall(thing_m=7.0, wall_m=9.0, box=(120, 40, 140, 80)))
-    assert left == pytest.approx(-certain(local.far_bearing))
-    assert left > 0.3
+    assert left == pytest.approx(np.array(certain(local.far_position)) * (1.0, -1.0))
+    assert left[0] == pytest.approx(CameraConfig().max_depth_m)
+    assert left[1] > 1.0
+
+
+def test_a_far_sighting_is_remembered_until_there_is_a_target():
+    far = thing_before_wall(thing_m=7.0, wall_m=9.0)
+    local = perception(ScriptedDetector([seen(), [], seen()]))
+    local.look(far)
+    position = certain(local.far_position)
+    local.look(thing_before_wall(robot=Pose2(0.0, 0.0, np.pi)))
+    assert local.far_position == position
     local.look(thing_before_wall(thing_m=2.0))
-    assert local.far_bearing is None
+    assert local.far_position is None
+    assert local.target is not None
+
+
+def test_a_new_search_knows_of_no_far_sighting():
+    local = perception()
+    local.look(thing_before_wall(thing_m=7.0, wall_m=9.0))
+    local.reset(BED)
+    assert local.far_position is None
 
 
 def test_a_far_sighting_behind_a_rejected_area_is_not_followed():
@@ -197,7 +215,7 @@ def test_a_far_sighting_behind_a_rejected_area_is_not_followed():
     local.look(thing_before_wall(thing_m=2.0))
     local.reject_target()
     local.look(thing_before_wall(thing_m=7.0, wall_m=9.0, robot=Pose2(-5.0, 0.0, 0.0)))
-    assert local.far_bearing is None
+    assert local.far_position is None
 
 
 def test_uncertain_detections_do_not_convince():

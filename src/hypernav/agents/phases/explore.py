@@ -19,7 +19,6 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.overview import Block
 from hypernav.core.trace import BlockRecord, Mode
-from hypernav.perception.explorers.line_of_sight import last_free_towards
 from hypernav.perception.local.local_perception import LocalPerception
 from hypernav.planning.navigator import Navigator
 
@@ -72,14 +71,12 @@ class Explore:
     def act(self, step: Step) -> Decision | PhaseName:
         """The next action towards a destination, or the end where nothing is left to explore."""
         config, grid, robot = self._config, step.grid, step.robot
+        self._pursue(step)
         turn = self._look_across(step)
         if turn is not None:
             self._age += 1
             return self._decision(turn, "looking at what is unexplored here", robot)
         self._drop_finished(step)
-        far_bearing = self._local.far_bearing
-        if config.pursue_far_sightings and far_bearing is not None:
-            self._pursue(step, far_bearing)
         for _ in range(_CHOICES_PER_STEP):
             if self.destination is None:
                 if config.looks == "at-destinations" and not self._has_looked(robot):
@@ -132,21 +129,20 @@ class Explore:
             for block in offered
         ]
 
-    def _pursue(self, step: Step, bearing: float) -> None:
-        """Head for a goal that is in sight but too far away to be measured."""
-        robot = step.robot
-        point = last_free_towards(step.grid, robot, bearing)
-        near_m = 2.0 * self._config.arrival_distance_m
-        if robot.distance_to(*point) <= near_m:
+    def _pursue(self, step: Step) -> None:
+        """Head for a goal that was in sight, but too far away to be measured."""
+        position = self._local.far_position
+        if not self._config.pursue_far_sightings or position is None:
             return
         # Been there, and the goal was still out of reach: explore instead of going to and fro.
-        if any(math.dist(point, position) <= near_m for position in self._pursued):
+        near_m = 2.0 * self._config.arrival_distance_m
+        if any(math.dist(position, other) <= near_m for other in self._pursued):
             return
         if self.destination is None or not self.destination.is_sighting:
             step.events.append("goal seen far away")
             self._patience.reset()
         reason = f"the {self._goal.thing} is in sight, too far away to be measured"
-        self.destination = Destination(*point, reason=reason, is_sighting=True)
+        self.destination = Destination(*position, reason=reason, is_sighting=True)
 
     def _look_across(self, step: Step) -> Action | None:
         """At the destination, the turn towards what is still unexplored around it.

@@ -82,7 +82,7 @@ class LocalPerception:
         self._goal = goal
         self._target: Target | None = None
         self._rejected: list[_Rejection] = []
-        self._far_bearing: float | None = None
+        self._far_position: tuple[float, float] | None = None
         self._score_now = 0.0
         if self._attention is not None:
             self._attention.reset()
@@ -90,13 +90,13 @@ class LocalPerception:
             self._sightings.reset()
 
     @property
-    def far_bearing(self) -> float | None:
-        """Direction of a goal that the latest image shows beyond the range of depth.
+    def far_position(self) -> tuple[float, float] | None:
+        """The nearest position of a goal that was last seen beyond the range of depth.
 
-        Radians from the robot's heading, positive to the left; None if there is no such sighting,
-        or if it lies behind a rejected area.
+        ``(x, y)``, metres; it is remembered until there is a target. None if there is no such
+        sighting, or if it lay behind a rejected area.
         """
-        return self._far_bearing
+        return self._far_position
 
     @property
     def target(self) -> Target | None:
@@ -176,7 +176,7 @@ class LocalPerception:
         """
         records: list[DetectionRecord] = []
         candidates: list[_Candidate] = []
-        self._far_bearing = None
+        far_positions: list[tuple[float, float] | None] = []
         self._score_now = 0.0
         self._rejected = [one.after_a_look() for one in self._rejected if one.looks_left > 0]
         if not asks:
@@ -191,12 +191,17 @@ class LocalPerception:
             area, reason = self._area(mask, observation)
             if area is not None:
                 candidates.append(_Candidate(detection, area))
-            elif reason == _NO_DEPTH and self._far_bearing is None:
-                self._far_bearing = self._bearing_of(detection, observation)
+            elif reason == _NO_DEPTH:
+                far_positions.append(self._far_position_of(detection, observation))
             records.append(_record(detection, mask, accepted=area is not None, reason=reason))
         self._update(candidates, observation)
         if self._config.weigh_rivals:
             self._weigh_rivals([one for one in detections if not one.is_goal], observation)
+        if self._target is not None:
+            self._far_position = None
+        else:
+            latest = next((one for one in far_positions if one is not None), None)
+            self._far_position = latest or self._far_position
         return records
 
     @property
@@ -248,14 +253,20 @@ class LocalPerception:
             area = area.entered_from(observation, config.entry_reach_m)
         return area, ""
 
-    def _bearing_of(self, detection: Detection, observation: Observation) -> float | None:
-        robot = observation.robot
-        bearing = observation.camera.bearing_of((detection.box.x_min + detection.box.x_max) / 2.0)
+    def _far_position_of(
+        self, detection: Detection, observation: Observation
+    ) -> tuple[float, float] | None:
+        """The position in the middle of a box at the end of the range; None behind a rejection."""
+        robot, camera, box = observation.robot, observation.camera, detection.box
+        column = (box.x_min + box.x_max) / 2.0
+        bearing = camera.bearing_of(column)
         for rejected in self._rejected:
             away = wrap_angle(robot.bearing_to(*rejected.area.centre) - bearing)
             if abs(away) < math.radians(_BESIDE_REJECTED_DEG):
                 return None
-        return bearing
+        reach_m = self._camera.max_depth_m / math.cos(bearing)
+        angle = robot.yaw + bearing
+        return (robot.x + reach_m * math.cos(angle), robot.y + reach_m * math.sin(angle))
 
     def _update(self, candidates: list[_Candidate], observation: Observation) -> None:
         if self._config.pick == "nearest":
