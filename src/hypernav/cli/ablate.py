@@ -5,7 +5,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from hypernav.build.choosing import choose_components
 from hypernav.cli.ablate_options import Options
 from hypernav.cli.eval import check, evaluate, folder_name
 from hypernav.cli.eval_table import result_line
@@ -37,12 +36,12 @@ def run(options: Options) -> int:
 
 def _run_variants(options: Options) -> ExitStatus:
     """Run every variant of a study as an evaluation of its own, and write the page."""
-    study = STUDIES[options.study](_method(options))
+    who = options.who
+    study = STUDIES[options.study](Method(who.preset, who.resolve(), who.specs))
     if options.list:
         _show(study)
         return ExitStatus.SUCCESS
     study = replace(study, variants=_chosen(study, options.only))
-    who = options.who
     name = f"{options.dataset}-{who.agent}-{who.preset}-{options.study}"
     folder = options.out or Path("runs") / f"{folder_name(name)}-ablation"
     check_folder(folder)
@@ -67,12 +66,6 @@ def _run(variant: Variant, options: Options, folder: Path, console: Terminal) ->
     if progress.crashes:
         raise crash_of(progress.crashes)
     console.print(f"  {result_line(progress)}", soft_wrap=True)
-
-
-def _method(options: Options) -> Method:
-    config = options.who.resolve()
-    chosen = choose_components(options.who.specs, presence=config.presence.enabled)
-    return Method(options.who.preset, config, chosen)
 
 
 def _chosen(study: Study, only: str | None) -> tuple[Variant, ...]:

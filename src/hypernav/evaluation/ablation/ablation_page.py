@@ -35,15 +35,21 @@ def write_ablation(folder: Path, study: Study) -> Path | None:
         return None
     page = page_environment("hypernav.evaluation").get_template("ablation.html.j2")
     try:
-        write_figure(folder, results)
         write_csv(folder / "ablation.csv", results)
         write_tex(folder / "ablation.tex", results)
-        figure = data_uri((folder / SVG).read_bytes(), "image/svg+xml")
-        text = page.render(**_content(results), figure=figure)
+        text = page.render(**_content(results), figure=_figure(folder, results))
         (folder / PAGE).write_text(text, encoding="utf-8")
     except OSError as error:
         raise OutputError(f"{folder} cannot be written ({error.strerror or error})") from error
     return folder / PAGE
+
+
+def _figure(folder: Path, results: StudyResults) -> str:
+    """The figure, written and as a data URI; empty as long as there is nothing to draw."""
+    if not results.variants:
+        return ""
+    write_figure(folder, results)
+    return data_uri((folder / SVG).read_bytes(), "image/svg+xml")
 
 
 def _content(results: StudyResults) -> dict[str, Any]:
@@ -89,9 +95,10 @@ def _verdicts(results: StudyResults) -> list[str]:
         sentences.append(f"SPL falls with {_listed(lost)}.")
     if gained:
         sentences.append(f"SPL rises with {_listed(gained[::-1])}.")
-    if others:
-        which = "the other" if lost or gained else "the"
-        sentences.append(f"Of {which} {others} no difference in SPL is shown.")
+    if others and (lost or gained):
+        sentences.append(f"Of the other {others} no difference in SPL is shown.")
+    elif others:
+        sentences.append("No difference in SPL is shown of any variant.")
     count = len(results.variants)
     if count > 1:
         sentences.append(

@@ -29,7 +29,7 @@ _STYLE: dict[Any, Any] = {
 
 
 def write_figure(folder: Path, results: StudyResults) -> None:
-    """Write ``figure.png`` and ``figure.svg``; nothing if there is nothing to draw yet."""
+    """Write ``figure.png`` and ``figure.svg``; there must be a variant to draw."""
     import matplotlib
 
     with matplotlib.rc_context(_STYLE):
@@ -43,7 +43,7 @@ def _differences(results: StudyResults) -> "Figure":
     from matplotlib.figure import Figure
 
     rows = results.worst_first
-    figure = Figure(figsize=(10.0, 1.5 + 0.27 * max(len(rows), 1)), layout="constrained")
+    figure = Figure(figsize=(10.0, 1.5 + 0.27 * len(rows)), layout="constrained")
     left, right = figure.subplots(1, 2, sharey=True)
     pairs = [row.pair for row in rows if row.pair is not None]
     _whiskers(left, [pair.success for pair in pairs], 100.0)
@@ -65,6 +65,8 @@ def _whiskers(axes: "Axes", comparisons: Sequence[Comparison], factor: float) ->
     axes.axvline(0.0, color=palette.css(palette.MUTED), linewidth=1.0)
     axes.grid(axis="x", color=palette.css(palette.FAINT), linewidth=0.6)
     axes.set_axisbelow(True)
+    axes.tick_params(axis="y", length=0)
+    axes.locator_params(axis="x", nbins=6)
     for place, comparison in enumerate(comparisons):
         gap, color = comparison.difference, palette.css(_color(comparison))
         axes.plot([factor * gap.low, factor * gap.high], [place, place], color=color, linewidth=2.2)

@@ -2,7 +2,7 @@
 
 from hypernav.build.construction import asked_by
 from hypernav.build.registries import AGENTS, DETECTORS, REASONERS, SEGMENTERS
-from hypernav.core.config import layered
+from hypernav.core.errors import ConfigError
 from hypernav.evaluation.ablation.config_fields import differing_fields
 from hypernav.evaluation.ablation.study import Method, Variant
 
@@ -17,23 +17,25 @@ _DRAWN = frozenset(
         "label_things",
     )
 )
+_ASKED = frozenset(f"block_choice.{key}" for key in ("mode", "facts", "list_excluded"))
 _ABOUT_SCORES = frozenset({"local.min_mean_score", "local.sure_score", "local.weigh_rivals"})
 _ABOUT_EROSION = frozenset({"local.erosion_px", "local.keep_thin_masks"})
 
 
 def why_idle(variant: Variant, method: Method) -> str:
     """The reason why a variant of a method cannot differ from it; empty if it can."""
-    missing = [kind for kind, _ in variant.components if kind not in method.chosen.by_kind]
-    if missing:
-        return f"--agent {method.chosen.agent.spec} asks no {missing[0]}"
-    if variant.components:
-        return ""
-    changed = layered(method.config, environment={}, assignments=variant.assignments)
-    fields = differing_fields(method.config, changed)
-    if not fields:
-        return "it is so already"
+    varied = method.varied(variant)
+    fields = differing_fields(method.config, varied.config)
+    try:
+        same_components = varied.chosen.as_dict() == method.chosen.as_dict()
+    except ConfigError as error:
+        return str(error)
     reasons = [why_unread(field, method) for field in fields]
-    return reasons[0] if all(reasons) else ""
+    if not all(reasons):
+        return ""
+    if varied.specs != method.specs and not same_components:
+        return ""
+    return reasons[0] if reasons else "it is so already"
 
 
 def why_unread(field: str, method: Method) -> str:
@@ -50,8 +52,8 @@ def why_unread(field: str, method: Method) -> str:
         return "it changes only what screens and reports say about the segmenter"
     if section in _sections_of_components() - _sections_in_use(method):
         return f"no component in use reads the section '{section}'"
-    if field in _DRAWN and not asks_model:
-        return "no model looks at the image of the map"
+    if field in _DRAWN | _ASKED and not asks_model:
+        return "no model is asked about the map"
     if field == "mapping.block_destination" and chosen.reasoner is None:
         return f"--agent {chosen.agent.spec} goes to no blocks"
     if (section == "presence" or field == "search.verify_view") and not chosen.presence:

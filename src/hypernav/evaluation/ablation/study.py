@@ -1,11 +1,13 @@
 """What a study is: a list of variants of a method, the first of which is the method itself."""
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
-from hypernav.build.choosing import ChosenComponents
-from hypernav.build.component_specs import PresetName
+from hypernav.build.choosing import ChosenComponents, choose_components
+from hypernav.build.component_specs import ComponentSpecs, PresetName
 from hypernav.build.presets import HyPerNavConfig
+from hypernav.core.config import layered
 
 
 @dataclass(frozen=True)
@@ -15,12 +17,29 @@ class Method:
     Attributes:
         preset: Preset that it is made from.
         config: The whole configuration, settings of the user included.
-        chosen: Its components.
+        specs: Components, as the user wrote them.
     """
 
     preset: PresetName
     config: HyPerNavConfig
-    chosen: ChosenComponents
+    specs: ComponentSpecs
+
+    @cached_property
+    def chosen(self) -> ChosenComponents:
+        """All components.
+
+        Raises:
+            ConfigError: They don't go together, or don't exist.
+        """
+        return choose_components(self.specs, presence=self.config.presence.enabled)
+
+    def varied(self, variant: "Variant") -> "Method":
+        """The method with the changes of a variant."""
+        return Method(
+            self.preset,
+            layered(self.config, environment={}, assignments=variant.assignments),
+            replace(self.specs, **dict(variant.components)),
+        )
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,12 @@ from hypernav.evaluation.ablation.study import LeftOut, Method, Study, Variant
 
 ABLATIONS = (
     Variant(
+        "local only",
+        "Nobody reads the map: where the goal is out of sight the robot goes to a block by chance. "
+        "Our reading: the paper doesn't say how.",
+        components=(("reasoner", "random"),),
+    ),
+    Variant(
         "global only",
         "The camera is asked for the goal only while the robot turns once around, which it does "
         "before every question about the map. Our reading: the paper doesn't say how.",
@@ -73,7 +79,7 @@ def switches(method: Method) -> Study:
         else:
             variants.append(variant)
     return Study(
-        f"What each part of the preset {method.preset} is worth", tuple(variants), tuple(left_out)
+        f"What each part of the “{method.preset}” preset is worth", tuple(variants), tuple(left_out)
     )
 
 
