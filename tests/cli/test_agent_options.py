@@ -83,6 +83,7 @@ def test_the_description_repeats_the_agent():
             ["--reasoner", "magic"],
             "unknown reasoner 'magic'; use geometric, vlm, noisy:P, random or one of",
         ),
+        (["--detector", "noisy:great"], "--detector noisy:great: expected one of perfect, good"),
         (["--reasoner", "noisy"], "reasoner 'noisy': expected noisy:P"),
         (["--reasoner", "noisy:2"], "--reasoner noisy:2: expected the probability"),
         (["--detector", "magic"], "unknown detector 'magic'; use ground-truth"),

@@ -24,6 +24,7 @@ from hypernav.perception.explorers.prefetch import PrefetchConfig
 from hypernav.perception.local.attention import AttentionConfig
 from hypernav.perception.local.config import LocalConfig
 from hypernav.perception.local.depth_cut import DepthCutConfig
+from hypernav.perception.local.noisy_detector import NoisyDetectorConfig
 from hypernav.perception.local.presence import PresenceConfig
 from hypernav.perception.local.vlm_detector import VlmDetectorConfig
 from hypernav.planning.config import PlanningConfig
@@ -82,6 +83,7 @@ class HyPerNavConfig(RoomConfig):
         zero_shot: Use of an open-vocabulary detector.
         sam: Use of a SAM model.
         onnx_sam: Use of an exported SAM.
+        noisy_detector: Error rates of detectors that stand in for a model of known quality.
         own: Sections of components from other packages.
     """
 
@@ -105,6 +107,7 @@ class HyPerNavConfig(RoomConfig):
     zero_shot: ZeroShotConfig = ZeroShotConfig()
     sam: SamConfig = SamConfig()
     onnx_sam: OnnxSamConfig = OnnxSamConfig()
+    noisy_detector: NoisyDetectorConfig = NoisyDetectorConfig()
     own: OwnConfig = OwnConfig()
 
     @model_validator(mode="after")

@@ -42,6 +42,13 @@ DETECTORS: Registry[Factory] = Registry(
             form="zero-shot:ID",
             section="zero_shot",
         ),
+        Entry(
+            "noisy",
+            "hypernav.perception.local.noisy_detector:NoisyDetector",
+            form="noisy:LEVEL",
+            words="noisy ground truth ({files})",
+            section="noisy_detector",
+        ),
     ],
 )
 """Detectors of the goal (`hypernav.core.components.protocols.Detector`)."""

@@ -82,7 +82,7 @@ def test_what_a_model_is_not_offered_is_not_chosen():
 
 @pytest.mark.parametrize("probability", [0.25, 0.4, 0.55, 0.7, 0.85])
 def test_the_best_is_named_as_often_as_told(probability):
-    reasoner, asked = noisy(probability, seed=7), 2000
+    reasoner, asked = noisy(probability, seed=7), 800
     named = [choose(reasoner, [AHEAD, ASIDE, BEHIND]) for _ in range(asked)]
     sigma = math.sqrt(asked * probability * (1.0 - probability))
     assert abs(named.count(1) - asked * probability) < 4.0 * sigma
