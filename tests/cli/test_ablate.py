@@ -105,13 +105,13 @@ def test_bad_input_is_one_line_with_the_remedy(arguments, words, capsys):
     assert said.count("\n") == 1
 
 
-def test_names_with_blanks_are_taken_too(monkeypatch, tmp_path, capsys):
+def test_names_with_blanks_are_taken_too(monkeypatch, tmp_path):
     run = []
-    monkeypatch.setattr(ablate, "_run", lambda variant, *_: run.append(variant.slug))
+    monkeypatch.setattr(ablate, "_run", lambda *given: run.append((given[0].slug, given[-1])))
     words = "No erosion,unchanged"
     assert hypernav("ablate", "scene:builtin", "--only", words, "--out", tmp_path) == 0
-    assert run == ["unchanged", "no-erosion"]
-    assert "variant 2 of 2: no erosion" in capsys.readouterr().err
+    headings = ["variant 1 of 2: unchanged", "variant 2 of 2: no erosion"]
+    assert run == list(zip(("unchanged", "no-erosion"), headings, strict=True))
 
 
 def test_an_interruption_leaves_a_page_of_what_there_is(ablated, monkeypatch, tmp_path, capsys):

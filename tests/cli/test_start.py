@@ -42,6 +42,7 @@ def test_importing_the_package_loads_no_other():
         ["find", "--help"],
         ["find", "bed", "--agnt", "frontier"],
         ["eval", "--help"],
+        ["ablate", "--help"],
         ["report", "--help"],
         ["doctor", "--help"],
         ["houses", "--help"],

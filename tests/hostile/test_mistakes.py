@@ -15,6 +15,7 @@ EMPTY_OPTIONS = {
     FIND: "agent vlm detector reasoner segmenter record config set scene out max-steps seed preset",
     EVAL: "agent vlm detector reasoner segmenter config set out episodes scenes goals scenes-dir "
     "workers ray save max-steps success-distance seed",
+    ("ablate", "scene:room.glb"): "of study only out vlm set",
 }
 CONTROLS = [chr(code) for code in (*range(1, 32), *range(127, 160))]
 
@@ -83,6 +84,16 @@ EVAL_ONLY = [
         [*EVAL[1:], "--start", "1", "2", "3"],
     )
 ]  # fmt: skip
+ABLATE = [
+    ["ablate", *rest]
+    for rest in (
+        [], ["houses-vall"], [*EVAL[1:], "--only", "no-erosoin"], [*EVAL[1:], "--only", ","],
+        [*EVAL[1:], "--only", LONG], [*EVAL[1:], "--of", "both"], [*EVAL[1:], "--preset", "paper"],
+        [*EVAL[1:], "--study", "all"], [*EVAL[1:], "--agent", "nope:Nope"],
+        [*EVAL[1:], "--set", "search.looks=never"], [*EVAL[1:], "--workers", "0"],
+        [*EVAL[1:], "--record", "x.jsonl"], [*EVAL[1:], "--goals", "unicorn"],
+    )
+]  # fmt: skip
 OTHERS = [
     ["report", "no"], ["report", "room.glb"], ["report", "."], ["report", ".", "--compare"],
     ["report", LONG], ["report", "/dev/null"], ["report", "/proc"], ["report", "a\udcff"],
@@ -108,7 +119,7 @@ EMPTY = [
 ]
 MISTAKES = [
     *COMMANDS, *([*FIND[:1], goal, *FIND[2:]] for goal in GOALS), *TYPOS, *FIND_ONLY, *EVAL_ONLY,
-    *OTHERS, *EMPTY,
+    *ABLATE, *OTHERS, *EMPTY,
 ]  # fmt: skip
 
 

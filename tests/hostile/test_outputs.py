@@ -14,6 +14,7 @@ pytestmark = pytest.mark.slow
 COMMANDS = {
     "find": ["find", "bed", "--scene", "room.glb"],
     "eval": ["eval", "scene:room.glb"],
+    "ablate": ["ablate", "scene:room.glb"],
     "report": ["report", "."],
     "export": ["houses", "export", "5"],
     "show": ["houses", "show", "5"],

@@ -49,8 +49,8 @@ def _run_variants(options: Options) -> ExitStatus:
     with crash_report(folder):
         try:
             for place, variant in enumerate(study.variants, start=1):
-                console.print(f"variant {place} of {len(study.variants)}: {variant.name}")
-                _run(variant, options, folder, console)
+                heading = f"variant {place} of {len(study.variants)}: {variant.name}"
+                _run(variant, options, folder, console, heading)
         finally:  # whatever happened: what there is can be read
             page = write_ablation(folder, study)
             if page is not None:
@@ -58,11 +58,11 @@ def _run_variants(options: Options) -> ExitStatus:
     return ExitStatus.SUCCESS
 
 
-def _run(variant: Variant, options: Options, folder: Path, console: Terminal) -> None:
+def _run(variant: Variant, options: Options, folder: Path, console: Terminal, heading: str) -> None:
     who = replace(
         options.who, set=(*options.who.set, *variant.assignments), **dict(variant.components)
     )
-    progress = evaluate(replace(options, who=who), folder / variant.slug, console)
+    progress = evaluate(replace(options, who=who), folder / variant.slug, console, heading=heading)
     if progress.crashes:
         raise crash_of(progress.crashes)
     console.print(f"  {result_line(progress)}", soft_wrap=True)

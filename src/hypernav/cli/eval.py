@@ -57,13 +57,16 @@ def run(options: Options) -> int:
     return ExitStatus.SUCCESS
 
 
-def evaluate(options: Options, folder: Path, console: Terminal) -> RunProgress:
+def evaluate(
+    options: Options, folder: Path, console: Terminal, *, heading: str = ""
+) -> RunProgress:
     """Load the episodes, and run those that aren't done.
 
     Args:
         options: The whole command but for the folder.
         folder: Folder of the run.
         console: Terminal that shows the progress.
+        heading: Line to print when the run begins; empty for none.
 
     Returns:
         The state of the run at its end.
@@ -79,6 +82,8 @@ def evaluate(options: Options, folder: Path, console: Terminal) -> RunProgress:
         )
         plan = replace(plan, who=_who(options, config, episodes, console))
     with RunStore(folder, plan.configuration(episodes)) as store:
+        if heading:
+            console.print(heading)
         if again := store.withdraw(lambda record: not record.counts):
             console.print(f"{again} episodes that don't count are run again")
         if store.records:
