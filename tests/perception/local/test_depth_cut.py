@@ -64,6 +64,26 @@ def test_extreme_boxes_do_not_break_it(box):
     assert mask.shape == (120, 160)
 
 
+def test_a_wall_that_goes_on_beside_the_box_is_not_the_thing():
+    """Most of the box is the wall behind two posts and a bar; these reach from side to side."""
+    observation = thing_before_wall(thing_m=2.0, wall_m=2.6, box=(55, 35, 105, 85))
+    observation.depth[43:85, 61:99] = 2.6
+    observation.rgb[43:85, 61:99] = 150
+    frame = observation.depth == 2.0
+    mask = DepthCutSegmenter().segment(observation, Box(54.0, 34.0, 106.0, 86.0))
+    assert overlap(mask, frame) > 0.7
+    assert not mask[50:80, 65:95].any()
+
+
+def test_what_stands_before_a_thing_and_goes_on_below_the_box_is_not_the_thing():
+    observation = thing_before_wall(thing_m=2.5, box=(50, 40, 110, 80))
+    observation.depth[60:120, 70:80] = 1.5
+    observation.rgb[60:120, 70:80] = (90, 60, 30)
+    mask = DepthCutSegmenter().segment(observation, Box(50.0, 40.0, 110.0, 80.0))
+    assert not mask[62:78, 72:78].any()
+    assert mask[45:75, 55:65].mean() > 0.9
+
+
 def seen_in_a_room(name, low, high):
     """What a robot sees that stands in a room, 2 m before a thing."""
     config = Embodiment(camera=CameraConfig(width=160, height=120))

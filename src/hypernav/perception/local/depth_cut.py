@@ -1,8 +1,10 @@
 """Box-prompted segmentation without weights: a cut by depth, then by colour."""
 
+from dataclasses import dataclass
+
 import cv2
 import numpy as np
-from jaxtyping import Bool, Float32
+from jaxtyping import Bool, Float32, Float64, Int32
 from pydantic import Field
 
 from hypernav.core.config import RoomConfig
@@ -10,7 +12,15 @@ from hypernav.core.geometry.boxes import Box
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.observation import Observation
 
-_BIN_M = 0.10
+_SAME_DEPTH_M = 0.2
+"""Distance in depth from the object's largest part within which its other parts lie."""
+_SMALLEST_SHARE = 0.02
+"""Share of the box below which a part is too small to be told by."""
+_LEAST_INSIDE = 0.5
+"""How much of a part must lie in the box for it to be one of the object's other parts."""
+_LEAST_FIT = 0.02
+"""What remains of the fit of a part that goes on around the whole box."""
+_NEAREST_M = 0.3
 
 
 class DepthCutConfig(RoomConfig):
@@ -20,7 +30,7 @@ class DepthCutConfig(RoomConfig):
         work_size_px: Length that the longer side of the box is reduced to before the colour cut,
             pixels.
         margin: Width of the certain background around the box, as a share of the box's size.
-        depth_gap_m: Jump in depth that ends the object, metres.
+        depth_gap_m: Jump in depth between two pixels that ends the object, metres.
         iterations: Number of GrabCut's iterations.
         floor_height_m: Height below which a pixel is floor, not the object, metres: floor touches
             the object without a jump in depth and often has its colour. 0 keeps it.
@@ -32,7 +42,7 @@ class DepthCutConfig(RoomConfig):
 
     work_size_px: int = Field(default=120, ge=16, le=4096)
     margin: float = Field(default=0.15, ge=0.0, le=1.0)
-    depth_gap_m: float = Field(default=0.30, gt=0.0, le=100.0)
+    depth_gap_m: float = Field(default=0.15, gt=0.0, le=100.0)
     iterations: int = Field(default=2, ge=1, le=100)
     floor_height_m: float = Field(default=0.06, ge=0.0, le=10.0)
     max_floor_share: float = Field(default=0.6, ge=0.0, le=1.0)
@@ -40,10 +50,11 @@ class DepthCutConfig(RoomConfig):
 
 
 class DepthCutSegmenter:
-    """GrabCut inside the box, seeded by the dominant depth cluster.
+    """GrabCut inside the box, seeded by the part of the depth image that fits the box best.
 
-    The object is taken to be the nearest large cluster of depth around the middle of the box;
-    pixels in it are probable foreground, pixels outside the box certain background, and the colour
+    Jumps in depth divide the image into parts. A box is tight, so the object's part reaches from
+    one side of it to the other, and unlike a wall behind or a table before, it ends there. Pixels
+    of that part are probable foreground, pixels outside the box certain background, and the colour
     models of GrabCut (Rother et al., 2004; OpenCV's ``grabCut``) decide the rest.
     """
 
@@ -75,10 +86,10 @@ class DepthCutSegmenter:
             round((by0 - y0) * sy) : max(round((by1 - y0) * sy), 1),
             round((bx0 - x0) * sx) : max(round((bx1 - x0) * sx), 1),
         ] = True
-        floor = inside & self._is_floor(observation, depth, (x0, y0), (sx, sy))
-        if floor.sum() <= self._config.max_floor_share * inside.sum():
-            inside &= ~floor
-        cut = self._cut(rgb, depth, inside)
+        floor = self._is_floor(observation, depth, (x0, y0), (sx, sy))
+        if (floor & inside).sum() > self._config.max_floor_share * inside.sum():
+            floor[:] = False
+        cut = self._cut(rgb, depth, inside, floor)
         whole = cv2.resize(
             cut.astype(np.uint8), (x1 - x0, y1 - y0), interpolation=cv2.INTER_NEAREST
         )
@@ -103,13 +114,15 @@ class DepthCutSegmenter:
         self,
         rgb: np.ndarray,
         depth: Float32[np.ndarray, "h w"],
-        inside: Bool[np.ndarray, "h w"],
+        box: Bool[np.ndarray, "h w"],
+        floor: Bool[np.ndarray, "h w"],
     ) -> Bool[np.ndarray, "h w"]:
-        has_depth = is_measured(depth)
+        """The object's pixels in a reduced crop."""
+        inside, has_depth = box & ~floor, is_measured(depth)
         empty = inside & ~has_depth
         if empty.sum() > self._config.max_empty_share * inside.sum():
             return empty
-        cluster = inside & self._dominant_cluster(depth, inside)
+        cluster = self._best_fitting_parts(depth, box, has_depth & ~floor)
         if not cluster.any():
             return inside
         labels = np.where(inside, cv2.GC_PR_BGD, cv2.GC_BGD).astype(np.uint8)
@@ -132,33 +145,100 @@ class DepthCutSegmenter:
         cut &= cluster | ~has_depth
         return cut if cut.sum() * 4 >= cluster.sum() else cluster
 
-    def _dominant_cluster(
-        self, depth: Float32[np.ndarray, "h w"], inside: Bool[np.ndarray, "h w"]
+    def _best_fitting_parts(
+        self,
+        depth: Float32[np.ndarray, "h w"],
+        box: Bool[np.ndarray, "h w"],
+        solid: Bool[np.ndarray, "h w"],
     ) -> Bool[np.ndarray, "h w"]:
-        rows, columns = np.nonzero(inside)
-        middle = np.zeros_like(inside)
-        top, bottom = np.percentile(rows, [20, 80]).astype(int)
-        left, right = np.percentile(columns, [20, 80]).astype(int)
-        middle[top : bottom + 1, left : right + 1] = True
-        has_depth = is_measured(depth)
-        values = depth[middle & inside & has_depth]
-        if values.size == 0:
-            return np.zeros_like(inside)
-        counts = np.bincount((values / _BIN_M).astype(int))
-        # Nearer things hide farther ones, so of two equal clusters the nearer is the object.
-        weight = counts / (1.0 + 0.1 * np.arange(counts.size) * _BIN_M)
-        peak = int(weight.argmax())
-        all_counts = np.bincount((depth[inside & has_depth] / _BIN_M).astype(int))
-        floor = max(1.0, 0.02 * float(all_counts.max()))
-        low, high = self._grow(all_counts, peak, floor)
-        return (depth >= low * _BIN_M) & (depth < (high + 1) * _BIN_M) & has_depth
+        """The pixels in the box of the part that fits it best, and of other parts as far away.
 
-    def _grow(self, counts: np.ndarray, peak: int, floor: float) -> tuple[int, int]:
-        """Widen the peak over neighbouring depths until a gap."""
-        gap = max(1, round(self._config.depth_gap_m / _BIN_M))
-        low = high = peak
-        while low > 0 and (counts[max(low - gap, 0) : low] > floor).any():
-            low -= 1
-        while high + 1 < counts.size and (counts[high + 1 : high + 1 + gap] > floor).any():
-            high += 1
-        return low, high
+        Args:
+            depth: Depth, metres.
+            box: Pixels in the box; those around it tell which parts end there.
+            solid: Pixels with depth that are no floor.
+        """
+        parts = _Parts.of(_divided(depth, solid, self._config.depth_gap_m), depth, box)
+        if not parts.inside.any():
+            return np.zeros_like(box)
+        best = int(parts.fit.argmax())
+        ends = depth[(parts.labels == best) & box]
+        low, high = np.percentile(ends, [2, 98])
+        belongs = (parts.depth >= low - _SAME_DEPTH_M) & (parts.depth <= high + _SAME_DEPTH_M)
+        belongs &= parts.inside >= _LEAST_INSIDE
+        belongs[0], belongs[best] = False, True
+        return belongs[parts.labels] & box
+
+
+@dataclass(frozen=True, eq=False)
+class _Parts:
+    """The parts of a depth image beside a box; part 0 is what belongs to none.
+
+    Attributes:
+        labels: Number of every pixel's part.
+        depth: Mean depth of every part, metres.
+        inside: How much of every part lies in the box: 1 if all does, 0 if not more than of a part
+            that covers the whole image, or none.
+        fit: How well every part fits the box.
+    """
+
+    labels: Int32[np.ndarray, "h w"]
+    depth: Float64[np.ndarray, " parts"]
+    inside: Float64[np.ndarray, " parts"]
+    fit: Float64[np.ndarray, " parts"]
+
+    @staticmethod
+    def of(
+        labels: Int32[np.ndarray, "h w"],
+        depth: Float32[np.ndarray, "h w"],
+        box: Bool[np.ndarray, "h w"],
+    ) -> "_Parts":
+        """Measure the parts."""
+        count = int(labels.max()) + 1
+        pixels = np.bincount(labels.ravel(), minlength=count)
+        within = np.bincount(labels[box], minlength=count)
+        within[0] = 0
+        mean = np.bincount(labels.ravel(), depth.ravel(), count) / np.maximum(pixels, 1)
+        around = max(1.0 - float(box.mean()), 1e-3)
+        inside = np.clip(1.0 - (1.0 - within / np.maximum(pixels, 1)) / around, 0.0, 1.0)
+        inside[within == 0] = 0.0
+        share = within / max(int(within.sum()), 1)
+        # The nearer of two equal parts hides the farther one.
+        fit = _span(labels, box, count) * (_LEAST_FIT + inside) * np.sqrt(share)
+        fit /= np.sqrt(np.maximum(mean, _NEAREST_M))
+        fit[share < _SMALLEST_SHARE] = -1.0
+        return _Parts(labels, mean, inside, fit)
+
+
+def _divided(
+    depth: Float32[np.ndarray, "h w"], solid: Bool[np.ndarray, "h w"], gap_m: float
+) -> Int32[np.ndarray, "h w"]:
+    """Number of every pixel's part; 0 where nothing solid is.
+
+    Neighbouring pixels belong to one part if their depths differ by less than the gap. Between any
+    two pixels stands one for the link of both, so that OpenCV finds the parts.
+    """
+    height, width = depth.shape
+    links = np.zeros((2 * height - 1, 2 * width - 1), dtype=np.uint8)
+    links[::2, ::2] = solid
+    across = np.abs(np.diff(depth, axis=1)) < gap_m
+    links[::2, 1::2] = across & solid[:, 1:] & solid[:, :-1]
+    down = np.abs(np.diff(depth, axis=0)) < gap_m
+    links[1::2, ::2] = down & solid[1:] & solid[:-1]
+    _, labels = cv2.connectedComponents(links, connectivity=4, ltype=cv2.CV_32S)
+    return np.ascontiguousarray(labels[::2, ::2])
+
+
+def _span(
+    labels: Int32[np.ndarray, "h w"], box: Bool[np.ndarray, "h w"], count: int
+) -> Float64[np.ndarray, " parts"]:
+    """Share of the box that the smallest rectangle around every part covers, inside the box."""
+    rows, columns = np.nonzero(box)
+    numbers = labels[box]
+    span = np.ones(count)
+    for values in (rows, columns):
+        low, high = np.full(count, values.max() + 1), np.full(count, values.min() - 1)
+        np.minimum.at(low, numbers, values)
+        np.maximum.at(high, numbers, values)
+        span *= np.maximum(high - low + 1, 0) / (values.max() - values.min() + 1)
+    return span

@@ -17,7 +17,8 @@ from hypernav.core.sightings import Sightings
 from hypernav.core.trace import DetectionRecord
 from hypernav.perception.local.attention import Attention
 from hypernav.perception.local.config import LocalConfig
-from hypernav.perception.local.goal_area import GoalArea, points_under_mask
+from hypernav.perception.local.goal_area import GoalArea
+from hypernav.perception.local.refinement import eroded, projected
 from hypernav.perception.local.target import Target, areas_touch
 from hypernav.perception.local.visibility import is_cut_off, seems_to_hold, should_be_visible
 
@@ -219,38 +220,20 @@ class LocalPerception:
         mask = detection.mask
         if mask is None:
             mask = self._segmenter.segment(observation, detection.box)
-        kernel = np.ones((self._config.erosion_px, self._config.erosion_px), np.uint8)
-        eroded = cv2.erode(mask.astype(np.uint8), kernel).astype(bool)
-        # A thin object would vanish; a little background is the smaller evil.
-        vanishes = 4 * int(eroded.sum()) < int(mask.sum())
-        return mask if vanishes and self._config.keep_thin_masks else eroded
+        return eroded(mask, self._config)
 
     def _area(
         self, mask: Bool[np.ndarray, "height width"], observation: Observation
     ) -> tuple[GoalArea | None, str]:
-        config = self._config
-        points = points_under_mask(
-            mask,
-            observation,
-            min_depth_m=self._camera.min_depth_m,
-            max_depth_m=self._camera.max_depth_m,
-            stride=2 if int(mask.sum()) > 4000 else 1,
-        )
-        if len(points) < config.min_points:
-            return None, _NO_DEPTH
-        area = GoalArea.from_points(
-            points,
-            resolution_m=self._cell_size_m,
-            kernel=config.dilation_kernel,
-            iterations=config.dilation_iterations,
-            largest_cluster_only=config.largest_cluster_only,
+        area = projected(
+            mask, observation, self._config, self._camera, cell_size_m=self._cell_size_m
         )
         if area is None:
             return None, _NO_DEPTH
         if any(rejected.area.covers(area) > 0.5 for rejected in self._rejected):
             return None, "rejected before"
-        if config.entry_reach_m > 0.0:
-            area = area.entered_from(observation, config.entry_reach_m)
+        if self._config.entry_reach_m > 0.0:
+            area = area.entered_from(observation, self._config.entry_reach_m)
         return area, ""
 
     def _far_position_of(
