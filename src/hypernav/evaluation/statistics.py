@@ -102,7 +102,8 @@ def ratio_with_interval(
 
     Args:
         values: Values, one per episode.
-        references: What they are compared with, one positive number per episode.
+        references: What they are compared with, one number per episode, none negative and not all
+            0; draws whose references are all 0 are left out.
         scenes: Scenes, one per episode.
         rng: Generator of the draws; by default one of a fixed seed, so that reports are repeatable.
         draws: Number of bootstrap samples.
@@ -117,7 +118,8 @@ def ratio_with_interval(
     sums, totals = (np.bincount(clusters, weights=each) for each in (numbers, weights))
     rng = rng or np.random.default_rng(_SEED)
     drawn = rng.integers(0, sums.size, size=(draws, sums.size))
-    ratios = sums[drawn].sum(axis=1) / totals[drawn].sum(axis=1)
+    above, below = sums[drawn].sum(axis=1), totals[drawn].sum(axis=1)
+    ratios = above[below > 0.0] / below[below > 0.0]
     tail = (1.0 - CONFIDENCE) / 2.0
     low, high = np.quantile(ratios, (tail, 1.0 - tail))
     ratio = float(numbers.sum() / weights.sum())

@@ -130,26 +130,39 @@ class RunStore:
         write_whole(self.folder / SESSIONS_FILE, self._earlier_sessions + line)
 
     def _check_configuration(self) -> None:
-        path = self.folder / RUN_FILE
-        if not path.exists():
-            if (self.folder / EPISODES_FILE).exists():
-                raise RunFolderError(
-                    f"{self.folder} holds {EPISODES_FILE} but no {RUN_FILE}, so nobody knows how "
-                    "its episodes were made; choose another --out"
-                )
-            content = {
-                "created": datetime.now(UTC).isoformat(timespec="seconds"),
-                "configuration": self._configuration,
-            }
-            write_whole(path, json.dumps(content, indent=2, ensure_ascii=False) + "\n")
-            return
-        found = differences(read_configuration(self.folder), self._configuration)
-        if found:
-            shown = "; ".join(found[:8]) + ("; …" if len(found) > 8 else "")
+        if not (self.folder / RUN_FILE).exists() and (self.folder / EPISODES_FILE).exists():
             raise RunFolderError(
-                f"{self.folder} was begun with another configuration: {shown}. Say the same again, "
-                "or choose another --out"
+                f"{self.folder} holds {EPISODES_FILE} but no {RUN_FILE}, so nobody knows how "
+                "its episodes were made; choose another --out"
             )
+        keep_configuration(self.folder, self._configuration)
+
+
+def keep_configuration(folder: Path, configuration: Mapping[str, Any]) -> None:
+    """Write the configuration into a new folder, or compare it with the one that is there.
+
+    Args:
+        folder: Folder of a run, which exists.
+        configuration: Everything that decides about results, as JSON data.
+
+    Raises:
+        RunFolderError: The folder was begun with another configuration, or can't be written.
+    """
+    path = folder / RUN_FILE
+    if not path.exists():
+        content = {
+            "created": datetime.now(UTC).isoformat(timespec="seconds"),
+            "configuration": configuration,
+        }
+        write_whole(path, json.dumps(content, indent=2, ensure_ascii=False) + "\n")
+        return
+    found = differences(read_configuration(folder), configuration)
+    if found:
+        shown = "; ".join(found[:8]) + ("; …" if len(found) > 8 else "")
+        raise RunFolderError(
+            f"{folder} was begun with another configuration: {shown}. Say the same again, "
+            "or choose another --out"
+        )
 
 
 def read_configuration(folder: Path) -> dict[str, Any]:

@@ -1,0 +1,85 @@
+"""What is kept of the goal areas of an episode: one record for every kind of box and mask."""
+
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+from hypernav.core.episode import Episode
+from hypernav.evaluation.refinement.footprint import OffTarget
+from hypernav.evaluation.refinement.goal_position import GoalPosition
+
+
+class BoxSource(StrEnum):
+    """Where the box of a goal comes from."""
+
+    TRUE = "true"
+    """The tight box of the visible pixels."""
+    JITTERED = "jittered"
+    """The true box with noisy edges."""
+    DETECTED = "detected"
+    """The box of a real detector that belongs to the true one."""
+
+
+class MaskSource(StrEnum):
+    """What is projected of a box."""
+
+    BOX = "raw box"
+    """All of its pixels."""
+    SEGMENTED = "refined"
+    """The eroded mask of the segmenter (the method's refinement)."""
+    TRUE = "true mask"
+    """The eroded true mask: the bound that no segmenter exceeds."""
+
+
+@dataclass(frozen=True)
+class AreaRecord:
+    """The goal areas that one kind of box and mask gave in the frames of one episode.
+
+    Attributes:
+        scene_id: Scene of the episode.
+        episode_id: Name of the episode within the scene.
+        goal: Text of the goal.
+        box: Source of the boxes.
+        mask: What was projected of them.
+        position: Position that the first frame's goal area sends the robot to.
+        frames: Number of frames that had such a box.
+        empty: Number of frames in which too little was left for a goal area.
+        seen: Number of the seen cells in all frames.
+        seen_off: Number of those off the footprint.
+        dilated: Number of the dilated cells in all frames.
+        dilated_off: Number of those farther from the footprint than dilation reaches.
+    """
+
+    scene_id: str
+    episode_id: str
+    goal: str
+    box: BoxSource
+    mask: MaskSource
+    position: GoalPosition
+    frames: int = 0
+    empty: int = 0
+    seen: int = 0
+    seen_off: int = 0
+    dilated: int = 0
+    dilated_off: int = 0
+
+    @staticmethod
+    def begun(
+        episode: Episode, box: BoxSource, mask: MaskSource, position: GoalPosition
+    ) -> "AreaRecord":
+        """A record without frames."""
+        return AreaRecord(
+            episode.scene_id, episode.episode_id, episode.goal.text, box, mask, position
+        )
+
+    def after(self, cells: OffTarget | None) -> "AreaRecord":
+        """The record with one more frame; None where it gave no goal area."""
+        if cells is None:
+            return replace(self, frames=self.frames + 1, empty=self.empty + 1)
+        return replace(
+            self,
+            frames=self.frames + 1,
+            seen=self.seen + cells.seen,
+            seen_off=self.seen_off + cells.seen_off,
+            dilated=self.dilated + cells.dilated,
+            dilated_off=self.dilated_off + cells.dilated_off,
+        )

@@ -1,0 +1,39 @@
+"""The boxes that goal areas are made from: true ones, jittered ones, and those of a detector."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from hypernav.core.geometry.boxes import Box, Detection
+
+JITTER_SHARE = 0.10
+"""Standard deviation of a jittered edge, as a share of the box's side."""
+MATCHING_IOU = 0.5
+"""Overlap over union above which a detector's box belongs to the true one."""
+
+
+def jittered(box: Box, rng: np.random.Generator, *, width: int, height: int) -> Box:
+    """A box whose four edges are moved independently by normal noise, inside the image.
+
+    Args:
+        box: True box, pixels.
+        rng: Source of the noise.
+        width: Columns of the image, pixels.
+        height: Rows of the image, pixels.
+    """
+    sides = np.array([box.x_max - box.x_min, box.y_max - box.y_min] * 2)
+    edges = np.array([box.x_min, box.y_min, box.x_max, box.y_max])
+    moved = edges + rng.normal(0.0, JITTER_SHARE, 4) * sides
+    low, high = np.minimum(moved[:2], moved[2:]), np.maximum(moved[:2], moved[2:])
+    return Box(*low.tolist(), *high.tolist()).clipped(width, height)
+
+
+def matching(box: Box, detections: Sequence[Detection]) -> Box | None:
+    """The detector's box that overlaps most with the true one; None if none does enough.
+
+    Boxes of other kinds of things are passed over, so that what is judged is what becomes of a
+    detection, and not whether there is one.
+    """
+    boxes = [one.box for one in detections if one.is_goal]
+    best = max(boxes, key=box.iou, default=None)
+    return best if best is not None and box.iou(best) > MATCHING_IOU else None

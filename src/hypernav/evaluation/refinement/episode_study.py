@@ -1,0 +1,217 @@
+"""The goal areas of one episode: what every kind of box and of mask would have made of its frames.
+
+The robot is driven by ground truth detection, so every box source sees the same frames.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Bool
+
+from hypernav.build.presets import HyPerNavConfig
+from hypernav.core.components.abilities import ChecksGoal
+from hypernav.core.components.protocols import Agent, Detector, Segmenter
+from hypernav.core.episode import Episode
+from hypernav.core.errors import GoalError
+from hypernav.core.geometry.boxes import Box, Detection
+from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.observation import Observation
+from hypernav.core.world import GoalTruth
+from hypernav.evaluation.refinement.area_record import AreaRecord, BoxSource, MaskSource
+from hypernav.evaluation.refinement.boxes import jittered, matching
+from hypernav.evaluation.refinement.footprint import Footprint, OffTarget
+from hypernav.evaluation.refinement.goal_position import GoalPosition, judge_position
+from hypernav.perception.local.goal_area import GoalArea
+from hypernav.perception.local.ground_truth import GroundTruthDetector
+from hypernav.perception.local.refinement import eroded, projected
+from hypernav.worlds.drawing.renderer import CpuRenderer
+from hypernav.worlds.episode_run import EpisodeRun
+from hypernav.worlds.simulation import SimulatedWorld
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """A frame that shows the goal within the range of depth.
+
+    Attributes:
+        step: Number of the step.
+        observation: Observation with colours.
+        grid: The robot's map at that moment.
+        target: Detection of the largest goal in the image, with its true mask.
+    """
+
+    step: int
+    observation: Observation
+    grid: OccupancyGrid
+    target: Detection
+
+
+class EpisodeStudy:
+    """Runs episodes and tallies their goal areas."""
+
+    def __init__(
+        self,
+        config: HyPerNavConfig,
+        agent: Agent,
+        segmenter: Segmenter,
+        detector: Detector | None = None,
+        *,
+        seed: int = 0,
+    ) -> None:
+        """Create it.
+
+        Args:
+            config: Configuration of the method that is studied.
+            agent: Agent that drives, by ground truth.
+            segmenter: Segmenter of the pixels in a box.
+            detector: Real detector; None leaves its boxes out.
+            seed: Seed of all noise.
+        """
+        self._config = config
+        self._agent = agent
+        self._segmenter = segmenter
+        self._detector = detector
+        self._seed = seed
+        self._truth = GroundTruthDetector()
+
+    def frames(
+        self, episode: Episode, world: SimulatedWorld, renderer: CpuRenderer
+    ) -> Iterator[Frame]:
+        """Drive an episode; yields the frames that show the goal within the range of depth.
+
+        Args:
+            episode: Episode of the world's scene.
+            world: World that the robot is driven in.
+            renderer: The world's renderer; colours are drawn for these frames alone.
+        """
+        renderer.colours = False
+        rng = np.random.default_rng(episode.seed(self._seed))
+        run, pose = EpisodeRun(self._agent, world, episode, rng=rng), world.pose
+        for step in run:
+            found = self._truth.detect(step.observation, episode.goal)
+            if found and step.grid is not None:
+                truth = self._area(_mask_of(found[0]), step.observation)
+                if truth is not None:
+                    renderer.colours = True
+                    rgb = world.view_from(pose).rgb
+                    renderer.colours = False
+                    observation = replace(step.observation, rgb=rgb)
+                    yield Frame(step.trace.step, observation, step.grid, found[0])
+            pose = world.pose
+
+    def run(
+        self, episode: Episode, world: SimulatedWorld, renderer: CpuRenderer
+    ) -> list[AreaRecord]:
+        """Drive an episode; one record for every kind of box and mask that its frames gave."""
+        records: dict[tuple[BoxSource, MaskSource], AreaRecord] = {}
+        truth: _Truth | None = None
+        for frame in self.frames(episode, world, renderer):
+            truth = truth or _Truth.of(episode, world, self._config.mapping.cell_size_m)
+            for box_source, box in self._boxes(frame, episode).items():
+                for mask_source, area in self.areas(frame, box).items():
+                    kind = (box_source, mask_source)
+                    if kind not in records:
+                        position = self._position(area, frame, world, renderer, truth)
+                        records[kind] = AreaRecord.begun(episode, *kind, position)
+                    records[kind] = records[kind].after(self._off_target(area, truth))
+        return list(records.values())
+
+    def _position(
+        self,
+        area: GoalArea | None,
+        frame: Frame,
+        world: SimulatedWorld,
+        renderer: CpuRenderer,
+        truth: "_Truth",
+    ) -> GoalPosition:
+        if area is None:
+            return GoalPosition.NONE
+        return judge_position(
+            area, frame.observation, frame.grid, world, renderer, truth.goal, self._config
+        )
+
+    def _off_target(self, area: GoalArea | None, truth: "_Truth") -> OffTarget | None:
+        if area is None:
+            return None
+        local = self._config.local
+        reach = local.dilation_kernel // 2 * local.dilation_iterations
+        return OffTarget.of(area, truth.footprint, dilation_cells=reach)
+
+    def areas(self, frame: Frame, box: Box) -> dict[MaskSource, GoalArea | None]:
+        """The goal areas that come of a box; None where nothing is left to project."""
+        observation, local = frame.observation, self._config.local
+        height, width = observation.depth.shape
+        pixels = np.zeros((height, width), dtype=bool)
+        x_min, y_min, x_max, y_max = box.clipped(width, height).pixels()
+        pixels[y_min:y_max, x_min:x_max] = True
+        masks = {
+            MaskSource.BOX: pixels,
+            MaskSource.SEGMENTED: eroded(self._segmenter.segment(observation, box), local),
+            MaskSource.TRUE: eroded(_mask_of(frame.target), local),
+        }
+        return {source: self._area(mask, observation) for source, mask in masks.items()}
+
+    def _area(
+        self, mask: Bool[np.ndarray, "height width"], observation: Observation
+    ) -> GoalArea | None:
+        local = self._config.local
+        area = projected(
+            mask,
+            observation,
+            local,
+            self._config.embodiment.camera,
+            cell_size_m=self._config.mapping.cell_size_m,
+        )
+        if area is None or local.entry_reach_m == 0.0:
+            return area
+        return area.entered_from(observation, local.entry_reach_m)
+
+    def _boxes(self, frame: Frame, episode: Episode) -> dict[BoxSource, Box]:
+        true, observation = frame.target.box, frame.observation
+        height, width = observation.depth.shape
+        rng = np.random.default_rng([episode.seed(self._seed), frame.step])
+        boxes = {
+            BoxSource.TRUE: true,
+            BoxSource.JITTERED: jittered(true, rng, width=width, height=height),
+        }
+        detector = self._detector_for(episode)
+        if detector is not None:
+            found = matching(true, detector.detect(observation, episode.goal))
+            if found is not None:
+                boxes[BoxSource.DETECTED] = found
+        return boxes
+
+    def _detector_for(self, episode: Episode) -> Detector | None:
+        """The detector, unless it can never see the episode's goal."""
+        if isinstance(self._detector, ChecksGoal):
+            try:
+                self._detector.check_goal(episode.goal)
+            except GoalError:
+                return None
+        return self._detector
+
+
+@dataclass(frozen=True, eq=False)
+class _Truth:
+    """What is true of an episode's goal.
+
+    Attributes:
+        goal: Instances that satisfy it, and their view points.
+        footprint: Their footprint in the episode's ``map`` frame.
+    """
+
+    goal: GoalTruth
+    footprint: Footprint
+
+    @staticmethod
+    def of(episode: Episode, world: SimulatedWorld, cell_size_m: float) -> "_Truth":
+        goal = world.goal_truth(episode.goal, episode.view_points)
+        ids = [instance.id for instance in goal.instances]
+        footprint = Footprint.of_instances(world.scene, ids, world.map_to_scene, cell_size_m)
+        return _Truth(goal, footprint)
+
+
+def _mask_of(target: Detection) -> Bool[np.ndarray, "height width"]:
+    assert target.mask is not None, "ground truth detections carry their masks"
+    return target.mask

@@ -1,0 +1,113 @@
+import numpy as np
+import pytest
+
+from box_scenes import room_boxes, scene_of
+from hypernav.build.agents import build_agent
+from hypernav.core.geometry.boxes import Detection
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.evaluation.refinement.area_record import BoxSource, MaskSource
+from hypernav.evaluation.refinement.episode_study import EpisodeStudy
+from hypernav.evaluation.refinement.goal_position import GoalPosition
+from hypernav.perception.local.depth_cut import DepthCutSegmenter
+from hypernav.perception.local.ground_truth import GroundTruthDetector
+from hypernav.worlds.drawing.renderer import CpuRenderer
+from hypernav.worlds.simulation import SimulatedWorld
+from small_episodes import episode_from
+from small_worlds import small_config
+
+START = episode_from(Pose2(1.0, 2.0, 0.0), max_steps=3)
+
+
+class Blind:
+    """A detector that finds nothing."""
+
+    def detect(self, observation, goal):
+        return []
+
+
+class Reports:
+    """A detector that reports the true boxes, without masks."""
+
+    def detect(self, observation, goal):
+        found = GroundTruthDetector().detect(observation, goal)
+        return [Detection(one.box, 0.5, one.label) for one in found]
+
+
+def gap_between_two_posts():
+    """A bed that is two posts with a gap between them: its box shows the wall 2 m behind."""
+    config = small_config("paper")
+    post = ("bed", (3.0, 1.4, 0.0), (3.2, 1.6, 1.2))
+    bar = ("bed", (3.0, 1.6, 1.1), (3.2, 2.6, 1.2))
+    boxes = [*room_boxes(6.0, 4.0), post, bar]
+    scene = scene_of(*boxes)
+    renderer = CpuRenderer(scene)
+    world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
+    return config, world, renderer
+
+
+def study(config, detector=None, segmenter=None):
+    agent = build_agent(config).agent
+    return EpisodeStudy(config, agent, segmenter or DepthCutSegmenter(), detector)
+
+
+def by_kind(records):
+    return {(record.box, record.mask): record for record in records}
+
+
+@pytest.fixture(scope="module")
+def posts():
+    config, world, renderer = gap_between_two_posts()
+    return by_kind(study(config).run(START, world, renderer))
+
+
+def test_a_raw_box_holds_the_wall_behind_and_a_true_mask_does_not(posts):
+    raw = posts[BoxSource.TRUE, MaskSource.BOX]
+    true = posts[BoxSource.TRUE, MaskSource.TRUE]
+    assert raw.frames == true.frames > 0
+    assert raw.seen_off > 0
+    assert (true.seen_off, true.dilated_off) == (0, 0)
+
+
+def test_refined_cells_are_nearly_all_on_the_thing(posts):
+    raw = posts[BoxSource.TRUE, MaskSource.BOX]
+    refined = posts[BoxSource.TRUE, MaskSource.SEGMENTED]
+    assert refined.seen_off / refined.seen < 0.3 * raw.seen_off / raw.seen
+
+
+def test_the_same_episode_gives_the_same_records(posts):
+    config, world, renderer = gap_between_two_posts()
+    again = by_kind(study(config).run(START, world, renderer))
+    assert again == posts
+
+
+def test_smaller_masks_see_no_other_cells():
+    config, world, renderer = gap_between_two_posts()
+    config = config.model_copy(update={"local": config.local.model_copy(update={"erosion_px": 1})})
+    parts = study(config)
+    frame = next(parts.frames(START, world, renderer))
+    areas = parts.areas(frame, frame.target.box)
+    raw, true = areas[MaskSource.BOX], areas[MaskSource.TRUE]
+    assert raw is not None
+    assert true is not None
+    seen = {tuple(np.round(point, 3)) for point in raw.seen_points}
+    assert {tuple(np.round(point, 3)) for point in true.seen_points} <= seen
+
+
+@pytest.mark.parametrize(
+    ("detector", "expected"), [(None, False), (Blind(), False), (Reports(), True)]
+)
+def test_a_detectors_boxes_are_counted_where_it_has_some(detector, expected):
+    config, world, renderer = gap_between_two_posts()
+    records = by_kind(study(config, detector).run(START, world, renderer))
+    assert ((BoxSource.DETECTED, MaskSource.BOX) in records) == expected
+
+
+def test_an_episode_that_never_shows_its_goal_gives_nothing():
+    config, world, renderer = gap_between_two_posts()
+    away = episode_from(Pose2(1.0, 2.0, np.pi), max_steps=1)
+    assert study(config).run(away, world, renderer) == []
+
+
+def test_a_position_before_the_thing_is_good(posts):
+    good = (GoalPosition.GOOD, GoalPosition.TOO_FAR)
+    assert posts[BoxSource.TRUE, MaskSource.TRUE].position in good

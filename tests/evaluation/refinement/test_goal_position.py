@@ -1,0 +1,66 @@
+import numpy as np
+import pytest
+
+from box_scenes import room_boxes, scene_of
+from hypernav.core.geometry.grid import Cell, OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
+from hypernav.evaluation.refinement.goal_position import GoalPosition, judge_position
+from hypernav.perception.local.goal_area import GoalArea
+from hypernav.worlds.drawing.renderer import CpuRenderer
+from hypernav.worlds.simulation import SimulatedWorld
+from small_episodes import episode_from
+from small_worlds import small_config
+
+CONFIG = small_config("paper")
+START = Pose2(1.0, 2.0, 0.0)
+WALL_X = 4.0
+
+
+@pytest.fixture(scope="module")
+def room():
+    """A bed at x 2.5 to 3, a wall at x 4, and behind it a part that no door leads to."""
+    scene = scene_of(
+        *room_boxes(6.0, 4.0),
+        (None, (WALL_X, 0.0, 0.0), (WALL_X + 0.1, 4.0, 2.5)),
+        ("bed", (2.5, 1.5, 0.0), (3.0, 2.5, 0.5)),
+    )
+    renderer = CpuRenderer(scene)
+    world = SimulatedWorld(scene, CONFIG.world, CONFIG.embodiment, renderer=renderer)
+    return world, renderer, world.reset(episode_from(START))
+
+
+def judged(room, points, *, walls=()):
+    """What becomes of an area around points of the scene, on a map that is free elsewhere."""
+    world, renderer, observation = room
+    moved = np.array([(x - START.x, y - START.y, z) for x, y, z in points])
+    area = GoalArea.from_points(moved, resolution_m=0.05, largest_cluster_only=False)
+    assert area is not None
+    cells = np.full((120, 200), Cell.FREE, dtype=np.uint8)
+    for column in walls:
+        cells[:, column] = Cell.OCCUPIED
+    grid = OccupancyGrid(cells, 0.05, (-2.0, -3.0))
+    goal = world.goal_truth(Goal("bed"))
+    return judge_position(area, observation, grid, world, renderer, goal, CONFIG)
+
+
+def test_an_area_on_the_goal_gives_a_good_position(room):
+    assert judged(room, [(2.6, 2.0, 0.5), (2.7, 2.0, 0.5)]) is GoalPosition.GOOD
+
+
+def test_behind_a_wall_that_the_map_does_not_show_is_unreachable(room):
+    assert judged(room, [(5.2, 2.0, 0.5)]) is GoalPosition.UNREACHABLE
+
+
+def test_a_map_without_a_path_makes_it_unreachable(room):
+    area = [(2.6, 2.0, 0.5)]
+    column = round((1.6 - START.x + 2.0) / 0.05)
+    assert judged(room, area, walls=[column]) is GoalPosition.UNREACHABLE
+
+
+def test_an_area_that_turns_the_robot_away_from_the_goal_occludes_it(room):
+    assert judged(room, [(0.35, 0.35, 1.0)]) is GoalPosition.OCCLUDED
+
+
+def test_a_position_that_sees_the_goal_from_afar_is_too_far(room):
+    assert judged(room, [(1.25, 2.0, 0.5)]) is GoalPosition.TOO_FAR
