@@ -1,15 +1,24 @@
 """The variants of the study of switches, against the presets and the components in use."""
 
+import math
+
 import pytest
 
+from certainty import certain
+from hypernav.build.agents import build_agent
 from hypernav.build.component_specs import ComponentSpecs, PresetName
 from hypernav.build.presets import preset
 from hypernav.core.actions import Action
 from hypernav.core.config import layered
 from hypernav.core.errors import ConfigError
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.trace import without_timings
 from hypernav.evaluation.ablation.config_fields import differing_fields, values_by_field, words_of
 from hypernav.evaluation.ablation.study import Method, Study, Variant
 from hypernav.evaluation.ablation.switches import ABLATIONS, switches
+from hypernav.worlds.episode_run import EpisodeRun
+from small_episodes import episode_from
+from small_worlds import small_config, two_rooms
 
 MODEL = ComponentSpecs(vlm="replay:none.jsonl")
 
@@ -121,3 +130,22 @@ def test_a_whole_agent_has_no_switches():
 def test_every_field_has_words():
     for field in values_by_field(preset("default")):
         assert len(words_of(field)) > 10, field
+
+
+def traced(method: Method) -> list[dict]:
+    """A search by the agent of a method, step by step."""
+    agent = build_agent(method.config, method.specs).agent
+    start = Pose2(2.5, 1.0, math.pi / 2)
+    run = EpisodeRun(agent, two_rooms(), episode_from(start, "bed", max_steps=80))
+    steps = [certain(step.trace).model_dump(mode="json") for step in run]
+    assert len(steps) > 20
+    return [without_timings(step) for step in steps]
+
+
+@pytest.mark.parametrize("agent", ["hypernav", "frontier"])
+def test_what_is_left_out_really_makes_no_difference(agent):
+    base = Method("default", small_config(), ComponentSpecs(agent=agent))
+    idle = [one.variant for one in switches(base).left_out if not one.variant.components]
+    together = Variant("all", "", tuple(a for one in idle for a in one.assignments))
+    assert len(differing_fields(base.config, base.varied(together).config)) > 15
+    assert traced(base.varied(together)) == traced(base)

@@ -14,6 +14,8 @@ from hypernav.show.pages.templating import data_uri, page_environment
 
 PAGE = "index.html"
 
+_MOST_NAMED = 5
+
 
 def write_ablation(folder: Path, study: Study) -> Path | None:
     """Write the page, the figure, ``ablation.csv`` and ``ablation.tex``, of what there is.
@@ -92,9 +94,9 @@ def _verdicts(results: StudyResults) -> list[str]:
         (gained if gap.difference.mean > 0.0 else lost).append(told)
     sentences = []
     if lost:
-        sentences.append(f"SPL falls with {_listed(lost)}.")
+        sentences.append(f"SPL falls with {_first_of(lost)}.")
     if gained:
-        sentences.append(f"SPL rises with {_listed(gained[::-1])}.")
+        sentences.append(f"SPL rises with {_first_of(gained[::-1])}.")
     if others and (lost or gained):
         sentences.append(f"Of the other {others} no difference in SPL is shown.")
     elif others:
@@ -135,6 +137,11 @@ def _by_reason(left_out: Sequence[LeftOut]) -> dict[str, list[str]]:
     for one in left_out:
         reasons.setdefault(one.why, []).append(one.variant.name)
     return reasons
+
+
+def _first_of(names: Sequence[str]) -> str:
+    rest = len(names) - _MOST_NAMED
+    return _listed([*names[:_MOST_NAMED], f"{rest} more"] if rest > 1 else names)
 
 
 def _listed(names: Sequence[str]) -> str:

@@ -48,6 +48,8 @@ def _differences(results: StudyResults) -> "Figure":
     pairs = [row.pair for row in rows if row.pair is not None]
     _whiskers(left, [pair.success for pair in pairs], 100.0)
     _whiskers(right, [pair.spl for pair in pairs], 1.0)
+    left.set_title("Success rate", fontsize=10)
+    right.set_title("SPL", fontsize=10)
     unchanged = results.baseline.summary
     left.set_xlabel(f"SR, points from {100 * unchanged.success.mean:.1f} %\n← worse   better →")
     right.set_xlabel(f"SPL, from {unchanged.spl.mean:.3f}\n← worse   better →")
@@ -63,7 +65,7 @@ def _differences(results: StudyResults) -> "Figure":
 
 def _whiskers(axes: "Axes", comparisons: Sequence[Comparison], factor: float) -> None:
     axes.axvline(0.0, color=palette.css(palette.MUTED), linewidth=1.0)
-    axes.grid(axis="x", color=palette.css(palette.FAINT), linewidth=0.6)
+    axes.grid(color=palette.css(palette.FAINT), linewidth=0.6)
     axes.set_axisbelow(True)
     axes.tick_params(axis="y", length=0)
     axes.locator_params(axis="x", nbins=6)
