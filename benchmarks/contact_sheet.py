@@ -12,8 +12,9 @@ import numpy as np
 import tyro
 from PIL import Image
 
+from hypernav.houses.building import house
 from hypernav.houses.export.page import interior_views
-from hypernav.houses.generator import build_house, plan_of
+from hypernav.houses.generator import generate, plan_of
 
 GAP = 6
 
@@ -42,7 +43,7 @@ def main(
     sheet = Image.new("RGB", size, "white")
     for k in range(houses):
         number = first + k
-        views = interior_views(build_house(number), plan_of(number), number, 4)
+        views = interior_views(generate(house(number)), plan_of(house(number)), number, 4)
         view = Image.fromarray(np.ascontiguousarray(views[k % len(views)]))
         row, column = divmod(k, columns)
         corner = (GAP + column * (width + GAP), GAP + row * (height + GAP))

@@ -25,7 +25,8 @@ from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.labels import canonical
 from hypernav.core.world import Instance
-from hypernav.houses.generator import build_house
+from hypernav.houses.building import house
+from hypernav.houses.generator import generate
 from hypernav.models.vision.yolox import YoloxConfig, YoloxDetector
 from hypernav.worlds.drawing.rays import RayCaster
 from hypernav.worlds.drawing.renderer import CpuRenderer
@@ -277,7 +278,7 @@ def main(
     views: list[View] = []
     numbers = [0] if scene is not None else list(range(first, first + count))
     for number in numbers:
-        one = load_scene(scene) if scene is not None else build_house(number)
+        one = load_scene(scene) if scene is not None else generate(house(number))
         if kinds:
             one = replace(
                 one,

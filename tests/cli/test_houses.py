@@ -7,9 +7,10 @@ from hypernav.build.scenes import build_scene
 from hypernav.cli.main import main
 from hypernav.core.goal import Goal
 from hypernav.datasets.habitat_files import read_episodes
+from hypernav.houses.building import house
 from hypernav.houses.episodes import episode_cache
 from hypernav.houses.export import page
-from hypernav.houses.generator import build_house
+from hypernav.houses.generator import generate
 from hypernav.houses.near_misses import near_misses
 
 
@@ -20,7 +21,7 @@ def own_cache(tmp_path, monkeypatch):
 
 @pytest.fixture
 def box_houses(monkeypatch):
-    monkeypatch.setattr(episode_cache, "cached_house", box_house)
+    monkeypatch.setattr(episode_cache, "cached_building", box_house)
 
 
 def hypernav(*arguments):
@@ -38,7 +39,7 @@ def test_episodes_are_written_and_their_difficulty_is_told(box_houses, tmp_path,
     assert [e.scene_id for e in dataset.episodes] == ["houses:1000"] * 4 + ["houses:1001"]
     said = capsys.readouterr()
     assert said.out == ""
-    for words in ("5 episodes in 2 houses", "geodesic distance", "median"):
+    for words in ("5 episodes in 2 buildings", "geodesic distance", "median"):
         assert words in said.err
     assert str(out) in said.err.replace("\n", "")
 
@@ -46,7 +47,7 @@ def test_episodes_are_written_and_their_difficulty_is_told(box_houses, tmp_path,
 def test_a_second_run_writes_the_same_bytes_from_the_cache(box_houses, tmp_path, monkeypatch):
     command = ("houses", "episodes", "houses-ovon", "--houses", "2000:2001", "--quiet", "--out")
     assert hypernav(*command, tmp_path / "a.json.gz") == 0
-    monkeypatch.setattr(episode_cache, "cached_house", None)
+    monkeypatch.setattr(episode_cache, "cached_building", None)
     assert hypernav(*command, tmp_path / "b.json.gz") == 0
     assert (tmp_path / "a.json.gz").read_bytes() == (tmp_path / "b.json.gz").read_bytes()
 
@@ -113,7 +114,7 @@ def test_a_scene_that_is_no_house_is_one_line(number, capsys):
 
 
 def test_houses_are_scenes_by_name(monkeypatch):
-    monkeypatch.setattr("hypernav.build.scenes.cached_house", box_house)
+    monkeypatch.setattr("hypernav.build.scenes.cached_building", box_house)
     assert build_scene("houses:1234").name == "houses:1234"
     assert build_scene("builtin").name == "houses:0"
 
@@ -129,11 +130,11 @@ def test_a_house_is_exported_and_opens_again(tmp_path, monkeypatch, capsys):
 
 
 def test_a_house_is_shown_on_a_page(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(page, "_page", lambda number: f"page of {number}")
+    monkeypatch.setattr(page, "_page", lambda building: f"page of {building.scene}")
     assert hypernav("houses", "show", "houses:12", "--out", tmp_path / "new") == 0
     path = tmp_path / "new" / "house_12.html"
     assert str(path) in capsys.readouterr().err.replace("\n", "")
-    assert path.read_text() == "page of 12"
+    assert path.read_text() == "page of houses:12"
 
 
 @pytest.mark.parametrize("command", ["export", "show"])
@@ -176,4 +177,4 @@ def test_phrases_of_the_docs_mean_what_they_say(house_of_the_docs, text, count):
 
 @pytest.fixture(scope="module")
 def house_of_the_docs():
-    return build_house(HOUSE_IN_THE_DOCS)
+    return generate(house(HOUSE_IN_THE_DOCS))

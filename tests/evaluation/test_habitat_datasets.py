@@ -12,6 +12,7 @@ from eval_runs import write_room
 from hypernav.core.errors import EpisodeError
 from hypernav.evaluation.datasets import fingerprint, load_episodes
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
+from hypernav.houses.building import Building
 from hypernav.houses.episodes import episode_cache, split_files
 from hypernav.houses.episodes.splits import load_split
 from small_worlds import small_config
@@ -23,10 +24,10 @@ HOUSES = range(5, 7)
 @pytest.fixture
 def split(monkeypatch, tmp_path):
     """A split of two houses out of boxes, and a function that writes it for others."""
-    monkeypatch.setattr(episode_cache, "cached_house", box_house)
-    monkeypatch.setattr(split_files, "cached_house", box_house)
+    monkeypatch.setattr(episode_cache, "cached_building", box_house)
+    monkeypatch.setattr(split_files, "cached_building", box_house)
     monkeypatch.setattr(episode_cache, "cache_folder", lambda: tmp_path / "cache")
-    return load_split(SPLIT, houses=HOUSES)
+    return load_split(SPLIT, numbers=HOUSES)
 
 
 def records(episodes, tmp_path, count=5):
@@ -37,7 +38,7 @@ def records(episodes, tmp_path, count=5):
 
 
 def open_box_house(scene_id):
-    return box_house(int(scene_id.partition(":")[2]))
+    return box_house(Building.named(scene_id))
 
 
 def edit(path, change):

@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from hypernav.houses.building import BUILTIN_HOUSE, house
 from hypernav.houses.generator import plan_of
-from hypernav.houses.numbers import BUILTIN_HOUSE
 from hypernav.houses.plan.doors import leaf_rect
 from hypernav.houses.plan.program import LIMITS
 from hypernav.houses.plan.shapes import FloorPlan
@@ -16,7 +16,7 @@ PASSABLE = ("hall", "living room", "dining room", "kitchen")
 
 @cache
 def drawn(number: int) -> FloorPlan:
-    return plan_of(number)
+    return plan_of(house(number))
 
 
 def reached(plan: FloorPlan, through: tuple[str, ...]) -> set[int]:
@@ -97,7 +97,7 @@ def test_open_leaves_block_no_other_door(number: int):
 
 
 def test_the_builtin_house_is_a_small_flat():
-    rooms = [r.kind for r in plan_of(BUILTIN_HOUSE).rooms]
+    rooms = [r.kind for r in plan_of(house(BUILTIN_HOUSE)).rooms]
     assert sorted(rooms) == ["bathroom", "bedroom", "hall", "kitchen", "living room"]
 
 

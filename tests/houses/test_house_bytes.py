@@ -6,8 +6,8 @@ import sys
 import pytest
 
 from hypernav.houses.assembly import CompactScene
+from hypernav.houses.building import BUILTIN_HOUSE, house
 from hypernav.houses.generator import build_compact, plan_of
-from hypernav.houses.numbers import BUILTIN_HOUSE
 from hypernav.houses.textures.library import texture
 
 _SCRIPT = """
@@ -44,7 +44,7 @@ def elsewhere(number: int, hash_seed: str) -> str:
 
 
 def test_two_processes_build_the_same_bytes():
-    assert elsewhere(BUILTIN_HOUSE, "1") == digest(build_compact(BUILTIN_HOUSE))
+    assert elsewhere(BUILTIN_HOUSE, "1") == digest(build_compact(house(BUILTIN_HOUSE)))
 
 
 @pytest.mark.slow
@@ -54,10 +54,10 @@ def test_more_processes_build_the_same_bytes(number: int):
 
 
 def test_other_numbers_are_other_houses():
-    assert plan_of(3) != plan_of(4)
+    assert plan_of(house(3)) != plan_of(house(4))
 
 
 @pytest.mark.freeze
 def test_500_houses_in_a_row_can_be_built():
     for number in range(10_000, 10_500):
-        assert len(build_compact(number).names) > 40
+        assert len(build_compact(house(number)).names) > 40

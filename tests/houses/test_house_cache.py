@@ -4,9 +4,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hypernav.houses.generator import build_house
-from hypernav.houses.house_cache import cache_folder, cached_house, generator_version
-from hypernav.houses.numbers import BUILTIN_HOUSE
+from hypernav.houses.building import BUILTIN_HOUSE, house
+from hypernav.houses.generator import generate
+from hypernav.houses.house_cache import cache_folder, cached_building, generator_version
 from hypernav.worlds.scenes.scene import Scene
 
 NUMBER = BUILTIN_HOUSE
@@ -14,13 +14,13 @@ NUMBER = BUILTIN_HOUSE
 
 @pytest.fixture(scope="module")
 def built() -> Scene:
-    return build_house(NUMBER)
+    return generate(house(NUMBER))
 
 
 @pytest.fixture(scope="module")
 def master(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("master")
-    cached_house(NUMBER, folder)
+    cached_building(house(NUMBER), folder)
     return folder
 
 
@@ -53,27 +53,27 @@ def check_same(a: Scene, b: Scene) -> None:
 
 
 def test_a_house_from_the_cache_is_the_house(built: Scene, filled: Path):
-    check_same(cached_house(NUMBER, filled), built)
+    check_same(cached_building(house(NUMBER), filled), built)
 
 
 def test_nothing_is_left_over(filled: Path):
-    house, _ = files(filled)
-    assert not [p for p in house.parent.rglob("*") if p.name.startswith(".new")]
+    path, _ = files(filled)
+    assert not [p for p in path.parent.rglob("*") if p.name.startswith(".new")]
 
 
 @pytest.mark.parametrize("content", [b"", b"not a zip file", b"PK\x03\x04 broken"])
 def test_a_broken_file_is_replaced(built: Scene, filled: Path, content: bytes):
-    house, _ = files(filled)
-    good = house.read_bytes()
-    house.write_bytes(content)
-    check_same(cached_house(NUMBER, filled), built)
-    assert len(house.read_bytes()) == len(good)
+    path, _ = files(filled)
+    good = path.read_bytes()
+    path.write_bytes(content)
+    check_same(cached_building(house(NUMBER), filled), built)
+    assert len(path.read_bytes()) == len(good)
 
 
 def test_a_cut_file_is_replaced(built: Scene, filled: Path):
-    house, _ = files(filled)
-    house.write_bytes(house.read_bytes()[:-2000])
-    check_same(cached_house(NUMBER, filled), built)
+    path, _ = files(filled)
+    path.write_bytes(path.read_bytes()[:-2000])
+    check_same(cached_building(house(NUMBER), filled), built)
 
 
 def test_broken_textures_are_made_again(
@@ -85,19 +85,14 @@ def test_broken_textures_are_made_again(
     from hypernav.houses.textures import library
 
     monkeypatch.setattr(library, "_TEXTURES", {})
-    check_same(cached_house(NUMBER, filled), built)
+    check_same(cached_building(house(NUMBER), filled), built)
     assert np.load(textures[0]).ndim == 3
 
 
 def test_a_cache_that_cannot_be_written_is_done_without(built: Scene, tmp_path: Path):
     blocked = tmp_path / "file"
     blocked.write_text("in the way")
-    check_same(cached_house(NUMBER, blocked), built)
-
-
-def test_negative_numbers_are_no_houses(tmp_path: Path):
-    with pytest.raises(ValueError, match="start at 0"):
-        cached_house(-1, tmp_path)
+    check_same(cached_building(house(NUMBER), blocked), built)
 
 
 def test_the_folder_can_be_chosen(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):

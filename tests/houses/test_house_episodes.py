@@ -12,6 +12,7 @@ from hypernav.core.errors import EpisodeError
 from hypernav.core.goal import Goal
 from hypernav.datasets.habitat_files import read_episodes, write_episodes
 from hypernav.datasets.habitat_frames import pose_from_habitat
+from hypernav.houses.building import BUILTIN_HOUSE, house
 from hypernav.houses.episodes import episode_cache
 from hypernav.houses.episodes.difficulty import difficulty
 from hypernav.houses.episodes.ground_truth import HouseGroundTruth
@@ -20,10 +21,9 @@ from hypernav.houses.episodes.house_episodes import (
     house_episodes,
     with_view_points,
 )
-from hypernav.houses.episodes.queries import CATEGORIES, HABITAT_CATEGORIES
+from hypernav.houses.episodes.rules import CATEGORIES, HABITAT_CATEGORIES
 from hypernav.houses.episodes.splits import EPISODES_PER_ROUND, SPLITS, load_split
-from hypernav.houses.generator import build_house
-from hypernav.houses.numbers import BUILTIN_HOUSE
+from hypernav.houses.generator import generate
 
 HOUSE = BUILTIN_HOUSE
 STYLES = ("categories", "phrases")
@@ -31,7 +31,7 @@ STYLES = ("categories", "phrases")
 
 @pytest.fixture(scope="module")
 def scene():
-    return build_house(HOUSE)
+    return generate(house(HOUSE))
 
 
 @pytest.fixture(scope="module")
@@ -41,13 +41,13 @@ def truth(scene):
 
 @pytest.fixture(scope="module", params=STYLES)
 def dataset(scene, request):
-    return with_view_points(house_episodes(scene, HOUSE, request.param), scene)
+    return with_view_points(house_episodes(scene, house(HOUSE), request.param), scene)
 
 
 @pytest.fixture
 def box_houses(monkeypatch):
     """Splits of houses made of boxes, which take no time to build."""
-    monkeypatch.setattr(episode_cache, "cached_house", box_house)
+    monkeypatch.setattr(episode_cache, "cached_building", box_house)
 
 
 def check_laws(dataset, truth):
@@ -95,7 +95,7 @@ def test_view_points_look_at_their_object(dataset):
 def test_the_same_house_gives_the_same_bytes(dataset, scene, tmp_path):
     style = "phrases" if "vocabulary" in dataset.episodes[0].info else "categories"
     write_episodes(dataset, tmp_path / "a.json.gz")
-    again = with_view_points(house_episodes(scene, HOUSE, style), scene)
+    again = with_view_points(house_episodes(scene, house(HOUSE), style), scene)
     write_episodes(again, tmp_path / "b.json.gz")
     assert (tmp_path / "a.json.gz").read_bytes() == (tmp_path / "b.json.gz").read_bytes()
 
@@ -107,7 +107,7 @@ def test_what_is_written_is_what_is_read(dataset, tmp_path):
 
 
 def test_categories_are_spread_evenly(scene):
-    goals = difficulty(house_episodes(scene, HOUSE, "categories")).goals
+    goals = difficulty(house_episodes(scene, house(HOUSE), "categories")).goals
     assert set(goals) <= set(CATEGORIES)
     assert max(goals.values()) - min(goals.values()) <= 1
     labels = [i.label for i in scene.instances if i.label]
@@ -116,7 +116,7 @@ def test_categories_are_spread_evenly(scene):
 
 
 def test_phrases_use_seen_synonymous_and_unseen_names_alike(scene):
-    dataset = house_episodes(scene, HOUSE, "phrases")
+    dataset = house_episodes(scene, house(HOUSE), "phrases")
     found = difficulty(dataset)
     assert set(found.vocabulary) == {"seen", "synonym", "unseen"}
     assert min(found.vocabulary.values()) >= EPISODES_PER_HOUSE // 4
@@ -128,7 +128,7 @@ def test_phrases_use_seen_synonymous_and_unseen_names_alike(scene):
 
 
 def test_a_description_is_true_of_some_and_false_of_others_of_the_name(scene):
-    dataset = house_episodes(scene, HOUSE, "phrases")
+    dataset = house_episodes(scene, house(HOUSE), "phrases")
     labels = {i.id: i.label for i in scene.instances if i.label}
     described = [e for e in dataset.episodes if certain(e.info)["is_description"]]
     for episode in described:
@@ -144,7 +144,7 @@ def test_a_house_without_anything_to_find_says_so():
     empty = scene_of(*room_boxes(6.0, 4.0), name="houses:7")
     for style in STYLES:
         with pytest.raises(EpisodeError, match="houses:7"):
-            house_episodes(empty, 7, style)
+            house_episodes(empty, house(7), style)
 
 
 def test_nothing_begins_or_ends_behind_a_gap_that_the_robot_hardly_fits_through():
@@ -157,7 +157,7 @@ def test_nothing_begins_or_ends_behind_a_gap_that_the_robot_hardly_fits_through(
     truth = HouseGroundTruth.of(scene)
     assert truth.walkable.component_of(8.0, 2.0) == 0
     assert truth.wide_area.component_of(8.0, 2.0) != 0
-    episodes = house_episodes(scene, 7, "categories").episodes
+    episodes = house_episodes(scene, house(7), "categories").episodes
     assert {episode.object_category for episode in episodes} == {"bed"}
     starts = [pose_from_habitat(e.start_position, e.start_rotation)[0] for e in episodes]
     assert max(start.x for start in starts) < 7.0
@@ -176,10 +176,10 @@ def test_rooms_on_a_path_are_counted_by_their_floors():
 
 def test_splits_share_no_house():
     val, ovon, train = SPLITS["houses-val"], SPLITS["houses-ovon"], SPLITS["houses-train"]
-    assert len(val.houses) == len(ovon.houses) == 36
+    assert len(val.numbers) == len(ovon.numbers) == 36
     assert val.episodes == ovon.episodes == 1000
-    assert not set(val.houses) & set(ovon.houses)
-    assert not set(train.houses) & (set(val.houses) | set(ovon.houses))
+    assert not set(val.numbers) & set(ovon.numbers)
+    assert not set(train.numbers) & (set(val.numbers) | set(ovon.numbers))
     for taken in (range(999, 1001), range(1035, 1036), range(2000, 2001), range(0, 5000)):
         with pytest.raises(EpisodeError, match="belong to houses-"):
             train.check(taken)
@@ -190,11 +190,11 @@ def test_splits_share_no_house():
     [
         ({"name": "houses-vall"}, "did you mean 'houses-val'"),
         ({"name": "nothing"}, "houses-train"),
-        ({"name": "houses-val", "houses": range(999, 1001)}, "1000:1036"),
-        ({"name": "houses-val", "houses": range(1004, 1004)}, "FIRST < END"),
+        ({"name": "houses-val", "numbers": range(999, 1001)}, "1000:1036"),
+        ({"name": "houses-val", "numbers": range(1004, 1004)}, "FIRST < END"),
         ({"name": "houses-val", "count": 1001}, "1 to 1000"),
         ({"name": "houses-val", "count": 0}, "1 to 1000"),
-        ({"name": "houses-train", "houses": range(5, 7), "count": 57}, "1 to 56"),
+        ({"name": "houses-train", "numbers": range(5, 7), "count": 57}, "1 to 56"),
     ],
 )
 def test_what_a_split_does_not_have_is_said_before_any_house_is_built(arguments, words):
@@ -205,35 +205,38 @@ def test_what_a_split_does_not_have_is_said_before_any_house_is_built(arguments,
 def test_a_split_visits_houses_in_rounds_and_subsets_agree(box_houses, tmp_path):
     seen = []
     whole = load_split(
-        "houses-train", houses=range(5, 8), cache=tmp_path, progress=lambda *told: seen.append(told)
+        "houses-train",
+        numbers=range(5, 8),
+        cache=tmp_path,
+        progress=lambda *told: seen.append(told),
     )
     assert seen == [(0, 3), (1, 3), (2, 3), (3, 3)]
     assert len(whole.episodes) == len({e.episode_id for e in whole.episodes}) == 84
     scenes = [e.scene_id for e in whole.episodes[: 3 * EPISODES_PER_ROUND]]
     assert scenes == [f"houses:{number}" for number in (5, 6, 7) for _ in range(EPISODES_PER_ROUND)]
-    some = load_split("houses-train", houses=range(5, 8), count=6, cache=tmp_path)
+    some = load_split("houses-train", numbers=range(5, 8), count=6, cache=tmp_path)
     assert some.episodes == whole.episodes[:6]
     assert set(some.goals_by_category) == {e.goals_key() for e in some.episodes}
-    one = load_split("houses-train", houses=range(6, 7), cache=tmp_path)
+    one = load_split("houses-train", numbers=range(6, 7), cache=tmp_path)
     assert one.episodes == [e for e in whole.episodes if e.scene_id == "houses:6"]
     assert set(one.category_to_task_category_id) == {"bed", "chair"}
 
 
 def test_a_broken_cache_file_is_made_again(box_houses, tmp_path, monkeypatch):
-    fresh = episode_cache.cached_episodes(5, "categories", tmp_path)
+    fresh = episode_cache.cached_episodes(house(5), "categories", tmp_path)
     (path,) = tmp_path.rglob("*.json.gz")
     good = path.read_bytes()
     path.write_bytes(good[: len(good) // 2])
-    assert episode_cache.cached_episodes(5, "categories", tmp_path) == fresh
+    assert episode_cache.cached_episodes(house(5), "categories", tmp_path) == fresh
     assert path.read_bytes() == good
-    monkeypatch.setattr(episode_cache, "cached_house", None)
-    assert episode_cache.cached_episodes(5, "categories", tmp_path) == fresh
+    monkeypatch.setattr(episode_cache, "cached_building", None)
+    assert episode_cache.cached_episodes(house(5), "categories", tmp_path) == fresh
 
 
 def test_a_cache_that_cannot_be_written_is_done_without(box_houses, tmp_path):
     occupied = tmp_path / "file"
     occupied.write_text("not a folder")
-    assert episode_cache.cached_episodes(5, "categories", occupied).episodes
+    assert episode_cache.cached_episodes(house(5), "categories", occupied).episodes
 
 
 @pytest.mark.freeze
@@ -242,9 +245,9 @@ def test_the_whole_split_obeys_the_laws(name):
     split = SPLITS[name]
     dataset = load_split(name)
     assert len(dataset.episodes) == split.episodes
-    assert {e.scene_id for e in dataset.episodes} == {f"houses:{n}" for n in split.houses}
-    for number in split.houses:
+    assert {e.scene_id for e in dataset.episodes} == {f"houses:{n}" for n in split.numbers}
+    for number in split.numbers:
         own = [e for e in dataset.episodes if e.scene_id == f"houses:{number}"]
         part = dataset.model_copy(update={"episodes": own})
-        house = build_house(number)
-        check_laws(with_view_points(part, house), HouseGroundTruth.of(house))
+        scene = generate(house(number))
+        check_laws(with_view_points(part, scene), HouseGroundTruth.of(scene))

@@ -10,11 +10,11 @@ from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel
+from hypernav.houses.building import BUILTIN_HOUSE, house
 from hypernav.houses.export.descriptions import describe
-from hypernav.houses.export.files import ExportedHouse, export_house
-from hypernav.houses.export.page import house_page
-from hypernav.houses.generator import build_house
-from hypernav.houses.numbers import BUILTIN_HOUSE
+from hypernav.houses.export.files import ExportedBuilding, export_building
+from hypernav.houses.export.page import building_page
+from hypernav.houses.generator import generate
 from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.scenes.loading import load_scene
 from hypernav.worlds.scenes.scene import Scene
@@ -24,16 +24,16 @@ NUMBER = BUILTIN_HOUSE
 
 @pytest.fixture(scope="module")
 def built() -> Scene:
-    return build_house(NUMBER)
+    return generate(house(NUMBER))
 
 
 @pytest.fixture(scope="module")
-def exported(tmp_path_factory: pytest.TempPathFactory) -> ExportedHouse:
-    return export_house(NUMBER, tmp_path_factory.mktemp("house") / "new")
+def exported(tmp_path_factory: pytest.TempPathFactory) -> ExportedBuilding:
+    return export_building(house(NUMBER), tmp_path_factory.mktemp("house") / "new")
 
 
 @pytest.fixture(scope="module")
-def loaded(exported: ExportedHouse) -> Scene:
+def loaded(exported: ExportedBuilding) -> Scene:
     return load_scene(exported.glb)
 
 
@@ -58,7 +58,7 @@ def test_it_looks_the_same(built: Scene, loaded: Scene):
     assert (difference > 8).mean() < 0.01
 
 
-def test_other_readers_open_the_file(exported: ExportedHouse, built: Scene):
+def test_other_readers_open_the_file(exported: ExportedBuilding, built: Scene):
     scene = trimesh.load(exported.glb)
     assert isinstance(scene, trimesh.Scene)
     assert len(scene.graph.nodes_geometry) >= len(built.instances)
@@ -68,7 +68,7 @@ def test_other_readers_open_the_file(exported: ExportedHouse, built: Scene):
     assert low[0] == pytest.approx(built.vertices[:, 0].min(), abs=1e-3)
 
 
-def test_objects_have_the_known_format(exported: ExportedHouse, built: Scene):
+def test_objects_have_the_known_format(exported: ExportedBuilding, built: Scene):
     objects = json.loads(exported.objects.read_text())["objects"]
     assert [o["id"] for o in objects] == list(range(len(built.instances)))
     sofa = next(o for o in objects if o["category"] == "sofa")
@@ -94,7 +94,7 @@ def test_descriptions_read_well():
     assert describe(ObjectLabel("sofa")) == "sofa"
 
 
-def test_habitat_finds_its_semantics(exported: ExportedHouse, built: Scene):
+def test_habitat_finds_its_semantics(exported: ExportedBuilding, built: Scene):
     config = json.loads(exported.dataset_config.read_text())
     stage = config["stages"]["default_attributes"]
     assert config["stages"]["paths"][".glb"] == [exported.glb.name]
@@ -118,11 +118,11 @@ def test_a_folder_that_cannot_be_made_is_an_error(tmp_path: Path):
     blocked = tmp_path / "file"
     blocked.write_text("in the way")
     with pytest.raises(SceneError, match="cannot be written"):
-        export_house(NUMBER, blocked / "house")
+        export_building(house(NUMBER), blocked / "house")
 
 
 def test_the_page_shows_all(tmp_path: Path):
-    page = house_page(NUMBER, tmp_path / "pages")
+    page = building_page(house(NUMBER), tmp_path / "pages")
     text = page.read_text()
     assert page.name == f"house_{NUMBER}.html"
     assert "<svg" in text

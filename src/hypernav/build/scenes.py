@@ -1,12 +1,13 @@
 """Construction of scenes by name."""
 
+from functools import partial
 from pathlib import Path
 
 from hypernav.build.registries import SCENES
 from hypernav.core.errors import SceneError
 from hypernav.core.whole_numbers import is_whole_number
-from hypernav.houses.house_cache import cached_house
-from hypernav.houses.numbers import BUILTIN_HOUSE
+from hypernav.houses.building import BUILTIN_HOUSE, NOUNS, Building, house
+from hypernav.houses.house_cache import cached_building
 from hypernav.worlds.scenes.loading import load_scene
 from hypernav.worlds.scenes.scene import Scene
 
@@ -15,11 +16,12 @@ def build_scene(spec: str) -> Scene:
     """A scene by name.
 
     Args:
-        spec: Name of the scene: ``builtin``, ``houses:N`` for the generated house of number N, a
-            name that an installed package brings, or the path of a GLB.
+        spec: Name of the scene: ``builtin``, ``houses:N``, ``offices:N`` or ``shops:N`` for
+            the generated building of number N, a name that an installed package brings, or the path
+            of a GLB.
 
     Raises:
-        SceneError: The file cannot be used, or there is no such house.
+        SceneError: The file cannot be used, or there is no such building.
     """
     if not SCENES.knows(spec.partition(":")[0]):
         return load_scene(Path(spec))
@@ -29,27 +31,46 @@ def build_scene(spec: str) -> Scene:
 
 def builtin_house() -> Scene:
     """The house that comes with this package."""
-    return cached_house(BUILTIN_HOUSE)
+    return cached_building(house(BUILTIN_HOUSE))
 
 
-def numbered_house(number: str) -> Scene:
-    """A generated house.
-
-    Raises:
-        SceneError: The text is no number of a house.
-    """
-    return cached_house(house_number(number))
-
-
-def house_number(text: str) -> int:
-    """The number of a house, as people write it.
+def numbered_building(kind: str, number: str) -> Scene:
+    """A generated building.
 
     Raises:
-        SceneError: The text is no such number.
+        SceneError: The text is no number of a building.
     """
-    if not is_whole_number(text):
+    return cached_building(building_of(f"{kind}:{number}"))
+
+
+numbered_house = partial(numbered_building, "houses")
+"""House of a number."""
+
+numbered_office = partial(numbered_building, "offices")
+"""Office of a number."""
+
+numbered_shop = partial(numbered_building, "shops")
+"""Shop of a number."""
+
+
+def building_of(scene: str) -> Building:
+    """The generated building of a scene's name, as people write it.
+
+    Args:
+        scene: For example ``offices:7``; a number alone, such as ``7``, is that of a house.
+
+    Raises:
+        SceneError: The text names no generated building.
+    """
+    kind, colon, number = scene.rpartition(":")
+    kind = kind if colon else "houses"
+    if kind not in NOUNS:
         raise SceneError(
-            f"there is no house '{text:.40}'; expected a whole number of at most nine digits, for "
-            "example houses:1234"
+            f"there are no generated '{kind:.40}'; expected {', '.join(f'{k}:N' for k in NOUNS)}"
         )
-    return int(text)
+    if not is_whole_number(number):
+        raise SceneError(
+            f"there is no {NOUNS[kind]} '{number:.40}'; expected a whole number of at most nine "
+            f"digits, for example {kind}:1234"
+        )
+    return Building(kind, int(number))

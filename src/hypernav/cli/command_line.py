@@ -25,7 +25,7 @@ COMMANDS = {
     "ablate": "Run variants of the method on the same episodes, and say what each part is worth.",
     "report": "Write a page, a CSV file and LaTeX tables about one or more evaluations.",
     "doctor": "Examine a vision-language model and its server, and say what to change.",
-    "houses": "Generated houses: pages about them, files for other programs, splits and episodes.",
+    "houses": "Generated buildings: pages about them, files for other programs, splits, episodes.",
 }
 _BOX = re.compile(r"[\u2500-\u257f]+|(?<!\S)-{3,}(?!\S)")
 _KIND_OF_ERROR = re.compile(

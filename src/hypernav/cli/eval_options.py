@@ -15,7 +15,8 @@ class Options:
     """The episodes, the agent, the number of workers, and the folder of the results."""
 
     dataset: tyro.conf.Positional[str]
-    """houses-val, houses-ovon, houses-train[#FIRST:END], scene:GLB[#STARTS] or habitat:FILE."""
+    """houses-val, houses-ovon, houses-train[#FIRST:END], offices-…, shops-…,
+    scene:GLB[#STARTS] or habitat:FILE."""
     who: FlatAgentOptions = field(default_factory=AgentOptions)
     """The options that configure the agent."""
     out: Path | None = None

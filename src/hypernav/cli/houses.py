@@ -1,4 +1,4 @@
-"""The command `hypernav houses`: generated houses, their splits and their episodes."""
+"""The command `hypernav houses`: generated buildings, their splits and their episodes."""
 
 from pathlib import Path
 
@@ -6,18 +6,19 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from hypernav.build.scenes import house_number
+from hypernav.build.scenes import building_of
 from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.houses_options import Episodes, Export, Show, Splits
 from hypernav.cli.terminal import Terminal
 from hypernav.core.errors import ConfigError, EpisodeError
 from hypernav.core.whole_numbers import is_whole_number
+from hypernav.houses.building import Building
 from hypernav.houses.episodes.difficulty import Difficulty, difficulty
 from hypernav.houses.episodes.split_files import is_file_name, write_split
 from hypernav.houses.episodes.splits import SPLITS, load_split, split_named
-from hypernav.houses.export.files import export_house
-from hypernav.houses.export.page import house_page
+from hypernav.houses.export.files import export_building
+from hypernav.houses.export.page import building_page
 
 
 def run(options: Show | Export | Episodes | Splits) -> int:
@@ -44,10 +45,10 @@ def _episodes(options: Episodes) -> None:
     _check_writable(options.out)
     console = Terminal(quiet=options.quiet)
     with _progress(console) as bar:
-        task = bar.add_task("measuring houses", total=None)
+        task = bar.add_task("measuring buildings", total=None)
         dataset = load_split(
             options.split,
-            houses=numbers,
+            numbers=numbers,
             count=options.count,
             progress=lambda done, total: bar.update(task, completed=done, total=total),
         )
@@ -62,24 +63,24 @@ def _episodes(options: Episodes) -> None:
 
 
 def _splits() -> None:
-    table = Table("split", "houses", "episodes", "goals")
+    table = Table("split", "buildings", "episodes", "goals")
     for split in SPLITS.values():
-        houses = f"{split.houses.start}:{split.houses.stop}"
+        numbers = f"{split.kind} {split.numbers.start}:{split.numbers.stop}"
         others = " by default; any others that belong to no split" if split.is_open else ""
-        table.add_row(split.name, houses + others, str(split.episodes), split.style)
+        table.add_row(split.name, numbers + others, str(split.episodes), split.style)
     Terminal(stderr=False).print(table)
 
 
 def _export(options: Export) -> None:
-    number = _number_of(options.house)
-    folder = _folder_for(number) if options.out is None else options.out
+    building = building_of(options.building)
+    folder = _folder_for(building) if options.out is None else options.out
     check_folder(folder)
     console = Terminal(quiet=options.quiet)
-    with console.status(f"building and writing house {number} …"):
-        files = export_house(number, folder)
-    console.print(f"house {number} in {folder}:", soft_wrap=True)
+    with console.status(f"building and writing {building.noun} {building.number} …"):
+        files = export_building(building, folder)
+    console.print(f"{building.noun} {building.number} in {folder}:", soft_wrap=True)
     for path, what in (
-        (files.glb, "the house; opens in Blender, web viewers and hypernav"),
+        (files.glb, f"the {building.noun}; opens in Blender, web viewers and hypernav"),
         (files.objects, "names and categories of its nodes"),
         (files.dataset_config, "for Habitat's scene_dataset_config_file"),
         (files.semantic_glb, "its instances in colours, for Habitat's semantic sensor"),
@@ -91,26 +92,21 @@ def _export(options: Export) -> None:
 
 
 def _show(options: Show) -> None:
-    number = _number_of(options.house)
-    out = _folder_for(number) if options.out is None else options.out
+    building = building_of(options.building)
+    out = _folder_for(building) if options.out is None else options.out
     check_folder(out.parent if out.suffix == ".html" else out)
     console = Terminal(quiet=options.quiet)
-    with console.status(f"building and drawing house {number} …"):
-        page = house_page(number, out)
-    console.print(f"house {number}: open {page}", soft_wrap=True)
+    with console.status(f"building and drawing {building.noun} {building.number} …"):
+        page = building_page(building, out)
+    console.print(f"{building.noun} {building.number}: open {page}", soft_wrap=True)
 
 
-def _number_of(text: str) -> int:
-    """The number of a house, written as 1234 or houses:1234."""
-    return house_number(text.removeprefix("houses:"))
-
-
-def _folder_for(number: int) -> Path:
-    return Path("runs") / f"house-{number}"
+def _folder_for(building: Building) -> Path:
+    return Path("runs") / f"{building.noun}-{building.number}"
 
 
 def _range_of(text: str) -> range:
-    """The houses that a text such as 1000:1004 names."""
+    """The numbers that a text such as 1000:1004 names."""
     first, colon, end = text.partition(":")
     if not colon or not (is_whole_number(first) and is_whole_number(end)):
         raise ConfigError(f"--houses {text:.40}: expected FIRST:END, for example 1000:1004")
@@ -118,7 +114,7 @@ def _range_of(text: str) -> range:
 
 
 def _check_writable(path: Path) -> None:
-    """Refuse a place that cannot be written, before the houses are measured."""
+    """Refuse a place that cannot be written, before the buildings are measured."""
     if is_file_name(path) and path.is_dir():
         raise EpisodeError(f"{path}: is a folder, expected the name of a file")
     if not is_file_name(path) and path.suffix:
@@ -142,7 +138,9 @@ def _progress(console: Console) -> Progress:
 
 
 def _say(console: Console, found: Difficulty) -> None:
-    table = Table(title=f"{found.episodes} episodes in {found.houses} houses", title_justify="left")
+    table = Table(
+        title=f"{found.episodes} episodes in {found.buildings} buildings", title_justify="left"
+    )
     table.add_column("")
     for head in ("least", "10%", "median", "90%", "most", "mean"):
         table.add_column(head, justify="right")

@@ -12,11 +12,11 @@ class Episodes:
     """Write the episodes of a split in Habitat's ObjectNav format."""
 
     split: tyro.conf.Positional[str]
-    """houses-val, houses-ovon (phrases) or houses-train (for tuning)."""
+    """houses-val, houses-ovon (phrases), houses-train (for tuning), offices-train."""
     out: Path
-    """File to write (.json.gz or .json), or a folder for a file per house, as Habitat has them."""
+    """File to write (.json.gz or .json), or a folder for a file per building, as in Habitat."""
     houses: str | None = None
-    """Only the houses FIRST:END (END is not included); any numbers for houses-train."""
+    """Only the buildings FIRST:END (END is not included); any numbers for a -train split."""
     count: int | None = None
     """Number of episodes, counted from the first; all by default."""
     quiet: bool = False
@@ -25,29 +25,29 @@ class Episodes:
 
 @dataclass(frozen=True)
 class Splits:
-    """List the splits: their houses, their number of episodes, and their kind of goals."""
+    """List the splits: their buildings, their number of episodes, and their kind of goals."""
 
 
 @dataclass(frozen=True)
 class Export:
-    """Write a house as GLB with objects.json, and with the files that Habitat needs."""
+    """Write a building as GLB with objects.json, and with the files that Habitat needs."""
 
-    house: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="ID")]
-    """Number of the house, for example 1234."""
+    building: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="ID")]
+    """Number of a house, for example 1234; or offices:N, shops:N."""
     out: Path | None = None
-    """Folder to write to; runs/house-ID by default."""
+    """Folder to write to; runs/house-ID, runs/office-ID … by default."""
     quiet: bool = False
     """Print errors only."""
 
 
 @dataclass(frozen=True)
 class Show:
-    """Make a page about a house: floor plan, top view, interior views, list of objects."""
+    """Make a page about a building: floor plan, top view, interior views, list of objects."""
 
-    house: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="ID")]
-    """Number of the house, for example 1234."""
+    building: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="ID")]
+    """Number of a house, for example 1234; or offices:N, shops:N."""
     out: Path | None = None
-    """The page (.html), or the folder for it; runs/house-ID by default."""
+    """The page (.html), or the folder for it; runs/house-ID, runs/office-ID … by default."""
     quiet: bool = False
     """Print errors only."""
 

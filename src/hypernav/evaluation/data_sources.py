@@ -67,9 +67,9 @@ DataSource = Callable[[DatasetRequest], list[Episode]]
 
 
 def split_episodes(split: str, request: DatasetRequest) -> list[Episode]:
-    """The episodes of a split of generated houses."""
-    houses = None if not request.part else _house_numbers(split, request.part)
-    return episodes_of(load_split(split, houses=houses, progress=request.progress))
+    """The episodes of a split of generated buildings."""
+    numbers = None if not request.part else _building_numbers(split, request.part)
+    return episodes_of(load_split(split, numbers=numbers, progress=request.progress))
 
 
 def scene_episodes(request: DatasetRequest) -> list[Episode]:
@@ -143,7 +143,7 @@ def _scene_below(folder: Path, scene_id: str) -> str:
     return str(path)
 
 
-def _house_numbers(split: str, part: str) -> range:
+def _building_numbers(split: str, part: str) -> range:
     first, colon, end = part.partition(":")
     if not is_whole_number(first) or (colon and not is_whole_number(end)):
         raise EpisodeError(

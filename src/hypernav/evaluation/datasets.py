@@ -27,7 +27,8 @@ def load_episodes(
     """All episodes of a data set, in its order.
 
     Args:
-        dataset: ``houses-val``, ``houses-ovon``, ``houses-train[#FIRST:END]``,
+        dataset: ``houses-val``, ``houses-ovon``, ``houses-train[#FIRST:END]``, the same
+            of ``offices`` and ``shops``,
             ``scene:SCENE[#STARTS]``, where SCENE is what ``hypernav find --scene`` understands, or
             ``habitat:FILE``.
         simulation: How the robot is simulated, for data sets that draw starts.

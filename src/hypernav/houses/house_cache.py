@@ -1,6 +1,6 @@
-"""Cache of houses on disk, so that each is generated only once.
+"""Cache of buildings on disk, so that each is generated only once.
 
-A house's file holds its triangles; the images of the texture library, which all houses share, lie
+A building's file holds its triangles; the images of the texture library, which all share, lie
 beside it. Everything is written to a temporary file first and then renamed, so that no reader ever
 sees an incomplete file. A broken file is replaced; without a writable folder nothing is cached.
 """
@@ -21,8 +21,8 @@ import numpy as np
 
 from hypernav.core.labels import ObjectLabel
 from hypernav.houses.assembly import CompactScene, to_scene
+from hypernav.houses.building import VERSION, Building
 from hypernav.houses.modelling.mesh import Finish
-from hypernav.houses.numbers import VERSION
 from hypernav.houses.textures.library import is_image, is_loaded, store_texture, texture
 from hypernav.worlds.scenes.scene import Scene
 
@@ -53,7 +53,7 @@ def generator_version() -> str:
     """Version of the generator together with a digest of its sources.
 
     The digest is for those who work on the generator: without it, a forgotten version number would
-    bring back outdated houses.
+    bring back outdated buildings.
     """
     digest = hashlib.sha256()
     here = Path(__file__).parent
@@ -65,32 +65,30 @@ def generator_version() -> str:
     return f"v{VERSION}-{digest.hexdigest()[:12]}"
 
 
-def cached_house(number: int, folder: Path | None = None) -> Scene:
-    """Scene of a house, from the cache if possible; otherwise generated and cached.
+def cached_building(building: Building, folder: Path | None = None) -> Scene:
+    """Scene of a building, from the cache if possible; otherwise generated and cached.
 
     Args:
-        number: Number of the house, as for `build_house`.
+        building: The building.
         folder: Cache folder; `cache_folder()` if None.
     """
-    home = (folder or cache_folder()) / "houses" / generator_version()
-    path = home / f"{number}.npz"
+    home = (folder or cache_folder()) / building.kind / generator_version()
+    path = home / f"{building.number}.npz"
     try:
-        house = _read(path)
+        stored = _read(path)
     except FileNotFoundError:
-        house = None
+        stored = None
     except _BROKEN as error:
         _LOGGER.warning("%s is broken (%s) and is built again", path, error)
-        house = None
-    if house is None:
-        if number < 0:
-            raise ValueError(f"house numbers start at 0, got {number}")
-        # The generator is loaded only to build: a cached house comes without it.
+        stored = None
+    if stored is None:
+        # The generator is loaded only to build: a cached building comes without it.
         from hypernav.houses.generator import build_compact
 
-        house = build_compact(number)
-        _try_write(path, lambda file: _write(file, house))
-    _load_textures(house, home / "textures")
-    return to_scene(house, f"houses:{number}")
+        stored = fresh = build_compact(building)
+        _try_write(path, lambda file: _write(file, fresh))
+    _load_textures(stored, home / "textures")
+    return to_scene(stored, building.scene)
 
 
 def _write(file: Any, house: CompactScene) -> None:
@@ -132,7 +130,7 @@ def _label(stored: dict[str, Any]) -> ObjectLabel:
 
 
 def _load_textures(house: CompactScene, folder: Path) -> None:
-    """Load the textures of a house into the library, from files where there are any."""
+    """Load the textures of a building into the library, from files where there are any."""
     for key in dict.fromkeys(f.texture for f in house.finishes if f.texture):
         path = folder / f"{key.replace(' ', '_')}.npy"
         if is_loaded(key) and path.exists():

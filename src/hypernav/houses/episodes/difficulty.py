@@ -29,7 +29,7 @@ class Difficulty:
 
     Attributes:
         episodes: Number of episodes.
-        houses: Number of houses.
+        buildings: Number of buildings.
         distributions: Distributions of distance, detour (geodesic over Euclidean) and rooms on the
             shortest path.
         goals: Number of episodes per goal, most frequent first.
@@ -38,7 +38,7 @@ class Difficulty:
     """
 
     episodes: int
-    houses: int
+    buildings: int
     distributions: tuple[Distribution, ...]
     goals: dict[str, int]
     vocabulary: dict[str, int]
@@ -54,7 +54,7 @@ def difficulty(dataset: EpisodeDataset) -> Difficulty:
     named = Counter(info["vocabulary"] for info in infos if "vocabulary" in info)
     return Difficulty(
         episodes=len(infos),
-        houses=len({episode.scene_id for episode in dataset.episodes}),
+        buildings=len({episode.scene_id for episode in dataset.episodes}),
         distributions=(
             _distribution("geodesic distance (m)", geodesic),
             _distribution("geodesic / Euclidean", geodesic / np.maximum(euclidean, 1e-6)),

@@ -1,4 +1,4 @@
-"""Cache of episodes on disk, so that those of a house are generated only once."""
+"""Cache of episodes on disk, so that those of a building are generated only once."""
 
 import contextlib
 import hashlib
@@ -9,29 +9,32 @@ from pathlib import Path
 from hypernav.core.errors import EpisodeError
 from hypernav.datasets.habitat_files import read_episodes, write_episodes
 from hypernav.datasets.habitat_format import EpisodeDataset
+from hypernav.houses.building import Building
 from hypernav.houses.episodes.house_episodes import EPISODES_VERSION, GoalStyle, house_episodes
-from hypernav.houses.house_cache import cache_folder, cached_house, generator_version
+from hypernav.houses.house_cache import cache_folder, cached_building, generator_version
 
 
-def cached_episodes(number: int, style: GoalStyle, folder: Path | None = None) -> EpisodeDataset:
-    """Episodes of a house, from the cache if possible; otherwise generated and cached.
+def cached_episodes(
+    building: Building, style: GoalStyle, folder: Path | None = None
+) -> EpisodeDataset:
+    """Episodes of a building, from the cache if possible; otherwise generated and cached.
 
     A broken file is replaced. Without a writable folder nothing is cached.
 
     Args:
-        number: Number of the house.
+        building: The building.
         style: Whether goals are categories or phrases.
         folder: Cache folder; the platform's own if None.
 
     Raises:
-        EpisodeError: There is nothing in the house that could be searched for.
+        EpisodeError: There is nothing in the building that could be searched for.
     """
-    home = (folder or cache_folder()) / "house_episodes" / episodes_version()
-    path = home / f"{style}-{number}.json.gz"
+    home = (folder or cache_folder()) / f"{building.noun}_episodes" / episodes_version()
+    path = home / f"{style}-{building.number}.json.gz"
     if path.is_file():
         with contextlib.suppress(EpisodeError):
             return read_episodes(path)
-    dataset = house_episodes(cached_house(number, folder), number, style)
+    dataset = house_episodes(cached_building(building, folder), building, style)
     # The disk may be read-only or full: the episodes are valid all the same.
     with contextlib.suppress(OSError):
         _write_atomically(dataset, path)
@@ -40,7 +43,7 @@ def cached_episodes(number: int, style: GoalStyle, folder: Path | None = None) -
 
 @lru_cache(maxsize=1)
 def episodes_version() -> str:
-    """Version of houses and episodes together with a digest of the sources in this folder.
+    """Version of buildings and episodes together with a digest of the sources in this folder.
 
     The digest is for those who work on the generator: without it, a forgotten version number would
     bring back outdated episodes.

@@ -1,4 +1,4 @@
-"""Generation of one house's episodes, in Habitat's format.
+"""Generation of one building's episodes, in Habitat's format.
 
 Goals come without view points: a house has fifty thousand, and whoever runs an episode computes
 them from the scene anyway. Files for others get them by `with_view_points`: all of them, with the
@@ -28,8 +28,10 @@ from hypernav.datasets.habitat_frames import (
     positions_from_habitat,
     positions_to_habitat,
 )
+from hypernav.houses.building import Building
 from hypernav.houses.episodes.ground_truth import HouseGroundTruth
 from hypernav.houses.episodes.queries import Query, category_queries, phrase_queries
+from hypernav.houses.episodes.rules import RULES, EpisodeRules
 from hypernav.houses.episodes.starts import Start, sample_start
 from hypernav.houses.random_stream import RandomStream
 from hypernav.worlds.scenes.scene import Scene
@@ -48,23 +50,27 @@ _DIGITS = 5
 QueryWithStart = tuple[Query, Start]
 
 
-def house_episodes(scene: Scene, number: int, style: GoalStyle) -> EpisodeDataset:
-    """Episodes of one house; the same for the same scene.
+def house_episodes(scene: Scene, building: Building, style: GoalStyle) -> EpisodeDataset:
+    """Episodes of one building; the same for the same scene.
 
     Args:
-        scene: Scene of the house, named ``houses:NUMBER``.
-        number: Number of the house.
+        scene: Scene of the building.
+        building: The building.
         style: Whether goals are categories or phrases.
 
     Raises:
-        EpisodeError: There is nothing in the house that could be searched for.
+        EpisodeError: There is nothing in the building that could be searched for.
         SceneError: The robot fits nowhere.
     """
     truth = HouseGroundTruth.of(scene)
-    rng = RandomStream(EPISODES_VERSION, number, style)
-    drawn = _sample(rng, truth, style)
+    rng = RandomStream(EPISODES_VERSION, *building.key, style)
+    rules = RULES[building.kind]
+    drawn = _sample(rng, truth, style, rules)
     if not drawn:
-        raise EpisodeError(f"{scene.name}: holds nothing that is 2 to 30 m away from somewhere")
+        raise EpisodeError(
+            f"{scene.name}: holds nothing that is {rules.least_m:g} to "
+            f"{rules.most_m:g} m away from somewhere"
+        )
     writer = _Writer(truth)
     return EpisodeDataset(
         episodes=[writer.episode(k, query, start, style) for k, (query, start) in enumerate(drawn)],
@@ -79,8 +85,8 @@ def with_view_points(dataset: EpisodeDataset, scene: Scene) -> EpisodeDataset:
     """The same episodes with every view point of their goals.
 
     Args:
-        dataset: Episodes of this house alone.
-        scene: The house.
+        dataset: Episodes of this building alone.
+        scene: The building.
     """
     regions, done = HouseGroundTruth.of(scene).regions, dict[int | str, ObjectGoal]()
     for goal in (goal for goals in dataset.goals_by_category.values() for goal in goals):
@@ -96,10 +102,12 @@ def with_view_points(dataset: EpisodeDataset, scene: Scene) -> EpisodeDataset:
     return dataset.model_copy(update={"goals_by_category": goals})
 
 
-def _sample(rng: RandomStream, truth: HouseGroundTruth, style: GoalStyle) -> list[QueryWithStart]:
+def _sample(
+    rng: RandomStream, truth: HouseGroundTruth, style: GoalStyle, rules: EpisodeRules
+) -> list[QueryWithStart]:
     """Queries with starts, in random order."""
     queries = (category_queries if style == "categories" else phrase_queries)(
-        rng.fork("goals"), truth
+        rng.fork("goals"), truth, rules
     )
     drawn: list[QueryWithStart] = []
     regions: dict[str, GoalRegion] = {}
@@ -109,7 +117,7 @@ def _sample(rng: RandomStream, truth: HouseGroundTruth, style: GoalStyle) -> lis
             continue
         if query.text not in regions:
             regions[query.text] = truth.regions.of(Goal(query.text))
-        start = sample_start(rng.fork("start", number), truth, regions[query.text])
+        start = sample_start(rng.fork("start", number), truth, regions[query.text], rules)
         if start is None:
             unreachable.add(query.text)
             continue

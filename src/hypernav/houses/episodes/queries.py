@@ -1,4 +1,4 @@
-"""Goal queries of a house: categories, other names, and descriptions that single out objects.
+"""Goal queries of a building: categories, other names, and descriptions that single out objects.
 
 Every text is checked against the grammar of `hypernav.core.labels`, the one that decides what
 counts as reached: a description is only used if it is true of something and false of something
@@ -14,21 +14,11 @@ from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel, canonical
 from hypernav.core.world import Instance
 from hypernav.houses.episodes.ground_truth import HouseGroundTruth
+from hypernav.houses.episodes.rules import EpisodeRules
 from hypernav.houses.near_misses import near_misses
 from hypernav.houses.random_stream import RandomStream
 
 Vocabulary = Literal["seen", "synonym", "unseen"]
-
-HABITAT_CATEGORIES = ("chair", "bed", "potted plant", "toilet", "tv", "sofa")
-"""The six goals of Habitat's ObjectNav challenge on HM3D."""
-
-CATEGORIES = (
-    *HABITAT_CATEGORIES,
-    *("refrigerator", "oven", "sink", "bathtub", "washing machine", "dishwasher"),
-    *("dining table", "coffee table", "desk", "nightstand", "tv stand"),
-    *("wardrobe", "bookshelf", "dresser", "armchair", "mirror", "floor lamp", "table lamp"),
-)
-"""Goals of ``houses-val`` and ``houses-train``; these are the seen names of ``houses-ovon``."""
 
 _UBIQUITOUS = ("window", "door", "ceiling lamp", "kitchen cabinet")
 _MIN_SIDE_AREA_M2 = 0.1
@@ -41,8 +31,8 @@ class Query:
 
     Attributes:
         text: Text of the goal, as a person says it.
-        vocabulary: Whether the name in it is one of `CATEGORIES`, another name of one of these, or
-            the name of another category.
+        vocabulary: Whether the name in it is one of the rules' categories, another name of one of
+            these, or the name of another category.
         is_description: Whether the text says more than a name.
         instances: Instances that satisfy it.
         near_misses: Instances that don't, but come close.
@@ -55,24 +45,28 @@ class Query:
     near_misses: tuple[Instance, ...]
 
 
-def category_queries(rng: RandomStream, truth: HouseGroundTruth) -> Iterator[Query]:
-    """Endless queries for the house's categories in random order; Habitat's six come first."""
-    held = [c for c in CATEGORIES if truth.satisfying(c)]
-    first = rng.shuffled([c for c in held if c in HABITAT_CATEGORIES])
-    order = first + rng.shuffled([c for c in held if c not in HABITAT_CATEGORIES])
+def category_queries(
+    rng: RandomStream, truth: HouseGroundTruth, rules: EpisodeRules
+) -> Iterator[Query]:
+    """Endless queries for the building's categories in random order; the frequent come first."""
+    held = [c for c in rules.categories if truth.satisfying(c)]
+    first = rng.shuffled([c for c in held if c in rules.frequent])
+    order = first + rng.shuffled([c for c in held if c not in rules.frequent])
     queries = [_name_query(truth, c, "seen") for c in order]
     while queries:
         yield from queries
 
 
-def phrase_queries(rng: RandomStream, truth: HouseGroundTruth) -> Iterator[Query]:
+def phrase_queries(
+    rng: RandomStream, truth: HouseGroundTruth, rules: EpisodeRules
+) -> Iterator[Query]:
     """Queries by seen, synonymous and unseen names in turn, every other one a description.
 
     Endless unless the house is empty.
     """
     names: dict[Vocabulary, list[str]] = {
         vocabulary: rng.fork(vocabulary).shuffled(found)
-        for vocabulary, found in _names(truth).items()
+        for vocabulary, found in _names(truth, rules).items()
         if found
     }
     turns = rng.shuffled(list(names))
@@ -91,15 +85,15 @@ def phrase_queries(rng: RandomStream, truth: HouseGroundTruth) -> Iterator[Query
             yield _description(rng.fork("description", number), truth, name, vocabulary)
 
 
-def _names(truth: HouseGroundTruth) -> dict[Vocabulary, list[str]]:
+def _names(truth: HouseGroundTruth, rules: EpisodeRules) -> dict[Vocabulary, list[str]]:
     """Names that a phrase may use, by vocabulary, in the scene's order."""
-    known = {canonical(c) for c in CATEGORIES}
+    known = {canonical(c) for c in rules.categories}
     names: dict[Vocabulary, dict[str, None]] = {"seen": {}, "synonym": {}, "unseen": {}}
     for instance in _searchable(truth):
         label = _label_of(instance)
-        if label.category in CATEGORIES:
+        if label.category in rules.categories:
             names["seen"][label.category] = None
-            others = (s for s in label.synonyms if s not in CATEGORIES)
+            others = (s for s in label.synonyms if s not in rules.categories)
             names["synonym"].update(dict.fromkeys(others))
         elif canonical(label.category) not in known:
             names["unseen"][label.category] = None

@@ -6,8 +6,9 @@ from pathlib import Path
 from hypernav.core.errors import EpisodeError
 from hypernav.datasets.habitat_files import write_episodes
 from hypernav.datasets.habitat_format import EpisodeDataset
+from hypernav.houses.building import Building
 from hypernav.houses.episodes.house_episodes import with_view_points
-from hypernav.houses.house_cache import cached_house
+from hypernav.houses.house_cache import cached_building
 
 _ENDINGS = (".json.gz", ".json")
 
@@ -30,8 +31,8 @@ def write_split(
         dataset: What `load_split` gave.
         out: One file (``.json.gz`` or ``.json``), or a folder in Habitat's layout: the split's file
             without episodes, and in ``content`` a file for every scene.
-        cache: Cache folder of the houses; the platform's own if None.
-        progress: Is told how many houses of how many are done.
+        cache: Cache folder of the buildings; the platform's own if None.
+        progress: Is told how many buildings of how many are done.
 
     Raises:
         EpisodeError: It cannot be written.
@@ -41,7 +42,7 @@ def write_split(
     for done, scene_id in enumerate(scenes):
         if progress is not None:
             progress(done, len(scenes))
-        scene = cached_house(int(scene_id.partition(":")[2]), cache)
+        scene = cached_building(Building.named(scene_id), cache)
         part = with_view_points(_of_scene(dataset, scene_id), scene)
         if is_file_name(out):
             whole.goals_by_category.update(part.goals_by_category)

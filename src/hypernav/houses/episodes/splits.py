@@ -1,7 +1,7 @@
-"""Splits of the houses: their houses, number of episodes and order.
+"""Splits of the generated buildings: their buildings, number of episodes and order.
 
-Episodes come in rounds of four per house, so that the first hundred of a split already visit 25
-houses and every house is opened once for four episodes.
+Episodes come in rounds of four per building, so that the first hundred of a split already visit 25
+buildings and every building is opened once for four episodes.
 """
 
 import difflib
@@ -12,61 +12,65 @@ from pathlib import Path
 
 from hypernav.core.errors import EpisodeError
 from hypernav.datasets.habitat_format import EpisodeDataset, ObjectNavEpisode
+from hypernav.houses.building import Building
 from hypernav.houses.episodes.episode_cache import cached_episodes
 from hypernav.houses.episodes.house_episodes import EPISODES_PER_HOUSE, GoalStyle
-from hypernav.houses.episodes.queries import CATEGORIES
+from hypernav.houses.episodes.rules import RULES
 
 EPISODES_PER_ROUND = 4
-"""Number of consecutive episodes in the same house."""
+"""Number of consecutive episodes in the same building."""
 _MOST_HOUSES = 100_000
 
 
 @dataclass(frozen=True)
-class HouseSplit:
-    """Named set of houses with episodes of one style.
+class BuildingSplit:
+    """Named set of buildings of one kind with episodes of one style.
 
     Attributes:
         name: Name of the split.
+        kind: Kind of the buildings: "houses", "offices" or "shops".
         style: Whether goals are categories or phrases.
-        houses: Houses of the split; for an open split those that are used by default.
-        episodes: Number of episodes in these houses.
-        is_open: Whether every house may be used that belongs to no other split.
+        numbers: Numbers of the buildings; for an open split those that are used by default.
+        episodes: Number of episodes in these buildings.
+        is_open: Whether every building may be used that belongs to no other split.
     """
 
     name: str
+    kind: str
     style: GoalStyle
-    houses: range
+    numbers: range
     episodes: int
     is_open: bool = False
 
     def check(self, numbers: range) -> None:
-        """Refuse houses that don't belong to this split.
+        """Refuse buildings that don't belong to this split.
 
         Args:
-            numbers: Numbers of the houses.
+            numbers: Numbers of the buildings.
 
         Raises:
             EpisodeError: Some don't belong to it, or the range is empty.
         """
         said = f"{numbers.start}:{numbers.stop}"
         if len(numbers) > _MOST_HOUSES:
-            raise EpisodeError(f"houses {said}: at most {_MOST_HOUSES:,} at once")
+            raise EpisodeError(f"{self.kind} {said}: at most {_MOST_HOUSES:,} at once")
         if not numbers or numbers.step != 1 or numbers.start < 0:
             raise EpisodeError(
-                f"houses {said}: expected FIRST:END with 0 <= FIRST < END, for example "
-                f"{self.houses.start}:{self.houses.start + 4} (END is not included)"
+                f"{self.kind} {said}: expected FIRST:END with 0 <= FIRST < END, for example "
+                f"{self.numbers.start}:{self.numbers.start + 4} (END is not included)"
             )
         if not self.is_open:
-            if numbers.start < self.houses.start or numbers.stop > self.houses.stop:
+            if numbers.start < self.numbers.start or numbers.stop > self.numbers.stop:
                 raise EpisodeError(
-                    f"houses {said}: {self.name} has the houses "
-                    f"{self.houses.start}:{self.houses.stop} (the end is not included)"
+                    f"{self.kind} {said}: {self.name} has the {self.kind} "
+                    f"{self.numbers.start}:{self.numbers.stop} (the end is not included)"
                 )
             return
         for other in SPLITS.values():
-            if not other.is_open and _overlap(numbers, other.houses):
+            closed = other.kind == self.kind and not other.is_open
+            if closed and _overlap(numbers, other.numbers):
                 raise EpisodeError(
-                    f"houses {said}: {other.houses.start}:{other.houses.stop} belong to "
+                    f"{self.kind} {said}: {other.numbers.start}:{other.numbers.stop} belong to "
                     f"{other.name}; choose others for {self.name}"
                 )
 
@@ -74,9 +78,14 @@ class HouseSplit:
 SPLITS = {
     split.name: split
     for split in (
-        HouseSplit("houses-val", "categories", range(1000, 1036), 1000),
-        HouseSplit("houses-ovon", "phrases", range(2000, 2036), 1000),
-        HouseSplit("houses-train", "categories", range(3000, 3036), 1000, is_open=True),
+        BuildingSplit("houses-val", "houses", "categories", range(1000, 1036), 1000),
+        BuildingSplit("houses-ovon", "houses", "phrases", range(2000, 2036), 1000),
+        BuildingSplit(
+            "houses-train", "houses", "categories", range(3000, 3036), 1000, is_open=True
+        ),
+        BuildingSplit(
+            "offices-train", "offices", "categories", range(3000, 3025), 300, is_open=True
+        ),
     )
 }
 """All splits by name."""
@@ -85,7 +94,7 @@ SPLITS = {
 def load_split(
     name: str,
     *,
-    houses: range | None = None,
+    numbers: range | None = None,
     count: int | None = None,
     cache: Path | None = None,
     progress: Callable[[int, int], None] | None = None,
@@ -93,27 +102,28 @@ def load_split(
     """Episodes of a split, generated and cached on first use.
 
     Args:
-        name: ``houses-val``, ``houses-ovon`` or ``houses-train``.
-        houses: Houses to use; for ``houses-train`` any that belong to no other split.
+        name: Name of the split, a key of `SPLITS`.
+        numbers: Numbers of the buildings to use; for an open split any that belong to no other.
         count: Number of episodes to keep, from the first on.
         cache: Cache folder; the platform's own if None.
-        progress: Callback with the number of finished houses and of all houses.
+        progress: Callback with the number of finished buildings and of all.
 
     Returns:
         Episodes with ids that are unique in the split. Their ``scene_id`` is a scene name that
         ``hypernav find --scene`` understands, such as ``houses:1000``.
 
     Raises:
-        EpisodeError: There is no such split, or it has no such houses, or not so many episodes.
+        EpisodeError: There is no such split, or it has no such buildings, or not so many episodes.
     """
     split = split_named(name)
-    if houses is not None:
-        split.check(houses)
-    numbers = split.houses if houses is None else houses
-    most = split.episodes if numbers == split.houses else EPISODES_PER_HOUSE * len(numbers)
+    if numbers is None:
+        numbers = split.numbers
+    split.check(numbers)
+    most = split.episodes if numbers == split.numbers else EPISODES_PER_HOUSE * len(numbers)
     if count is not None and not 1 <= count <= most:
         raise EpisodeError(
-            f"{count} episodes: {name} has 1 to {most} in the houses {numbers.start}:{numbers.stop}"
+            f"{count} episodes: {name} has 1 to {most} in the {split.kind} "
+            f"{numbers.start}:{numbers.stop}"
         )
     wanted = most if count is None else count
     needed = numbers[: math.ceil(wanted / EPISODES_PER_ROUND)]
@@ -121,13 +131,13 @@ def load_split(
     for done, number in enumerate(needed):
         if progress is not None:
             progress(done, len(needed))
-        parts.append(cached_episodes(number, split.style, cache))
+        parts.append(cached_episodes(Building(split.kind, number), split.style, cache))
     if progress is not None:
         progress(len(needed), len(needed))
-    return _joined(parts, wanted)
+    return _joined(parts, wanted, RULES[split.kind].categories)
 
 
-def split_named(name: str) -> HouseSplit:
+def split_named(name: str) -> BuildingSplit:
     """Split of a name.
 
     Raises:
@@ -144,13 +154,13 @@ def _overlap(a: range, b: range) -> bool:
     return a.start < b.stop and b.start < a.stop
 
 
-def _joined(parts: list[EpisodeDataset], count: int) -> EpisodeDataset:
+def _joined(parts: list[EpisodeDataset], count: int, known: tuple[str, ...]) -> EpisodeDataset:
     """One data set in rounds, with the goals of its episodes only."""
     episodes = _in_rounds([part.episodes for part in parts])[:count]
     goals = {key: found for part in parts for key, found in part.goals_by_category.items()}
     used = dict.fromkeys(episode.goals_key() for episode in episodes)
     categories = dict.fromkeys(episode.object_category for episode in episodes)
-    names = [*CATEGORIES, *sorted(set(categories).difference(CATEGORIES))]
+    names = [*known, *sorted(set(categories).difference(known))]
     numbers = {name: number for number, name in enumerate(n for n in names if n in categories)}
     return EpisodeDataset.model_validate(
         {
@@ -163,17 +173,17 @@ def _joined(parts: list[EpisodeDataset], count: int) -> EpisodeDataset:
     )
 
 
-def _in_rounds(houses: list[list[ObjectNavEpisode]]) -> list[ObjectNavEpisode]:
-    longest = max(len(episodes) for episodes in houses)
+def _in_rounds(buildings: list[list[ObjectNavEpisode]]) -> list[ObjectNavEpisode]:
+    longest = max(len(episodes) for episodes in buildings)
     return [
         episode
         for first in range(0, longest, EPISODES_PER_ROUND)
-        for episodes in houses
+        for episodes in buildings
         for episode in episodes[first : first + EPISODES_PER_ROUND]
     ]
 
 
 def _renumbered(episode: ObjectNavEpisode) -> ObjectNavEpisode:
-    """Episode with an id that is unique in the split, not only in its house."""
-    house = episode.scene_id.partition(":")[2]
-    return episode.model_copy(update={"episode_id": f"{house}-{episode.episode_id}"})
+    """Episode with an id that is unique in the split, not only in its building."""
+    number = episode.scene_id.partition(":")[2]
+    return episode.model_copy(update={"episode_id": f"{number}-{episode.episode_id}"})

@@ -7,12 +7,9 @@ import numpy as np
 
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.houses.episodes.ground_truth import HouseGroundTruth
+from hypernav.houses.episodes.rules import EpisodeRules
 from hypernav.houses.random_stream import RandomStream
 from hypernav.worlds.surface.goal_regions import GoalRegion
-
-MIN_GEODESIC_M = 2.0
-MAX_GEODESIC_M = 30.0
-"""Least and greatest geodesic distance from a start to its goal, metres."""
 
 _START_SAMPLES = 60
 _STRAIGHT_RATIO = 1.05
@@ -41,15 +38,20 @@ class Start:
     end: tuple[float, float]
 
 
-def sample_start(rng: RandomStream, truth: HouseGroundTruth, region: GoalRegion) -> Start | None:
-    """Random start 2 to 30 m from a goal, with a wide path there; None if none is found.
+def sample_start(
+    rng: RandomStream, truth: HouseGroundTruth, region: GoalRegion, rules: EpisodeRules
+) -> Start | None:
+    """Random start as far from a goal as the rules say; None if none is found.
+
+    A wide path leads from the start to the goal.
 
     The farther of two samples is taken: uniform starts in small homes are mostly near.
 
     Args:
         rng: Source of randomness.
-        truth: Ground truth of the house.
+        truth: Ground truth of the building.
         region: Region of the goal.
+        rules: Rules of the episodes.
     """
     if not truth.touches_wide_area(region.view_points):
         return None
@@ -58,7 +60,7 @@ def sample_start(rng: RandomStream, truth: HouseGroundTruth, region: GoalRegion)
     for _ in range(_START_SAMPLES):
         x, y = _sample_point(rng, truth)
         geodesic_m = region.distance(x, y)
-        if not MIN_GEODESIC_M <= geodesic_m <= MAX_GEODESIC_M:
+        if not rules.least_m <= geodesic_m <= rules.most_m:
             continue
         is_straight = geodesic_m < _STRAIGHT_RATIO * _euclidean_m(region, x, y)
         rejected = is_straight and not rng.chance(_STRAIGHT_KEPT_SHARE)

@@ -1,4 +1,4 @@
-"""Export of a house as files for this package, Habitat, Blender and web viewers."""
+"""Export of a building as files for this package, Habitat, Blender and web viewers."""
 
 import colorsys
 import json
@@ -12,6 +12,7 @@ from jaxtyping import UInt8
 from hypernav.core.errors import SceneError
 from hypernav.core.world import Instance
 from hypernav.houses.assembly import CompactScene
+from hypernav.houses.building import Building
 from hypernav.houses.export.descriptions import describe
 from hypernav.houses.export.glb import write_house, write_semantics
 from hypernav.houses.generator import build_compact, plan_of
@@ -20,14 +21,14 @@ from hypernav.worlds.scenes.scene import Scene
 
 
 @dataclass(frozen=True)
-class ExportedHouse:
-    """Paths of the files of an exported house.
+class ExportedBuilding:
+    """Paths of the files of an exported building.
 
     Attributes:
-        glb: House as binary glTF (y up).
+        glb: Building as binary glTF (y up).
         objects: Metadata of its nodes.
         dataset_config: File for Habitat's ``scene_dataset_config_file``.
-        semantic_glb: House in colours that identify its instances.
+        semantic_glb: Building in colours that identify its instances.
         semantic_txt: Instance of every colour.
     """
 
@@ -38,22 +39,22 @@ class ExportedHouse:
     semantic_txt: Path
 
 
-def export_house(number: int, out_dir: Path) -> ExportedHouse:
-    """Write a house to a folder.
+def export_building(building: Building, out_dir: Path) -> ExportedBuilding:
+    """Write a building to a folder.
 
     ``house_N.glb`` and ``objects.json`` open with `hypernav.worlds.load_scene`; the rest is for
     Habitat: ``hypernav.scene_dataset_config.json``, and the semantics in the form of HM3D's
     (``house_N.semantic.glb`` with vertex colours, ``house_N.semantic.txt``).
 
     Args:
-        number: Number of the house.
+        building: The building.
         out_dir: Folder to write to; made if it is missing.
 
     Raises:
         SceneError: The folder cannot be written.
     """
-    name = f"house_{number}"
-    files = ExportedHouse(
+    name = building.file_stem
+    files = ExportedBuilding(
         out_dir / f"{name}.glb",
         out_dir / OBJECTS_FILE,
         out_dir / "hypernav.scene_dataset_config.json",
@@ -62,8 +63,8 @@ def export_house(number: int, out_dir: Path) -> ExportedHouse:
     )
     try:
         out_dir.mkdir(parents=True, exist_ok=True)
-        house = build_compact(number)
-        rooms = [room.name for room in plan_of(number).rooms]
+        house = build_compact(building)
+        rooms = [room.name for room in plan_of(building).rooms]
         scene = write_house(house, files.glb)
         files.objects.write_text(json.dumps(_objects(scene, house), indent=1) + "\n")
         colors = _colors(len(house.names))
@@ -133,7 +134,7 @@ def _semantic_lines(
     return "\n".join(lines) + "\n"
 
 
-def _dataset_config(files: ExportedHouse) -> dict[str, Any]:
+def _dataset_config(files: ExportedBuilding) -> dict[str, Any]:
     return {
         "stages": {
             "default_attributes": {

@@ -17,6 +17,16 @@ _FILLS = {
     "laundry": "#ece0f2",
     "storage": "#e4e0da",
     "balcony": "#dcecd6",
+    "corridor": "#eeeeee",
+    "reception": "#fdebd3",
+    "open office": "#e2f1de",
+    "meeting room": "#dfe8f6",
+    "conference room": "#dfe8f6",
+    "lounge": "#fbe0cf",
+    "pantry": "#fdf6cf",
+    "restroom": "#d8f0f0",
+    "copy room": "#ece0f2",
+    "server room": "#ece0f2",
 }
 _LEAST_HEIGHT_M = 0.12
 

@@ -1,4 +1,4 @@
-"""Web page about one house: floor plan, top view, interior views, list of objects."""
+"""Web page about one building: floor plan, top view, interior views, list of objects."""
 
 import math
 from collections.abc import Sequence
@@ -16,6 +16,7 @@ from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.labels import ObjectLabel
 from hypernav.houses.assembly import to_scene
+from hypernav.houses.building import Building
 from hypernav.houses.export.floor_plan_svg import floor_plan_svg
 from hypernav.houses.generator import build_compact, plan_of
 from hypernav.houses.plan.shapes import FloorPlan, Rect
@@ -33,12 +34,13 @@ _NEAR_M = 1.0
 Image = UInt8[np.ndarray, "height width 3"]
 
 
-def house_page(number: int, out: Path) -> Path:
-    """Write a self-contained page about a house.
+def building_page(building: Building, out: Path) -> Path:
+    """Write a self-contained page about a building.
 
     Args:
-        number: Number of the house.
-        out: File of the page; or a folder, in which it is called ``house_N.html``.
+        building: The building.
+        out: File of the page; or a folder, in which it is called ``house_N.html`` or
+            ``office_N.html``.
 
     Returns:
         File of the page.
@@ -46,30 +48,31 @@ def house_page(number: int, out: Path) -> Path:
     Raises:
         SceneError: The page cannot be written.
     """
-    path = out if out.suffix == ".html" else out / f"house_{number}.html"
+    path = out if out.suffix == ".html" else out / f"{building.file_stem}.html"
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(_page(number), encoding="utf-8")
+        path.write_text(_page(building), encoding="utf-8")
     except OSError as error:
         raise SceneError(f"{path}: cannot be written ({error.strerror or error})") from error
     return path
 
 
-def _page(number: int) -> str:
-    plan = plan_of(number)
-    scene = to_scene(build_compact(number), f"houses:{number}")
+def _page(building: Building) -> str:
+    plan = plan_of(building)
+    scene = to_scene(build_compact(building), building.scene)
     rooms = [room for room in plan.rooms if not room.is_outside]
     labels = [i.label for i in scene.instances if i.label and i.label.category != "window"]
     return (
         page_environment("hypernav.houses")
-        .get_template("house.html.j2")
+        .get_template("building.html.j2")
         .render(
-            number=number,
+            noun=building.noun,
+            number=building.number,
             area=f"{sum(room.inner.area for room in rooms):.0f}",
             rooms=[room.name for room in plan.rooms],
             plan=floor_plan_svg(plan, scene.instances),
             above=image_uri(view_from_above(scene)),
-            views=[image_uri(view) for view in interior_views(scene, plan, number, 4)],
+            views=[image_uri(view) for view in interior_views(scene, plan, building.number, 4)],
             categories=_by_category(labels),
             total=len(labels),
             triangles=f"{len(scene.faces):,}",
@@ -95,7 +98,7 @@ def _by_category(labels: Sequence[ObjectLabel]) -> list[dict[str, Any]]:
 
 
 def view_from_above(scene: Scene, width: int = 1280) -> Image:
-    """Image of the house without its ceilings, straight from above."""
+    """Image of a building without its ceilings, straight from above."""
     hidden = np.array([i.name.startswith(("ceiling", "chandelier")) for i in scene.instances])
     keep = ~hidden[scene.face_instance]
     open_scene = replace(
@@ -125,9 +128,9 @@ def interior_views(scene: Scene, plan: FloorPlan, number: int, count: int) -> li
     """Camera images from different rooms, from the poses that show most objects.
 
     Args:
-        scene: Scene of the house.
-        plan: Floor plan of the house.
-        number: Number of the house, the seed of the poses.
+        scene: Scene of the building.
+        plan: Floor plan of the building.
+        number: Number of the building, the seed of the poses.
         count: Greatest number of images.
     """
     with closing(CpuRenderer(scene)) as renderer:

@@ -11,7 +11,9 @@ from dataclasses import dataclass
 from hypernav.houses.plan.shapes import WALL_M, Opening, Rect, Room
 from hypernav.houses.random_stream import RandomStream
 
-_CASING_M = 0.1
+CASING_M = 0.1
+"""Least distance of a door from the corner of a room, metres."""
+
 DOOR_TOP_M = 2.05
 APPROACH_M = 0.9
 LEAF_M = 0.04
@@ -97,7 +99,7 @@ def find_connections(rooms: Sequence[Room]) -> list[tuple[int, int, SharedWall]]
     doorways: dict[tuple[int, int], SharedWall] = {}
     for wall in shared_walls(rooms):
         for a, b in ((wall.low, wall.high), (wall.high, wall.low)):
-            if wall.end - wall.start >= door_width(rooms[b].kind) + 2 * _CASING_M + 0.04:
+            if wall.end - wall.start >= door_width(rooms[b].kind) + 2 * CASING_M + 0.04:
                 doorways[(a, b)] = wall
     root = next((k for k, r in enumerate(rooms) if r.kind == "hall"), 0)
     if rooms[root].kind not in _LINKS:
@@ -211,12 +213,34 @@ def _fitted(
     wide = door_width(rooms[b].kind)
     private = b if rooms[b].kind not in ("living room", "dining room", "kitchen", "hall") else -1
     with_leaf = private >= 0 and rng.chance(0.75)
+    return hang_door(rng, rooms, wall, wide, private if with_leaf else -1, others)
+
+
+def hang_door(
+    rng: RandomStream,
+    rooms: Sequence[Room],
+    wall: SharedWall,
+    wide: float,
+    leaf_room: int,
+    others: Sequence[Opening],
+) -> Opening | None:
+    """Door at a random position of a shared wall whose leaf and approach are free of other doors.
+
+    Args:
+        rng: Source of randomness.
+        rooms: All rooms.
+        wall: Wall to put it in.
+        wide: Clear width, metres.
+        leaf_room: Index of the room that its leaf should open into; -1 for a frame only.
+        others: Doors that there are already.
+    """
+    length = wall.end - wall.start
     for attempt in range(12):
-        room_left = length - wide - 2 * _CASING_M
+        room_left = length - wide - 2 * CASING_M
         where = rng.choice((0.0, 1.0)) if attempt < 8 and rng.chance(0.8) else rng.unit()
-        start = round(wall.start + _CASING_M + room_left * where, 3)
+        start = round(wall.start + CASING_M + room_left * where, 3)
         hinge_low = where < 0.5
-        leaf = private if with_leaf and attempt < 9 else -1
+        leaf = leaf_room if attempt < 9 else -1
         door = Opening(
             "door" if leaf >= 0 else "doorway",
             wall.along,
@@ -229,7 +253,7 @@ def _fitted(
             leaf,
             hinge_low,
         )
-        if not any(_collide(door, other) for other in others) and _leaf_fits(door, rooms):
+        if not any(collide(door, other) for other in others) and _leaf_fits(door, rooms):
             return door
     return None
 
@@ -252,7 +276,8 @@ def approach(door: Opening, *, margin: float = 0.0, deep: float = APPROACH_M) ->
     return door.strip(-deep, deep, margin)
 
 
-def _collide(a: Opening, b: Opening) -> bool:
+def collide(a: Opening, b: Opening) -> bool:
+    """Whether two doors or their open leaves get in each other's way."""
     la, lb = leaf_rect(a), leaf_rect(b)
     if la is not None and la.overlaps(approach(b, deep=1.0), 0.02):
         return True

@@ -52,12 +52,15 @@ def _attempt(rng: RandomStream, program: Program) -> FloorPlan | None:
         openings += [glass] if glass is not None else []
     height = rng.uniform(2.5, 2.75, 0.05)
     openings += sample_windows(rng.fork("windows"), rooms, openings, height)
-    x = (min(r.cell.x0 for r in rooms) + max(r.cell.x1 for r in rooms)) / 2.0
-    y = (min(r.cell.y0 for r in rooms) + max(r.cell.y1 for r in rooms)) / 2.0
-    return _shifted(FloorPlan(rooms, tuple(openings), height), -round(x, 1), -round(y, 1))
+    return centred(FloorPlan(rooms, tuple(openings), height))
 
 
-def _shifted(plan: FloorPlan, dx: float, dy: float) -> FloorPlan:
+def centred(plan: FloorPlan) -> FloorPlan:
+    """Floor plan moved so that its middle is the origin, to 0.1 m."""
+    cells = [room.cell for room in plan.rooms]
+    dx = -round((min(c.x0 for c in cells) + max(c.x1 for c in cells)) / 2.0, 1)
+    dy = -round((min(c.y0 for c in cells) + max(c.y1 for c in cells)) / 2.0, 1)
+
     def moved(r: Rect) -> Rect:
         x0, y0, x1, y1 = (round(v, 4) for v in (r.x0 + dx, r.y0 + dy, r.x1 + dx, r.y1 + dy))
         return Rect(x0, y0, x1, y1)

@@ -1,5 +1,7 @@
 """Rooms, openings and rectangles of a floor plan, in metres, scene frame."""
 
+from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 WALL_M = 0.12
@@ -69,8 +71,7 @@ class Room:
 
     Attributes:
         name: Unique name ("bedroom 2").
-        kind: Kind of the room: "living room", "kitchen", "dining room", "bedroom", "bathroom",
-            "hall", "office", "laundry", "storage" or "balcony".
+        kind: Kind of the room: "living room", "kitchen", "open office", "library"…
         cell: Its floor up to the centre lines of its walls.
     """
 
@@ -87,6 +88,17 @@ class Room:
     def is_outside(self) -> bool:
         """Whether it has a railing instead of walls."""
         return self.kind == "balcony"
+
+
+def named_rooms(cells: Sequence[tuple[str, Rect]]) -> tuple[Room, ...]:
+    """Rooms with unique names, from their kinds and their floors up to the walls' centre lines."""
+    totals = Counter(kind for kind, _ in cells)
+    seen = Counter[str]()
+    rooms = []
+    for kind, rect in cells:
+        seen[kind] += 1
+        rooms.append(Room(f"{kind} {seen[kind]}" if totals[kind] > 1 else kind, kind, rect))
+    return tuple(rooms)
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ the least penalty is taken.
 from collections.abc import Callable, Sequence
 
 from hypernav.houses.plan.program import LIMITS, Program, RoomSpec
-from hypernav.houses.plan.shapes import WALL_M, Rect, Room
+from hypernav.houses.plan.shapes import WALL_M, Rect, Room, named_rooms
 from hypernav.houses.random_stream import RandomStream
 
 _STEP_M = 0.05
@@ -44,7 +44,7 @@ def sample_rooms(
             continue
         if not 45.0 <= sum(r.area for _, r in cells) <= 220.0:
             continue
-        rooms = _named(cells)
+        rooms = named_rooms([(spec.kind, rect) for spec, rect in cells])
         penalty = sum(_penalty(spec, rect) for spec, rect in cells) + _outline_penalty(rooms)
         if found and len(found) >= _KEPT // 2 and penalty > 1.5 * min(f[0] for f in found):
             continue
@@ -96,19 +96,6 @@ def _outline_penalty(rooms: Sequence[Room]) -> float:
     if kitchen is not None and dining is not None and not kitchen.overlaps(dining, 0.01):
         penalty += 2.0
     return penalty
-
-
-def _named(cells: Cells) -> tuple[Room, ...]:
-    totals: dict[str, int] = {}
-    for spec, _ in cells:
-        totals[spec.kind] = totals.get(spec.kind, 0) + 1
-    seen: dict[str, int] = {}
-    rooms = []
-    for spec, rect in cells:
-        seen[spec.kind] = seen.get(spec.kind, 0) + 1
-        name = f"{spec.kind} {seen[spec.kind]}" if totals[spec.kind] > 1 else spec.kind
-        rooms.append(Room(name, spec.kind, rect))
-    return tuple(rooms)
 
 
 def _slices(rng: RandomStream, program: Program) -> Cells | None:

@@ -69,7 +69,7 @@ def sample_balcony(
                 "glass door", along, at, door_start, round(door_start + 0.95, 3), 0.0, 2.1, ids
             )
             front_doors = [o for o in openings if o.kind == "entrance"]
-            if not _is_free(door, openings) or any(
+            if not is_free(door, openings) or any(
                 cell.grown(0.2).overlaps(approach(o)) for o in front_doors
             ):
                 continue
@@ -78,10 +78,13 @@ def sample_balcony(
 
 
 def sample_entrance(
-    rng: RandomStream, rooms: Sequence[Room], openings: Sequence[Opening]
+    rng: RandomStream,
+    rooms: Sequence[Room],
+    openings: Sequence[Opening],
+    kinds: Sequence[str] = ("hall", "living room", "dining room", "kitchen"),
 ) -> Opening | None:
-    """Closed front door in an outer wall of the hall or another public room."""
-    for kind in ("hall", "living room", "dining room", "kitchen"):
+    """Closed front door in an outer wall of a room of the first kind that has space for it."""
+    for kind in kinds:
         for number, room in enumerate(rooms):
             if room.kind != kind:
                 continue
@@ -95,7 +98,7 @@ def sample_entrance(
                     door = Opening(
                         "entrance", along, at, first, round(first + 0.95, 3), 0.0, 2.05, ids
                     )
-                    if _is_free(door, openings):
+                    if is_free(door, openings):
                         return door
     return None
 
@@ -130,13 +133,14 @@ def sample_windows(
                 window = Opening(
                     "window", along, at, first, round(first + wide, 3), bottom, top, ids
                 )
-                if _is_free(window, (*openings, *windows)):
+                if is_free(window, (*openings, *windows)):
                     windows.append(window)
                     placed += 1
     return windows
 
 
-def _is_free(new: Opening, others: Sequence[Opening]) -> bool:
+def is_free(new: Opening, others: Sequence[Opening]) -> bool:
+    """Whether an opening in an outer wall gets in the way of no other one."""
     for other in others:
         same_wall = new.along == other.along and abs(new.at - other.at) < 0.3
         if same_wall and new.start < other.end + 0.15 and other.start < new.end + 0.15:

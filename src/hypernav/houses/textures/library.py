@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 
 from hypernav.houses.random_stream import RandomStream
-from hypernav.houses.textures import images, surfaces
+from hypernav.houses.textures import images, public_images, surfaces
 from hypernav.houses.textures.noise import Image
 
 _MAKERS: dict[str, Callable[[RandomStream], Image]] = {
@@ -51,6 +51,8 @@ _MAKERS: dict[str, Callable[[RandomStream], Image]] = {
     "label": images.label,
     "rug": images.rug,
     "outdoors": images.outdoors,
+    "whiteboard": public_images.whiteboard,
+    "goods": public_images.goods,
 }
 
 

@@ -1,8 +1,5 @@
-"""Furnishing of all rooms of a house, one after the other."""
+"""Furnishing of homes: which rooms get what."""
 
-from collections.abc import Sequence
-
-from hypernav.houses.assembly import PlacedModel
 from hypernav.houses.furnishing import (
     bathroom,
     bedroom,
@@ -13,12 +10,10 @@ from hypernav.houses.furnishing import (
     set_dressing,
     utility_rooms,
 )
-from hypernav.houses.materials import Palette, vary
+from hypernav.houses.furnishing.rooms import Furnishing, RequiredGroups
 from hypernav.houses.objects.devices import lighting
 from hypernav.houses.placement.room_layout import RoomLayout
-from hypernav.houses.placement.visibility import remove_hidden
 from hypernav.houses.plan.shapes import FloorPlan
-from hypernav.houses.random_stream import RandomStream
 
 _PICTURE_COUNTS = {
     "living room": 3,
@@ -30,7 +25,7 @@ _PICTURE_COUNTS = {
 }
 
 
-_REQUIRED: dict[str, tuple[tuple[str, ...], ...]] = {
+_REQUIRED: dict[str, RequiredGroups] = {
     "living room": (("sofa",), ("tv",), ("coffee table",)),
     "kitchen": (("refrigerator",), ("oven",), ("sink",)),
     "bathroom": (("toilet",), ("sink",), ("bathtub", "shower")),
@@ -41,56 +36,28 @@ _REQUIRED: dict[str, tuple[tuple[str, ...], ...]] = {
 }
 """Categories that a kind of room must hold: at least one of each group."""
 
-_ATTEMPTS = 12
 
-
-def furnish_rooms(plan: FloorPlan, palette: Palette, rng: RandomStream) -> list[PlacedModel]:
-    """Random furniture and other objects of all rooms."""
-    kinds = [room.kind for room in plan.rooms]
-    pieces: list[PlacedModel] = []
-    for number, room in enumerate(plan.rooms):
-        own = rng.fork("room", number)
-        layout = _best_layout(plan, number, own, vary(palette, own.fork("taste")), kinds)
-        if not room.is_outside:
-            _add_set_dressing(layout)
-        remove_hidden(layout)
-        pieces += layout.placed
-    return pieces
-
-
-def _best_layout(
-    plan: FloorPlan, number: int, rng: RandomStream, palette: Palette, kinds: Sequence[str]
-) -> RoomLayout:
-    """Layout of a room with all required objects, or the best of several attempts."""
+def _required(plan: FloorPlan, number: int) -> RequiredGroups:
     kind = plan.rooms[number].kind
+    kinds = [room.kind for room in plan.rooms]
     required = _REQUIRED.get(kind, ())
-    if (kind == "living room" and _dines_here(kinds, plan)) or (
+    if (kind == "living room" and _dines_here(plan)) or (
         kind == "kitchen" and "dining room" not in kinds and _kitchen_is_large(plan)
     ):
         required = (*required, ("dining table",), ("chair",))
-    best: tuple[int, RoomLayout] | None = None
-    for attempt in range(_ATTEMPTS):
-        layout = RoomLayout(plan, number, rng.fork("attempt", attempt), palette)
-        _furnish(layout, kinds)
-        there = {p.model.category for p in layout.placed}
-        score = sum(any(name in there for name in group) for group in required)
-        if best is None or score > best[0]:
-            best = (score, layout)
-        if score == len(required):
-            break
-    assert best is not None
-    return best[1]
+    return required
 
 
-def _furnish(layout: RoomLayout, kinds: Sequence[str]) -> None:
+def _furnish(layout: RoomLayout) -> None:
     kind = layout.room.kind
+    kinds = [room.kind for room in layout.plan.rooms]
     rng = layout.rng
     has_dining, has_kitchen = "dining room" in kinds, "kitchen" in kinds
     kitchen_table = not has_dining and has_kitchen and _kitchen_is_large(layout.plan)
     if kind == "living room":
         if not has_kitchen:
             kitchen.place_units(layout)
-        living_room.furnish_living_room(layout, with_dining=_dines_here(kinds, layout.plan))
+        living_room.furnish_living_room(layout, with_dining=_dines_here(layout.plan))
     elif kind == "dining room":
         dining_room.furnish_dining_room(layout)
     elif kind == "kitchen":
@@ -111,8 +78,9 @@ def _furnish(layout: RoomLayout, kinds: Sequence[str]) -> None:
         utility_rooms.furnish_balcony(layout)
 
 
-def _dines_here(kinds: Sequence[str], plan: FloorPlan) -> bool:
+def _dines_here(plan: FloorPlan) -> bool:
     """Whether the dining table belongs in the living room."""
+    kinds = [room.kind for room in plan.rooms]
     return "dining room" not in kinds and ("kitchen" not in kinds or not _kitchen_is_large(plan))
 
 
@@ -149,3 +117,7 @@ def _add_set_dressing(layout: RoomLayout) -> None:
         else lighting.ceiling_lamp
     )
     set_dressing.hang_lamp(layout, maker)
+
+
+HOME_FURNISHING = Furnishing(_required, _furnish, _add_set_dressing)
+"""Rules by which homes are furnished."""

@@ -1,0 +1,50 @@
+"""What episodes in each kind of building ask for."""
+
+from dataclasses import dataclass
+
+HABITAT_CATEGORIES = ("chair", "bed", "potted plant", "toilet", "tv", "sofa")
+"""The six goals of Habitat's ObjectNav challenge on HM3D."""
+
+CATEGORIES = (
+    *HABITAT_CATEGORIES,
+    *("refrigerator", "oven", "sink", "bathtub", "washing machine", "dishwasher"),
+    *("dining table", "coffee table", "desk", "nightstand", "tv stand"),
+    *("wardrobe", "bookshelf", "dresser", "armchair", "mirror", "floor lamp", "table lamp"),
+)
+"""Goals of ``houses-val`` and ``houses-train``; these are the seen names of ``houses-ovon``."""
+
+
+@dataclass(frozen=True)
+class EpisodeRules:
+    """What the episodes in one kind of building ask for.
+
+    Attributes:
+        categories: Goals that are categories. What stands everywhere, as desks do in offices, is
+            no goal: it would be found by looking around.
+        frequent: Those of them that come first in every building.
+        least_m: Least geodesic distance from a start to its goal, metres.
+        most_m: Greatest geodesic distance from a start to its goal, metres.
+    """
+
+    categories: tuple[str, ...]
+    frequent: tuple[str, ...]
+    least_m: float
+    most_m: float
+
+
+RULES = {
+    "houses": EpisodeRules(CATEGORIES, HABITAT_CATEGORIES, 2.0, 30.0),
+    "offices": EpisodeRules(
+        (
+            *("copier", "printer", "whiteboard", "reception desk", "meeting table", "tv", "sofa"),
+            *("refrigerator", "coffee machine", "microwave", "toilet", "sink", "water dispenser"),
+            *("vending machine", "coat rack", "locker", "server rack", "filing cabinet"),
+            *("bookshelf", "armchair", "coffee table", "dining table", "mirror", "storage rack"),
+            *("potted plant", "notice board", "fire extinguisher", "projector screen"),
+        ),
+        (),
+        4.0,
+        60.0,
+    ),
+}
+"""Rules of the episodes by kind of building."""

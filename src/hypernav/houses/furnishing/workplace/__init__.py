@@ -1,0 +1,1 @@
+"""Furnishing of offices, one module per group of rooms."""
