@@ -97,5 +97,8 @@ def _show(study: Study) -> None:
         console.print(f"left out: {one.variant.slug} ({one.why})", markup=False)
 
 
-_WORK: dict[StudyName, Callable[[Options], ExitStatus]] = {"switches": _run_variants}
+_WORK: dict[StudyName, Callable[[Options], ExitStatus]] = {
+    "switches": _run_variants,
+    "model": _run_variants,
+}
 """What the command does for each study."""

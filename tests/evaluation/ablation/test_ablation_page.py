@@ -9,7 +9,7 @@ from certainty import certain
 from eval_runs import apart, record
 from hypernav.evaluation.ablation.ablation_page import write_ablation
 from hypernav.evaluation.ablation.results import read_results
-from hypernav.evaluation.ablation.study import LeftOut, Study, Variant
+from hypernav.evaluation.ablation.study import Axis, LeftOut, Study, Variant
 from hypernav.evaluation.failures.classification import Failure
 from hypernav.evaluation.run_plan import RunPlan
 from hypernav.evaluation.store.run_store import RunStore
@@ -113,9 +113,10 @@ def test_a_study_of_quality_is_drawn_as_curves(folder):
         Variant(WORSE.name, "", quality=0.0, curve="reasoner"),
         Variant(BETTER.name, "", quality=1.0, curve="reasoner"),
     )
+    axes = (Axis("rate of truth", ("reasoner",), lines=(UNCHANGED.name,)),)
     write_ablation(folder, STUDY)
     bars = (folder / "figure.svg").read_bytes()
-    page = write_ablation(folder, Study("Quality", (UNCHANGED, *points), axis="rate of truth"))
+    page = write_ablation(folder, Study("Quality", (UNCHANGED, *points), axes=axes))
     assert (folder / "figure.svg").read_bytes() != bars
     assert "Over the quality" in certain(page).read_text()
 

@@ -55,7 +55,7 @@ def _figure(folder: Path, results: StudyResults) -> str:
 
 
 def _content(results: StudyResults) -> dict[str, Any]:
-    shown = results.all if results.study.axis else (results.baseline, *results.worst_first)
+    shown = results.all if results.study.axes else (results.baseline, *results.worst_first)
     return {
         "study": results.study,
         "baseline": results.baseline,

@@ -4,9 +4,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hypernav.evaluation.ablation.results import StudyResults, VariantResult
+from hypernav.evaluation.ablation.quality_curves import quality_curves
+from hypernav.evaluation.ablation.results import StudyResults
 from hypernav.evaluation.report.report_text import SIGNIFICANT
-from hypernav.evaluation.statistics import Comparison, Estimate
+from hypernav.evaluation.statistics import Comparison
 from hypernav.show.drawing import palette
 
 if TYPE_CHECKING:
@@ -33,7 +34,7 @@ def write_figure(folder: Path, results: StudyResults) -> None:
     import matplotlib
 
     with matplotlib.rc_context(_STYLE):
-        figure = _curves(results) if results.study.axis else _differences(results)
+        figure = quality_curves(results) if results.study.axes else _differences(results)
         figure.savefig(folder / PNG, dpi=160)
         figure.savefig(folder / SVG, metadata={"Date": None})
 
@@ -79,60 +80,3 @@ def _color(comparison: Comparison) -> palette.Rgb:
     if not comparison.p_value < SIGNIFICANT:
         return palette.EXCLUDED
     return palette.SUCCESS if comparison.difference.mean > 0.0 else palette.FAILURE
-
-
-def _curves(results: StudyResults) -> "Figure":
-    """Success and SPL over the quality of the variants, a curve for each family of them."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(10.0, 4.2), layout="constrained")
-    left, right = figure.subplots(1, 2)
-    unchanged = results.baseline
-    for axes, words in ((left, "SR, %"), (right, "SPL")):
-        axes.grid(color=palette.css(palette.FAINT), linewidth=0.6)
-        axes.set_xlabel(results.study.axis)
-        axes.set_ylabel(words)
-    if unchanged.variant.quality is None:
-        for axes, estimate, factor in (
-            (left, unchanged.summary.success, 100.0),
-            (right, unchanged.summary.spl, 1.0),
-        ):
-            axes.axhline(
-                factor * estimate.mean,
-                color=palette.css(palette.MUTED),
-                linestyle="--",
-                label=unchanged.variant.name,
-            )
-    curves: dict[str, list[VariantResult]] = {}
-    for result in results.all:
-        if result.variant.quality is not None:
-            curves.setdefault(result.variant.curve, []).append(result)
-    for (name, points), color in zip(curves.items(), palette.SERIES * len(curves), strict=False):
-        shown = (palette.css(color), name)
-        _curve(left, [(p.variant.quality or 0.0, p.summary.success) for p in points], 100.0, *shown)
-        _curve(right, [(p.variant.quality or 0.0, p.summary.spl) for p in points], 1.0, *shown)
-    left.legend(frameon=False, fontsize=9)
-    figure.suptitle("Means over episodes, with 95 % intervals over scenes", fontsize=10)
-    return figure
-
-
-def _curve(
-    axes: "Axes",
-    points: Sequence[tuple[float, Estimate]],
-    factor: float,
-    color: str,
-    name: str,
-) -> None:
-    points = sorted(points, key=lambda point: point[0])
-    axes.errorbar(
-        [quality for quality, _ in points],
-        [factor * estimate.mean for _, estimate in points],
-        yerr=[
-            [factor * (estimate.mean - estimate.low) for _, estimate in points],
-            [factor * (estimate.high - estimate.mean) for _, estimate in points],
-        ],
-        color=color,
-        marker="o",
-        capsize=3.0,
-        label=name,
-    )

@@ -51,7 +51,7 @@ class Variant:
         words: What is different, in a sentence; it says where the reading of the paper is ours.
         assignments: Values that it sets, as ``--set`` takes them.
         components: Components that it exchanges, as kind ("reasoner") and specification.
-        quality: Position on the axis of a study of quality; None for the variants of others.
+        quality: Position on the axis of its curve; None for variants that are on none.
         curve: Name of the curve that it belongs to, in a study of quality.
     """
 
@@ -88,6 +88,23 @@ class LeftOut:
 
 
 @dataclass(frozen=True)
+class Axis:
+    """A quality over which success and SPL are drawn.
+
+    Attributes:
+        words: Words below the axis.
+        curves: Names of the curves over it.
+        lines: Names of variants that are drawn as lines across it, for comparison.
+        ticks: Names of the positions 0, 1, 2, …; empty for an axis of numbers.
+    """
+
+    words: str
+    curves: tuple[str, ...]
+    lines: tuple[str, ...] = ()
+    ticks: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
 class Study:
     """Variants of a method, and how their results are drawn.
 
@@ -95,14 +112,14 @@ class Study:
         title: Title of the page.
         variants: The unchanged method, and its variants.
         left_out: Variants that make no difference here.
-        axis: Words on the axis of `Variant.quality`: success and SPL are drawn as curves over it.
+        axes: Axes of `Variant.quality`: success and SPL are drawn as curves over each of them.
             Empty: each variant's difference from the unchanged method is drawn.
     """
 
     title: str
     variants: tuple[Variant, ...]
     left_out: tuple[LeftOut, ...] = ()
-    axis: str = ""
+    axes: tuple[Axis, ...] = ()
 
 
 def slug(text: str) -> str:

@@ -2,4 +2,4 @@
 
 from typing import Literal
 
-StudyName = Literal["switches"]
+StudyName = Literal["switches", "model"]
