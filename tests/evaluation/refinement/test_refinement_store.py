@@ -10,7 +10,9 @@ from hypernav.evaluation.refinement.store import LINES_FILE, RefinementStore
 from small_episodes import episode_from
 
 EPISODE = episode_from(Pose2(0.0, 0.0, 0.0))
-RECORD = AreaRecord.begun(EPISODE, BoxSource.TRUE, MaskSource.BOX, GoalPosition.OCCLUDED)
+RECORD = replace(
+    AreaRecord.begun(EPISODE, BoxSource.TRUE, MaskSource.BOX), position=GoalPosition.OCCLUDED
+)
 
 
 def written(folder):

@@ -15,7 +15,7 @@ EPISODE = episode_from(Pose2(0.0, 0.0, 0.0))
 def record(mask, off, position=GoalPosition.GOOD, *, number=0, frames=1, box=BoxSource.TRUE):
     """A record of an episode with so many of 10 cells off the goal in every frame."""
     episode = replace(EPISODE, episode_id=str(number), scene_id=f"scene {number}")
-    one = AreaRecord.begun(episode, box, mask, position)
+    one = replace(AreaRecord.begun(episode, box, mask), position=position)
     for _ in range(frames):
         one = one.after(None if off is None else OffTarget(10, off, 20, off))
     return one

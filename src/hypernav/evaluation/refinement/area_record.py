@@ -40,7 +40,7 @@ class AreaRecord:
         goal: Text of the goal.
         box: Source of the boxes.
         mask: What was projected of them.
-        position: Position that the first frame's goal area sends the robot to.
+        position: Position that the first goal area sends the robot to.
         frames: Number of frames that had such a box.
         empty: Number of frames in which too little was left for a goal area.
         seen: Number of the seen cells in all frames.
@@ -54,7 +54,7 @@ class AreaRecord:
     goal: str
     box: BoxSource
     mask: MaskSource
-    position: GoalPosition
+    position: GoalPosition = GoalPosition.NONE
     frames: int = 0
     empty: int = 0
     seen: int = 0
@@ -63,13 +63,9 @@ class AreaRecord:
     dilated_off: int = 0
 
     @staticmethod
-    def begun(
-        episode: Episode, box: BoxSource, mask: MaskSource, position: GoalPosition
-    ) -> "AreaRecord":
+    def begun(episode: Episode, box: BoxSource, mask: MaskSource) -> "AreaRecord":
         """A record without frames."""
-        return AreaRecord(
-            episode.scene_id, episode.episode_id, episode.goal.text, box, mask, position
-        )
+        return AreaRecord(episode.scene_id, episode.episode_id, episode.goal.text, box, mask)
 
     def after(self, cells: OffTarget | None) -> "AreaRecord":
         """The record with one more frame; None where it gave no goal area."""

@@ -111,25 +111,15 @@ class EpisodeStudy:
             for box_source, box in self._boxes(frame, episode).items():
                 for mask_source, area in self.areas(frame, box).items():
                     kind = (box_source, mask_source)
-                    if kind not in records:
-                        position = self._position(area, frame, world, renderer, truth)
-                        records[kind] = AreaRecord.begun(episode, *kind, position)
-                    records[kind] = records[kind].after(self._off_target(area, truth))
+                    record = records.get(kind) or AreaRecord.begun(episode, *kind)
+                    if area is not None and record.position is GoalPosition.NONE:
+                        robot = frame.observation.robot
+                        position = judge_position(
+                            area, robot, world, renderer, truth.goal, self._config
+                        )
+                        record = replace(record, position=position)
+                    records[kind] = record.after(self._off_target(area, truth))
         return list(records.values())
-
-    def _position(
-        self,
-        area: GoalArea | None,
-        frame: Frame,
-        world: SimulatedWorld,
-        renderer: CpuRenderer,
-        truth: "_Truth",
-    ) -> GoalPosition:
-        if area is None:
-            return GoalPosition.NONE
-        return judge_position(
-            area, frame.observation, frame.grid, world, renderer, truth.goal, self._config
-        )
 
     def _off_target(self, area: GoalArea | None, truth: "_Truth") -> OffTarget | None:
         if area is None:

@@ -5,16 +5,14 @@ from enum import StrEnum
 
 import numpy as np
 from jaxtyping import Float64
+from scipy.spatial import KDTree
 
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.core.geometry.camera import optical_to_base
-from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.metrics import SUCCESS_DISTANCE_M
-from hypernav.core.observation import Observation
 from hypernav.core.world import GoalTruth, Renderer
 from hypernav.perception.local.goal_area import GoalArea
-from hypernav.planning.planner import Planner
 from hypernav.worlds.goal_sight import MIN_VISIBLE_SHARE
 from hypernav.worlds.simulation import SimulatedWorld
 
@@ -27,17 +25,16 @@ class GoalPosition(StrEnum):
     TOO_FAR = "too far"
     """The robot gets there and sees the goal, but a STOP there is no success."""
     UNREACHABLE = "unreachable"
-    """The robot's map has no path there, or in truth it cannot stand near it."""
+    """In truth the robot cannot get near it."""
     OCCLUDED = "occluded"
     """The robot gets there, and something hides the goal."""
     NONE = "none"
-    """Nothing was left to go to."""
+    """No frame gave a goal area."""
 
 
 def judge_position(
     area: GoalArea,
-    observation: Observation,
-    grid: OccupancyGrid,
+    robot: Pose2,
     world: SimulatedWorld,
     renderer: Renderer,
     goal: GoalTruth,
@@ -45,43 +42,48 @@ def judge_position(
 ) -> GoalPosition:
     """What the position is that a robot would take from a goal area.
 
-    It is the end of the path that the planner finds on the robot's map: the destination's cell that
-    is nearest to the robot, moved to the nearest free cell (paper). It is unreachable where there
-    is no path, where the path ends farther from the area than the robot stops, or where in truth no
-    position that the robot gets to lies within that distance of it. It is occluded where a camera
-    over the nearest such position, turned and tilted towards the middle of the area, shows less of
-    the goal than counts as seen. These rules are ours.
+    Of the area's cells the one that is closest to the robot is where it goes (paper; with
+    ``planning.targets=nearest-by-path`` whichever it gets to first), and it stops as soon as it is
+    within ``search.stop_distance_m``: of all true positions within that distance, at the one with
+    the shortest true path. Without any the area is unreachable. It is occluded where a camera over
+    that position, turned and tilted towards the middle of the area, shows less of the goal than
+    counts as seen. These rules are ours.
 
     Args:
         area: Goal area.
-        observation: Frame that it was made from.
-        grid: The robot's map at that moment.
-        world: World whose present episode the frame is from; where its robot is now doesn't matter.
+        robot: Pose of the robot, ``map`` frame.
+        world: World of the episode; where its robot is now doesn't matter.
         renderer: Renderer of the world's scene.
         goal: Instances and view points of the goal.
-        config: Planner, body and stop distances.
+        config: Choice among cells, stop distance and camera.
     """
-    planner = Planner(config.planning, config.embodiment.body)
-    start = observation.robot.xy
-    path = planner.plan(grid, start, area.entry_points)
-    if path is None or path.gap_m > config.search.approach_gap_m:
-        return GoalPosition.UNREACHABLE
     walkable, map_to_scene = world.walkable, world.map_to_scene
-    here, end, middle = map_to_scene.apply(
-        np.array([[*start, 0.0], [*path.end, 0.0], [*area.centre, area.height_m]])
-    )
-    positions = walkable.centres(walkable.component_of(float(here[0]), float(here[1])))
-    gaps = np.linalg.norm(positions - end[:2], axis=1)
-    if gaps.min(initial=math.inf) > config.search.stop_distance_m:
+    cells = area.entry_points
+    if config.planning.targets == "nearest-straight":
+        cells = cells[[int(np.linalg.norm(cells - np.array(robot.xy), axis=1).argmin())]]
+    here = _in_scene(np.array([robot.xy]), map_to_scene)
+    positions = walkable.centres(walkable.component_of(*here[0].tolist()))
+    gaps, _ = KDTree(_in_scene(cells, map_to_scene)).query(positions)
+    near = positions[gaps <= config.search.stop_distance_m]
+    if len(near) == 0:
         return GoalPosition.UNREACHABLE
-    x, y = (float(value) for value in positions[int(gaps.argmin())])
+    paths = walkable.distance_field(here)
+    x, y = min(near.tolist(), key=lambda position: paths.distance(*position))
     camera = config.embodiment.camera
     lens_m = walkable.height_at(x, y) + camera.height_m
+    middle = map_to_scene.apply(np.array([*area.centre, area.height_m]))
     view = renderer.render(camera.intrinsics, _gaze((x, y, lens_m), middle))
     goal_ids = [instance.id for instance in goal.instances]
     if float(np.isin(view.instance_ids, goal_ids).mean()) < MIN_VISIBLE_SHARE:
         return GoalPosition.OCCLUDED
     return GoalPosition.GOOD if goal.distance(x, y) < SUCCESS_DISTANCE_M else GoalPosition.TOO_FAR
+
+
+def _in_scene(
+    points: Float64[np.ndarray, "n 2"], map_to_scene: Transform
+) -> Float64[np.ndarray, "n 2"]:
+    lifted = np.column_stack([points, np.zeros(len(points))])
+    return np.ascontiguousarray(map_to_scene.apply(lifted)[:, :2])
 
 
 def _gaze(lens: tuple[float, float, float], point: Float64[np.ndarray, "3"]) -> Transform:
