@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from hypernav.cli.ablate_options import Options
+from hypernav.cli.ablate_refinement import run_refinement
 from hypernav.cli.eval import check, evaluate, folder_name
 from hypernav.cli.eval_table import result_line
 from hypernav.cli.guards.crashes import crash_report
@@ -100,5 +101,6 @@ def _show(study: Study) -> None:
 _WORK: dict[StudyName, Callable[[Options], ExitStatus]] = {
     "switches": _run_variants,
     "model": _run_variants,
+    "refinement": run_refinement,
 }
 """What the command does for each study."""

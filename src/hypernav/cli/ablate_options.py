@@ -29,7 +29,8 @@ class Options(eval_options.Options):
     out: Path | None = None
     """Folder of the page, with a folder for every variant; runs/<…>-ablation by default."""
     study: StudyName = "switches"
-    """What is varied: the switches of the method, or the quality of the model."""
+    """What is studied: the switches of the method, the quality of the model, or what becomes of a
+    box of the goal (refinement)."""
     only: str | None = None
     """Only these variants, separated by commas, and the unchanged method; --list names them."""
     list: bool = False

@@ -76,7 +76,7 @@ def evaluate(
     """
     config = options.who.resolve()
     with console.status("loading the episodes …") as status:
-        plan = _plan(options, config)
+        plan = plan_of(options, config)
         episodes = plan.episodes(
             lambda done, total: status.update(f"loading the episodes, {done} of {total} …")
         )
@@ -121,7 +121,8 @@ def check(options: Options) -> None:
         )
 
 
-def _plan(options: Options, config: HyPerNavConfig) -> RunPlan:
+def plan_of(options: Options, config: HyPerNavConfig) -> RunPlan:
+    """The run that the options ask for, without words for its agent."""
     return RunPlan(
         dataset=options.dataset,
         selection=Selection(options.episodes, options.scenes, options.goals),

@@ -2,4 +2,4 @@
 
 from typing import Literal
 
-StudyName = Literal["switches", "model"]
+StudyName = Literal["switches", "model", "refinement"]

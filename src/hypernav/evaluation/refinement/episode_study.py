@@ -3,6 +3,7 @@
 The robot is driven by ground truth detection, so every box source sees the same frames.
 """
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
@@ -20,6 +21,7 @@ from hypernav.core.observation import Observation
 from hypernav.core.world import GoalTruth
 from hypernav.evaluation.refinement.area_record import AreaRecord, BoxSource, MaskSource
 from hypernav.evaluation.refinement.boxes import jittered, matching
+from hypernav.evaluation.refinement.example_image import Rgb, draw_example
 from hypernav.evaluation.refinement.footprint import Footprint, OffTarget
 from hypernav.evaluation.refinement.goal_position import GoalPosition, judge_position
 from hypernav.perception.local.goal_area import GoalArea
@@ -127,6 +129,45 @@ class EpisodeStudy:
         local = self._config.local
         reach = local.dilation_kernel // 2 * local.dilation_iterations
         return OffTarget.of(area, truth.footprint, dilation_cells=reach)
+
+    def draw(
+        self, episode: Episode, world: SimulatedWorld, renderer: CpuRenderer, share: float
+    ) -> Rgb | None:
+        """Draw the frame of an episode whose raw box lies off the goal by a share, or nearly.
+
+        Args:
+            episode: Episode of the world's scene.
+            world: World that the robot is driven in.
+            renderer: The world's renderer.
+            share: Share of the raw box's seen cells that lie off the goal.
+
+        Returns:
+            The image; None where no frame shows the goal within the range of depth.
+        """
+        gap, image = math.inf, None
+        truth: _Truth | None = None
+        for frame in self.frames(episode, world, renderer):
+            truth = truth or _Truth.of(episode, world, self._config.mapping.cell_size_m)
+            areas = self.areas(frame, frame.target.box)
+            cells = self._off_target(areas[MaskSource.BOX], truth)
+            if cells is not None and abs(cells.seen_off / cells.seen - share) < gap:
+                gap = abs(cells.seen_off / cells.seen - share)
+                image = self._drawn(frame, areas, truth, episode.goal.text)
+        return image
+
+    def _drawn(
+        self, frame: Frame, areas: dict[MaskSource, GoalArea | None], truth: "_Truth", goal: str
+    ) -> Rgb:
+        mask = self._segmenter.segment(frame.observation, frame.target.box)
+        return draw_example(
+            frame.observation,
+            frame.grid,
+            frame.target.box,
+            eroded(mask, self._config.local),
+            (areas[MaskSource.BOX], areas[MaskSource.SEGMENTED]),
+            truth.footprint,
+            goal=goal,
+        )
 
     def areas(self, frame: Frame, box: Box) -> dict[MaskSource, GoalArea | None]:
         """The goal areas that come of a box; None where nothing is left to project."""

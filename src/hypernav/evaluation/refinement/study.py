@@ -12,9 +12,11 @@ from hypernav.build.registries import DETECTORS, SEGMENTERS, Factory
 from hypernav.build.scenes import build_scene
 from hypernav.core.components.registry import Choice
 from hypernav.core.episode import Episode
-from hypernav.evaluation.refinement.area_record import AreaRecord
+from hypernav.evaluation.refinement.area_record import AreaRecord, BoxSource, MaskSource
 from hypernav.evaluation.refinement.episode_study import EpisodeStudy
+from hypernav.evaluation.refinement.example_image import Rgb
 from hypernav.evaluation.refinement.store import RefinementStore
+from hypernav.evaluation.refinement.summary import off_target_share
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.worlds.simulation import SimulatedWorld
 
@@ -45,18 +47,61 @@ def run_refinement_study(
     Raises:
         HyPerNavError: A component can't be built, a scene can't be opened, or the disk is full.
     """
-    study, scene_id, world, renderer = _study(config, specs, seed), None, None, None
+    study, place = _study(config, specs, seed), _Place(config)
     for episode in episodes:
         if watch is not None:
             watch(len(store.done), len(episodes))
-        if episode.key in store.done:
-            continue
-        if world is None or renderer is None or scene_id != episode.scene_id:
-            scene_id, scene = episode.scene_id, build_scene(episode.scene_id)
+        if episode.key not in store.done:
+            store.add(episode, study.run(episode, *place.of(episode.scene_id)))
+    return store.records
+
+
+def draw_typical_frame(
+    episodes: Sequence[Episode],
+    records: Sequence[AreaRecord],
+    config: HyPerNavConfig,
+    specs: ComponentSpecs,
+    *,
+    seed: int = 0,
+) -> Rgb | None:
+    """Draw a frame of the episode whose raw boxes are as far off the goal as half of all are.
+
+    Args:
+        episodes: All episodes.
+        records: Their records.
+        config: Configuration of the method that is studied.
+        specs: Its components.
+        seed: Seed of all noise.
+
+    Returns:
+        The image; None without records.
+    """
+    raw = [one for one in records if (one.box, one.mask) == (BoxSource.TRUE, MaskSource.BOX)]
+    raw = sorted((one for one in raw if one.seen > 0), key=off_target_share)
+    if not raw:
+        return None
+    typical = raw[len(raw) // 2]
+    episode = next(one for one in episodes if one.key == (typical.scene_id, typical.episode_id))
+    study, place = _study(config, specs, seed), _Place(config)
+    return study.draw(episode, *place.of(episode.scene_id), off_target_share(typical))
+
+
+class _Place:
+    """The world and the renderer of one scene, which stay open until another is needed."""
+
+    def __init__(self, config: HyPerNavConfig) -> None:
+        self._config = config
+        self._opened: tuple[str, SimulatedWorld, CpuRenderer] | None = None
+
+    def of(self, scene_id: str) -> tuple[SimulatedWorld, CpuRenderer]:
+        if self._opened is None or self._opened[0] != scene_id:
+            if self._opened is not None:
+                self._opened[1].close()
+            scene, config = build_scene(scene_id), self._config
             renderer = CpuRenderer(scene, RenderConfig(threads=1))
             world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
-        store.add(episode, study.run(episode, world, renderer))
-    return store.records
+            self._opened = (scene_id, world, renderer)
+        return self._opened[1:]
 
 
 def _study(config: HyPerNavConfig, specs: ComponentSpecs, seed: int) -> EpisodeStudy:

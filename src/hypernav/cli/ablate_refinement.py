@@ -1,0 +1,71 @@
+"""The study of goal refinement, `hypernav ablate --study refinement`."""
+
+from dataclasses import asdict
+from pathlib import Path
+
+from hypernav.cli.ablate_options import Options
+from hypernav.cli.eval import folder_name, plan_of
+from hypernav.cli.guards.crashes import crash_report
+from hypernav.cli.guards.outputs import check_folder
+from hypernav.cli.guards.statuses import ExitStatus
+from hypernav.cli.terminal import Terminal
+from hypernav.core.errors import ConfigError
+from hypernav.evaluation.refinement.page import result_lines, write_refinement
+from hypernav.evaluation.refinement.store import RefinementStore
+from hypernav.evaluation.refinement.study import draw_typical_frame, run_refinement_study
+
+
+def run_refinement(options: Options) -> ExitStatus:
+    """Study the goal areas of all episodes in this process, and write the page.
+
+    Raises:
+        ConfigError: An option has no meaning here.
+        HyPerNavError: The study can't be begun, or stopped before its end.
+    """
+    _check(options)
+    who, config = options.who, options.who.resolve()
+    folder = options.out or Path("runs") / folder_name(f"{options.dataset}-{who.preset}-refinement")
+    check_folder(folder)
+    console = Terminal(quiet=options.quiet)
+    with crash_report(folder), console.status("loading the episodes …") as status:
+        plan = plan_of(options, config)
+        episodes = plan.episodes()
+        told = plan.configuration(episodes) | {"study": "refinement", "parts": asdict(who.specs)}
+        with RefinementStore(folder, told) as store:
+            records = run_refinement_study(
+                episodes,
+                store,
+                config,
+                who.specs,
+                seed=options.seed,
+                watch=lambda done, total: status.update(f"{done} of {total} episodes …"),
+            )
+        status.update("drawing a typical frame …")
+        example = draw_typical_frame(episodes, records, config, who.specs, seed=options.seed)
+    seen = len({(record.scene_id, record.episode_id) for record in records})
+    lead = (
+        f"What the preset {who.preset} makes of boxes of the goal, raw and refined, in the "
+        f"{seen} of {len(episodes)} episodes of {options.dataset} that show it within the range of "
+        f"depth; refined by {who.segmenter or 'depth-cut'}."
+    )
+    page = write_refinement(folder, records, example, lead=lead)
+    for line in result_lines(records):
+        console.print(line, soft_wrap=True)
+    console.print(f"open {page}", soft_wrap=True)
+    return ExitStatus.SUCCESS
+
+
+def _check(options: Options) -> None:
+    """Refuse what only variants and their workers have."""
+    given = {
+        "--only": options.only is not None,
+        "--list": options.list,
+        "--workers": options.workers not in (None, 1),
+        "--ray": options.ray is not None,
+        "--save": options.save != "none",
+    }
+    if wrong := [name for name, is_given in given.items() if is_given]:
+        raise ConfigError(
+            f"{wrong[0]} has no meaning for --study refinement, which has no variants and runs in "
+            "one process; leave it out"
+        )

@@ -1,0 +1,55 @@
+import csv
+
+import pytest
+
+from eval_runs import SMALL, write_room
+from hypernav.cli.main import main
+from hypernav.evaluation.refinement.store import LINES_FILE
+
+FILES = ("index.html", "refinement.csv", "example.png")
+
+
+def ablate(*arguments):
+    """Run the study; returns its exit status."""
+    with pytest.raises(SystemExit) as stop:
+        main(["ablate", *(str(one) for one in arguments), "--study", "refinement", *SMALL])
+    return stop.value.code
+
+
+@pytest.fixture(scope="module")
+def room(tmp_path_factory):
+    return write_room(tmp_path_factory.mktemp("scene") / "room.glb")
+
+
+@pytest.fixture(scope="module")
+def studied(room, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("studied")
+    assert command(room, folder) == 0
+    return folder
+
+
+def command(room, folder):
+    return ablate(f"scene:{room}#1", "--of", "paper", "--max-steps", "12", "--out", folder)
+
+
+def test_a_study_leaves_a_page_a_table_and_an_image(studied):
+    assert all((studied / name).stat().st_size > 0 for name in FILES)
+    with (studied / "refinement.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert {row["mask"] for row in rows} == {"raw box", "refined", "true mask"}
+    assert {row["box"] for row in rows} == {"true", "jittered"}
+
+
+def test_a_study_that_goes_on_is_like_one_that_was_never_interrupted(studied, room):
+    files = {name: (studied / name).read_bytes() for name in FILES}
+    lines = studied / LINES_FILE
+    lines.write_bytes(lines.read_bytes().splitlines(keepends=True)[0])
+    assert command(room, studied) == 0
+    assert {name: (studied / name).read_bytes() for name in FILES} == files
+
+
+@pytest.mark.parametrize("option", [("--only", "no-erosion"), ("--list",), ("--workers", "2")])
+def test_options_of_variants_are_refused(room, tmp_path, capsys, option):
+    assert ablate(f"scene:{room}#1", "--out", tmp_path / "out", *option) == 2
+    assert f"{option[0]} has no meaning for --study refinement" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
