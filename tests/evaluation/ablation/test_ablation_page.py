@@ -73,6 +73,15 @@ def test_the_page_says_what_is_lost_and_gained_and_what_is_missing(folder):
     assert not re.search(r"(src|href)=\"(http|/|\w+\.)", page)
 
 
+def test_too_few_scenes_to_show_anything_are_said_to_be_too_few(tmp_path):
+    write(tmp_path, UNCHANGED, found(8.0, SCENES[:3]))
+    write(tmp_path, WORSE, found(9.0, SCENES[:3]))
+    page = certain(write_ablation(tmp_path, STUDY)).read_text()
+    assert "With 3 scenes no p-value can be below 0.25" in page
+    (other,) = certain(read_results(tmp_path, STUDY)).variants
+    assert certain(other.pair).spl.p_value == pytest.approx(0.25)
+
+
 def test_the_worst_comes_first(folder):
     results = certain(read_results(folder, STUDY))
     assert [one.variant.name for one in results.worst_first] == [WORSE.name, BETTER.name]

@@ -98,9 +98,9 @@ def _verdicts(results: StudyResults) -> list[str]:
     if gained:
         sentences.append(f"SPL rises with {_first_of(gained[::-1])}.")
     if others and (lost or gained):
-        sentences.append(f"Of the other {others} no difference in SPL is shown.")
+        sentences.append(f"For the other {others} no difference in SPL is shown.")
     elif others:
-        sentences.append("No difference in SPL is shown of any variant.")
+        sentences.append("No difference in SPL is shown for any variant.")
     count = len(results.variants)
     if count > 1:
         sentences.append(
@@ -112,6 +112,13 @@ def _verdicts(results: StudyResults) -> list[str]:
 
 def _warnings(results: StudyResults) -> list[str]:
     found = report_text.warnings([results.baseline.run])
+    scenes = len({record.scene_id for record in results.baseline.run.counted})
+    least = 2.0 ** (1 - scenes)
+    if scenes > 1 and least >= report_text.SIGNIFICANT:
+        found.append(
+            f"With {scenes} scenes no p-value can be below {least:g}: more scenes are needed to "
+            "show a difference."
+        )
     short = [
         f"{one.variant.name} ({len(one.run.records):,} of {one.run.wanted:,} episodes)"
         for one in results.variants
