@@ -18,7 +18,7 @@ from small_episodes import episode_from
 from small_worlds import small_config, two_rooms
 
 START = Pose2(2.5, 1.0, 0.0)
-NOISY = ComponentSpecs(reasoner="noisy:0.5")
+NOISY = ComponentSpecs(detector="noisy:fair", reasoner="noisy:0.5")
 
 
 @pytest.fixture(scope="module")
