@@ -55,7 +55,7 @@ def _run_variants(options: Options) -> ExitStatus:
         finally:  # whatever happened: what there is can be read
             page = write_ablation(folder, study)
             if page is not None:
-                console.print(f"open {page}", soft_wrap=True)
+                console.print(f"open {page}", soft_wrap=True, markup=False)
     return ExitStatus.SUCCESS
 
 

@@ -1,6 +1,7 @@
 """The variants of the study of switches, against the presets and the components in use."""
 
 import math
+from pathlib import Path
 
 import pytest
 
@@ -20,6 +21,7 @@ from hypernav.worlds.episode_run import EpisodeRun
 from small_episodes import episode_from
 from small_worlds import small_config, two_rooms
 
+PAGE = (Path(__file__).parents[3] / "docs" / "evaluation.md").read_text(encoding="utf-8")
 MODEL = ComponentSpecs(vlm="replay:none.jsonl")
 
 
@@ -125,6 +127,13 @@ def test_a_whole_agent_has_no_switches():
     whole = method("default", ComponentSpecs(agent=f"{__name__}:Spinning"))
     with pytest.raises(ConfigError, match="acts by itself"):
         switches(whole)
+
+
+def test_the_docs_have_a_row_for_every_ablation_of_the_paper():
+    lines = PAGE.splitlines()
+    for one in ABLATIONS:
+        (row,) = [line for line in lines if line.startswith(f"| `{one.slug}` |")]
+        assert row.endswith(f"| `{one.changes}` |")
 
 
 def test_every_field_has_words():
