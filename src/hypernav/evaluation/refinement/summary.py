@@ -54,7 +54,7 @@ class Row:
         off_target: Share of the seen cells off the goal.
         off_target_dilated: Share of the dilated cells off the goal.
         useless: Share of the goal positions that are unreachable or occluded.
-        no_success: Share of the goal positions where the robot doesn't get to or a STOP fails.
+        no_success: Share of the goal positions at which a STOP fails, useless ones included.
         positions: Number of the goal positions of each kind.
     """
 
