@@ -190,6 +190,7 @@ def test_who_saw_the_goal_far_away_goes_there_through_the_unknown_before_all_els
     driven = sum(math.dist(a, b) for a, b in pairwise(positions[: nearest + 1]))
     assert driven < 1.3 * math.dist(positions[0], end)
     assert events.count("goal seen far away") == 1  # once there, it explores
+    assert local.far_position is None
 
 
 def test_the_paper_does_not_go_to_what_is_far_away():

@@ -185,6 +185,7 @@ def test_a_goal_beyond_the_depth_camera_lies_at_the_end_of_its_range_or_beyond()
     local = perception()
     local.look(thing_before_wall(thing_m=7.0, wall_m=9.0, box=(20, 40, 40, 80)))
     left = certain(local.far_position)
+    local.forget_far_position()
     local.look(thing_before_wall(thing_m=7.0, wall_m=9.0, box=(120, 40, 140, 80)))
     assert left == pytest.approx(np.array(certain(local.far_position)) * (1.0, -1.0))
     assert left[0] == pytest.approx(CameraConfig().max_depth_m)
@@ -201,6 +202,19 @@ def test_a_far_sighting_is_remembered_until_there_is_a_target():
     local.look(thing_before_wall(thing_m=2.0))
     assert local.far_position is None
     assert local.target is not None
+
+
+def test_of_several_far_sightings_the_first_is_kept_until_it_is_forgotten():
+    local = perception()
+    local.look(thing_before_wall(thing_m=7.0, wall_m=9.0, box=(20, 40, 40, 80)))
+    first = certain(local.far_position)
+    right = thing_before_wall(thing_m=7.0, wall_m=9.0, box=(120, 40, 140, 80))
+    local.look(right)
+    assert local.far_position == first
+    local.forget_far_position()
+    assert local.far_position is None
+    local.look(right)
+    assert local.far_position != first
 
 
 def test_a_new_search_knows_of_no_far_sighting():

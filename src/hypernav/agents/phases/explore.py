@@ -137,6 +137,7 @@ class Explore:
         # Been there, and the goal was still out of reach: explore instead of going to and fro.
         near_m = 2.0 * self._config.arrival_distance_m
         if any(math.dist(position, other) <= near_m for other in self._pursued):
+            self._local.forget_far_position()
             return
         if self.destination is None or not self.destination.is_sighting:
             step.events.append("goal seen far away")
@@ -185,6 +186,7 @@ class Explore:
         step.events.append(event)
         if self.destination.is_sighting:
             self._pursued.append(self.destination.xy)
+            self._local.forget_far_position()
         else:
             self._explorer.remember_visit(*self.destination.xy)
         self.destination, self._age = None, 0

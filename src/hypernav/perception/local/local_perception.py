@@ -92,10 +92,10 @@ class LocalPerception:
 
     @property
     def far_position(self) -> tuple[float, float] | None:
-        """The nearest position of a goal that was last seen beyond the range of depth.
+        """The nearest position of a goal that was seen beyond the range of depth.
 
-        ``(x, y)``, metres; it is remembered until there is a target. None if there is no such
-        sighting, or if it lay behind a rejected area.
+        ``(x, y)``, metres; it is remembered until there is a target, or it is forgotten. None if
+        there is no such sighting, or if it lay behind a rejected area.
         """
         return self._far_position
 
@@ -130,6 +130,10 @@ class LocalPerception:
     def is_contradicted(self) -> bool:
         """Whether the target looks more like something else in the latest image."""
         return self._score_now < 0.0
+
+    def forget_far_position(self) -> None:
+        """Take the next sighting beyond the range of depth in place of the remembered one."""
+        self._far_position = None
 
     def confirm_target(self) -> None:
         """Note that the target was looked at once more."""
@@ -200,9 +204,8 @@ class LocalPerception:
             self._weigh_rivals([one for one in detections if not one.is_goal], observation)
         if self._target is not None:
             self._far_position = None
-        else:
-            latest = next((one for one in far_positions if one is not None), None)
-            self._far_position = latest or self._far_position
+        elif self._far_position is None:
+            self._far_position = next((one for one in far_positions if one is not None), None)
         return records
 
     @property
