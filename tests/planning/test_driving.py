@@ -121,7 +121,7 @@ def open_cell(rng, costmap, from_cell=None):
     return int(row), int(column)
 
 
-def drive(seed, config, *, door_m, limit=300):
+def drive(seed, config, *, door_m, limit=300, actions=None):
     """Drive from one random position to another in random rooms; None if there is no other."""
     rng = np.random.default_rng(seed)
     grid = random_rooms(rng, door_m=door_m)
@@ -144,6 +144,8 @@ def drive(seed, config, *, door_m, limit=300):
             break
         bumps.note_action(robot.pose, action)
         robot.do(action)
+        if actions is not None:
+            actions.append(action)
     else:
         raise AssertionError(f"seed {seed}: still driving after {limit} actions")
     planned = certain(Planner(config, ROBOT.body).plan(grid, pose.xy, goal))
@@ -164,6 +166,17 @@ def test_it_gets_through_doors_and_around_furniture(door_m):
     assert sum(there) >= 29
     detours = [r.travelled_m / planned for r, off, planned in outcomes if off <= 0.36]
     assert np.mean(detours) < 1.15
+
+
+def test_where_turns_are_dear_there_are_fewer_and_the_path_is_hardly_longer():
+    turns, length_m = [], []
+    for turn_cost_m in (0.0, 0.2):
+        config, actions = PlanningConfig(turn_cost_m=turn_cost_m), []
+        drives = [drive(seed, config, door_m=0.9, actions=actions) for seed in range(12)]
+        turns.append(sum(action is not Action.MOVE_FORWARD for action in actions))
+        length_m.append(sum(robot.travelled_m for robot, _, _ in drives))
+    assert turns[1] < 0.9 * turns[0]
+    assert length_m[1] < 1.05 * length_m[0]
 
 
 def test_the_papers_follower_gets_through_doors_too():

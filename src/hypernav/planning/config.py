@@ -44,6 +44,8 @@ class PlanningConfig(RoomConfig):
         steering: Manner of following a path. "waypoint": turn if the next waypoint is too far off
             the heading, else go forward (paper). "lattice": search the sequence of turns and steps
             that leads on best without touching an inflated obstacle, and take its first action.
+        turn_cost_m: Cost of a turn of 30 degrees to "lattice" steering, as length of path, metres:
+            a turn is a step, and a staircase of turns is no shorter than one bend.
         heading_tolerance_deg: Largest angle off the heading at which "waypoint" steering goes
             forward, degrees (paper: 15).
         waypoint_tolerance_m: Distance within which a waypoint counts as passed, metres.
@@ -64,6 +66,7 @@ class PlanningConfig(RoomConfig):
     replan_every_steps: int | None = Field(default=10, ge=1, le=MOST_STEPS)
     replan_when_moved: bool = True
     steering: Literal["waypoint", "lattice"] = "lattice"
+    turn_cost_m: float = Field(default=0.2, ge=0.0, le=10.0)
     heading_tolerance_deg: float = Field(default=15.0, gt=0.0, le=180.0)
     waypoint_tolerance_m: float = Field(default=0.25, gt=0.0, le=10.0)
     bump_sensor: bool = True

@@ -16,15 +16,13 @@ from hypernav.planning.costmap import Costmap
 from hypernav.planning.motion_kernels import plan_actions
 from hypernav.planning.planner import PlannedPath, is_blocked
 
-_TURN_COST_M = 0.05
-"""Cost of a turn of 30 degrees, as length of path: enough to prevent zigzags."""
 _LEAST_GAIN_M = 0.05
 """Smallest gain for which a sequence of actions is worth taking."""
-_HORIZON_M = 2.0
-"""Length of path over which actions are searched: beyond the next door."""
-_LOOK_AHEAD_M = 3.0
+_HORIZON_M = 3.0
+"""Length of path over which actions are searched: beyond the next door, and bend."""
+_LOOK_AHEAD_M = 4.0
 """Length of path to the point that the actions aim at; beyond the horizon."""
-_SURROUNDINGS_M = 4.0
+_SURROUNDINGS_M = 5.0
 """Half the side of the part of the map that actions are searched in."""
 _SIDEWAYS_M = 1.0
 """Length by which the path to the aim may grow in between."""
@@ -212,7 +210,7 @@ class PathFollower:
             np.sin(headings),
             np.cos(headings),
             self._motion.forward_m / size,
-            _TURN_COST_M * (self._motion.turn_angle_deg / 30.0) / size,
+            self._config.turn_cost_m * (self._motion.turn_angle_deg / 30.0) / size,
             self._tolerance / size,
             _HORIZON_M / size,
         )
