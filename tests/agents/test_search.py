@@ -78,9 +78,11 @@ def test_local_perception_beats_global_perception():
 
 
 def test_it_looks_around_first_and_only_if_asked_to():
-    steps, _ = run(search(), "piano", max_steps=14)
-    assert [step.mode for step in steps[:12]] == [Mode.LOOK_AROUND] * 12
-    assert steps[12].mode is Mode.EXPLORE
+    for least_unseen_m2, turns in ((None, 12), (1.0, 10)):  # the image is 79 degrees wide
+        agent = search(search={"least_unseen_m2": least_unseen_m2})
+        steps, _ = run(agent, "piano", max_steps=turns + 1)
+        assert [step.mode for step in steps[:-1]] == [Mode.LOOK_AROUND] * turns
+        assert steps[-1].mode is Mode.EXPLORE
     steps, _ = run(search(name="paper"), "piano", max_steps=1)
     assert steps[0].mode is Mode.EXPLORE
 
@@ -152,14 +154,14 @@ def test_the_endurance_limit_ends_a_destination():
 
 
 def test_who_gets_nowhere_far_from_the_goal_explores_before_trying_again():
-    agent = search(search={"patience_steps": 0, "endurance_steps": 3})
-    steps, _ = run(agent, "bed")
+    impatient = {"patience_steps": 0, "endurance_steps": 3, "least_unseen_m2": None}
+    steps, _ = run(search(search=impatient), "bed")
     given_up = [s.step for s in steps if "goal out of reach for now" in s.events]
     assert given_up
     for step in given_up:
         resting = steps[step : step + 3]
         assert Mode.APPROACH not in {s.mode for s in resting}
-    assert Mode.APPROACH in {s.mode for s in steps[given_up[0] :]}
+    assert {Mode.APPROACH, Mode.VERIFY} & {s.mode for s in steps[given_up[0] :]}
 
 
 def test_who_gets_nowhere_on_the_way_gives_the_destination_up():
@@ -231,7 +233,10 @@ class DoubtfulDetector:
 
 @pytest.mark.parametrize(("sure_score", "outcome"), [(0.0, "wrong_place"), (0.75, "found")])
 def test_a_second_look_from_another_side_unmasks_a_sofa(sure_score, outcome):
-    agent = search(detector=DoubtfulDetector(), local={"sure_score": sure_score})
+    agent = search(
+        detector=DoubtfulDetector(),
+        local={"sure_score": sure_score, "min_verdicts": 100},  # nothing drops it on the path
+    )
     steps, result = run(agent, "bed")
     events = [event for step in steps for event in step.events]
     assert result.outcome == outcome
@@ -245,8 +250,8 @@ def test_it_looks_around_once_more_before_it_gives_up(look_again, circles):
     steps, result = run(agent, "piano")
     assert result.outcome is Outcome.NOT_FOUND
     turned = sum(step.mode is Mode.LOOK_AROUND for step in steps)
-    assert turned >= 12 * circles
-    assert look_again or turned == 12
+    assert turned >= 10 + 12 * (circles - 1)
+    assert look_again or turned == 10
 
 
 def test_an_agent_without_a_goal_says_what_to_do():

@@ -43,6 +43,9 @@ class SearchConfig(RoomConfig):
             positions and bumps, turn once around, and only then give up.
         look_across_boundary: Whether to turn, at a destination, to what is still unexplored around
             it.
+        least_unseen_m2: Unseen floor that an image must be able to show to be worth turning for, at
+            the start and at a destination, square metres. None turns full circles at the start, and
+            at a destination to the boundary right around it.
         drop_explored: Whether to give a destination up once nothing unknown is left around it.
         drop_explored_radius_m: Radius around a destination for both of these, metres.
         looks: Steps at which the camera is asked for the goal: "always" (paper), or only
@@ -68,6 +71,7 @@ class SearchConfig(RoomConfig):
     look_around_at_start: bool = True
     look_again_before_giving_up: bool = True
     look_across_boundary: bool = True
+    least_unseen_m2: float | None = Field(default=1.0, ge=0.0, le=1000.0)
     drop_explored: bool = True
     drop_explored_radius_m: float = Field(default=0.75, gt=0.0, le=10.0)
     looks: Literal["always", "at-destinations"] = "always"

@@ -7,6 +7,7 @@ from hypernav.agents.config import SearchConfig
 from hypernav.agents.phases.approach import Approach
 from hypernav.agents.phases.end import End
 from hypernav.agents.phases.explore import Explore
+from hypernav.agents.phases.gaze import Gaze
 from hypernav.agents.phases.look_around import LookAround
 from hypernav.agents.phases.second_look import SecondLook
 from hypernav.agents.phases.step import Decision, Phase, PhaseName, Step
@@ -113,9 +114,11 @@ class _Search:
         # Each keeps to its own plan: steps that lead to two positions by turns lead to neither.
         navigator = Navigator(planning, embodiment)
         roaming = Navigator(planning, embodiment)
-        self._look_around = LookAround(embodiment.motion)
+        least_m2 = config.least_unseen_m2
+        self._gaze = None if least_m2 is None else Gaze(embodiment, least_m2)
+        self._look_around = LookAround(embodiment.motion, self._gaze)
         self._explore = Explore(
-            goal, local, components.explorer, roaming, self._look_around, config
+            goal, local, components.explorer, roaming, self._look_around, self._gaze, config
         )
         self._approach = Approach(goal, local, navigator, self._explore, self._look_around, config)
         self._second_look = SecondLook(
@@ -153,7 +156,7 @@ class _Search:
             ),
         }
         if config.look_around_at_start:
-            self._look_around.begin()
+            self._look_around.begin(full=not self._always_looks)
 
     def act(self, observation: Observation) -> Action | None:
         """Draw the map, look for the goal, decide, and keep the trace."""
@@ -164,6 +167,8 @@ class _Search:
             self.world_map.mark_occupied(self._bumps.points(observation.robot, self.world_map.grid))
         with clock("local"):
             detections = self._local.look(observation, asks=self._asks_the_camera())
+        if self._gaze is not None:
+            self._gaze.note(observation.robot)
         step = Step(observation, self.world_map.grid, self._trajectory, self._motion, clock, events)
         decision = self._decide(step)
         if decision.action is not None:

@@ -198,6 +198,7 @@ def preset(name: PresetName) -> HyPerNavConfig:
             look_around_at_start=False,
             look_again_before_giving_up=False,
             look_across_boundary=False,
+            least_unseen_m2=None,
             drop_explored=False,
             verify_view="current",
             face_target=False,

@@ -97,7 +97,8 @@ def explore(explorer, robot, steps, *, local=None, **options):
         local,
         explorer,
         Navigator(PlanningConfig(), Embodiment()),
-        LookAround(MotionConfig()),
+        LookAround(MotionConfig(), None),
+        None,
         SearchConfig(**options),
     )
     phase.destination = explorer.next_destination(None, None, [])
@@ -162,8 +163,8 @@ def heading_for(local, robot):
     grid = drawn(UNKNOWN_HALL + CORRIDOR, scale=10)
     explorer, positions, events = Once((1.0, 1.5)), [robot.xy], []
     navigator = Navigator(PlanningConfig(), Embodiment())
-    look_around = LookAround(MotionConfig())
-    phase = Explore(Goal("bed"), local, explorer, navigator, look_around, SearchConfig())
+    look_around = LookAround(MotionConfig(), None)
+    phase = Explore(Goal("bed"), local, explorer, navigator, look_around, None, SearchConfig())
     for _ in range(60):
         outcome = phase.act(Step(frame_of(robot), grid, [], MotionConfig(), ModuleClock(), events))
         if outcome is PhaseName.END:

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from hypernav.agents.config import SearchConfig
+from hypernav.agents.phases.gaze import Gaze
 from hypernav.agents.phases.look_around import LookAround
 from hypernav.agents.phases.step import Decision, PhaseName, Step, turn_towards
 from hypernav.agents.progress import patience_of
@@ -41,6 +42,7 @@ class Explore:
         explorer: Explorer,
         navigator: Navigator,
         look_around: LookAround,
+        gaze: Gaze | None,
         config: SearchConfig,
     ) -> None:
         """Begin without a destination.
@@ -53,6 +55,8 @@ class Explore:
             navigator: Navigator that drives there.
             look_around: Turn around, begun before questions about the map where the camera is asked
                 only then.
+            gaze: Choice of the turns that show something; None looks at the boundary right around
+                a destination.
             config: Conditions under which a destination ends.
         """
         explorer.reset(goal)
@@ -61,6 +65,7 @@ class Explore:
         self._explorer = explorer
         self._navigator = navigator
         self._look_around = look_around
+        self._gaze = gaze
         self._config = config
         self._patience = patience_of(config)
         self._age = 0
@@ -159,6 +164,8 @@ class Explore:
             or robot.distance_to(*destination.xy) >= config.arrival_distance_m
         ):
             return None
+        if self._gaze is not None:
+            return self._gaze.worthwhile_turn(grid, robot)
         points = unexplored_boundary(grid, destination.xy, config.drop_explored_radius_m)
         if len(points) * grid.resolution_m < _WORTH_A_TURN_M:
             return None

@@ -1,5 +1,6 @@
-"""A full turn around."""
+"""A turn around, full or as far as it shows something."""
 
+from hypernav.agents.phases.gaze import Gaze
 from hypernav.agents.phases.step import Decision, PhaseName, Step
 from hypernav.core.actions import Action
 from hypernav.core.embodiment import MotionConfig
@@ -8,21 +9,29 @@ from hypernav.core.trace import Mode
 
 
 class LookAround:
-    """Turns until a full circle is done, then hands over to exploration."""
+    """Turns until a circle is done, or all of it was seen; then hands over to exploration."""
 
-    def __init__(self, motion: MotionConfig) -> None:
+    def __init__(self, motion: MotionConfig, gaze: Gaze | None) -> None:
         """Begin with nothing to turn.
 
         Args:
             motion: Angle of a turn.
+            gaze: Choice of the turns that show something; None makes every circle a full one.
         """
         self._turns_of_a_circle = motion.turns_of_a_circle
+        self._gaze = gaze
         self._turns_left = 0
+        self._is_full = True
         self._last_position: tuple[float, float] | None = None
 
-    def begin(self) -> None:
-        """Turn a full circle from the next step on."""
+    def begin(self, *, full: bool = True) -> None:
+        """Turn around from the next step on.
+
+        Args:
+            full: Whether to turn a full circle, whatever it shows.
+        """
         self._turns_left = self._turns_of_a_circle
+        self._is_full = full
 
     def cancel(self) -> None:
         """Turn no further."""
@@ -35,9 +44,18 @@ class LookAround:
         )
 
     def act(self, step: Step) -> Decision | PhaseName:
-        """The next turn of the circle, if one is left."""
-        if self._turns_left == 0:
+        """The next turn of the circle, if one is left that shows something."""
+        turn = self._next_turn(step)
+        if turn is None:
+            self.cancel()
             return PhaseName.EXPLORE
         self._turns_left -= 1
         self._last_position = step.robot.xy
-        return Decision(Action.TURN_LEFT, Mode.LOOK_AROUND, "looking around")
+        return Decision(turn, Mode.LOOK_AROUND, "looking around")
+
+    def _next_turn(self, step: Step) -> Action | None:
+        if self._turns_left == 0:
+            return None
+        if self._is_full or self._gaze is None:
+            return Action.TURN_LEFT
+        return self._gaze.worthwhile_turn(step.grid, step.robot)
