@@ -136,3 +136,9 @@ def test_goals_that_cannot_be_reached_are_left_out_of_the_mean_distance_only():
     assert summary.success.mean == 0.5
     assert summary.distance_to_goal_m.mean == pytest.approx(0.05)
     assert summary.distance_to_goal_m.count == 1
+
+
+def test_a_ratio_leaves_out_draws_without_references():
+    scenes = [f"house {number}" for number in range(4)]
+    ratio = ratio_with_interval([0.5, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0], scenes)
+    assert (ratio.mean, ratio.low, ratio.high) == (0.5, 0.5, 0.5)
