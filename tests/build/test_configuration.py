@@ -96,7 +96,7 @@ def test_nonsense_is_refused_with_the_reason(assignment, words):
 @pytest.mark.parametrize(
     ("assignments", "words"),
     [
-        (["width=8192", "height=8192"], "would take 13,421 MB .* at most 2,000 MB"),
+        (["width=8192", "height=8192"], "would take 13,421 MB .* at most 1,000 MB"),
         (["max_depth_m=100", "mapping.cell_size_m=0.01"], "range of 100 m .* 2,000 MB"),
     ],
 )
