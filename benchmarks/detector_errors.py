@@ -24,7 +24,8 @@ from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels
-from hypernav.houses.generator import build_house
+from hypernav.houses.building import Building
+from hypernav.houses.generator import generate
 from hypernav.models.vision.yolox import YoloxConfig, YoloxDetector
 from hypernav.perception.local.ground_truth import true_detection, visible_objects
 from hypernav.perception.local.noisy_detector import resembles
@@ -179,7 +180,7 @@ def main(model: Path, first: int = 3000, count: int = 20, images: int = 60) -> N
     """
     detector, tally = YoloxDetector(model, YoloxConfig()), Tally()
     for house in range(first, first + count):
-        look_about(tally, house, build_house(house), detector, images)
+        look_about(tally, house, generate(Building("houses", house)), detector, images)
     print(tally.report())
 
 

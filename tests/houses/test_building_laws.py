@@ -21,6 +21,8 @@ SOME = (
     house(5),
     Building("offices", 3),
     Building("offices", 11),
+    Building("shops", 2),
+    Building("shops", 19),
 )
 
 

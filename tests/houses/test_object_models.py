@@ -9,7 +9,7 @@ from hypernav.houses.textures.library import texture
 
 MAKERS = all_makers()
 SEEDS = range(2)
-HANGING = ("ceiling lamp", "chandelier")
+HANGING = ("ceiling lamp", "chandelier", "projector")
 
 
 def make(name: str, seed: int) -> Model:

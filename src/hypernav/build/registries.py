@@ -132,6 +132,7 @@ SCENES: "Registry[Callable[..., Scene]]" = Registry(
         Entry("builtin", "hypernav.build.scenes:builtin_house"),
         Entry("houses", "hypernav.build.scenes:numbered_house", form="houses:N"),
         Entry("offices", "hypernav.build.scenes:numbered_office", form="offices:N"),
+        Entry("shops", "hypernav.build.scenes:numbered_shop", form="shops:N"),
     ],
 )
 """Scenes that are no files: functions of the text after the name."""

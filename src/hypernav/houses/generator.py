@@ -6,6 +6,7 @@ from hypernav.houses.furnishing.rooms import furnish_rooms
 from hypernav.houses.kinds.building_kind import BuildingKind
 from hypernav.houses.kinds.homes import HOMES
 from hypernav.houses.kinds.offices import OFFICES
+from hypernav.houses.kinds.shops import SHOPS
 from hypernav.houses.labelling import name_and_label
 from hypernav.houses.materials import sample_palette
 from hypernav.houses.plan.shapes import FloorPlan
@@ -14,7 +15,7 @@ from hypernav.houses.shell.doors_and_windows import build_openings
 from hypernav.houses.shell.room_surfaces import build_rooms
 from hypernav.worlds.scenes.scene import Scene
 
-_KINDS: dict[str, BuildingKind] = {"houses": HOMES, "offices": OFFICES}
+_KINDS: dict[str, BuildingKind] = {"houses": HOMES, "offices": OFFICES, "shops": SHOPS}
 
 
 def plan_of(building: Building) -> FloorPlan:

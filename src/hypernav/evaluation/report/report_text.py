@@ -7,6 +7,7 @@ from hypernav.evaluation.report.run_data import RunData
 from hypernav.evaluation.report.tables import Pair
 from hypernav.evaluation.statistics import Estimate
 from hypernav.evaluation.summary import Summary
+from hypernav.houses.building import NOUNS
 from hypernav.show import captions
 from hypernav.worlds.goal_sight import MIN_VISIBLE_SHARE
 from hypernav.worlds.noise import NoiseConfig
@@ -177,7 +178,8 @@ def setting(run: RunData) -> str:
     """Protocol in a line, to be set beside published ones."""
     told, config = run.configuration["protocol"], run.configuration["config"]
     motion = config["embodiment"]["motion"]
-    scenes = "generated houses" if run.dataset.startswith("houses-") else "one scene"
+    kind = run.dataset.partition("-")[0]
+    scenes = f"generated {kind}" if kind in NOUNS else "one scene"
     sees = "ground-truth detection" if run.is_told_truth else f"sees with {run.who['detector']}"
     return (
         f"{scenes}; {sees}; STOP within {told['success_distance_m']:g} m of a view point, at most "

@@ -46,5 +46,18 @@ RULES = {
         4.0,
         60.0,
     ),
+    "shops": EpisodeRules(
+        (
+            *("checkout counter", "sales counter", "reception desk", "shopping cart", "copier"),
+            *("display refrigerator", "chest freezer", "mannequin", "display table", "mirror"),
+            *("magazine rack", "book cart", "shoe display", "ladder", "bicycle", "toolbox"),
+            *("shopping basket", "armchair", "toilet", "sink", "coffee machine", "microwave"),
+            *("vending machine", "water dispenser", "desk", "meeting table", "filing cabinet"),
+            *("potted plant", "bench", "suitcase", "cardboard box", "coat rack", "dining table"),
+        ),
+        (),
+        4.0,
+        60.0,
+    ),
 }
 """Rules of the episodes by kind of building."""

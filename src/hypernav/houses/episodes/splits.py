@@ -86,6 +86,7 @@ SPLITS = {
         BuildingSplit(
             "offices-train", "offices", "categories", range(3000, 3025), 300, is_open=True
         ),
+        BuildingSplit("shops-train", "shops", "categories", range(3000, 3025), 300, is_open=True),
     )
 }
 """All splits by name."""

@@ -27,6 +27,17 @@ _FILLS = {
     "restroom": "#d8f0f0",
     "copy room": "#ece0f2",
     "server room": "#ece0f2",
+    "arcade": "#eeeeee",
+    "supermarket": "#e2f1de",
+    "hardware store": "#e4e0da",
+    "clothes shop": "#fbe0cf",
+    "bookshop": "#fdebd3",
+    "library": "#fdebd3",
+    "reading room": "#fdf6cf",
+    "study room": "#dfe8f6",
+    "staff room": "#fdf6cf",
+    "stock room": "#e4e0da",
+    "fitting room": "#ece0f2",
 }
 _LEAST_HEIGHT_M = 0.12
 

@@ -35,6 +35,7 @@ from hypernav.houses.objects.kitchen_and_bathroom import (
     small_appliances,
     tableware,
 )
+from hypernav.houses.objects.shop import clothes, counters, shelving
 from hypernav.houses.objects.workplace import boards, machines, office_furniture
 from hypernav.houses.random_stream import RandomStream
 
@@ -47,6 +48,7 @@ _FAMILIES: tuple[ModuleType, ...] = (
     *(plants, textiles, wall_decor, ornaments),
     *(household, leisure, sports, toys, pets, luggage_and_tools),
     *(machines, office_furniture, boards),
+    *(shelving, counters, clothes),
 )
 
 

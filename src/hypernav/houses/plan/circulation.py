@@ -14,6 +14,7 @@ from hypernav.houses.plan.shapes import WALL_M, Opening, Room
 from hypernav.houses.plan.windows import is_free, outer_walls
 from hypernav.houses.random_stream import RandomStream
 
+_SPINES = {"corridor", "arcade"}
 _PASSAGE_TOP_M = 2.25
 _SECOND_ENTRY_M = 8.0
 """Least length of a wall between two public rooms that gets two passages, metres."""
@@ -27,11 +28,14 @@ class Circulation:
         hubs: Kinds of rooms that others open off, those to prefer first.
         second_doors: Kinds of rooms that may have a door to each of two hubs, with the probability.
         entrances: Kinds of rooms that may have the front door, those to prefer first.
+        joined: Probability of passages between two halls side by side; corridors and arcades are
+            always open to all hubs.
     """
 
     hubs: Sequence[str]
     second_doors: Mapping[str, float]
     entrances: Sequence[str]
+    joined: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -51,7 +55,8 @@ def sample_doors(
     walls = [w for w in shared_walls(rooms) if w.end - w.start > 0.9 + 2 * CASING_M + 0.04]
     openings: list[Opening] = []
     for wall in walls:
-        if rooms[wall.low].kind in rank and rooms[wall.high].kind in rank:
+        kinds = {rooms[wall.low].kind, rooms[wall.high].kind}
+        if kinds <= rank.keys() and (kinds & _SPINES or rng.chance(rules.joined)):
             openings += _passages(rng, wall, openings)
     for number, room in enumerate(rooms):
         if room.kind in rank:

@@ -32,19 +32,19 @@ def whiteboard(rng: RandomStream, height: int = 160, width: int = 256) -> Image:
 
 def goods(rng: RandomStream, height: int = 128, width: int = 512) -> Image:
     """Packages side by side on a shelf, several of each sort; about 1 m × 0.3 m."""
-    canvas = np.ones((height, width, 3)) * 0.1
+    canvas = np.ones((height, width, 3)) * 0.16
     x = 0
     while x < width:
-        wide, count = rng.integer(14, 34), rng.integer(2, 6)
+        wide, count = rng.integer(16, 40), rng.integer(2, 5)
         ink, other = np.array(rng.choice(INKS)), np.array(rng.choice(INKS))
         top = rng.integer(int(height * 0.08), int(height * 0.4))
         is_round = rng.chance(0.3)
         band = rng.integer(top + 12, top + 40)
         for _ in range(count):
-            end = min(x + wide - 1, width)
+            end = min(x + wide - 2, width)
             if end <= x:
                 break
-            across = np.linspace(-1.0, 1.0, wide - 1)[: end - x]
+            across = np.linspace(-1.0, 1.0, wide - 2)[: end - x]
             shade = (1.0 - 0.4 * across**2 if is_round else 1.0 - 0.1 * np.abs(across))[:, None]
             canvas[top:, x:end] = ink * shade
             canvas[band : band + 22, x:end] = other * shade

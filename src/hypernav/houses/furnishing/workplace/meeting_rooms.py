@@ -69,7 +69,7 @@ def furnish_lounge(layout: RoomLayout) -> None:
 def furnish_reception(layout: RoomLayout) -> None:
     """Furnish with a counter that faces the room, a chair behind it, seats to wait on."""
     rng, palette = layout.rng, layout.palette
-    _place_counter(layout)
+    place_counter(layout)
     sofa = layout.place_at_wall(sofas.sofa(rng, palette), front=0.9, reserve_front=False)
     if sofa is not None:
         table = tables.coffee_table(rng, palette)
@@ -95,7 +95,7 @@ def furnish_reception(layout: RoomLayout) -> None:
     place_plants(layout, rng.integer(1, 3))
 
 
-def _place_counter(layout: RoomLayout) -> None:
+def place_counter(layout: RoomLayout) -> None:
     """Place the reception desk with free floor behind it for a chair."""
     rng, palette = layout.rng, layout.palette
     desk = office_furniture.reception_desk(rng, palette)

@@ -13,6 +13,7 @@ from hypernav.houses.modelling.mesh import Finish
 from hypernav.houses.modelling.model import Model, ModelBuilder, SupportSurface
 from hypernav.houses.modelling.solids import box, panel, tile
 from hypernav.houses.modelling.surfaces import cylinder
+from hypernav.houses.objects.repeated_images import repeated_image, repeated_panel
 from hypernav.houses.random_stream import RandomStream
 
 _WATER = Finish("", (0.55, 0.72, 0.86), 1.0, "blue", "plastic")
@@ -74,8 +75,8 @@ def vending_machine(rng: RandomStream, palette: Palette) -> Model:
         z = 0.54 + 0.24 * k
         shift = rng.unit()
         builder.add(
-            image_finish(f"goods {rng.integer(0, 5)}"),
-            panel(0.54, 0.18, at=(-0.1, 0.3695, z)).textured(0.6, 1.0, shift, 0.0),
+            repeated_image(f"goods {rng.integer(0, 5)}"),
+            repeated_panel(0.54, 0.18, shift).moved(-0.1, 0.3695, z),
         )
         builder.add(STEEL, box(0.56, 0.008, 0.02, at=(-0.1, 0.37, z - 0.02)))
     builder.add(plastic("gray"), box(0.17, 0.02, 0.5, at=(0.31, 0.365, 0.9), bevel=0.004))

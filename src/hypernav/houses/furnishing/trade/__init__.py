@@ -1,0 +1,1 @@
+"""Furnishing of shops and libraries, one module per group of rooms."""

@@ -1,0 +1,1 @@
+"""Models of what stands in shops and libraries."""
