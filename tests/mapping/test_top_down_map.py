@@ -78,6 +78,18 @@ def test_a_thin_pole_and_a_low_table_are_drawn():
     assert grid.state_at(4.02, 2.6) == Cell.OCCUPIED
 
 
+def test_at_eye_level_there_are_walls_and_poles_and_no_tables():
+    world_map = map_of(ROOM, turning(1.5, 1.5))
+    before, eye_level = world_map.grid.copy(), world_map.eye_level
+    assert eye_level.state_at(2.51, 3.41) == Cell.OCCUPIED
+    assert eye_level.state_at(4.02, 2.6) == Cell.FREE
+    assert eye_level.occupied.sum() < before.occupied.sum()
+    np.testing.assert_array_equal(eye_level.explored, before.explored)
+    np.testing.assert_array_equal(world_map.grid.cells, before.cells)
+    walls = eye_level.centres_of(np.argwhere(eye_level.occupied))
+    assert distance_to_boxes(walls, ROOM, 0.8, 0.95).max() < 0.05
+
+
 @pytest.mark.parametrize("far", [3.0, 4.5])
 def test_a_chair_leg_survives_being_seen_from_far(far):
     leg = ((far, 0.1, 0.0), (far + 0.03, 0.13, 0.5))

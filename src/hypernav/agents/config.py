@@ -56,6 +56,8 @@ class SearchConfig(RoomConfig):
         face_target: Whether to turn towards the goal area before the presence check.
         see_before_stop: Whether a robot that faces the goal area and has something in between, such
             as a wall, goes on to another position at it.
+        enter_in_sight: Whether to enter the goal area where the map shows nothing as high as the
+            camera between there and the target, if a path leads there.
         pursue_far_sightings: Whether to go towards a goal that was seen beyond the range of depth:
             to where that range ended, also through the unknown, before all else that is unexplored.
     """
@@ -78,6 +80,7 @@ class SearchConfig(RoomConfig):
     verify_view: Literal["current", "best"] = "best"
     face_target: bool = True
     see_before_stop: bool = True
+    enter_in_sight: bool = True
     pursue_far_sightings: bool = True
 
     def paced(self, motion: MotionConfig) -> "SearchConfig":

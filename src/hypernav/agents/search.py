@@ -120,7 +120,15 @@ class _Search:
         self._explore = Explore(
             goal, local, components.explorer, roaming, self._look_around, self._gaze, config
         )
-        self._approach = Approach(goal, local, navigator, self._explore, self._look_around, config)
+        self._approach = Approach(
+            goal,
+            local,
+            navigator,
+            self.world_map,
+            self._explore,
+            self._look_around,
+            config,
+        )
         self._second_look = SecondLook(
             goal,
             local,

@@ -203,6 +203,7 @@ def preset(name: PresetName) -> HyPerNavConfig:
             verify_view="current",
             face_target=False,
             see_before_stop=False,
+            enter_in_sight=False,
             pursue_far_sightings=False,
         ),
         grounding=VlmDetectorConfig(right_articles=False, score_crops=0, min_score=0.0),

@@ -10,7 +10,7 @@ from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import MapError
 from hypernav.core.files.allowance import MOST_BYTES, megabytes
 from hypernav.core.geometry.camera import PinholeCamera
-from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.observation import Observation
 from hypernav.mapping.config import MappingConfig, memory_of
@@ -77,6 +77,7 @@ class TopDownMap:
         above_bottom_m = embodiment.camera.height_m - self._band.bottom_m
         to_camera = math.ceil(above_bottom_m / config.voxel_height_m)
         layers = np.arange(max(self._band.layers, to_camera)) + 0.5
+        self._eye_layer = min(max(to_camera - 1, 0), self._band.layers - 1)
         self._heights = np.concatenate(
             [
                 [self._band.bottom_m / 2.0],
@@ -97,6 +98,17 @@ class TopDownMap:
         cells.flags.writeable = False
         size = self.config.cell_size_m
         return OccupancyGrid(cells, size, (self._first_column * size, self._first_row * size))
+
+    @property
+    def eye_level(self) -> OccupancyGrid:
+        """What stands at the camera's height or above it: walls and cupboards, but no tables.
+
+        A copy of the map in which all else that is explored counts as free.
+        """
+        grid = self.grid.copy()
+        is_high = self._arrays.raised >= np.uint32(1 << self._eye_layer)
+        grid.cells[grid.occupied & ~is_high] = Cell.FREE
+        return grid
 
     def integrate(self, observation: Observation) -> None:
         """Add one frame to the map.

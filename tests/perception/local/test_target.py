@@ -2,9 +2,11 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from certainty import certain
+from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.perception.local.goal_area import GoalArea, points_under_mask
 from hypernav.perception.local.target import Target
 from images import thing_before_wall, thing_pixels
@@ -34,3 +36,42 @@ def test_a_place_that_is_cut_off_is_no_entry_until_none_is_left():
         left = fewer
     everywhere = replace(target, barred=tuple(map(tuple, target.entry_points.tolist())))
     assert len(everywhere.entry_points) == len(target.entry_points)
+
+
+def at_eye_level(wall_x):
+    """A map that shows a wall across the view of a target."""
+    cells = np.full((80, 80), Cell.FREE, dtype=np.uint8)
+    grid = OccupancyGrid(cells, 0.05, (0.0, -2.0))
+    if wall_x is not None:
+        cells[:, grid.cell_of(wall_x, 0.0)[1]] = Cell.OCCUPIED
+    return grid
+
+
+def test_the_goal_area_is_not_entered_behind_a_wall():
+    target = target_at(thing_m=2.0)
+    everywhere = target.entry_points_in_sight(at_eye_level(None))
+    assert len(everywhere) == len(target.entry_points)
+    before = target.entry_points_in_sight(at_eye_level(1.7))
+    assert 0 < len(before) < len(everywhere)
+    assert before[:, 0].min() > 1.7
+
+
+def test_what_the_target_itself_covers_hides_nothing():
+    target = target_at(thing_m=2.0)
+    wall_x = float(target.area.seen_points[0, 0])
+    in_sight = target.entry_points_in_sight(at_eye_level(wall_x))
+    front = target.entry_points[:, 0] < wall_x - 0.05
+    assert len(in_sight) >= front.sum() * 0.5
+
+
+def test_where_all_is_barred_nothing_is_in_sight():
+    target = target_at()
+    everywhere = replace(target, barred=tuple(map(tuple, target.entry_points.tolist())))
+    assert len(everywhere.entry_points_in_sight(at_eye_level(None))) == 0
+
+
+def test_every_entry_point_knows_the_nearest_position_that_the_target_was_seen_at():
+    area = target_at().area
+    away = np.linalg.norm(area.entry_points[:, None] - area.seen_points[None], axis=2)
+    nearest = np.linalg.norm(area.entry_points - area.nearest_seen_points, axis=1)
+    np.testing.assert_allclose(nearest, away.min(axis=1), atol=1e-6)

@@ -1,13 +1,20 @@
 """The approach to the goal area."""
 
+import numpy as np
+from jaxtyping import Float64
+
 from hypernav.agents.config import SearchConfig
 from hypernav.agents.phases.explore import Explore
 from hypernav.agents.phases.look_around import LookAround
 from hypernav.agents.phases.step import Decision, PhaseName, Step
 from hypernav.agents.progress import patience_of
+from hypernav.core.actions import Action
+from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import Mode
+from hypernav.mapping.top_down_map import TopDownMap
 from hypernav.perception.local.local_perception import LocalPerception
+from hypernav.perception.local.target import Target
 from hypernav.planning.navigator import Navigator
 
 _CLOSE_BY_M = 1.5
@@ -27,6 +34,7 @@ class Approach:
         goal: Goal,
         local: LocalPerception,
         navigator: Navigator,
+        world_map: TopDownMap,
         explore: Explore,
         look_around: LookAround,
         config: SearchConfig,
@@ -37,6 +45,7 @@ class Approach:
             goal: Target of the search.
             local: Local perception, which knows the target.
             navigator: Navigator that drives there.
+            world_map: Map, which knows what hides the target.
             explore: Exploration, left when the robot goes to the target: local perception wins.
             look_around: Turn around, left likewise.
             config: Distances, and the steps until the robot is stuck.
@@ -44,6 +53,7 @@ class Approach:
         self._goal = goal
         self._local = local
         self._navigator = navigator
+        self._map = world_map
         self._explore = explore
         self._look_around = look_around
         self._config = config
@@ -67,12 +77,11 @@ class Approach:
         target, robot, config = self._local.target, step.robot, self._config
         if target is None:
             return PhaseName.LOOK_AROUND
-        if target.distance_to(*robot.xy) > config.stop_distance_m:
+        goals = self._goals(target)
+        if _distance_m(robot, goals[0]) > config.stop_distance_m:
             with step.clock("plan"):
-                action = self._navigator.towards(step.grid, robot, target.entry_points)
-            path = self._navigator.path
-            leads_there = path is not None and path.gap_m <= config.approach_gap_m
-            if path is None or not (leads_there or self.as_near_as_possible):
+                action, leads_there = self._go(step, goals)
+            if self._navigator.path is None or not (leads_there or self.as_near_as_possible):
                 self.forget()
                 return PhaseName.LOOK_AROUND
             left_m = self._navigator.left_m(robot)
@@ -93,7 +102,32 @@ class Approach:
         self._leave_exploration(step)
         return PhaseName.VERIFY
 
+    def _goals(self, target: Target) -> list[Float64[np.ndarray, "n 2"]]:
+        """Sets of positions to go to, in the order of preference."""
+        goals = [target.entry_points]
+        if self._config.enter_in_sight:
+            in_sight = target.entry_points_in_sight(self._map.eye_level)
+            if 0 < len(in_sight) < len(goals[0]):
+                goals.insert(0, in_sight)
+        return goals
+
+    def _go(
+        self, step: Step, goals: list[Float64[np.ndarray, "n 2"]]
+    ) -> tuple[Action | None, bool]:
+        """The next action to the first goal that a path leads to, and whether there is one."""
+        action = None
+        for points in goals:
+            action = self._navigator.towards(step.grid, step.robot, points)
+            path = self._navigator.path
+            if path is not None and path.gap_m <= self._config.approach_gap_m:
+                return action, True
+        return action, False
+
     def _leave_exploration(self, step: Step) -> None:
         """Leave exploration: local perception wins."""
         self._look_around.cancel()
         self._explore.leave(step)
+
+
+def _distance_m(robot: Pose2, points: Float64[np.ndarray, "n 2"]) -> float:
+    return float(np.linalg.norm(points - np.array(robot.xy), axis=1).min())

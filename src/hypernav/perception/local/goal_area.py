@@ -173,6 +173,21 @@ class GoalArea:
         return self._centres(self.seen)
 
     @cached_property
+    def nearest_seen_points(self) -> Float64[np.ndarray, "n 2"]:
+        """For every entry point the nearest of the `seen_points`, metres."""
+        _, labels = cv2.distanceTransformWithLabels(
+            (~self.seen).astype(np.uint8),
+            cv2.DIST_L2,
+            cv2.DIST_MASK_PRECISE,
+            labelType=cv2.DIST_LABEL_PIXEL,
+        )
+        number = np.asarray(labels, dtype=np.int64)
+        # Every seen cell has a number of its own, and the cells nearest to it have it, too.
+        points = np.zeros((int(number.max()) + 1, 2))
+        points[number[self.seen]] = self.seen_points
+        return points[number[self.entry]]
+
+    @cached_property
     def centre(self) -> tuple[float, float]:
         """Middle of the cells that the target was seen in, metres."""
         x, y = self.seen_points.mean(axis=0)

@@ -7,7 +7,9 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from hypernav.core.geometry.boxes import Detection
+from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.observation import Observation
+from hypernav.mapping.sight_lines import lines_are_clear
 from hypernav.perception.local.goal_area import GoalArea
 
 _BARRED_M = 0.4
@@ -50,6 +52,17 @@ class Target:
         points = self.area.entry_points
         is_open = _far_from(points, self.barred)
         return points[is_open] if is_open.any() else points
+
+    def entry_points_in_sight(self, eye_level: OccupancyGrid) -> Float64[np.ndarray, "n 2"]:
+        """Those of `entry_points` between which and the target nothing stands; there may be none.
+
+        Args:
+            eye_level: Map of what is as high as the camera.
+        """
+        points, seen = self.area.entry_points, self.area.nearest_seen_points
+        is_open = _far_from(points, self.barred)
+        points, seen = points[is_open], seen[is_open]
+        return points[lines_are_clear(eye_level, points, seen, through=self.area.seen_points)]
 
     def distance_to(self, x: float, y: float) -> float:
         """Straight distance to the nearest entry point, metres."""
