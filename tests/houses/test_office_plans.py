@@ -6,7 +6,7 @@ import pytest
 from hypernav.houses.building import Building
 from hypernav.houses.generator import plan_of
 from hypernav.houses.plan.doors import leaf_rect
-from hypernav.houses.plan.office_plans import LEAST_M2, MOST_M2
+from hypernav.houses.plan.public_plans import LEAST_M2, MOST_M2
 from hypernav.houses.plan.shapes import FloorPlan, Rect
 from hypernav.houses.plan.strips import StripProgram, Width, fill_strip
 from hypernav.houses.random_stream import RandomStream

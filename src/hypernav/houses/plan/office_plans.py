@@ -5,17 +5,11 @@ at its sides. *Ring*: two corridors around a core without windows, joined at the
 wings with dead ends off a spine. *Courtyard*: a corridor around a yard.
 """
 
-from collections.abc import Callable
-
-from hypernav.houses.plan.circulation import Circulation, WindowRule, sample_doors, sample_windows
-from hypernav.houses.plan.sampling import centred
-from hypernav.houses.plan.shapes import FloorPlan, Rect, named_rooms
+from hypernav.houses.plan.circulation import Circulation, WindowRule
+from hypernav.houses.plan.public_plans import Layout, PlanRules
+from hypernav.houses.plan.shapes import Rect
 from hypernav.houses.plan.strips import Cell, StripProgram, Width, fill_strip, snapped
-from hypernav.houses.plan.windows import sample_entrance
 from hypernav.houses.random_stream import RandomStream
-
-LEAST_M2, MOST_M2 = 60.0, 800.0
-"""Least and greatest area of all rooms, walls included."""
 
 _WIDTHS = {
     "office": Width(2.6, 3.3, 4.6),
@@ -31,9 +25,8 @@ _WIDTHS = {
 }
 _OUTER_FILLERS = (("office", 5.0), ("meeting room", 1.5), ("open office", 1.2))
 _CORE_FILLERS = (("storage", 1.0), ("meeting room", 1.5), ("copy room", 1.0))
-_HUBS = ("corridor", "reception", "open office")
 _CIRCULATION = Circulation(
-    _HUBS,
+    ("corridor", "reception", "open office"),
     {"meeting room": 0.4, "conference room": 0.6, "pantry": 0.5, "lounge": 0.6, "copy room": 0.3},
     ("reception", "corridor", "open office"),
 )
@@ -42,44 +35,6 @@ _WINDOWS = {
     **dict.fromkeys(("pantry", "lounge", "reception"), WindowRule(2.4)),
     "corridor": WindowRule(3.5, 1.2),
 }
-
-
-def sample_office_plan(rng: RandomStream, number: int) -> FloorPlan:
-    """Random floor plan of an office of 60 to 800 square metres.
-
-    Args:
-        rng: Source of randomness.
-        number: Number of the office; its plan depends on `rng` alone.
-    """
-    del number
-    wanted = LEAST_M2 + 10.0 + (MOST_M2 - LEAST_M2 - 40.0) * rng.unit() ** 1.4
-    layout = rng.weighted(
-        [(layout, weight) for layout, least, weight in _LAYOUTS if wanted > least]
-    )
-    for attempt in range(1000):
-        plan = _attempt(rng.fork("plan", attempt), wanted, layout if attempt < 60 else _corridor)
-        if plan is not None:
-            return plan
-    raise AssertionError("rooms along a corridor always fit")
-
-
-def _attempt(
-    rng: RandomStream, wanted: float, layout: Callable[[RandomStream, float], list[Cell]]
-) -> FloorPlan | None:
-    cells = layout(rng.fork("rooms"), wanted)
-    if not cells or not LEAST_M2 <= sum(rect.area for _, rect in cells) <= MOST_M2:
-        return None
-    rooms = named_rooms(cells)
-    doors = sample_doors(rng.fork("doors"), rooms, _CIRCULATION)
-    if doors is None:
-        return None
-    entrance = sample_entrance(rng.fork("entrance"), rooms, doors, _CIRCULATION.entrances)
-    if entrance is None:
-        return None
-    height = rng.uniform(2.6, 3.0, 0.05)
-    openings = [*doors, entrance]
-    openings += sample_windows(rng.fork("windows"), rooms, openings, height, _WINDOWS)
-    return centred(FloorPlan(rooms, tuple(openings), height))
 
 
 def _service(area: float) -> list[str]:
@@ -104,7 +59,7 @@ def _complete(*strips: list[Cell]) -> list[Cell]:
 
 def _corridor(rng: RandomStream, area: float) -> list[Cell]:
     """A reception at one end of a corridor with rooms on one or both sides."""
-    one_sided = area < 100.0 or rng.chance(0.15)
+    one_sided = area < 100.0 or (area < 280.0 and rng.chance(0.2))
     wide = rng.uniform(1.6, 2.2, 0.05)
     north = rng.uniform(3.8, 5.4, 0.05)
     south = 0.0 if one_sided else rng.uniform(3.4, 5.4, 0.05)
@@ -241,11 +196,15 @@ def _courtyard(rng: RandomStream, area: float) -> list[Cell]:
     )
 
 
-_LAYOUTS = (
-    (_corridor, 0.0, 3.0),
-    (_open_plan, 0.0, 3.0),
-    (_ring, 190.0, 2.5),
-    (_comb, 250.0, 2.5),
-    (_courtyard, 330.0, 2.5),
+OFFICE_PLANS = PlanRules(
+    (
+        Layout(_corridor, 0.0, 3.0, _CIRCULATION),
+        Layout(_open_plan, 0.0, 3.0, _CIRCULATION),
+        Layout(_ring, 190.0, 2.5, _CIRCULATION),
+        Layout(_comb, 250.0, 2.5, _CIRCULATION),
+        Layout(_courtyard, 330.0, 2.5, _CIRCULATION),
+    ),
+    _WINDOWS,
+    (2.6, 3.0),
 )
-"""Layouts with the least area that each needs and its weight."""
+"""Rules of the floor plans of offices."""

@@ -5,18 +5,13 @@ each other, with a corridor of service rooms behind them. *Arcade*: small shops 
 wide passage. *Round*: four halls around a core, so that customers walk in a circle.
 """
 
-from collections.abc import Callable
 from dataclasses import replace
 
-from hypernav.houses.plan.circulation import Circulation, WindowRule, sample_doors, sample_windows
-from hypernav.houses.plan.sampling import centred
-from hypernav.houses.plan.shapes import FloorPlan, Rect, named_rooms
+from hypernav.houses.plan.circulation import Circulation, WindowRule
+from hypernav.houses.plan.public_plans import Layout, PlanRules
+from hypernav.houses.plan.shapes import Rect
 from hypernav.houses.plan.strips import Cell, StripProgram, Width, fill_strip, snapped
-from hypernav.houses.plan.windows import sample_entrance
 from hypernav.houses.random_stream import RandomStream
-
-LEAST_M2, MOST_M2 = 60.0, 800.0
-"""Least and greatest area of all rooms, walls included."""
 
 HALLS = ("supermarket", "clothes shop", "bookshop", "library", "hardware store")
 """Kinds of rooms with goods or books."""
@@ -41,45 +36,6 @@ _WINDOWS = {
     **dict.fromkeys(("supermarket", "hardware store"), WindowRule(8.0, 1.8, 1.2)),
     **dict.fromkeys(("office", "staff room", "study room", "reading room"), WindowRule()),
 }
-
-
-def sample_shop_plan(rng: RandomStream, number: int) -> FloorPlan:
-    """Random floor plan of a shop, a library or an arcade of 60 to 800 square metres.
-
-    Args:
-        rng: Source of randomness.
-        number: Number of the shop; its plan depends on `rng` alone.
-    """
-    del number
-    wanted = LEAST_M2 + 10.0 + (MOST_M2 - LEAST_M2 - 40.0) * rng.unit() ** 1.4
-    layout = rng.weighted(
-        [(layout, weight) for layout, least, weight in _LAYOUTS if wanted > least]
-    )
-    for attempt in range(1000):
-        plan = _attempt(rng.fork("plan", attempt), wanted, layout if attempt < 60 else _hall)
-        if plan is not None:
-            return plan
-    raise AssertionError("a hall with rooms behind it always fits")
-
-
-def _attempt(
-    rng: RandomStream, wanted: float, layout: Callable[[RandomStream, float], list[Cell]]
-) -> FloorPlan | None:
-    cells = layout(rng.fork("rooms"), wanted)
-    if not cells or not LEAST_M2 <= sum(rect.area for _, rect in cells) <= MOST_M2:
-        return None
-    rooms = named_rooms(cells)
-    joined = 0.15 if layout is _arcade else 1.0
-    doors = sample_doors(rng.fork("doors"), rooms, replace(_CIRCULATION, joined=joined))
-    if doors is None:
-        return None
-    entrance = sample_entrance(rng.fork("entrance"), rooms, doors, _CIRCULATION.entrances)
-    if entrance is None:
-        return None
-    height = rng.uniform(2.8, 3.4, 0.05)
-    openings = [*doors, entrance]
-    openings += sample_windows(rng.fork("windows"), rooms, openings, height, _WINDOWS)
-    return centred(FloorPlan(rooms, tuple(openings), height))
 
 
 def _service(area: float) -> list[str]:
@@ -185,10 +141,14 @@ def _round(rng: RandomStream, area: float) -> list[Cell]:
     return [*zip(kinds, rects, strict=True), *row] if row else []
 
 
-_LAYOUTS = (
-    (_hall, 0.0, 3.0),
-    (_departments, 150.0, 2.5),
-    (_arcade, 230.0, 2.5),
-    (_round, 300.0, 2.5),
+SHOP_PLANS = PlanRules(
+    (
+        Layout(_hall, 0.0, 3.0, _CIRCULATION),
+        Layout(_departments, 150.0, 2.5, _CIRCULATION),
+        Layout(_arcade, 230.0, 2.5, replace(_CIRCULATION, joined=0.15)),
+        Layout(_round, 300.0, 2.5, _CIRCULATION),
+    ),
+    _WINDOWS,
+    (2.8, 3.4),
 )
-"""Layouts with the least area that each needs and its weight."""
+"""Rules of the floor plans of shops and libraries."""
