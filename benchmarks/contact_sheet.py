@@ -1,28 +1,31 @@
-"""Interior views of generated houses on one sheet, as a robot's camera sees them.
+"""Views of generated buildings on one sheet: from inside, as a robot's camera sees them, or above.
 
-Run: python benchmarks/contact_sheet.py --first 4000 --houses 24 --out docs/images/houses.jpg
+Run: python benchmarks/contact_sheet.py --first 4000 --count 24 --out docs/images/houses.jpg
+     python benchmarks/contact_sheet.py --kind shops --count 6 --columns 3 --above --out shops.jpg
 
-Every house contributes one of the four views that show most objects, each in another room. The rank
-of the chosen view changes from house to house, so that the sheet does not show living rooms only.
+Every building contributes one of the four views that show most objects, each in another room. The
+rank of the chosen view changes from one to the next: the sheet does not show living rooms only.
 """
 
 from pathlib import Path
 
 import numpy as np
 import tyro
-from PIL import Image
+from PIL import Image, ImageOps
 
-from hypernav.houses.building import house
-from hypernav.houses.export.page import interior_views
+from hypernav.houses.building import Building
+from hypernav.houses.export.page import interior_views, view_from_above
 from hypernav.houses.generator import generate, plan_of
 
 GAP = 6
 
 
 def main(
+    kind: str = "houses",
     first: int = 4000,
-    houses: int = 24,
+    count: int = 24,
     columns: int = 4,
+    above: bool = False,
     width: int = 400,
     quality: int = 82,
     out: Path = Path("houses.jpg"),
@@ -30,24 +33,32 @@ def main(
     """Write the sheet.
 
     Args:
-        first: Number of the first house.
-        houses: Number of consecutive houses, one view each.
+        kind: Kind of the buildings: houses, offices or shops.
+        first: Number of the first building.
+        count: Number of consecutive buildings, one view each.
         columns: Number of columns of the sheet.
+        above: Whether to show each building without its ceilings from above.
         width: Width of one view, pixels.
         quality: Quality of the JPEG, 1 to 95.
         out: File of the image.
     """
     height = width * 3 // 4
-    rows = -(-houses // columns)
+    rows = -(-count // columns)
     size = (columns * (width + GAP) + GAP, rows * (height + GAP) + GAP)
     sheet = Image.new("RGB", size, "white")
-    for k in range(houses):
-        number = first + k
-        views = interior_views(generate(house(number)), plan_of(house(number)), number, 4)
-        view = Image.fromarray(np.ascontiguousarray(views[k % len(views)]))
+    for k in range(count):
+        building = Building(kind, first + k)
+        scene = generate(building)
+        if above:
+            image = view_from_above(scene)
+        else:
+            views = interior_views(scene, plan_of(building), building.number, 4)
+            image = views[k % len(views)]
+        view = ImageOps.contain(Image.fromarray(np.ascontiguousarray(image)), (width, height))
         row, column = divmod(k, columns)
-        corner = (GAP + column * (width + GAP), GAP + row * (height + GAP))
-        sheet.paste(view.resize((width, height), Image.Resampling.LANCZOS), corner)
+        left = GAP + column * (width + GAP) + (width - view.width) // 2
+        top = GAP + row * (height + GAP) + (height - view.height) // 2
+        sheet.paste(view, (left, top))
     out.parent.mkdir(parents=True, exist_ok=True)
     sheet.save(out, quality=quality, optimize=True)
     print(f"{out}: {out.stat().st_size / 1000:.0f} kB")

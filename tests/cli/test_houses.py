@@ -137,11 +137,25 @@ def test_a_house_is_shown_on_a_page(tmp_path, monkeypatch, capsys):
     assert path.read_text() == "page of houses:12"
 
 
+def test_other_buildings_are_shown_by_the_name_of_their_scene(tmp_path, monkeypatch):
+    monkeypatch.setattr(page, "_page", lambda building: f"page of {building.scene}")
+    assert hypernav("houses", "show", "shops:12", "--out", tmp_path, "--quiet") == 0
+    assert (tmp_path / "shop_12.html").read_text() == "page of shops:12"
+
+
+def test_offices_and_shops_are_scenes_by_name(monkeypatch):
+    monkeypatch.setattr("hypernav.build.scenes.cached_building", box_house)
+    assert build_scene("offices:7").name == "offices:7"
+    assert build_scene("shops:1234").name == "shops:1234"
+
+
 @pytest.mark.parametrize("command", ["export", "show"])
 def test_what_is_no_house_and_where_nothing_can_be_written_is_one_line(command, tmp_path, capsys):
     (tmp_path / "file").write_text("in the way")
     for arguments, words in (
         (["abc"], "there is no house 'abc'"),
+        (["offices:abc"], "there is no office 'abc'"),
+        (["castles:7"], "there are no generated 'castles'; expected houses:N, offices:N, shops:N"),
         (["0", "--out", tmp_path / "file" / "in"], "cannot be written"),
         ([], "ID"),
     ):

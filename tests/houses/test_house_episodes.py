@@ -12,7 +12,7 @@ from hypernav.core.errors import EpisodeError
 from hypernav.core.goal import Goal
 from hypernav.datasets.habitat_files import read_episodes, write_episodes
 from hypernav.datasets.habitat_frames import pose_from_habitat
-from hypernav.houses.building import BUILTIN_HOUSE, house
+from hypernav.houses.building import BUILTIN_HOUSE, NOUNS, Building, house
 from hypernav.houses.episodes import episode_cache
 from hypernav.houses.episodes.difficulty import difficulty
 from hypernav.houses.episodes.ground_truth import HouseGroundTruth
@@ -21,7 +21,7 @@ from hypernav.houses.episodes.house_episodes import (
     house_episodes,
     with_view_points,
 )
-from hypernav.houses.episodes.rules import CATEGORIES, HABITAT_CATEGORIES
+from hypernav.houses.episodes.rules import CATEGORIES, HABITAT_CATEGORIES, RULES
 from hypernav.houses.episodes.splits import EPISODES_PER_ROUND, SPLITS, load_split
 from hypernav.houses.generator import generate
 
@@ -52,6 +52,7 @@ def box_houses(monkeypatch):
 
 def check_laws(dataset, truth):
     """Check that every start is walkable and as far from the goal as the file says."""
+    rules = RULES[Building.named(truth.scene.name).kind]
     regions = {e.object_category: truth.regions.of(e.goal) for e in dataset.episodes}
     for episode in dataset.episodes:
         pose, floor_z = pose_from_habitat(episode.start_position, episode.start_rotation)
@@ -61,7 +62,7 @@ def check_laws(dataset, truth):
         assert truth.wide_area.component_of(pose.x, pose.y) == 0
         assert truth.touches_wide_area(region.view_points)
         distance = region.distance(pose.x, pose.y)
-        assert 2.0 <= distance <= 30.0
+        assert rules.least_m <= distance <= rules.most_m
         assert episode.info["geodesic_distance"] == pytest.approx(distance, rel=0.01)
         assert 0.0 <= episode.info["euclidean_distance"] <= episode.info["geodesic_distance"]
         goals = {goal.object_id: goal for goal in dataset.goals_of(episode)}
@@ -163,6 +164,19 @@ def test_nothing_begins_or_ends_behind_a_gap_that_the_robot_hardly_fits_through(
     assert max(start.x for start in starts) < 7.0
 
 
+@pytest.mark.parametrize("building", [Building("offices", 3), Building("shops", 2)])
+def test_episodes_of_other_buildings_ask_for_what_does_not_stand_everywhere(building):
+    scene = generate(building)
+    dataset = house_episodes(scene, building, "categories")
+    check_laws(with_view_points(dataset, scene), HouseGroundTruth.of(scene))
+    assert len(dataset.episodes) == EPISODES_PER_HOUSE
+    goals = {e.object_category for e in dataset.episodes}
+    assert goals <= set(RULES[building.kind].categories)
+    assert len(goals) >= 6
+    distances = [certain(e.info)["geodesic_distance"] for e in dataset.episodes]
+    assert np.median(distances) > 5.0
+
+
 def test_rooms_on_a_path_are_counted_by_their_floors():
     floors = [(None, (0.0, 0.0, -0.1), (3.0, 4.0, 0.0)), (None, (3.0, 0.0, -0.1), (6.0, 4.0, 0.0))]
     scene = scene_of(*room_boxes(6.0, 4.0), *floors)
@@ -172,6 +186,17 @@ def test_rooms_on_a_path_are_counted_by_their_floors():
     assert truth.rooms_on([(1.0, 1.0), (2.0, 2.0)]) == 1
     assert truth.rooms_on([(1.0, 1.0), (5.0, 1.0), (1.0, 2.0)]) == 2
     assert truth.rooms_on([(7.0, 7.0), (8.0, 7.0)]) == 0
+
+
+@pytest.mark.parametrize("kind", NOUNS)
+def test_the_training_split_of_a_kind_shares_no_building_with_the_others(kind):
+    own = [split for split in SPLITS.values() if split.kind == kind]
+    (train,) = [split for split in own if split.is_open]
+    for split in own:
+        if split is not train:
+            assert not set(split.numbers) & set(train.numbers)
+            with pytest.raises(EpisodeError, match=f"belong to {split.name}"):
+                train.check(split.numbers)
 
 
 def test_splits_share_no_house():
@@ -240,14 +265,15 @@ def test_a_cache_that_cannot_be_written_is_done_without(box_houses, tmp_path):
 
 
 @pytest.mark.freeze
-@pytest.mark.parametrize("name", ["houses-val", "houses-ovon"])
+@pytest.mark.parametrize("name", [name for name, split in SPLITS.items() if not split.is_open])
 def test_the_whole_split_obeys_the_laws(name):
     split = SPLITS[name]
     dataset = load_split(name)
     assert len(dataset.episodes) == split.episodes
-    assert {e.scene_id for e in dataset.episodes} == {f"houses:{n}" for n in split.numbers}
-    for number in split.numbers:
-        own = [e for e in dataset.episodes if e.scene_id == f"houses:{number}"]
+    buildings = [Building(split.kind, number) for number in split.numbers]
+    assert {e.scene_id for e in dataset.episodes} == {building.scene for building in buildings}
+    for building in buildings:
+        own = [e for e in dataset.episodes if e.scene_id == building.scene]
         part = dataset.model_copy(update={"episodes": own})
-        scene = generate(house(number))
+        scene = generate(building)
         check_laws(with_view_points(part, scene), HouseGroundTruth.of(scene))

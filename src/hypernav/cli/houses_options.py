@@ -12,8 +12,8 @@ class Episodes:
     """Write the episodes of a split in Habitat's ObjectNav format."""
 
     split: tyro.conf.Positional[str]
-    """houses-val, houses-ovon (phrases), houses-train (for tuning), offices-train or
-    shops-train."""
+    """houses-val, houses-ovon (phrases), houses-train (for tuning), or -val and -train of
+    offices and shops."""
     out: Path
     """File to write (.json.gz or .json), or a folder for a file per building, as in Habitat."""
     houses: str | None = None

@@ -83,9 +83,11 @@ SPLITS = {
         BuildingSplit(
             "houses-train", "houses", "categories", range(3000, 3036), 1000, is_open=True
         ),
+        BuildingSplit("offices-val", "offices", "categories", range(1000, 1025), 300),
         BuildingSplit(
             "offices-train", "offices", "categories", range(3000, 3025), 300, is_open=True
         ),
+        BuildingSplit("shops-val", "shops", "categories", range(1000, 1025), 300),
         BuildingSplit("shops-train", "shops", "categories", range(3000, 3025), 300, is_open=True),
     )
 }

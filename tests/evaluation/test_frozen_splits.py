@@ -1,0 +1,15 @@
+import pytest
+
+from hypernav.evaluation.datasets import fingerprint, load_episodes
+
+FROZEN = {
+    "offices-val": "07c4dd6d6e6516db",
+    "shops-val": "1ab8c05f72096594",
+}
+"""Fingerprints of the splits whose episodes never change."""
+
+
+@pytest.mark.freeze
+@pytest.mark.parametrize(("name", "expected"), FROZEN.items())
+def test_a_frozen_split_has_the_episodes_that_were_measured(name: str, expected: str):
+    assert fingerprint(load_episodes(name)) == expected
