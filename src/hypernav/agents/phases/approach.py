@@ -102,7 +102,7 @@ class Approach:
         self._leave_exploration(step)
         return PhaseName.VERIFY
 
-    def _goals(self, target: Target) -> list[Float64[np.ndarray, "n 2"]]:
+    def _goals(self, target: Target) -> list[Float64[np.ndarray, "_ 2"]]:
         """Sets of positions to go to, in the order of preference."""
         goals = [target.entry_points]
         if self._config.enter_in_sight:
@@ -112,7 +112,7 @@ class Approach:
         return goals
 
     def _go(
-        self, step: Step, goals: list[Float64[np.ndarray, "n 2"]]
+        self, step: Step, goals: list[Float64[np.ndarray, "_ 2"]]
     ) -> tuple[Action | None, bool]:
         """The next action to the first goal that a path leads to, and whether there is one."""
         action = None
