@@ -81,7 +81,9 @@ def test_the_question_about_the_map():
     log, parrot = ExchangeLog(), Parrot("1", "1", "3")
     reasoner = Listening(parrot, log, GeometricReasoner(log), PAPER.block_choice)
     clearances_m = PAPER.planning.clearances_m(PAPER.embodiment.body)
-    explorer = BlockExplorer(reasoner, PAPER.overview, PAPER.mapping, clearances_m)
+    explorer = BlockExplorer(
+        reasoner, PAPER.overview, PAPER.mapping, clearances_m, PAPER.embodiment
+    )
     explorer.reset(GOAL)
     explorer.next_destination(ROOM, ROBOT, TRAJECTORY)
     blocks = divide_into_blocks(ROOM, ROBOT, PAPER.mapping, clearances_m[0])

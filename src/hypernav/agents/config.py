@@ -47,6 +47,9 @@ class SearchConfig(RoomConfig):
             the start and at a destination, square metres. None turns full circles at the start, and
             at a destination to the boundary right around it.
         drop_explored: Whether to give a destination up once nothing unknown is left around it.
+        reconsider_steps: Number of steps after which an explorer that answers at once is asked
+            again on the way, and the destination changed if it names another; None lets it stand
+            (paper).
         drop_explored_radius_m: Radius around a destination for both of these, metres.
         looks: Steps at which the camera is asked for the goal: "always" (paper), or only
             "at-destinations", where the robot then turns once around before it asks the map (our
@@ -75,6 +78,7 @@ class SearchConfig(RoomConfig):
     look_across_boundary: bool = True
     least_unseen_m2: float | None = Field(default=1.0, ge=0.0, le=1000.0)
     drop_explored: bool = True
+    reconsider_steps: int | None = Field(default=3, ge=1, le=MOST_STEPS)
     drop_explored_radius_m: float = Field(default=0.75, gt=0.0, le=10.0)
     looks: Literal["always", "at-destinations"] = "always"
     verify_view: Literal["current", "best"] = "best"
@@ -89,5 +93,7 @@ class SearchConfig(RoomConfig):
             update={
                 "patience_steps": motion.actions_for(self.patience_steps),
                 "endurance_steps": motion.actions_for(self.endurance_steps),
+                "reconsider_steps": self.reconsider_steps
+                and motion.actions_for(self.reconsider_steps),
             }
         )

@@ -173,7 +173,7 @@ def preset(name: PresetName) -> HyPerNavConfig:
             max_questions=None,
             forget_visits=True,
         ),
-        geometric=GeometricConfig(min_frontier_cells=0),
+        geometric=GeometricConfig(gain="boundary", order="greedy", min_frontier_cells=0),
         planning=PlanningConfig(
             margin_m=0.12,
             squeeze_m=0.0,
@@ -200,6 +200,7 @@ def preset(name: PresetName) -> HyPerNavConfig:
             look_across_boundary=False,
             least_unseen_m2=None,
             drop_explored=False,
+            reconsider_steps=None,
             verify_view="current",
             face_target=False,
             see_before_stop=False,

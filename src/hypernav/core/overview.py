@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import UInt8
+from jaxtyping import Bool, Float64, UInt8
 
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.sightings import SeenThing
@@ -43,6 +43,40 @@ class Block:
 
 
 @dataclass(frozen=True, eq=False)
+class Prospects:
+    """What blocks would show of the unknown, and how far they are from each other.
+
+    Attributes:
+        areas_m2: Parts of the unknown floor, square metres.
+        shows: Whether a block shows a part.
+        legs_m: Lengths of the paths between the blocks' destinations, metres.
+    """
+
+    areas_m2: Float64[np.ndarray, "areas"]
+    shows: Bool[np.ndarray, "blocks areas"]
+    legs_m: Float64[np.ndarray, "blocks blocks"]
+
+    @property
+    def gains_m2(self) -> Float64[np.ndarray, "blocks"]:
+        """Area that each of the blocks would show, square metres."""
+        return self.shows @ self.areas_m2
+
+    def of(self, some: Sequence[int]) -> "Prospects":
+        """The prospects of some of the blocks, in this order."""
+        return Prospects(self.areas_m2, self.shows[some], self.legs_m[np.ix_(some, some)])
+
+
+def prospects_of_boundaries(blocks: Sequence[Block]) -> Prospects:
+    """Prospects by what blocks alone tell: each shows its own boundary; all paths are straight."""
+    places = np.array([block.destination for block in blocks]).reshape(-1, 2)
+    return Prospects(
+        areas_m2=np.array([block.frontier_cells for block in blocks], dtype=np.float64),
+        shows=np.eye(len(blocks), dtype=bool),
+        legs_m=np.linalg.norm(places[:, None] - places, axis=2),
+    )
+
+
+@dataclass(frozen=True, eq=False)
 class Overview:
     """Everything that a reasoner may know when it chooses a block.
 
@@ -55,6 +89,7 @@ class Overview:
         trajectory: Positions of the robot so far, ``map`` frame, metres.
         things: Things that were seen, other than the goal.
         camera_image: What the robot's camera sees, RGB; None where nobody keeps it.
+        prospects: Function that tells what some of the blocks would show; not every reasoner asks.
     """
 
     draw: Callable[[Collection[int], Collection[int]], UInt8[np.ndarray, "height width 3"]]
@@ -64,6 +99,7 @@ class Overview:
     trajectory: Sequence[tuple[float, float]] = ()
     things: Sequence[SeenThing] = ()
     camera_image: UInt8[np.ndarray, "height width 3"] | None = None
+    prospects: Callable[[Sequence[Block]], Prospects] = prospects_of_boundaries
 
     @cached_property
     def image(self) -> UInt8[np.ndarray, "height width 3"]:

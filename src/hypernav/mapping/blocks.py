@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 from jaxtyping import Bool, Int64, UInt8
 
-from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.overview import Block
 from hypernav.mapping.config import MappingConfig
@@ -17,26 +17,45 @@ def divide_into_blocks(
 ) -> tuple[Block, ...]:
     """Divide the explored map into squares and number those that the robot can enter.
 
-    The squares are aligned to the ``map`` frame and stay where they are as the map grows. Numbers
-    run as one reads the drawn map: from the top left to the bottom right.
-
     Args:
         grid: The map.
         robot: Pose of the robot.
         config: Size of the squares, and the free floor that a block needs.
         clearance_m: Distance from obstacles that the robot's middle keeps, metres.
     """
-    reach = ReachableArea.of(grid, robot, config, clearance_m)
+    return blocks_of(ReachableArea.of(grid, robot, config, clearance_m), config)
+
+
+def blocks_of(reach: ReachableArea, config: MappingConfig) -> tuple[Block, ...]:
+    """The numbered squares of a reachable area.
+
+    The squares are aligned to the ``map`` frame and stay where they are as the map grows. Numbers
+    run as one reads the drawn map: from the top left to the bottom right.
+
+    Args:
+        reach: The map and what the robot can reach on it.
+        config: Size of the squares, and the free floor that a block needs.
+    """
     side = config.block_size_m
     row_square, column_square = _squares(reach.grid, side)
+    rows, columns = _runs(row_square), _runs(column_square)
+    cells = np.add.reduceat(reach.reachable, rows, axis=0, dtype=np.int64)
+    cells = np.add.reduceat(cells, columns, axis=1)
+    is_block = cells * reach.grid.resolution_m**2 >= config.block_min_area_m2
     blocks: list[Block] = []
-    for square_y in range(row_square[-1], row_square[0] - 1, -1):
-        for square_x in range(column_square[0], column_square[-1] + 1):
-            window = (_slice(row_square, square_y), _slice(column_square, square_x))
-            block = _block(reach, window, len(blocks) + 1, square_x * side, square_y * side, config)
-            if block is not None:
-                blocks.append(block)
+    for row, column in np.argwhere(is_block[::-1]):
+        square_y = int(row_square[rows[len(rows) - 1 - row]])
+        square_x = int(column_square[columns[column]])
+        window = (_slice(row_square, square_y), _slice(column_square, square_x))
+        blocks.append(
+            _block(reach, window, len(blocks) + 1, square_x * side, square_y * side, config)
+        )
     return tuple(blocks)
+
+
+def _runs(squares: Int64[np.ndarray, "n"]) -> Int64[np.ndarray, "squares"]:
+    """Where each square begins."""
+    return np.flatnonzero(np.diff(squares, prepend=squares[0] - 1))
 
 
 def _squares(
@@ -61,12 +80,10 @@ def _block(
     x_min: float,
     y_min: float,
     config: MappingConfig,
-) -> Block | None:
-    """The block of a window of the map; None if the robot finds too little floor there."""
+) -> Block:
+    """The block of a window of the map."""
     reachable = np.ascontiguousarray(reach.reachable[window])
     size = reach.grid.resolution_m
-    if np.count_nonzero(reachable) * size**2 < config.block_min_area_m2:
-        return None
     bottom, left = window[0].start, window[1].start
     frontier = np.ascontiguousarray(reach.frontier[window]).view(np.uint8)
     far = max(frontier.shape)
@@ -87,7 +104,7 @@ def _block(
         x_min=x_min,
         y_min=y_min,
         size_m=config.block_size_m,
-        free_cells=int(np.count_nonzero(reach.grid.free[window])),
+        free_cells=int(np.count_nonzero(reach.grid.cells[window] == Cell.FREE)),
         frontier_cells=frontier_cells,
         destination=reach.grid.centre_of(row, column),
         travel_m=float(reach.travel_m[row, column]),

@@ -135,6 +135,79 @@ def test_where_nothing_is_unexplored_nothing_is_looked_at():
     assert done == []
 
 
+class Wavers:
+    """An explorer that names one destination after the other."""
+
+    def __init__(self, *positions, answers_at_once=True):
+        self._left = [Destination(*position, reason="there") for position in positions]
+        self.answers_at_once = answers_at_once
+        self.visited = []
+
+    def reset(self, goal):
+        pass
+
+    def remember_visit(self, x, y):
+        self.visited.append((x, y))
+
+    def next_destination(self, grid, robot, trajectory):
+        return self._left.pop(0) if self._left else None
+
+
+LEFT_END, RIGHT_END = (0.5, 1.5), (7.5, 1.5)
+
+
+def destinations(explorer, steps, **options):
+    """Destinations after each step, and the events, of a robot that stands still."""
+    phase = Explore(
+        Goal("bed"),
+        perception(),
+        explorer,
+        Navigator(PlanningConfig(), Embodiment()),
+        LookAround(MotionConfig(), None),
+        None,
+        SearchConfig(drop_explored=False, **options),
+    )
+    events, found = [], []
+    for _ in range(steps):
+        robot = Pose2(4.0, 1.5, math.pi / 2)
+        phase.act(Step(frame_of(robot), corridor(), [], MotionConfig(), ModuleClock(), events))
+        found.append(certain(phase.destination).xy)
+    return found, events
+
+
+def test_what_has_become_better_on_the_way_is_gone_to():
+    explorer = Wavers(LEFT_END, RIGHT_END)
+    found, events = destinations(explorer, 7, reconsider_steps=3)
+    assert found == [LEFT_END] * 3 + [RIGHT_END] * 4
+    assert events == ["destination changed"]
+    assert explorer.visited == []  # the first was neither reached nor given up
+
+
+def test_nobody_wavers_between_two_destinations():
+    explorer = Wavers(*[LEFT_END, RIGHT_END] * 5)
+    found, events = destinations(explorer, 12, reconsider_steps=2)
+    assert found == [LEFT_END] * 2 + [RIGHT_END] * 10
+    assert events == ["destination changed"]
+
+
+def test_a_destination_beside_the_present_one_is_no_other():
+    beside = (LEFT_END[0] + 0.4, LEFT_END[1])
+    found, events = destinations(Wavers(LEFT_END, beside), 5, reconsider_steps=3)
+    assert found == [LEFT_END] * 5
+    assert events == []
+
+
+@pytest.mark.parametrize(
+    ("answers_at_once", "reconsider_steps"), [(False, 3), (True, None)], ids=["slow", "paper"]
+)
+def test_who_answers_slowly_is_asked_once_and_so_is_everybody_in_the_paper(
+    answers_at_once, reconsider_steps
+):
+    explorer = Wavers(LEFT_END, RIGHT_END, answers_at_once=answers_at_once)
+    found, _ = destinations(explorer, 9, reconsider_steps=reconsider_steps)
+    assert found == [LEFT_END] * 9
+
+
 def test_the_boundary_is_free_floor_beside_the_unknown():
     points = unexplored_boundary(corridor(), (4.0, 2.2), 0.75)
     assert len(points) > 0

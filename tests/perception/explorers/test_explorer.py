@@ -1,6 +1,7 @@
 import numpy as np
 
 from certainty import certain
+from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
@@ -48,7 +49,9 @@ class InOrder:
 
 
 def blocks_explorer(reasoner, clearances_m=CLEARANCES_M, **config):
-    return BlockExplorer(reasoner, OverviewConfig(**config), MappingConfig(), clearances_m)
+    return BlockExplorer(
+        reasoner, OverviewConfig(**config), MappingConfig(), clearances_m, Embodiment()
+    )
 
 
 POSITIONS = {"visited": "positions", "max_questions": None, "forget_visits": True}

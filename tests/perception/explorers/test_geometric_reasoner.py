@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.overview import Block, Overview
+from hypernav.core.overview import Block, Overview, Prospects, prospects_of_boundaries
 from hypernav.core.trace import ExchangeLog
 from hypernav.perception.explorers.geometric_reasoner import GeometricConfig, GeometricReasoner
 
@@ -17,28 +17,35 @@ def block(number, frontier_cells, travel_m, destination=(1.0, 0.0)):
     return Block(number, 0.0, 0.0, 2.0, 50, frontier_cells, destination, travel_m)
 
 
-def choose(*blocks, excluded=(), log=None, **config):
-    overview = Overview(lambda *_: np.zeros((8, 8, 3), np.uint8), blocks, Pose2(0.0, 0.0, 0.0))
+def choose(*blocks, excluded=(), log=None, prospects=prospects_of_boundaries, **config):
+    def draw(*_):
+        return np.zeros((8, 8, 3), np.uint8)
+
+    overview = Overview(draw, blocks, Pose2(0.0, 0.0, 0.0), prospects=prospects)
     reasoner = GeometricReasoner(log or ExchangeLog(), GeometricConfig(**config))
     return reasoner.choose(overview, GOAL, frozenset(excluded))
 
 
+def greedy(*blocks, **options):
+    return choose(*blocks, gain="boundary", order="greedy", **options)
+
+
 def test_of_two_equal_boundaries_the_nearer_wins():
-    assert choose(block(1, 30, 5.0), block(2, 30, 2.0)).number == 2
+    assert greedy(block(1, 30, 5.0), block(2, 30, 2.0)).number == 2
 
 
 def test_of_two_equal_ways_the_longer_boundary_wins():
-    assert choose(block(1, 10, 3.0), block(2, 60, 3.0)).number == 2
+    assert greedy(block(1, 10, 3.0), block(2, 60, 3.0)).number == 2
 
 
 def test_of_two_equal_blocks_that_ahead_wins():
     ahead, behind = (2.0, 0.5), (-2.0, 0.5)
-    assert choose(block(1, 30, 3.0, behind), block(2, 30, 3.0, ahead)).number == 2
-    assert choose(block(1, 30, 2.0, ahead), block(2, 30, 2.0, behind)).number == 1
+    assert greedy(block(1, 30, 3.0, behind), block(2, 30, 3.0, ahead)).number == 2
+    assert greedy(block(1, 30, 2.0, ahead), block(2, 30, 2.0, behind)).number == 1
 
 
 def test_ties_go_to_the_lower_number():
-    assert choose(block(2, 30, 3.0), block(1, 30, 3.0)).number == 1
+    assert greedy(block(2, 30, 3.0), block(1, 30, 3.0)).number == 1
 
 
 def test_without_boundary_there_is_nothing_to_choose():
@@ -49,10 +56,11 @@ def test_without_boundary_there_is_nothing_to_choose():
 @given(
     st.lists(st.tuples(st.integers(0, 90), st.floats(0, 40)), min_size=1, max_size=12),
     st.frozensets(st.integers(1, 12)),
+    st.sampled_from(["greedy", "tour"]),
 )
-def test_the_choice_is_never_an_excluded_block(values, excluded):
+def test_the_choice_is_never_an_excluded_block(values, excluded, order):
     blocks = [block(i + 1, cells, travel_m) for i, (cells, travel_m) in enumerate(values)]
-    choice = choose(*blocks, excluded=excluded)
+    choice = choose(*blocks, excluded=excluded, order=order)
     assert choice.number not in excluded
     assert choice.number is None or any(b.number == choice.number for b in blocks)
 
@@ -68,6 +76,61 @@ def test_every_choice_is_written_down():
 
 def test_blocks_without_boundary_come_last_and_the_nearest_of_them_first():
     blocks = [block(1, 0, 2.0), block(2, 0, 1.0), block(3, 1, 9.0)]
-    assert choose(*blocks).number is None
-    assert choose(*blocks, min_frontier_cells=0).number == 3
-    assert choose(*blocks, excluded=[3], min_frontier_cells=0).number == 2
+    assert greedy(*blocks).number is None
+    assert greedy(*blocks, min_frontier_cells=0).number == 3
+    assert greedy(*blocks, excluded=[3], min_frontier_cells=0).number == 2
+
+
+def test_a_view_counts_and_not_the_boundary():
+    def crumbs_and_a_room(blocks):
+        # The long boundary lies behind furniture, the short one is a door.
+        shows = np.array([[True, False], [False, True]])
+        return Prospects(np.array([0.2, 9.0]), shows, np.array([[0.0, 4.0], [4.0, 0.0]]))
+
+    blocks = [block(1, 60, 2.0), block(2, 16, 3.0)]
+    for order in ("greedy", "tour"):
+        assert choose(*blocks, order=order, gain="boundary").number == 1
+        assert choose(*blocks, order=order, prospects=crumbs_and_a_room).number == 2
+
+
+def test_a_tour_finishes_what_is_near_where_greed_leaves():
+    near = [block(1, 20, 1.0, (-1.0, 0.0)), block(2, 20, 1.5, (-1.5, 0.0))]
+    far = block(3, 90, 4.0, (4.0, 0.0))
+    assert choose(*near, far, gain="boundary", order="greedy").number == 3
+    assert choose(*near, far, gain="boundary", order="tour").number == 1
+
+
+def test_a_tour_has_as_many_stops_as_allowed():
+    blocks = [block(n, 10 * n, 10.0 - n, (1.0 * n, 0.0)) for n in range(1, 9)]
+    for stops in (1, 3, 12):
+        assert choose(*blocks, tour_stops=stops).number is not None
+    assert choose(*blocks, tour_stops=1).number == choose(*blocks, order="greedy").number
+
+
+def test_where_nothing_is_to_be_seen_the_nearest_comes_first():
+    def nothing(blocks):
+        places = len(blocks)
+        return Prospects(np.zeros(0), np.zeros((places, 0), bool), np.ones((places, places)))
+
+    blocks = [block(1, 20, 5.0), block(2, 20, 2.0), block(3, 20, 9.0)]
+    assert choose(*blocks, prospects=nothing).number == 2
+
+
+@given(st.lists(st.tuples(st.integers(6, 90), st.floats(0, 40)), min_size=2, max_size=14))
+def test_a_tour_does_not_change_when_the_robot_turns_on_the_spot(values):
+    rng = np.random.default_rng(len(values))
+    places = rng.uniform(-9.0, 9.0, (len(values), 2)).tolist()
+    blocks = [
+        block(i + 1, cells, travel_m, tuple(place))
+        for i, ((cells, travel_m), place) in enumerate(zip(values, places, strict=True))
+    ]
+    reasoner = GeometricReasoner(ExchangeLog())
+    chosen = {
+        reasoner.choose(
+            Overview(lambda *_: np.zeros((8, 8, 3), np.uint8), tuple(blocks), Pose2(0.0, 0.0, yaw)),
+            GOAL,
+            frozenset(),
+        ).number
+        for yaw in (0.0, 1.5, 3.0, -1.5)
+    }
+    assert len(chosen) == 1

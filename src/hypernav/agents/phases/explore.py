@@ -12,7 +12,7 @@ from hypernav.agents.phases.look_around import LookAround
 from hypernav.agents.phases.step import Decision, PhaseName, Step, turn_towards
 from hypernav.agents.progress import patience_of
 from hypernav.core.actions import Action
-from hypernav.core.components.abilities import Prefetches
+from hypernav.core.components.abilities import Prefetches, answers_at_once
 from hypernav.core.components.protocols import Explorer
 from hypernav.core.destination import Destination
 from hypernav.core.geometry.grid import OccupancyGrid
@@ -68,7 +68,8 @@ class Explore:
         self._gaze = gaze
         self._config = config
         self._patience = patience_of(config)
-        self._age = 0
+        self._age = self._unasked = 0
+        self._left: list[tuple[float, float]] = []
         self._pursued: list[tuple[float, float]] = []
         self._offered: tuple[Block, ...] = ()
         self.destination: Destination | None = None
@@ -82,20 +83,21 @@ class Explore:
             self._age += 1
             return self._decision(turn, "looking at what is unexplored here", robot)
         self._drop_finished(step)
+        self._reconsider(step)
         for _ in range(_CHOICES_PER_STEP):
-            if self.destination is None:
+            destination = self.destination
+            if destination is None:
                 if config.looks == "at-destinations" and not self._has_looked(robot):
                     self._look_around.begin()
                     return PhaseName.LOOK_AROUND
                 with step.clock("global"):
-                    self.destination = self._explorer.next_destination(grid, robot, step.trajectory)
-                self._age = 0
-                self._patience.reset()
-                if self.destination is None:
+                    destination = self._explorer.next_destination(grid, robot, step.trajectory)
+                if destination is None:
                     return PhaseName.END
-                self._offered = self.destination.blocks
+                self._left.clear()
+                self._begin(destination)
             with step.clock("plan"):
-                action = self._navigator.towards(grid, robot, np.array([self.destination.xy]))
+                action = self._navigator.towards(grid, robot, np.array([destination.xy]))
             if action is None:
                 arrived = self._navigator.arrived
                 self._end("destination reached" if arrived else "no path to destination", step)
@@ -104,12 +106,46 @@ class Explore:
             else:
                 self._age += 1
                 if isinstance(self._explorer, Prefetches):
-                    self._explorer.prefetch(grid, robot, step.trajectory, self.destination)
-                return self._decision(action, self.destination.reason, robot)
+                    self._explorer.prefetch(grid, robot, step.trajectory, destination)
+                return self._decision(action, destination.reason, robot)
         return self._decision(Action.TURN_LEFT, "no way to any destination, looking again", robot)
 
     def _has_looked(self, robot: Pose2) -> bool:
         return self._look_around.was_at(robot, self._config.arrival_distance_m)
+
+    def _reconsider(self, step: Step) -> None:
+        """Change the destination if the explorer, asked again on the way, names another.
+
+        One that was left for another is not gone back to on the way, so that no robot wavers.
+        """
+        destination, every = self.destination, self._config.reconsider_steps
+        if (
+            every is None
+            or self._config.looks == "at-destinations"
+            or destination is None
+            or destination.is_sighting
+            or not answers_at_once(self._explorer)
+        ):
+            return
+        self._unasked += 1
+        if self._unasked < every:
+            return
+        self._unasked = 0
+        with step.clock("global"):
+            other = self._explorer.next_destination(step.grid, step.robot, step.trajectory)
+        if other is None:
+            return
+        self._offered = other.blocks
+        near_m = 2.0 * self._config.arrival_distance_m
+        if all(math.dist(other.xy, one) > near_m for one in (destination.xy, *self._left)):
+            step.events.append("destination changed")
+            self._left.append(destination.xy)
+            self._begin(other)
+
+    def _begin(self, destination: Destination) -> None:
+        self.destination, self._offered = destination, destination.blocks
+        self._age = self._unasked = 0
+        self._patience.reset()
 
     def _decision(self, action: Action, reason: str, robot: Pose2) -> Decision:
         return Decision(action, Mode.EXPLORE, reason, self._navigator.remaining(robot))

@@ -90,3 +90,11 @@ def looks_at_colours(component: object) -> bool:
 def gives_masks(detector: object) -> bool:
     """Whether a detector, or its class, says that all its detections carry their masks."""
     return bool(getattr(detector, "gives_masks", False))
+
+
+def answers_at_once(component: object) -> bool:
+    """Whether a component says that a question costs it a few milliseconds, and no money.
+
+    It may then be asked again and again on the way, as new things come into view.
+    """
+    return bool(getattr(component, "answers_at_once", False))

@@ -2,6 +2,7 @@
 
 from hypernav.build.construction import asked_by
 from hypernav.build.registries import AGENTS, DETECTORS, REASONERS, SEGMENTERS
+from hypernav.core.components.abilities import answers_at_once
 from hypernav.core.errors import ConfigError
 from hypernav.evaluation.ablation.config_fields import differing_fields
 from hypernav.evaluation.ablation.study import Method, Variant
@@ -56,6 +57,9 @@ def why_unread(field: str, method: Method) -> str:
         return "no model is asked about the map"
     if field == "mapping.block_destination" and chosen.reasoner is None:
         return f"--agent {chosen.agent.spec} goes to no blocks"
+    if field == "search.reconsider_steps":
+        chooses = chosen.reasoner or chosen.agent
+        return "" if answers_at_once(chooses.load()) else f"{chooses.spec} is asked only once"
     if (section == "presence" or field == "search.verify_view") and not chosen.presence:
         return "without a model nobody checks the presence of the goal"
     if field in _ABOUT_SCORES and chosen.detector and chosen.detector.spec == "ground-truth":

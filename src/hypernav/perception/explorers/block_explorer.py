@@ -8,17 +8,21 @@ import numpy as np
 from jaxtyping import UInt8
 from pydantic import Field
 
+from hypernav.core.components.abilities import answers_at_once
 from hypernav.core.components.protocols import BlockReasoner
 from hypernav.core.config import RoomConfig
 from hypernav.core.destination import Destination
+from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.overview import Block, Overview
+from hypernav.core.overview import Block, Overview, Prospects
 from hypernav.core.sightings import Sightings
-from hypernav.mapping.blocks import divide_into_blocks
+from hypernav.mapping.blocks import blocks_of
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.frontiers import find_frontiers
+from hypernav.mapping.prospects import find_prospects
+from hypernav.mapping.reachable_area import ReachableArea
 from hypernav.show.drawing.question_map import QuestionStyle, draw_question_map
 
 
@@ -81,6 +85,7 @@ class BlockExplorer:
         config: OverviewConfig,
         mapping: MappingConfig,
         clearances_m: tuple[float, ...],
+        embodiment: Embodiment,
         sightings: Sightings | None = None,
     ) -> None:
         """Create it.
@@ -90,14 +95,21 @@ class BlockExplorer:
             config: Configuration of the question.
             mapping: Size of the blocks.
             clearances_m: Distances of destinations from obstacles, in the order to try, metres.
+            embodiment: Range of the camera.
             sightings: Memory of what was seen; None where nobody keeps one.
         """
         self._reasoner = reasoner
         self._config = config
         self._mapping = mapping
         self._clearances_m = clearances_m
+        self._range_m = embodiment.camera.max_depth_m
         self._sightings = sightings or Sightings()
         self.reset(Goal("nothing yet"))
+
+    @property
+    def answers_at_once(self) -> bool:
+        """See `hypernav.core.components.abilities.answers_at_once`."""
+        return answers_at_once(self._reasoner)
 
     def reset(self, goal: Goal) -> None:
         """Forget all visits."""
@@ -126,11 +138,12 @@ class BlockExplorer:
         """Ask about all blocks, then about those that a robot closer to obstacles can enter."""
         offered: tuple[Block, ...] = ()
         for clearance_m in self._clearances_m:
-            blocks = divide_into_blocks(grid, robot, self._mapping, clearance_m)
+            reach = ReachableArea.of(grid, robot, self._mapping, clearance_m)
+            blocks = blocks_of(reach, self._mapping)
             if _squares(blocks) == _squares(offered):
                 break
             offered = blocks
-            overview = self._overview(blocks, grid, robot, trajectory, clearance_m)
+            overview = self._overview(blocks, reach, grid, robot, trajectory, clearance_m)
             destination = self._ask(overview, trajectory)
             if destination is not None:
                 return destination
@@ -139,6 +152,7 @@ class BlockExplorer:
     def _overview(
         self,
         blocks: tuple[Block, ...],
+        reach: ReachableArea,
         grid: OccupancyGrid,
         robot: Pose2,
         trajectory: Sequence[tuple[float, float]],
@@ -162,10 +176,14 @@ class BlockExplorer:
                 things=things,
             )
 
+        def prospects(of: Sequence[Block]) -> Prospects:
+            return find_prospects(reach, [one.destination for one in of], self._range_m)
+
         return Overview(
             draw,
             blocks,
             robot,
+            prospects=prospects,
             legend=style.legend,
             trajectory=trajectory,
             things=things,

@@ -1,27 +1,44 @@
-"""Choice of a block without a model: by unexplored boundary and travel cost."""
+"""Choice of a block without a model: by what it would show, and travel cost."""
 
 import math
+from typing import Literal
 
+import numpy as np
+from jaxtyping import Float64
 from pydantic import Field
 
 from hypernav.core.config import RoomConfig
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.overview import Block, BlockChoice, Overview
+from hypernav.core.overview import Block, BlockChoice, Overview, Prospects, prospects_of_boundaries
 from hypernav.core.trace import Exchange, ExchangeLog
+from hypernav.perception.explorers.tour_kernels import soonest_tour, unseen_after
+
+_NEVER_SEEN_M2 = 1e-3
+"""What is left when all was seen: of tours that show nothing more, the shortest is the best."""
 
 
 class GeometricConfig(RoomConfig):
     """Weights of the blocks. The paper always asks a model, so these values are ours.
 
     Attributes:
+        gain: What a block is worth: the length of its "boundary" to the unknown, or the area of
+            unknown floor that its "view" would show.
+        order: Whether the block of the greatest value comes next, "greedy", or the first one of a
+            "tour" over the most valuable ones.
+        tour_stops: Largest number of blocks on a tour.
         min_frontier_cells: Length of unexplored boundary, cells, below which a block holds nothing
             new; with 0, a block without any may be visited as well, after all others.
         travel_scale_m: Length of path over which the value of a block falls to 1/e, metres.
-        turn_cost_m: Cost of the first turn towards a block, metres of path per radian.
-        gain_exponent: Exponent of the boundary's length in the value; 0 ignores the length.
+        turn_cost_m: Cost of the first turn towards a block, metres of path per radian, where order
+            is "greedy". A tour counts metres only: what changes with every turn on the spot would
+            change the tour, too.
+        gain_exponent: Exponent of the gain in the value; 0 ignores the gain.
     """
 
+    gain: Literal["boundary", "view"] = "view"
+    order: Literal["greedy", "tour"] = "tour"
+    tour_stops: int = Field(default=10, ge=1, le=12)
     min_frontier_cells: int = Field(default=6, ge=0, le=1_000_000)
     travel_scale_m: float = Field(default=3.0, ge=0.01, le=1000.0)
     turn_cost_m: float = Field(default=0.8, ge=0.0, le=1000.0)
@@ -29,12 +46,22 @@ class GeometricConfig(RoomConfig):
 
 
 class GeometricReasoner:
-    """Prefers long unexplored boundaries that are near; does not use the goal.
+    """Prefers blocks that are near and would show much of the unknown; does not use the goal.
 
     The value of a block is ``gain**gain_exponent * exp(-cost / travel_scale)``, where the cost is
     the path there and a turn to begin with: the trade of information gain against travel cost of
     González-Baños and Latombe, "Navigation Strategies for Exploring Indoor Environments", 2002.
+
+    A tour shows what the blocks promise as soon as possible: it is the shortest one if every metre
+    counts as much as is still unseen then (the travelling deliveryman problem, posed for search by
+    Kulich, Přeučil and Miranda Bront, "On Multi-Robot Search for a Stationary Object", 2017).
+    What two blocks would show both counts once.
+
+    Attributes:
+        answers_at_once: See `hypernav.core.components.abilities.answers_at_once`.
     """
+
+    answers_at_once = True
 
     def __init__(self, log: ExchangeLog, config: GeometricConfig | None = None) -> None:
         """Create the reasoner.
@@ -47,7 +74,7 @@ class GeometricReasoner:
         self._config = config or GeometricConfig()
 
     def choose(self, overview: Overview, goal: Goal, excluded: frozenset[int]) -> BlockChoice:
-        """The most valuable block that can be reached; None if no boundary is left."""
+        """The block to go to; None if no boundary is left that can be reached."""
         open_blocks = [
             block
             for block in overview.blocks
@@ -55,12 +82,12 @@ class GeometricReasoner:
             and block.frontier_cells >= self._config.min_frontier_cells
             and math.isfinite(block.travel_m)
         ]
-        choice = self._best(open_blocks, overview.robot)
+        choice = self._best(open_blocks, overview)
         self._log.record(
             Exchange(
                 kind="choose block",
                 asked="geometric",
-                question="Which block has the most unexplored boundary for the way there?",
+                question=self._question,
                 answer=choice.reason,
                 chosen=choice.number,
                 excluded=sorted(excluded),
@@ -68,19 +95,47 @@ class GeometricReasoner:
         )
         return choice
 
-    def _best(self, blocks: list[Block], robot: Pose2) -> BlockChoice:
+    @property
+    def _question(self) -> str:
+        gain = "unexplored boundary" if self._config.gain == "boundary" else "unknown in view"
+        if self._config.order == "greedy":
+            return f"Which block has the most {gain} for the way there?"
+        return f"Which block comes first where the most {gain} is to come soon?"
+
+    def _best(self, blocks: list[Block], overview: Overview) -> BlockChoice:
+        config = self._config
         if not blocks:
             return BlockChoice(None, "no block has unexplored boundary that can be reached")
-        best = max(blocks, key=lambda one: (self._value(one, robot), -one.travel_m, -one.number))
-        reason = (
-            f"block {best.number}: {best.frontier_cells} cells of unexplored boundary, "
-            f"{best.travel_m:.1f} m away"
-        )
-        return BlockChoice(best.number, reason)
+        blocks = sorted(blocks, key=lambda one: (one.travel_m, one.number))
+        look = overview.prospects if config.gain == "view" else prospects_of_boundaries
+        prospects = look(blocks)
+        gains = [float(gain) for gain in prospects.gains_m2]
+        costs = [self._cost_m(block, overview.robot) for block in blocks]
+        values = [
+            gain**config.gain_exponent * math.exp(-cost / config.travel_scale_m)
+            for gain, cost in zip(gains, costs, strict=True)
+        ]
+        best_first = sorted(range(len(blocks)), key=lambda k: -values[k])  # the nearer of equals
+        best = best_first[0]
+        if config.order == "tour":
+            stops = best_first[: config.tour_stops]
+            first_m = np.array([costs[k] for k in stops])
+            best = stops[_first_stop(prospects.of(stops), first_m)]
+        return BlockChoice(blocks[best].number, self._reason(blocks[best], gains[best]))
 
-    def _value(self, block: Block, robot: Pose2) -> float:
-        gain = block.frontier_cells**self._config.gain_exponent
-        cost_m = block.travel_m
-        if self._config.turn_cost_m > 0.0:
-            cost_m += self._config.turn_cost_m * abs(robot.bearing_to(*block.destination))
-        return gain * math.exp(-cost_m / self._config.travel_scale_m)
+    def _cost_m(self, block: Block, robot: Pose2) -> float:
+        if self._config.order == "tour" or self._config.turn_cost_m == 0.0:
+            return block.travel_m
+        return block.travel_m + self._config.turn_cost_m * abs(robot.bearing_to(*block.destination))
+
+    def _reason(self, block: Block, gain: float) -> str:
+        worth = f"{gain:.1f} m² of the unknown in view"
+        if self._config.gain == "boundary":
+            worth = f"{block.frontier_cells} cells of unexplored boundary"
+        return f"block {block.number}: {worth}, {block.travel_m:.1f} m away"
+
+
+def _first_stop(prospects: Prospects, first_m: Float64[np.ndarray, "stops"]) -> int:
+    """The first stop of the tour that shows things soonest."""
+    unseen = unseen_after(prospects.areas_m2, prospects.shows)
+    return int(soonest_tour(first_m, prospects.legs_m, unseen + _NEVER_SEEN_M2)[0])

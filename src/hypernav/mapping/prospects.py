@@ -1,0 +1,61 @@
+"""What positions on the map would show of the unknown, and the paths between them."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Float64, Int64
+
+from hypernav.core.overview import Prospects
+from hypernav.mapping.distance_kernels import travel_cells
+from hypernav.mapping.reachable_area import ReachableArea
+from hypernav.mapping.view_kernels import unknown_in_view
+
+_PATCH_CELLS = 4
+"""Side of the patches in which the unknown is counted and paths are measured, cells."""
+_RAYS = 180
+"""Rays of a full turn: at 5 m they are not farther apart than a patch of cells of 0.05 m."""
+_OPEN_M = 3.0
+"""Length of the unknown after which 1 of e lines of sight has not yet met a wall, metres."""
+
+
+def find_prospects(
+    reach: ReachableArea, positions: Sequence[tuple[float, float]], range_m: float
+) -> Prospects:
+    """What a camera would see of the unknown from some positions, turned all around.
+
+    The gain of a view, in place of the length of a boundary, is that of González-Baños and
+    Latombe, "Navigation Strategies for Exploring Indoor Environments", 2002.
+
+    Args:
+        reach: The map and what the robot can reach on it.
+        positions: Reachable positions ``(x, y)``, metres.
+        range_m: Range of the camera, metres.
+    """
+    size = reach.grid.resolution_m
+    at = reach.grid.cells_of(np.array(positions).reshape(-1, 2))
+    range_cells = math.ceil(range_m / size)
+    shows, chance = unknown_in_view(
+        np.pad(reach.grid.cells, range_cells),  # the unknown goes on beyond the map
+        at + range_cells,
+        range_cells,
+        _RAYS,
+        _OPEN_M / size,
+        _PATCH_CELLS,
+    )
+    in_view = chance > 0.0
+    patch_m2 = (_PATCH_CELLS * size) ** 2
+    return Prospects(chance[in_view] * patch_m2, shows[:, in_view], _legs_m(reach, at))
+
+
+def _legs_m(reach: ReachableArea, at: Int64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "n n"]:
+    """Lengths of the paths between cells, over patches that hold a reachable cell, metres."""
+    rows, columns = reach.reachable.shape
+    side = _PATCH_CELLS
+    padded = np.pad(reach.reachable, ((0, -rows % side), (0, -columns % side)))
+    patches = padded.reshape(-(-rows // side), side, -(-columns // side), side).max(axis=(1, 3))
+    row, column = (at // side).T
+    cells = [travel_cells(patches, r, c)[row, column] for r, c in zip(row, column, strict=True)]
+    return np.array(cells, dtype=np.float64).reshape(len(at), len(at)) * (
+        side * reach.grid.resolution_m
+    )

@@ -1,0 +1,57 @@
+"""What a camera would see of the unknown, compiled."""
+
+import math
+
+import numpy as np
+from numba import njit
+
+UNKNOWN, OCCUPIED = 0, 2
+
+
+@njit(cache=True, nogil=True)
+def unknown_in_view(cells, at, reach, rays, open_cells, side):
+    """The unknown that could be seen from some cells, all around.
+
+    Rays end at obstacles and at the end of their reach. The farther they go through the unknown,
+    the likelier something hidden there ends them.
+
+    Args:
+        cells: uint8 (rows, columns), states of the map's cells; all that a ray can reach.
+        at: int64 (n, 2), rows and columns of the cells that are looked from.
+        reach: Length of a ray, cells.
+        rays: Number of rays of a full turn.
+        open_cells: Length of the unknown after which 1 of e rays still goes on, cells.
+        side: Side of the patches that unknown cells are counted in, cells.
+
+    Returns:
+        bool (n, patches along y, patches along x): what each of them sees; and float64 (patches
+        along y, patches along x): the largest probability that one of them sees it.
+    """
+    height, width = cells.shape
+    shape = ((height + side - 1) // side, (width + side - 1) // side)
+    shows = np.zeros((len(at), *shape), dtype=np.bool_)
+    chance = np.zeros(shape)
+    goes_on = np.exp(-np.arange(1, reach + 1) / open_cells)
+    for k in range(len(at)):
+        for ray in range(rays):
+            angle = 2.0 * math.pi * ray / rays
+            up, right = math.sin(angle), math.cos(angle)
+            row, column, through = at[k, 0], at[k, 1], 0
+            y, x = row + 0.5, column + 0.5
+            for _ in range(reach):
+                y += up
+                x += right
+                last_row, last_column = row, column
+                row, column = int(y), int(x)
+                state = cells[row, column]
+                # Nor does it slip between two obstacles that touch at a corner.
+                if state == OCCUPIED or (
+                    cells[last_row, column] == OCCUPIED and cells[row, last_column] == OCCUPIED
+                ):
+                    break
+                if state == UNKNOWN:
+                    patch = row // side, column // side
+                    shows[k, patch[0], patch[1]] = True
+                    chance[patch] = max(chance[patch], goes_on[through])
+                    through += 1
+    return shows, chance
