@@ -202,3 +202,16 @@ def test_a_run_of_an_older_version_is_refused_with_the_reason(good):
     path.write_text(json.dumps(content))
     with pytest.raises(RunFolderError, match="of an older version of hypernav"):
         load_runs([good])
+
+
+def test_intervals_do_not_depend_on_which_worker_was_done_first(tmp_path):
+    lengths = (4.0, 5.0, 9.0, 16.0, 30.0)
+    records = [
+        record(str(k), "house", spl=0.1 * k, path_length_m=length)
+        for k, length in enumerate(lengths)
+    ]
+    runs = load_runs(
+        [written(tmp_path / "a", records), written(tmp_path / "b", [*records[3:], *records[:3]])]
+    )
+    first, second = (tables.overall([run]) for run in runs)
+    assert first == second

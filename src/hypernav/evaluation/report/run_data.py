@@ -20,7 +20,7 @@ class RunData:
         folder: Folder of the run.
         name: Short name, unique among the runs of a report.
         configuration: Content of ``run.json``.
-        records: Records of all finished episodes.
+        records: Records of all finished episodes, in the order of scenes and episodes.
         sessions: Entries of ``sessions.jsonl``.
     """
 
@@ -76,7 +76,8 @@ def load_runs(folders: Sequence[Path]) -> list[RunData]:
     for folder, name, configuration in zip(
         folders, _names(folders, configurations), configurations, strict=True
     ):
-        records = read_records(folder)
+        # Intervals depend on the order, and which worker was done first must not matter.
+        records = sorted(read_records(folder), key=lambda record: record.key)
         if not any(record.counts for record in records):
             raise RunFolderError(f"{folder} holds no episode that counts yet; run it first")
         runs.append(RunData(folder, name, configuration, records, read_sessions(folder)))
