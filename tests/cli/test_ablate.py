@@ -75,6 +75,50 @@ def test_a_folder_of_another_ablation_is_refused(ablated, room, capsys):
     assert (ablated / "unchanged" / "episodes.jsonl").read_bytes() == before
 
 
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--of", "default"], "was begun with another configuration: config."),
+        (["--max-steps", "9"], "protocol.max_steps was 12, is now 9"),
+        (["--goals", "bed", "--only", "local-only"], 'selection.goals was null, is now "'),
+        (["--study", "model", "--only", "random-block"], 'study was "switches", is now "model"'),
+    ],
+)
+def test_a_refused_command_leaves_every_file_as_it_was(ablated, room, capsys, arguments, words):
+    before = {path: path.read_bytes() for path in ablated.rglob("*") if path.is_file()}
+    assert hypernav(*command(room, ablated), *arguments) == 2
+    said = capsys.readouterr().err
+    assert words in said
+    assert "choose another --out" in said
+    assert "open " not in said
+    assert before == {path: path.read_bytes() for path in ablated.rglob("*") if path.is_file()}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--only", "foo"], "unknown variant 'foo'"),
+        (["--detector", "noisy:bad"], "bad"),
+        (["--reasoner", "noisy:1.5"], "1.5"),
+    ],
+)
+def test_the_list_refuses_what_a_run_refuses(arguments, words, capsys):
+    assert hypernav("ablate", "scene:builtin", "--list", *arguments) == 2
+    said = capsys.readouterr()
+    assert words in said.err
+    assert said.out == ""
+
+
+def test_the_list_of_some_variants_names_only_these(capsys):
+    assert hypernav("ablate", "scene:builtin", "--list", "--only", "no-erosion") == 0
+    said = capsys.readouterr().out
+    assert [line.split(":")[0] for line in said.splitlines()] == [
+        "unchanged",
+        "no-erosion",
+        "    --set local.erosion_px=1",
+    ]
+
+
 def test_the_list_names_every_variant_and_runs_nothing(capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert hypernav("ablate", "houses-val", "--list") == 0

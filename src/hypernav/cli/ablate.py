@@ -4,10 +4,11 @@ import difflib
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from hypernav.cli.ablate_options import Options
 from hypernav.cli.ablate_refinement import run_refinement
-from hypernav.cli.eval import check, evaluate, folder_name
+from hypernav.cli.eval import check, evaluate, folder_name, planned
 from hypernav.cli.eval_table import result_line
 from hypernav.cli.guards.crashes import crash_report
 from hypernav.cli.guards.outputs import check_folder
@@ -19,6 +20,7 @@ from hypernav.evaluation.ablation.studies import STUDIES
 from hypernav.evaluation.ablation.study import Method, Study, Variant, slug
 from hypernav.evaluation.ablation.study_name import StudyName
 from hypernav.evaluation.runner import crash_of
+from hypernav.evaluation.store.study_folder import held_folder
 
 
 def run(options: Options) -> int:
@@ -39,15 +41,16 @@ def _run_variants(options: Options) -> ExitStatus:
     """Run every variant of a study as an evaluation of its own, and write the page."""
     who = options.who
     study = STUDIES[options.study](Method(who.preset, who.resolve(), who.specs))
-    if options.list:
-        _show(study)
-        return ExitStatus.SUCCESS
     study = replace(study, variants=_chosen(study, options.only))
+    if options.list:
+        who.build().close()  # what cannot be built cannot be varied
+        _show(study, with_left_out=options.only is None)
+        return ExitStatus.SUCCESS
     name = f"{options.dataset}-{who.agent}-{who.preset}-{options.study}"
     folder = options.out or Path("runs") / f"{folder_name(name)}-ablation"
     check_folder(folder)
     console = Terminal(quiet=options.quiet)
-    with crash_report(folder):
+    with crash_report(folder), held_folder(folder, _configuration(options, console)):
         try:
             for place, variant in enumerate(study.variants, start=1):
                 heading = f"variant {place} of {len(study.variants)}: {variant.name}"
@@ -57,6 +60,12 @@ def _run_variants(options: Options) -> ExitStatus:
             if page is not None:
                 console.print(f"open {page}", soft_wrap=True, markup=False)
     return ExitStatus.SUCCESS
+
+
+def _configuration(options: Options, console: Terminal) -> dict[str, Any]:
+    """What a folder belongs to: the configuration of the unchanged method, and the study of it."""
+    plan, episodes = planned(options, console)
+    return plan.configuration(episodes) | {"study": options.study}
 
 
 def _run(variant: Variant, options: Options, folder: Path, console: Terminal, heading: str) -> None:
@@ -88,13 +97,13 @@ def _chosen(study: Study, only: str | None) -> tuple[Variant, ...]:
     return (first, *(variant for name, variant in known.items() if name in names))
 
 
-def _show(study: Study) -> None:
+def _show(study: Study, *, with_left_out: bool) -> None:
     console = Terminal(stderr=False, soft_wrap=True)
     for variant in study.variants:
         console.print(f"{variant.slug}: {variant.words}", markup=False)
         if variant.changes:
             console.print(f"    {variant.changes}", markup=False)
-    for one in study.left_out:
+    for one in study.left_out if with_left_out else ():
         console.print(f"left out: {one.variant.slug} ({one.why})", markup=False)
 
 

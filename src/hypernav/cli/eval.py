@@ -74,13 +74,7 @@ def evaluate(
     Raises:
         HyPerNavError: The run cannot be begun, or stopped before its end.
     """
-    config = options.who.resolve()
-    with console.status("loading the episodes …") as status:
-        plan = plan_of(options, config)
-        episodes = plan.episodes(
-            lambda done, total: status.update(f"loading the episodes, {done} of {total} …")
-        )
-        plan = replace(plan, who=_who(options, config, episodes, console))
+    plan, episodes = planned(options, console)
     with RunStore(folder, plan.configuration(episodes)) as store:
         if heading:
             console.print(heading)
@@ -88,7 +82,7 @@ def evaluate(
             console.print(f"{again} episodes that don't count are run again")
         if store.records:
             console.print(f"{len(store.records)} of {len(episodes)} episodes are done already")
-        pool = _pool(options, folder, config)
+        pool = _pool(options, folder, plan.config)
         session = RunSession(store, options.workers or available_cores())
         try:
             with session:
@@ -119,6 +113,21 @@ def check(options: Options) -> None:
             "--record is for single searches: use it with hypernav find; an evaluation keeps "
             "questions and answers in the traces of --save videos"
         )
+
+
+def planned(options: Options, console: Console) -> tuple[RunPlan, list[Episode]]:
+    """The run and its episodes, after checking that the agent can be built and can see the goals.
+
+    Raises:
+        HyPerNavError: The run cannot be begun.
+    """
+    config = options.who.resolve()
+    with console.status("loading the episodes …") as status:
+        plan = plan_of(options, config)
+        episodes = plan.episodes(
+            lambda done, total: status.update(f"loading the episodes, {done} of {total} …")
+        )
+        return replace(plan, who=_who(options, config, episodes, console)), episodes
 
 
 def plan_of(options: Options, config: HyPerNavConfig) -> RunPlan:

@@ -1,6 +1,5 @@
 """The folder of a study of goal refinement: a line for every episode that is done."""
 
-import json
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
@@ -14,8 +13,7 @@ from hypernav.core.errors import RunFolderError
 from hypernav.evaluation.record import EpisodeKey
 from hypernav.evaluation.refinement.area_record import AreaRecord
 from hypernav.evaluation.store.append_only import append_line, write_whole
-from hypernav.evaluation.store.folder_lock import FolderLock
-from hypernav.evaluation.store.run_store import keep_configuration
+from hypernav.evaluation.store.study_folder import held_folder
 
 LINES_FILE = "refinement.jsonl"
 
@@ -46,7 +44,7 @@ class RefinementStore:
         """
         self.done: dict[EpisodeKey, tuple[AreaRecord, ...]] = {}
         self._folder = folder
-        self._configuration = json.loads(json.dumps(configuration))
+        self._configuration = configuration
         self._stack = ExitStack()
 
     def __enter__(self) -> "RefinementStore":
@@ -56,10 +54,8 @@ class RefinementStore:
             RunFolderError: The folder is in use, of another configuration, damaged, or read-only.
         """
         with ExitStack() as stack:
+            stack.enter_context(held_folder(self._folder, self._configuration))
             try:
-                self._folder.mkdir(parents=True, exist_ok=True)
-                stack.enter_context(FolderLock(self._folder))
-                keep_configuration(self._folder, self._configuration)
                 lines = self._whole_lines()
             except OSError as error:
                 raise RunFolderError(

@@ -1,0 +1,33 @@
+"""The folder of a study: one study has it at a time, and always the same one."""
+
+import json
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any
+
+from hypernav.core.errors import RunFolderError
+from hypernav.evaluation.store.folder_lock import FolderLock
+from hypernav.evaluation.store.run_store import keep_configuration
+
+
+@contextmanager
+def held_folder(folder: Path, configuration: Mapping[str, Any]) -> Iterator[None]:
+    """Lock a folder while the ``with`` block runs, and keep in it what it was begun with.
+
+    Args:
+        folder: Folder of the study; created if missing.
+        configuration: Everything that decides about its results, as JSON data. A folder with
+            another configuration is refused before anything in it changes.
+
+    Raises:
+        RunFolderError: The folder is in use, of another configuration, damaged, or read-only.
+    """
+    with ExitStack() as stack:
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            stack.enter_context(FolderLock(folder))
+        except OSError as error:
+            raise RunFolderError(f"{folder} cannot be used: {error.strerror or error}") from error
+        keep_configuration(folder, json.loads(json.dumps(configuration)))
+        yield
