@@ -4,6 +4,7 @@ import pytest
 
 from eval_runs import SMALL, write_room
 from hypernav.cli.main import main
+from hypernav.evaluation.refinement.page import result_lines
 from hypernav.evaluation.refinement.store import LINES_FILE
 
 FILES = ("index.html", "refinement.csv", "example.png")
@@ -53,3 +54,17 @@ def test_options_of_variants_are_refused(room, tmp_path, capsys, option):
     assert ablate(f"scene:{room}#1", "--out", tmp_path / "out", *option) == 2
     assert f"{option[0]} has no meaning for --study refinement" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
+
+
+def test_a_noisy_detector_is_refused_before_a_folder_is_made(room, tmp_path, capsys):
+    detector = ("--detector", "noisy:poor", "--out", tmp_path / "out")
+    assert ablate(f"scene:{room}#1", *detector) == 2
+    said = capsys.readouterr().err
+    assert "--detector noisy:poor doesn't go with --study refinement" in said
+    assert not (tmp_path / "out").exists()
+
+
+def test_without_a_record_it_is_said_that_nothing_was_measured():
+    assert result_lines([]) == [
+        "nothing was measured: no episode showed its goal within the range of depth"
+    ]

@@ -3,6 +3,8 @@
 from dataclasses import asdict
 from pathlib import Path
 
+from hypernav.build.construction import asked_by
+from hypernav.build.registries import DETECTORS, SEGMENTERS
 from hypernav.cli.ablate_options import Options
 from hypernav.cli.eval import folder_name, plan_of
 from hypernav.cli.guards.crashes import crash_report
@@ -13,6 +15,7 @@ from hypernav.core.errors import ConfigError
 from hypernav.evaluation.refinement.page import result_lines, write_refinement
 from hypernav.evaluation.refinement.store import RefinementStore
 from hypernav.evaluation.refinement.study import draw_typical_frame, run_refinement_study
+from hypernav.evaluation.report.report_text import number_of
 
 
 def run_refinement(options: Options) -> ExitStatus:
@@ -45,8 +48,8 @@ def run_refinement(options: Options) -> ExitStatus:
     seen = len({(record.scene_id, record.episode_id) for record in records})
     lead = (
         f"What the preset {who.preset} makes of boxes of the goal, raw and refined, in the "
-        f"{seen} of {len(episodes)} episodes of {options.dataset} that show it within the range of "
-        f"depth; refined by {who.segmenter or 'depth-cut'}."
+        f"{seen} of {number_of(len(episodes), 'episode')} of {options.dataset} that show it within "
+        f"the range of depth; refined by {who.segmenter or 'depth-cut'}."
     )
     page = write_refinement(folder, records, example, lead=lead)
     for line in result_lines(records):
@@ -56,7 +59,7 @@ def run_refinement(options: Options) -> ExitStatus:
 
 
 def _check(options: Options) -> None:
-    """Refuse what only variants and their workers have."""
+    """Refuse what only variants and their workers have, and what needs more than the image."""
     given = {
         "--only": options.only is not None,
         "--list": options.list,
@@ -69,3 +72,14 @@ def _check(options: Options) -> None:
             f"{wrong[0]} has no meaning for --study refinement, which has no variants and runs in "
             "one process; leave it out"
         )
+    specs = options.who.specs
+    for kind, spec, registry in (
+        ("detector", specs.detector, DETECTORS),
+        ("segmenter", specs.segmenter, SEGMENTERS),
+    ):
+        asked = {} if spec is None else asked_by(registry.find(spec))
+        if wanted := [name for name, is_needed in asked.items() if is_needed and name != "config"]:
+            raise ConfigError(
+                f"--{kind} {spec} doesn't go with --study refinement, which tells a {kind} nothing "
+                f"but the image, and it needs more ({wanted[0]}); choose another or leave it out"
+            )

@@ -18,7 +18,7 @@ _SIDE = 480
 _GAP = 16
 _TITLE = 40
 _LEGEND = 40
-_ON, _OFF, _FOOTPRINT = palette.GOAL, palette.FAILURE, palette.CHOSEN
+_ON, _OFF, _FOOTPRINT = palette.GOAL, palette.PATH, palette.CHOSEN
 
 Rgb = UInt8[np.ndarray, "_ _ 3"]
 

@@ -12,6 +12,7 @@ from hypernav.evaluation.refinement.area_record import AreaRecord
 from hypernav.evaluation.refinement.boxes import JITTER_SHARE, MATCHING_IOU
 from hypernav.evaluation.refinement.example_image import Rgb
 from hypernav.evaluation.refinement.summary import Measure, Row, table
+from hypernav.evaluation.report.report_text import number_of
 from hypernav.show.pages.templating import image_uri, page_environment
 
 PAGE = "index.html"
@@ -40,6 +41,7 @@ def write_refinement(
     text = page.render(
         rows=table(records),
         lead=lead,
+        is_typical=len({(record.scene_id, record.episode_id) for record in records}) > 1,
         example="" if example is None else image_uri(example),
         jitter=JITTER_SHARE,
         iou=MATCHING_IOU,
@@ -55,15 +57,16 @@ def write_refinement(
 
 
 def result_lines(records: Sequence[AreaRecord]) -> list[str]:
-    """The table in lines of text, for the terminal."""
-    return [_line(row) for row in table(records)]
+    """The table in lines of text, for the terminal, or a line that says that it is empty."""
+    lines = [_line(row) for row in table(records)]
+    return lines or ["nothing was measured: no episode showed its goal within the range of depth"]
 
 
 def _line(row: Row) -> str:
     return (
         f"{row.box.value} box, {row.mask.value}: off target {_said(row.off_target)}, unreachable "
         f"or occluded {_said(row.useless)}, no success {_said(row.no_success)} "
-        f"({row.episodes} episodes)"
+        f"({number_of(row.episodes, 'episode')})"
     )
 
 

@@ -125,7 +125,7 @@ def protocol_lines(run: RunData) -> list[tuple[str, str]]:
         ("Data set", run.dataset + (f" ({part})" if part else "")),
         (
             "Episodes",
-            f"{episodes['count']:,} in {episodes['scenes']} scenes, fingerprint "
+            f"{episodes['count']:,} in {number_of(episodes['scenes'], 'scene')}, fingerprint "
             f"{episodes['fingerprint']}",
         ),
         (
@@ -162,8 +162,8 @@ def protocol_lines(run: RunData) -> list[tuple[str, str]]:
         ("Software", f"hypernav {run.configuration['hypernav']}"),
         (
             "Intervals",
-            "95 %, percentile bootstrap over scenes (10,000 draws); with a rate of 0 or 100 % in "
-            "every scene the interval has no width, which overstates what is known",
+            f"95 %, percentile bootstrap over {drawn(run)} (10,000 draws); with a rate of 0 or "
+            "100 % in each of them the interval has no width, which overstates what is known",
         ),
     ]
 
@@ -194,9 +194,9 @@ def session_lines(run: RunData) -> list[str]:
         hours = session.seconds / 3600
         rate = session.episodes / hours if hours else 0.0
         text = (
-            f"{session.began}: {session.episodes:,} episodes in "
-            f"{captions.duration(session.seconds)} with {session.workers} "
-            f"worker{'' if session.workers == 1 else 's'} on {session.cores} cores "
+            f"{session.began}: {number_of(session.episodes, 'episode')} in "
+            f"{captions.duration(session.seconds)} with {number_of(session.workers, 'worker')} on "
+            f"{number_of(session.cores, 'core')} "
             f"({rate:,.0f} an hour), {session.ended}"
         )
         if session.peak_memory_mb:
@@ -206,6 +206,16 @@ def session_lines(run: RunData) -> list[str]:
             text += f"; {session.workers_lost} workers were lost and replaced"
         lines.append(text)
     return lines
+
+
+def number_of(count: int, noun: str) -> str:
+    """A number with its noun, for example "1 episode" and "2 episodes"."""
+    return f"{count:,} {noun}{'' if count == 1 else 's'}"
+
+
+def drawn(run: RunData) -> str:
+    """What bootstrap and flips draw: the scenes of a run, or the episodes of its only one."""
+    return "scenes" if len({record.scene_id for record in run.counted}) > 1 else "episodes"
 
 
 def percent(estimate: Estimate) -> str:
