@@ -5,6 +5,7 @@ import pytest
 from eval_runs import record
 from hypernav.build.component_specs import ComponentSpecs, PresetName
 from hypernav.build.presets import preset
+from hypernav.core.config import layered
 from hypernav.core.errors import ConfigError
 from hypernav.evaluation.ablation.ablation_page import write_ablation
 from hypernav.evaluation.ablation.model_quality import LEVELS, RATES, model_quality
@@ -53,9 +54,36 @@ def test_the_unchanged_method_is_named_by_what_it_is():
 
 
 def test_what_cannot_be_run_is_left_out_with_the_reason():
-    (frontier,) = study(specs=ComponentSpecs(reasoner="geometric")).left_out
-    assert frontier.variant.name == "nearest frontier"
-    assert "--agent frontier asks no reasoner" in frontier.why
+    config = layered(preset("paper"), environment={}, assignments=["presence.enabled=false"])
+    specs = ComponentSpecs(vlm="replay:none.jsonl", detector="ground-truth")
+    left_out = model_quality(Method("paper", config, specs)).left_out
+    assert left_out[0].variant.name == "random block"
+    assert "would never be asked" in left_out[0].why
+
+
+def test_the_nearest_frontier_needs_no_reasoner_that_was_named():
+    one = study(specs=ComponentSpecs(reasoner="geometric"))
+    assert one.left_out == ()
+    (frontier,) = [variant for variant in one.variants if variant.name == "nearest frontier"]
+    assert frontier.changes == "--agent frontier (no --reasoner)"
+
+
+@pytest.mark.parametrize(
+    ("specs", "name", "quality"),
+    [
+        (ComponentSpecs(reasoner="noisy:1"), "P = 1", 1.0),
+        (ComponentSpecs(reasoner="random"), "random block", None),
+        (ComponentSpecs(detector="noisy:poor"), "poor detector", 0.0),
+    ],
+)
+def test_nothing_is_run_twice(specs, name, quality):
+    method = Method("default", preset("default"), specs)
+    one = model_quality(method)
+    why = {left.variant.name: left.why for left in one.left_out}
+    assert why[name] == "it is so already"
+    made = [tuple(method.varied(v).chosen.as_dict().items()) for v in one.variants]
+    assert len(set(made)) == len(made)
+    assert one.variants[0].quality == quality  # it takes the place on the curve
 
 
 def test_an_agent_without_a_reasoner_has_no_such_study():

@@ -1,5 +1,8 @@
 """The study of models: what a search is worth with reasoners and detectors of known quality."""
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 from hypernav.core.errors import ConfigError
 from hypernav.evaluation.ablation.study import Axis, LeftOut, Method, Study, Variant
 from hypernav.perception.local.noisy_detector import NoisyDetectorConfig
@@ -28,9 +31,10 @@ def model_quality(method: Method) -> Study:
     plain = chosen.reasoner.spec == "geometric"
     unchanged = "geometric rule" if plain else f"reasoner {chosen.reasoner.spec}"
     seen_by = chosen.detector.spec
+    unasked = (("reasoner", None),) if method.specs.reasoner else ()
     references = (
         Variant("random block", "Any block is named.", components=(("reasoner", "random"),)),
-        Variant("nearest frontier", "No blocks.", components=(("agent", "frontier"),)),
+        Variant("nearest frontier", "No blocks.", components=(("agent", "frontier"), *unasked)),
     )
     rates = [
         Variant(
@@ -57,17 +61,12 @@ def model_quality(method: Method) -> Study:
         )
         for place, level in enumerate(LEVELS)
     ]
-    variants = [Variant(unchanged, f"The preset {method.preset} with the options of the command.")]
-    left_out = []
-    for variant in (*references, *rates, *levels):
-        if why := _impossible(variant, method):
-            left_out.append(LeftOut(variant, why))
-        else:
-            variants.append(variant)
+    first = Variant(unchanged, f"The preset {method.preset} with the options of the command.")
+    variants, left_out = _distinct((first, *references, *rates, *levels), method)
     return Study(
         f"How good must the model be? The preset {method.preset}",
-        tuple(variants),
-        tuple(left_out),
+        variants,
+        left_out,
         axes=(
             Axis(
                 f"P: how often the best block is named ({seen_by} detector)",
@@ -79,10 +78,26 @@ def model_quality(method: Method) -> Study:
     )
 
 
-def _impossible(variant: Variant, method: Method) -> str:
-    """The reason why the components of a variant don't go together; empty if they do."""
-    try:
-        _ = method.varied(variant).chosen
-    except ConfigError as error:
-        return str(error)
-    return ""
+def _distinct(
+    variants: Sequence[Variant], method: Method
+) -> tuple[tuple[Variant, ...], tuple[LeftOut, ...]]:
+    """Variants that can be run, each once, and the others with the reason.
+
+    Where the user's own method, which comes first, is a point of a curve, it takes that place.
+    """
+    kept: dict[tuple[tuple[str, str | None], ...], Variant] = {}
+    left_out = []
+    for variant in variants:
+        try:
+            parts = tuple(method.varied(variant).chosen.as_dict().items())
+        except ConfigError as error:
+            left_out.append(LeftOut(variant, str(error)))
+            continue
+        same = kept.setdefault(parts, variant)
+        if same.name == variants[0].name != variant.name:
+            left_out.append(LeftOut(variant, "it is so already"))
+            if not same.curve:
+                kept[parts] = replace(same, quality=variant.quality, curve=variant.curve)
+        elif same is not variant:
+            left_out.append(LeftOut(variant, f"it is the same as {same.name}"))
+    return tuple(kept.values()), tuple(left_out)

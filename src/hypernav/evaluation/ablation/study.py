@@ -50,7 +50,8 @@ class Variant:
         name: Short name for people, unique in a study.
         words: What is different, in a sentence; it says where the reading of the paper is ours.
         assignments: Values that it sets, as ``--set`` takes them.
-        components: Components that it exchanges, as kind ("reasoner") and specification.
+        components: Components that it exchanges, as kind ("reasoner") and specification; None
+            takes back what the user named.
         quality: Position on the axis of its curve; None for variants that are on none.
         curve: Name of the curve that it belongs to, in a study of quality.
     """
@@ -58,7 +59,7 @@ class Variant:
     name: str
     words: str
     assignments: tuple[str, ...] = ()
-    components: tuple[tuple[str, str], ...] = ()
+    components: tuple[tuple[str, str | None], ...] = ()
     quality: float | None = None
     curve: str = ""
 
@@ -70,7 +71,10 @@ class Variant:
     @property
     def changes(self) -> str:
         """Options of `hypernav eval` that make the variant; empty for the unchanged method."""
-        options = [f"--{kind} {spec}" for kind, spec in self.components]
+        options = [
+            f"(no --{kind})" if spec is None else f"--{kind} {spec}"
+            for kind, spec in self.components
+        ]
         return " ".join([*options, *(f"--set {assignment}" for assignment in self.assignments)])
 
 
