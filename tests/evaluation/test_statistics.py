@@ -11,6 +11,7 @@ from hypernav.evaluation.failures.classification import Failure
 from hypernav.evaluation.statistics import (
     compare,
     discordance,
+    holm,
     mean_with_interval,
     ratio_with_interval,
 )
@@ -110,6 +111,18 @@ def test_comparing_the_other_way_round_changes_the_sign_alone():
     there, back = compare(a, b, scenes), compare(b, a, scenes)
     assert there.difference.mean == pytest.approx(-back.difference.mean)
     assert there.p_value == back.p_value
+
+
+def test_holm_by_hand():
+    assert holm([0.01, 0.04, 0.03, 0.005]) == pytest.approx([0.03, 0.06, 0.06, 0.02])
+    assert holm([0.5, 0.9]) == [1.0, 1.0]
+    assert holm([]) == []
+
+
+@given(st.lists(st.floats(0.0, 1.0), min_size=1, max_size=8))
+def test_a_corrected_p_value_lies_between_the_plain_one_and_bonferroni(values):
+    for plain, corrected in zip(values, holm(values), strict=True):
+        assert plain <= corrected <= min(1.0, len(values) * plain)
 
 
 def test_mcnemar_by_hand():

@@ -152,6 +152,19 @@ def compare(
     return Comparison(difference, _flip_p_value(sums, rng, draws))
 
 
+def holm(p_values: Sequence[float]) -> list[float]:
+    """P-values corrected for their number by Holm's method, in the given order.
+
+    Of all tests whose corrected p-value is below a limit, the chance that even one of them shows a
+    difference that isn't there is below that limit.
+    """
+    values = np.asarray(p_values, dtype=np.float64)
+    order = np.argsort(values, kind="stable")
+    corrected = np.empty_like(values)
+    corrected[order] = np.maximum.accumulate(values[order] * np.arange(values.size, 0, -1))
+    return np.minimum(corrected, 1.0).tolist()
+
+
 def discordance(first: Sequence[bool], second: Sequence[bool]) -> Discordance:
     """Count the episodes in which two runs agree and differ in success."""
     a, b = np.asarray(first, dtype=bool), np.asarray(second, dtype=bool)

@@ -77,7 +77,7 @@ def test_too_few_scenes_to_show_anything_are_said_to_be_too_few(tmp_path):
     write(tmp_path, UNCHANGED, found(8.0, SCENES[:3]))
     write(tmp_path, WORSE, found(9.0, SCENES[:3]))
     page = certain(write_ablation(tmp_path, STUDY)).read_text()
-    assert "With 3 scenes no p-value can be below 0.25" in page
+    assert "With 3 scenes and 2 comparisons no corrected p-value can be below 0.5" in page
     (other,) = certain(read_results(tmp_path, STUDY)).variants
     assert certain(other.pair).spl.p_value == pytest.approx(0.25)
 
@@ -98,6 +98,10 @@ def test_the_csv_holds_means_differences_and_failures(folder):
     assert (worse["success_difference"], worse["never_seen"]) == ("-1.0000", "8")
     assert float(worse["success_difference_p"]) == pytest.approx(2 / 2**8, abs=1e-4)
     assert (better["spl_difference"], better["paired_episodes"]) == ("0.5000", "7")
+    assert float(worse["success_difference_corrected_p"]) == pytest.approx(4 * 2 / 2**8, abs=1e-4)
+    assert (worse["done"], better["done"]) == ("8 of 8 episodes", "7 of 8 episodes")
+    assert worse["spl"] == "0.0000"
+    assert better["spl"] == better["success_high"] == better["steps"] == ""  # of other episodes
     assert worse["changes"] == "--set local.erosion_px=1"
 
 
@@ -107,6 +111,8 @@ def test_the_latex_table_has_seven_columns_everywhere(folder):
     rows = [line for line in lines if line.endswith(r"\\")]
     assert len(rows) == 4
     assert all(row.count(" & ") == 6 for row in rows)
+    assert any(row.startswith("bump sensor: on (7 of 8 episodes) & -- & -- & ") for row in rows)
+    assert "corrected for the 4 comparisons of this table (Holm)" in lines[-1]
 
 
 def test_the_same_results_give_the_same_bytes(folder):
@@ -141,3 +147,29 @@ def test_episodes_that_only_one_of_two_has_are_not_compared(tmp_path):
     write(tmp_path, UNCHANGED, found(8.0, SCENES[:2]))
     write(tmp_path, WORSE, found(8.0, SCENES[2:]))
     assert certain(read_results(tmp_path, STUDY)).waiting == (BETTER, WORSE, LATER)
+
+
+def test_what_one_comparison_alone_would_show_is_not_shown_among_many(tmp_path):
+    write(tmp_path, UNCHANGED, found(8.0))
+    others = [Variant(f"other {number}", "") for number in range(5)]
+    for variant in others:
+        write(tmp_path, variant, found(9.0))
+    page = certain(write_ablation(tmp_path, Study("Parts", (UNCHANGED, *others)))).read_text()
+    assert "No difference in SPL is shown for any variant." in page  # 10 x 2 / 2**8
+    assert "corrected for the 10 comparisons of this page" in page
+    write_ablation(tmp_path, Study("Parts", (UNCHANGED, others[0])))
+    assert "SPL falls with “other 0”" in (tmp_path / "index.html").read_text()
+
+
+def test_with_a_single_scene_nothing_is_said_to_be_drawn_over_scenes(tmp_path):
+    for variant, length in ((UNCHANGED, 8.0), (WORSE, 9.0)):
+        records = [
+            record(str(k), "house", shortest_path_m=4.0, path_length_m=length) for k in range(8)
+        ]
+        write(tmp_path, variant, records)
+    page = certain(write_ablation(tmp_path, STUDY)).read_text()
+    tex = (tmp_path / "ablation.tex").read_text()
+    figure = (tmp_path / "figure.svg").read_text()
+    for text in (page, tex, figure):
+        assert "over episodes" in text
+        assert "over scenes" not in text

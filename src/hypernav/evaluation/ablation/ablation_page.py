@@ -6,6 +6,7 @@ from typing import Any
 
 from hypernav.core.errors import OutputError
 from hypernav.evaluation.ablation.figures import SVG, write_figure
+from hypernav.evaluation.ablation.quality_curves import drawn_axes
 from hypernav.evaluation.ablation.results import StudyResults, VariantResult, read_results
 from hypernav.evaluation.ablation.study import LeftOut, Study
 from hypernav.evaluation.ablation.study_tables import write_csv, write_tex
@@ -62,6 +63,8 @@ def _content(results: StudyResults) -> dict[str, Any]:
         "results": shown,
         "lead": _lead(results),
         "verdicts": _verdicts(results),
+        "is_over_quality": bool(drawn_axes(results)),
+        "drawn": report_text.drawn(results.baseline.run),
         "warnings": _warnings(results),
         "failures": tables.failures([result.run for result in shown]),
         "left_out": _by_reason(results.study.left_out),
@@ -72,10 +75,12 @@ def _content(results: StudyResults) -> dict[str, Any]:
 
 def _lead(results: StudyResults) -> str:
     run, summary = results.baseline.run, results.baseline.summary
+    done = "" if results.baseline.is_whole else f" in the {len(run.records):,} that are done,"
     return (
-        f"{len(results.variants)} variants of the preset {run.who['preset']} searched for the same "
-        f"goals as the unchanged method, in {run.wanted:,} episodes of {run.dataset}. Unchanged, "
-        f"it finds {report_text.percent(summary.success)} "
+        f"{report_text.number_of(len(results.variants), 'variant')} of the preset "
+        f"{run.who['preset']} searched for the same goals as the unchanged method, in "
+        f"{report_text.number_of(run.wanted, 'episode')} of {run.dataset}. Unchanged,{done} it "
+        f"finds {report_text.percent(summary.success)} "
         f"({report_text.interval(summary.success, 100.0)} %) of its goals with an SPL of "
         f"{summary.spl.mean:.3f} ({report_text.interval(summary.spl)})."
     )
@@ -86,8 +91,9 @@ def _verdicts(results: StudyResults) -> list[str]:
     lost, gained, others = [], [], 0
     for result in results.worst_first:
         assert result.pair is not None
+        assert result.corrected is not None
         gap = result.pair.spl
-        if not gap.p_value < report_text.SIGNIFICANT:
+        if not result.corrected.spl < report_text.SIGNIFICANT:
             others += 1
             continue
         told = f"“{result.variant.name}” ({gap.difference.mean:+.3f})"
@@ -98,32 +104,33 @@ def _verdicts(results: StudyResults) -> list[str]:
     if gained:
         sentences.append(f"SPL rises with {_first_of(gained[::-1])}.")
     if others and (lost or gained):
-        sentences.append(f"For the other {others} no difference in SPL is shown.")
+        sentences.append(
+            f"For the other{f' {others}' if others > 1 else ''} no difference in SPL is shown."
+        )
     elif others:
         sentences.append("No difference in SPL is shown for any variant.")
-    count = len(results.variants)
-    if count > 1:
+    if results.variants:
         sentences.append(
-            f"Of {count} comparisons, {report_text.SIGNIFICANT * count:.1f} are expected below "
-            f"p = {report_text.SIGNIFICANT:g} by chance alone."
+            f"All p-values are corrected for the {results.comparisons} comparisons of this page "
+            "(Holm's method)."
         )
     return sentences
 
 
 def _warnings(results: StudyResults) -> list[str]:
     found = report_text.warnings([results.baseline.run])
-    scenes = len({record.scene_id for record in results.baseline.run.counted})
-    least = 2.0 ** (1 - scenes)
-    if scenes > 1 and least >= report_text.SIGNIFICANT:
+    run = results.baseline.run
+    unit = report_text.drawn(run).removesuffix("s")
+    scenes = len({record.scene_id for record in run.counted})
+    count = scenes if unit == "scene" else len(run.counted)
+    least = min(results.comparisons * 2.0 ** (1 - count), 1.0)
+    if least >= report_text.SIGNIFICANT:
         found.append(
-            f"With {scenes} scenes no p-value can be below {least:g}: more scenes are needed to "
-            "show a difference."
+            f"With {report_text.number_of(count, unit)} and {results.comparisons} comparisons no "
+            f"corrected p-value can be below {least:g}: more {unit}s, or fewer variants (--only), "
+            "are needed to show a difference."
         )
-    short = [
-        f"{one.variant.name} ({len(one.run.records):,} of {one.run.wanted:,} episodes)"
-        for one in results.variants
-        if len(one.run.records) < one.run.wanted
-    ]
+    short = [one.label for one in results.variants if not one.is_whole]
     if short:
         found.append(f"Not finished: {_listed(short)}. Only episodes that both have are compared.")
     if results.waiting:

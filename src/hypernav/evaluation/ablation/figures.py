@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hypernav.evaluation.ablation.quality_curves import quality_curves
+from hypernav.evaluation.ablation.quality_curves import drawn_axes, quality_curves
 from hypernav.evaluation.ablation.results import StudyResults
-from hypernav.evaluation.report.report_text import SIGNIFICANT
+from hypernav.evaluation.report.report_text import SIGNIFICANT, drawn
 from hypernav.evaluation.statistics import Comparison
 from hypernav.show.drawing import palette
 
@@ -34,7 +34,7 @@ def write_figure(folder: Path, results: StudyResults) -> None:
     import matplotlib
 
     with matplotlib.rc_context(_STYLE):
-        figure = quality_curves(results) if results.study.axes else _differences(results)
+        figure = quality_curves(results) if drawn_axes(results) else _differences(results)
         figure.savefig(folder / PNG, dpi=160)
         figure.savefig(folder / SVG, metadata={"Date": None})
 
@@ -47,36 +47,40 @@ def _differences(results: StudyResults) -> "Figure":
     figure = Figure(figsize=(10.0, 1.5 + 0.27 * len(rows)), layout="constrained")
     left, right = figure.subplots(1, 2, sharey=True)
     pairs = [row.pair for row in rows if row.pair is not None]
-    _whiskers(left, [pair.success for pair in pairs], 100.0)
-    _whiskers(right, [pair.spl for pair in pairs], 1.0)
+    p_values = [row.corrected for row in rows if row.corrected is not None]
+    _whiskers(left, [pair.success for pair in pairs], [p.success for p in p_values], 100.0)
+    _whiskers(right, [pair.spl for pair in pairs], [p.spl for p in p_values], 1.0)
     left.set_title("Success rate", fontsize=10)
     right.set_title("SPL", fontsize=10)
     unchanged = results.baseline.summary
     left.set_xlabel(f"SR, points from {100 * unchanged.success.mean:.1f} %\n← worse   better →")
     right.set_xlabel(f"SPL, from {unchanged.spl.mean:.3f}\n← worse   better →")
-    left.set_yticks(range(len(rows)), [row.variant.name for row in rows])
+    left.set_yticks(range(len(rows)), [row.label for row in rows])
     left.set_ylim(len(rows) - 0.5, -0.5)
     figure.suptitle(
-        "Each variant minus the unchanged method, with 95 % intervals; coloured where "
-        f"p < {SIGNIFICANT:g}",
+        "Each variant minus the unchanged method, with 95 % intervals over "
+        f"{drawn(results.baseline.run)}; coloured where corrected p < {SIGNIFICANT:g}",
         fontsize=10,
     )
     return figure
 
 
-def _whiskers(axes: "Axes", comparisons: Sequence[Comparison], factor: float) -> None:
+def _whiskers(
+    axes: "Axes", comparisons: Sequence[Comparison], p_values: Sequence[float], factor: float
+) -> None:
     axes.axvline(0.0, color=palette.css(palette.MUTED), linewidth=1.0)
     axes.grid(color=palette.css(palette.FAINT), linewidth=0.6)
     axes.set_axisbelow(True)
     axes.tick_params(axis="y", length=0)
     axes.locator_params(axis="x", nbins=6)
-    for place, comparison in enumerate(comparisons):
-        gap, color = comparison.difference, palette.css(_color(comparison))
+    for place, (comparison, p_value) in enumerate(zip(comparisons, p_values, strict=True)):
+        gap = comparison.difference
+        color = palette.css(_color(gap.mean, p_value))
         axes.plot([factor * gap.low, factor * gap.high], [place, place], color=color, linewidth=2.2)
         axes.plot([factor * gap.mean], [place], "o", color=color, markersize=5.5)
 
 
-def _color(comparison: Comparison) -> palette.Rgb:
-    if not comparison.p_value < SIGNIFICANT:
+def _color(gap: float, p_value: float) -> palette.Rgb:
+    if not p_value < SIGNIFICANT:
         return palette.EXCLUDED
-    return palette.SUCCESS if comparison.difference.mean > 0.0 else palette.FAILURE
+    return palette.SUCCESS if gap > 0.0 else palette.FAILURE

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 from hypernav.evaluation.ablation.results import StudyResults, VariantResult
 from hypernav.evaluation.ablation.study import Axis
+from hypernav.evaluation.report import report_text
 from hypernav.evaluation.statistics import Estimate
 from hypernav.show.drawing import palette
 
@@ -14,11 +15,20 @@ if TYPE_CHECKING:
 _STYLES = ("--", ":", "-.")
 
 
+def drawn_axes(results: StudyResults) -> tuple[Axis, ...]:
+    """The axes that something can be drawn over: a variant on a curve of theirs is done."""
+    curves = {result.variant.curve for result in results.all if result.is_whole}
+    return tuple(axis for axis in results.study.axes if curves & set(axis.curves))
+
+
 def quality_curves(results: StudyResults) -> "Figure":
-    """A row for every axis of the study: success on the left, SPL on the right."""
+    """A row for every axis with a curve, at least one: success on the left, SPL on the right.
+
+    Variants that aren't done are left out: their means are those of other episodes.
+    """
     from matplotlib.figure import Figure
 
-    rows = results.study.axes
+    rows = drawn_axes(results)
     figure = Figure(figsize=(10.0, 0.4 + 3.7 * len(rows)), layout="constrained")
     panels = figure.subplots(len(rows), 2, squeeze=False)
     for axis, (left, right) in zip(rows, panels, strict=True):
@@ -27,7 +37,7 @@ def quality_curves(results: StudyResults) -> "Figure":
         left.legend(fontsize=9, loc="lower right", edgecolor="none")
     figure.suptitle(
         "Goals found (SR) and how direct the paths to them were (SPL; 1 is the shortest path): "
-        "means with 95 % intervals over scenes",
+        f"means with 95 % intervals over {report_text.drawn(results.baseline.run)}",
         fontsize=10,
     )
     return figure
@@ -46,14 +56,16 @@ def _panel(axes: "Axes", axis: Axis, results: StudyResults, *, is_success: bool)
         axes.set_xlim(-0.3, len(axis.ticks) - 0.7)
     for place, name in enumerate(axis.lines):
         for result in results.all:
-            if result.variant.name == name:
+            if result.variant.name == name and result.is_whole:
                 _line(axes, _measure(result, factor, is_success=is_success), name, place)
     curves = [curve for one in results.study.axes for curve in one.curves]
     for curve in axis.curves:
         points = [
             (result.variant.quality, _measure(result, factor, is_success=is_success))
             for result in results.all
-            if result.variant.curve == curve and result.variant.quality is not None
+            if result.is_whole
+            and result.variant.curve == curve
+            and result.variant.quality is not None
         ]
         if points:
             color = palette.SERIES[curves.index(curve) % len(palette.SERIES)]

@@ -1,13 +1,29 @@
 """The results of a study, read back from the folders of its variants."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from hypernav.evaluation.ablation.study import Study, Variant
+from hypernav.evaluation.report import report_text
 from hypernav.evaluation.report.run_data import RunData, load_runs
 from hypernav.evaluation.report.tables import Pair, own_protocol, pair
+from hypernav.evaluation.statistics import holm
 from hypernav.evaluation.store.run_store import read_records
 from hypernav.evaluation.summary import Summary, summarise
+
+
+@dataclass(frozen=True)
+class CorrectedP:
+    """P-values of one comparison, corrected by Holm's method for all comparisons of the study.
+
+    Attributes:
+        success: That of the difference of success rates.
+        spl: That of the difference of SPL.
+    """
+
+    success: float
+    spl: float
 
 
 @dataclass(frozen=True)
@@ -20,12 +36,27 @@ class VariantResult:
         summary: Mean results.
         pair: Comparison with the unchanged method on the episodes that both have done; None for
             the unchanged method itself.
+        corrected: P-values of the comparison, corrected; None for the unchanged method itself.
     """
 
     variant: Variant
     run: RunData
     summary: Summary
     pair: Pair | None
+    corrected: CorrectedP | None = None
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether all episodes are done, so that the means are those of the data set."""
+        return len(self.run.records) >= self.run.wanted
+
+    @property
+    def label(self) -> str:
+        """Name of the variant, with how much of it is done unless all is."""
+        if self.is_whole:
+            return self.variant.name
+        done = report_text.number_of(self.run.wanted, "episode")
+        return f"{self.variant.name} ({len(self.run.records):,} of {done})"
 
 
 @dataclass(frozen=True)
@@ -49,6 +80,11 @@ class StudyResults:
     def all(self) -> tuple[VariantResult, ...]:
         """The unchanged method, then its variants."""
         return (self.baseline, *self.variants)
+
+    @property
+    def comparisons(self) -> int:
+        """Number of the comparisons that are shown: of success and of SPL for every variant."""
+        return 2 * len(self.variants)
 
     @property
     def worst_first(self) -> tuple[VariantResult, ...]:
@@ -88,7 +124,16 @@ def read_results(folder: Path, study: Study) -> StudyResults | None:
             waiting.append(variant)
         else:
             results.append(VariantResult(variant, run, _summary(run), compared))
-    return StudyResults(study, baseline, tuple(results), tuple(waiting))
+    return StudyResults(study, baseline, _corrected(results), tuple(waiting))
+
+
+def _corrected(results: Sequence[VariantResult]) -> tuple[VariantResult, ...]:
+    pairs = [result.pair for result in results if result.pair is not None]
+    p_values = holm([gap.p_value for pair in pairs for gap in (pair.success, pair.spl)])
+    return tuple(
+        replace(result, corrected=CorrectedP(*p))
+        for result, p in zip(results, zip(p_values[::2], p_values[1::2], strict=True), strict=True)
+    )
 
 
 def _load(folder: Path, variant: Variant) -> RunData | None:

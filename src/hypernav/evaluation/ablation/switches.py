@@ -18,7 +18,9 @@ ABLATIONS = (
     Variant(
         "local only",
         "Nobody reads the map: where the goal is out of sight the robot goes to a block by chance. "
-        "Our reading: the paper doesn't say how.",
+        "Our reading: the paper doesn't say how. The block is one of those that a model would be "
+        "offered: in the preset default a block at random among those with something new (at most "
+        "20), in paper any.",
         components=(("reasoner", "random"),),
     ),
     Variant(
