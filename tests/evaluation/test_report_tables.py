@@ -205,11 +205,8 @@ def test_a_run_of_an_older_version_is_refused_with_the_reason(good):
 
 
 def test_intervals_do_not_depend_on_which_worker_was_done_first(tmp_path):
-    lengths = (4.0, 5.0, 9.0, 16.0, 30.0)
-    records = [
-        record(str(k), "house", spl=0.1 * k, path_length_m=length)
-        for k, length in enumerate(lengths)
-    ]
+    lengths = [4.0 + 0.37 * k**1.5 for k in range(30)]
+    records = [record(str(k), "house", path_length_m=length) for k, length in enumerate(lengths)]
     runs = load_runs(
         [written(tmp_path / "a", records), written(tmp_path / "b", [*records[3:], *records[:3]])]
     )
