@@ -11,9 +11,10 @@ from hypernav.houses.generator import build_compact, plan_of
 from hypernav.houses.textures.library import texture
 
 _SCRIPT = """
+from hypernav.houses.building import house
 from hypernav.houses.generator import build_compact
 import test_house_bytes
-print(test_house_bytes.digest(build_compact({number})))
+print(test_house_bytes.digest(build_compact(house({number}))))
 """
 
 

@@ -38,7 +38,7 @@ def scene(tmp_path_factory):
 def records(folder, scene, ids, preset: PresetName):
     """What a worker of its own measures in these episodes, by name, times left out."""
     job = Job(folder, small_config(preset), NOISY)
-    first = replace(episode_from(START, max_steps=36), scene_id=f"{scene}")
+    first = replace(episode_from(START, max_steps=60), scene_id=f"{scene}")
     with closing(EpisodeWorker(job)) as worker:
         done = [worker.run(replace(first, episode_id=id)) for id in ids]
     return {one.episode_id: one.model_dump(exclude={"seconds"}) for one in done}
