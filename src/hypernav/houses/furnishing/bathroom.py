@@ -1,7 +1,7 @@
 """Furnishing of bathrooms."""
 
 from hypernav.houses.assembly import PlacedModel
-from hypernav.houses.furnishing.set_dressing import scatter
+from hypernav.houses.furnishing.set_dressing import scatter, stand_some
 from hypernav.houses.objects.belongings import household
 from hypernav.houses.objects.decor import ornaments, plants, textiles, wall_decor
 from hypernav.houses.objects.furniture import cabinets
@@ -54,16 +54,18 @@ def furnish_bathroom(layout: RoomLayout, *, with_washer: bool) -> None:
         scatter(layout, washer, (household.detergent, textiles.folded_towels), 1)
     layout.hang_on_wall(wall_decor.towel_rack(rng, palette), sides=SIDES, z=0.82)
     layout.hang_on_wall(wall_decor.toilet_paper(rng, palette), sides=SIDES, z=0.65)
-    for maker, chance in (
-        (household.trash_can, 0.6),
-        (household.toilet_brush, 0.6),
-        (laundry.laundry_basket, 0.35),
-        (household.scale, 0.3),
-        (cabinets.cabinet, 0.15),
-        (plants.leafy_plant, 0.25),
-    ):
-        if rng.chance(chance):
-            layout.place_at_wall(maker(rng, palette), where="corner" if rng.chance(0.6) else "any")
+    stand_some(
+        layout,
+        (
+            (household.trash_can, 0.6),
+            (household.toilet_brush, 0.6),
+            (laundry.laundry_basket, 0.35),
+            (household.scale, 0.3),
+            (cabinets.cabinet, 0.15),
+            (plants.leafy_plant, 0.25),
+        ),
+        corner_chance=0.6,
+    )
     mat = textiles.bath_mat(rng, palette)
     host = tub or basin
     if host is not None:

@@ -3,7 +3,7 @@
 from hypernav.houses.assembly import PlacedModel
 from hypernav.houses.furnishing.office import place_desk
 from hypernav.houses.furnishing.rugs_and_plants import place_plants, place_rug
-from hypernav.houses.furnishing.set_dressing import scatter
+from hypernav.houses.furnishing.set_dressing import scatter, stand_some
 from hypernav.houses.objects.belongings import leisure, luggage_and_tools, sports, toys
 from hypernav.houses.objects.decor import ornaments, plants, textiles
 from hypernav.houses.objects.devices import electronics, lighting, screens
@@ -74,32 +74,34 @@ def furnish_bedroom(layout: RoomLayout, *, first: bool) -> None:
             ),
             2,
         )
-    for maker, chance in rng.shuffled(
-        (
-            (sofas.armchair, 0.2),
-            (stools.bench_seat, 0.1),
-            (laundry.laundry_basket, 0.3),
-            (luggage_and_tools.backpack, 0.25),
-            (luggage_and_tools.suitcase, 0.25),
-            (leisure.guitar, 0.12),
-            (lighting.floor_lamp, 0.25),
-            (luggage_and_tools.handbag, 0.15),
-            (sofas.bean_bag, 0.15),
-            (sports.treadmill, 0.08),
-            (sports.exercise_bike, 0.07),
-            (sports.dumbbells, 0.12),
-            (beds.crib, 0.1),
-            (leisure.easel, 0.06),
-            (electronics.fan, 0.15),
-            (electronics.air_purifier, 0.15),
-            (textiles.rolled_mat, 0.1),
-            (luggage_and_tools.shoes, 0.2),
-            (stools.ottoman, 0.15),
-            (sports.exercise_ball, 0.08),
-        )
-    ):
-        if rng.chance(chance):
-            layout.place_at_wall(maker(rng, palette), where="corner" if rng.chance(0.5) else "any")
+    stand_some(
+        layout,
+        rng.shuffled(
+            (
+                (sofas.armchair, 0.2),
+                (stools.bench_seat, 0.1),
+                (laundry.laundry_basket, 0.3),
+                (luggage_and_tools.backpack, 0.25),
+                (luggage_and_tools.suitcase, 0.25),
+                (leisure.guitar, 0.12),
+                (lighting.floor_lamp, 0.25),
+                (luggage_and_tools.handbag, 0.15),
+                (sofas.bean_bag, 0.15),
+                (sports.treadmill, 0.08),
+                (sports.exercise_bike, 0.07),
+                (sports.dumbbells, 0.12),
+                (beds.crib, 0.1),
+                (leisure.easel, 0.06),
+                (electronics.fan, 0.15),
+                (electronics.air_purifier, 0.15),
+                (textiles.rolled_mat, 0.1),
+                (luggage_and_tools.shoes, 0.2),
+                (stools.ottoman, 0.15),
+                (sports.exercise_ball, 0.08),
+            )
+        ),
+        corner_chance=0.5,
+    )
     if rng.chance(0.55):
         place_plants(layout, 1)
 

@@ -2,7 +2,7 @@
 
 from hypernav.houses.assembly import PlacedModel
 from hypernav.houses.furnishing.rugs_and_plants import place_plants, place_rug
-from hypernav.houses.furnishing.set_dressing import scatter
+from hypernav.houses.furnishing.set_dressing import scatter, stand_some
 from hypernav.houses.objects.belongings import household, leisure, luggage_and_tools, sports, toys
 from hypernav.houses.objects.decor import ornaments, plants, textiles
 from hypernav.houses.objects.devices import electronics, lighting, screens
@@ -66,25 +66,27 @@ def furnish_office(layout: RoomLayout) -> None:
     layout.place_at_wall(shelves.bookshelf(rng, palette), front=0.4, access=True)
     if rng.chance(0.4):
         layout.place_at_wall(shelves.bookshelf(rng, palette), front=0.4, access=True)
-    for maker, chance in rng.shuffled(
-        (
-            (sofas.armchair, 0.45),
-            (household.trash_can, 0.6),
-            (lighting.floor_lamp, 0.35),
-            (leisure.guitar, 0.2),
-            (leisure.piano, 0.12),
-            (sports.treadmill, 0.12),
-            (sports.exercise_bike, 0.1),
-            (sofas.bean_bag, 0.12),
-            (luggage_and_tools.backpack, 0.3),
-            (leisure.easel, 0.12),
-            (electronics.fan, 0.2),
-            (laundry.sewing_machine, 0.0),
-            (sports.dumbbells, 0.15),
-        )
-    ):
-        if rng.chance(chance):
-            layout.place_at_wall(maker(rng, palette), where="corner" if rng.chance(0.5) else "any")
+    stand_some(
+        layout,
+        rng.shuffled(
+            (
+                (sofas.armchair, 0.45),
+                (household.trash_can, 0.6),
+                (lighting.floor_lamp, 0.35),
+                (leisure.guitar, 0.2),
+                (leisure.piano, 0.12),
+                (sports.treadmill, 0.12),
+                (sports.exercise_bike, 0.1),
+                (sofas.bean_bag, 0.12),
+                (luggage_and_tools.backpack, 0.3),
+                (leisure.easel, 0.12),
+                (electronics.fan, 0.2),
+                (laundry.sewing_machine, 0.0),
+                (sports.dumbbells, 0.15),
+            )
+        ),
+        corner_chance=0.5,
+    )
     if rng.chance(0.4):
         side = layout.place_at_wall(desks.console_table(rng, palette), front=0.4)
         scatter(

@@ -1,4 +1,4 @@
-"""Set dressing of any room: curtains, radiators, lamps, pictures, objects on surfaces."""
+"""Set dressing of any room: curtains, lamps, pictures, things at walls and on surfaces."""
 
 from collections.abc import Callable, Sequence
 
@@ -58,6 +58,17 @@ def hang_pictures(layout: RoomLayout, count: int) -> None:
         )
         model = maker(layout.rng, layout.palette)
         layout.hang_on_wall(model, sides=SIDES, z=round(1.62 - model.height / 2, 3))
+
+
+def stand_some(
+    layout: RoomLayout, choices: Sequence[tuple[Maker, float]], *, corner_chance: float
+) -> None:
+    """Stand things at walls, each with a chance of its own, in a corner with another."""
+    rng = layout.rng
+    for maker, chance in choices:
+        if rng.chance(chance):
+            model = maker(rng, layout.palette)
+            layout.place_at_wall(model, where="corner" if rng.chance(corner_chance) else "any")
 
 
 def scatter(

@@ -1,7 +1,7 @@
 """Furnishing of halls, laundries, storage rooms and balconies."""
 
 from hypernav.houses.furnishing.rugs_and_plants import place_rug
-from hypernav.houses.furnishing.set_dressing import scatter
+from hypernav.houses.furnishing.set_dressing import scatter, stand_some
 from hypernav.houses.objects.belongings import household, luggage_and_tools, pets, sports
 from hypernav.houses.objects.decor import ornaments, plants, textiles, wall_decor
 from hypernav.houses.objects.devices import electronics, lighting
@@ -33,23 +33,25 @@ def furnish_hall(layout: RoomLayout) -> None:
             2,
         )
         layout.hang_on_wall(wall_decor.mirror(rng, palette), sides=SIDES, z=1.15, near=base)
-    for maker, chance in rng.shuffled(
-        (
-            (shelves.shoe_rack, 0.6),
-            (shelves.coat_rack, 0.45),
-            (luggage_and_tools.umbrella, 0.6),
-            (stools.bench_seat, 0.2),
-            (luggage_and_tools.shoes, 0.4),
-            (plants.snake_plant, 0.25),
-            (luggage_and_tools.suitcase, 0.12),
-            (luggage_and_tools.fire_extinguisher, 0.08),
-            (luggage_and_tools.backpack, 0.2),
-            (sports.skateboard, 0.08),
-            (sports.football, 0.08),
-        )
-    ):
-        if rng.chance(chance):
-            layout.place_at_wall(maker(rng, palette), where="corner" if rng.chance(0.5) else "any")
+    stand_some(
+        layout,
+        rng.shuffled(
+            (
+                (shelves.shoe_rack, 0.6),
+                (shelves.coat_rack, 0.45),
+                (luggage_and_tools.umbrella, 0.6),
+                (stools.bench_seat, 0.2),
+                (luggage_and_tools.shoes, 0.4),
+                (plants.snake_plant, 0.25),
+                (luggage_and_tools.suitcase, 0.12),
+                (luggage_and_tools.fire_extinguisher, 0.08),
+                (luggage_and_tools.backpack, 0.2),
+                (sports.skateboard, 0.08),
+                (sports.football, 0.08),
+            )
+        ),
+        corner_chance=0.5,
+    )
     if rng.chance(0.5):
         layout.hang_on_wall(wall_decor.wall_hooks(rng, palette), sides=SIDES, z=1.3)
     if rng.chance(0.5):
@@ -81,17 +83,19 @@ def furnish_laundry(layout: RoomLayout) -> None:
         laundry.clothes_dryer(rng, palette), front=0.7, access=True, where="corner"
     )
     scatter(layout, dryer, (household.detergent, household.basket), 1)
-    for maker, chance in (
-        (laundry.laundry_basket, 0.9),
-        (laundry.ironing_board, 0.5),
-        (laundry.drying_rack, 0.5),
-        (shelves.metal_shelf, 0.4),
-        (household.bucket, 0.5),
-        (household.broom, 0.5),
-        (electronics.vacuum_cleaner, 0.3),
-    ):
-        if rng.chance(chance):
-            layout.place_at_wall(maker(rng, palette), where="corner" if rng.chance(0.5) else "any")
+    stand_some(
+        layout,
+        (
+            (laundry.laundry_basket, 0.9),
+            (laundry.ironing_board, 0.5),
+            (laundry.drying_rack, 0.5),
+            (shelves.metal_shelf, 0.4),
+            (household.bucket, 0.5),
+            (household.broom, 0.5),
+            (electronics.vacuum_cleaner, 0.3),
+        ),
+        corner_chance=0.5,
+    )
 
 
 def furnish_storage(layout: RoomLayout) -> None:
@@ -100,23 +104,25 @@ def furnish_storage(layout: RoomLayout) -> None:
     layout.place_at_wall(shelves.metal_shelf(rng, palette), access=True)
     if rng.chance(0.5):
         layout.place_at_wall(shelves.metal_shelf(rng, palette), access=True)
-    for maker, chance in rng.shuffled(
-        (
-            (luggage_and_tools.cardboard_boxes, 0.9),
-            (electronics.vacuum_cleaner, 0.6),
-            (luggage_and_tools.ladder, 0.5),
-            (luggage_and_tools.toolbox, 0.5),
-            (luggage_and_tools.suitcase, 0.5),
-            (household.broom, 0.5),
-            (household.bucket, 0.4),
-            (sports.bicycle, 0.2),
-            (sports.skateboard, 0.15),
-            (laundry.ironing_board, 0.25),
-            (pets.bird_cage, 0.05),
-        )
-    ):
-        if rng.chance(chance):
-            layout.place_at_wall(maker(rng, palette), where="corner" if rng.chance(0.6) else "any")
+    stand_some(
+        layout,
+        rng.shuffled(
+            (
+                (luggage_and_tools.cardboard_boxes, 0.9),
+                (electronics.vacuum_cleaner, 0.6),
+                (luggage_and_tools.ladder, 0.5),
+                (luggage_and_tools.toolbox, 0.5),
+                (luggage_and_tools.suitcase, 0.5),
+                (household.broom, 0.5),
+                (household.bucket, 0.4),
+                (sports.bicycle, 0.2),
+                (sports.skateboard, 0.15),
+                (laundry.ironing_board, 0.25),
+                (pets.bird_cage, 0.05),
+            )
+        ),
+        corner_chance=0.6,
+    )
 
 
 def furnish_balcony(layout: RoomLayout) -> None:

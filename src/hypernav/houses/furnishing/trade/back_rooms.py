@@ -1,6 +1,7 @@
 """Furnishing of stock rooms, fitting rooms and arcades."""
 
 from hypernav.houses.furnishing.rugs_and_plants import place_plants
+from hypernav.houses.furnishing.set_dressing import stand_some
 from hypernav.houses.furnishing.trade.aisles import line_walls, place_aisles
 from hypernav.houses.furnishing.trade.sales_halls import place_tables
 from hypernav.houses.objects.belongings import household, luggage_and_tools
@@ -21,18 +22,20 @@ def furnish_stock_room(layout: RoomLayout) -> None:
     zone = layout.inner.grown(-1.4)
     if min(zone.width, zone.depth) > 0.8:
         place_aisles(layout, [shelving.pallet_rack(rng, palette)], zone, 1.5)
-    for maker, chance in rng.shuffled(
-        (
-            (luggage_and_tools.cardboard_boxes, 1.0),
-            (luggage_and_tools.cardboard_boxes, 0.6),
-            (luggage_and_tools.ladder, 0.6),
-            (luggage_and_tools.toolbox, 0.4),
-            (household.broom, 0.6),
-            (household.bucket, 0.5),
-        )
-    ):
-        if rng.chance(chance):
-            layout.place_at_wall(maker(rng, palette), where="corner" if rng.chance(0.6) else "any")
+    stand_some(
+        layout,
+        rng.shuffled(
+            (
+                (luggage_and_tools.cardboard_boxes, 1.0),
+                (luggage_and_tools.cardboard_boxes, 0.6),
+                (luggage_and_tools.ladder, 0.6),
+                (luggage_and_tools.toolbox, 0.4),
+                (household.broom, 0.6),
+                (household.bucket, 0.5),
+            )
+        ),
+        corner_chance=0.6,
+    )
 
 
 def furnish_fitting_room(layout: RoomLayout) -> None:

@@ -3,7 +3,7 @@
 from hypernav.houses.furnishing.dining_room import place_dining
 from hypernav.houses.furnishing.kitchen import place_units
 from hypernav.houses.furnishing.rugs_and_plants import place_plants
-from hypernav.houses.furnishing.set_dressing import scatter
+from hypernav.houses.furnishing.set_dressing import scatter, stand_some
 from hypernav.houses.objects.belongings import household, luggage_and_tools
 from hypernav.houses.objects.decor import plants, wall_decor
 from hypernav.houses.objects.devices import electronics
@@ -92,19 +92,21 @@ def furnish_storage(layout: RoomLayout) -> None:
     rack = shelves.metal_shelf(rng, palette)
     for _ in range(max(int(layout.inner.area / 3.5), 1)):
         layout.place_at_wall(rack, front=0.5, access=True)
-    for maker, chance in rng.shuffled(
-        (
-            (luggage_and_tools.cardboard_boxes, 0.9),
-            (office_furniture.locker, 0.4),
-            (electronics.vacuum_cleaner, 0.6),
-            (luggage_and_tools.ladder, 0.5),
-            (luggage_and_tools.toolbox, 0.5),
-            (household.broom, 0.6),
-            (household.bucket, 0.6),
-        )
-    ):
-        if rng.chance(chance):
-            layout.place_at_wall(maker(rng, palette), where="corner" if rng.chance(0.6) else "any")
+    stand_some(
+        layout,
+        rng.shuffled(
+            (
+                (luggage_and_tools.cardboard_boxes, 0.9),
+                (office_furniture.locker, 0.4),
+                (electronics.vacuum_cleaner, 0.6),
+                (luggage_and_tools.ladder, 0.5),
+                (luggage_and_tools.toolbox, 0.5),
+                (household.broom, 0.6),
+                (household.bucket, 0.6),
+            )
+        ),
+        corner_chance=0.6,
+    )
 
 
 def furnish_server_room(layout: RoomLayout) -> None:

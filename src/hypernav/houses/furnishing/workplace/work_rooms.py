@@ -2,7 +2,7 @@
 
 from hypernav.houses.assembly import PlacedModel
 from hypernav.houses.furnishing.rugs_and_plants import place_plants
-from hypernav.houses.furnishing.set_dressing import Maker, scatter
+from hypernav.houses.furnishing.set_dressing import Maker, scatter, stand_some
 from hypernav.houses.modelling.model import Model
 from hypernav.houses.objects.belongings import household, luggage_and_tools
 from hypernav.houses.objects.decor import ornaments, plants
@@ -54,21 +54,23 @@ def furnish_cell_office(layout: RoomLayout) -> None:
         if rng.chance(chance):
             piece = layout.place_at_wall(maker(rng, palette), front=0.45, access=True)
             scatter(layout, piece, (plants.small_plant, electronics.printer), 1)
-    for maker, chance in rng.shuffled(
-        (
-            (sofas.armchair, 0.25),
-            (chairs.dining_chair, 0.4),
-            (household.trash_can, 0.6),
-            (shelves.coat_rack, 0.35),
-            (machines.desk_computer, 0.3),
-            (machines.paper_shredder, 0.15),
-            (luggage_and_tools.backpack, 0.25),
-            (lighting.floor_lamp, 0.2),
-            (electronics.fan, 0.1),
-        )
-    ):
-        if rng.chance(chance):
-            layout.place_at_wall(maker(rng, palette), where="corner" if rng.chance(0.5) else "any")
+    stand_some(
+        layout,
+        rng.shuffled(
+            (
+                (sofas.armchair, 0.25),
+                (chairs.dining_chair, 0.4),
+                (household.trash_can, 0.6),
+                (shelves.coat_rack, 0.35),
+                (machines.desk_computer, 0.3),
+                (machines.paper_shredder, 0.15),
+                (luggage_and_tools.backpack, 0.25),
+                (lighting.floor_lamp, 0.2),
+                (electronics.fan, 0.1),
+            )
+        ),
+        corner_chance=0.5,
+    )
     if rng.chance(0.5):
         layout.hang_on_wall(boards.whiteboard(rng, palette), sides=SIDES, z=0.95)
     if rng.chance(0.6):
