@@ -9,14 +9,13 @@ from jaxtyping import Float64, Int64
 from hypernav.core.overview import Prospects
 from hypernav.mapping.distance_kernels import travel_cells
 from hypernav.mapping.reachable_area import ReachableArea
+from hypernav.mapping.unseen import OPEN_M
 from hypernav.mapping.view_kernels import unknown_in_view
 
 _PATCH_CELLS = 4
 """Side of the patches in which the unknown is counted and paths are measured, cells."""
 _RAYS = 180
 """Rays of a full turn: at 5 m they are not farther apart than a patch of cells of 0.05 m."""
-_OPEN_M = 3.0
-"""Length of the unknown after which 1 of e lines of sight has not yet met a wall, metres."""
 
 
 def find_prospects(
@@ -40,7 +39,7 @@ def find_prospects(
         at + range_cells,
         range_cells,
         _RAYS,
-        _OPEN_M / size,
+        OPEN_M / size,
         _PATCH_CELLS,
     )
     in_view = chance > 0.0

@@ -7,8 +7,8 @@ from jaxtyping import Float64
 
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 
-_OPEN_M = 3.0
-"""Length of the unknown after which 1 of e lines of sight has not yet met a wall, metres."""
+OPEN_M = 3.0
+"""Length of the unknown after which 1 of e lines of sight has not yet met a wall, metres; ours."""
 
 
 def unseen_by_bearing(
@@ -45,6 +45,6 @@ def unseen_by_bearing(
     states = states.reshape(len(along), len(bearings))
     in_sight = np.cumsum(states == Cell.OCCUPIED, axis=0) == 0
     unknown = in_sight & (states == Cell.UNKNOWN)
-    chance = np.exp(-np.cumsum(unknown, axis=0) * (spacing_m / _OPEN_M))
+    chance = np.exp(-np.cumsum(unknown, axis=0) * (spacing_m / OPEN_M))
     areas = np.where(along >= nearest_m, along, 0.0) * spacing_m * (2.0 * math.pi / len(bearings))
     return (unknown * chance * areas[:, None]).sum(axis=0)

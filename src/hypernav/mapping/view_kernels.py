@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numba import njit
 
-UNKNOWN, OCCUPIED = 0, 2
+from hypernav.mapping.integrate_kernels import OCCUPIED, UNKNOWN
 
 
 @njit(cache=True, nogil=True)

@@ -18,7 +18,7 @@ class FolderLock:
     """Lock of a folder, held while the ``with`` block runs."""
 
     def __init__(self, folder: Path) -> None:
-        """Name the folder, which must exist when the lock is taken."""
+        """Name the folder; it is created, if missing, when the lock is taken."""
         self._path = folder / LOCK_NAME
         self._file: int | None = None
 
@@ -26,14 +26,21 @@ class FolderLock:
         """Take the lock.
 
         Raises:
-            RunFolderError: Another process holds it.
+            RunFolderError: Another process holds it, or the folder can't be written.
         """
-        file = os.open(self._path, os.O_RDWR | os.O_CREAT, 0o644)
+        folder = self._path.parent
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            file = os.open(self._path, os.O_RDWR | os.O_CREAT, 0o644)
+        except OSError as error:
+            raise RunFolderError(
+                f"{folder} cannot be written: {error.strerror or error}"
+            ) from error
         if not _lock(file):
             owner = os.read(file, 200).decode(errors="replace").strip()
             os.close(file)
             raise RunFolderError(
-                f"{self._path.parent} is in use by another run ({owner or 'owner unknown'}); wait "
+                f"{folder} is in use by another run ({owner or 'owner unknown'}); wait "
                 "for it, stop it, or choose another --out"
             )
         os.ftruncate(file, 0)

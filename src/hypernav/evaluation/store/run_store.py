@@ -57,7 +57,7 @@ class RunStore:
         """
         self.folder = folder
         self.records: dict[EpisodeKey, EpisodeRecord] = {}
-        self._configuration = json.loads(json.dumps(configuration))
+        self._configuration = configuration
         self._earlier_sessions = b""
         self._stack = ExitStack()
 
@@ -68,13 +68,7 @@ class RunStore:
             RunFolderError: The folder is in use, of another configuration, damaged, or read-only.
         """
         with ExitStack() as stack:
-            try:
-                self.folder.mkdir(parents=True, exist_ok=True)
-                stack.enter_context(FolderLock(self.folder))
-            except OSError as error:
-                raise RunFolderError(
-                    f"{self.folder} cannot be written: {error.strerror or error}"
-                ) from error
+            stack.enter_context(FolderLock(self.folder))
             self._check_configuration()
             _repair_last_line(self.folder / EPISODES_FILE)
             self.records = {r.key: r for r in read_records(self.folder)}
@@ -149,14 +143,15 @@ def keep_configuration(folder: Path, configuration: Mapping[str, Any]) -> None:
         RunFolderError: The folder was begun with another configuration, or can't be written.
     """
     path = folder / RUN_FILE
+    as_read = json.loads(json.dumps(configuration))
     if not path.exists():
         content = {
             "created": datetime.now(UTC).isoformat(timespec="seconds"),
-            "configuration": configuration,
+            "configuration": as_read,
         }
         write_whole(path, json.dumps(content, indent=2, ensure_ascii=False) + "\n")
         return
-    found = differences(read_configuration(folder), configuration)
+    found = differences(read_configuration(folder), as_read)
     if found:
         shown = "; ".join(found[:8]) + ("; …" if len(found) > 8 else "")
         raise RunFolderError(

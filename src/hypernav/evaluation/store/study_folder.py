@@ -1,12 +1,10 @@
 """The folder of a study: one study has it at a time, and always the same one."""
 
-import json
 from collections.abc import Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from hypernav.core.errors import RunFolderError
 from hypernav.evaluation.store.folder_lock import FolderLock
 from hypernav.evaluation.store.run_store import keep_configuration
 
@@ -23,11 +21,6 @@ def held_folder(folder: Path, configuration: Mapping[str, Any]) -> Iterator[None
     Raises:
         RunFolderError: The folder is in use, of another configuration, damaged, or read-only.
     """
-    with ExitStack() as stack:
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            stack.enter_context(FolderLock(folder))
-        except OSError as error:
-            raise RunFolderError(f"{folder} cannot be used: {error.strerror or error}") from error
-        keep_configuration(folder, json.loads(json.dumps(configuration)))
+    with FolderLock(folder):
+        keep_configuration(folder, configuration)
         yield
