@@ -59,5 +59,5 @@ def furnish_arcade(layout: RoomLayout) -> None:
         (plants.leafy_plant, 2),
     ):
         for _ in range(rng.integer(1, most)):
-            layout.place_at_wall(maker(rng, palette), front=0.2)
+            layout.place_at_wall(maker(rng, palette))
     place_plants(layout, 1)

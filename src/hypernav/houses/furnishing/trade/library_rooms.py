@@ -44,7 +44,7 @@ def furnish_library(layout: RoomLayout) -> None:
         (sofas.bean_bag, 2),
     ):
         for _ in range(rng.integer(0, most)):
-            layout.place_at_wall(maker(rng, palette), front=0.3)
+            layout.place_at_wall(maker(rng, palette))
     place_plants(layout, rng.integer(1, 3))
 
 
@@ -58,7 +58,7 @@ def furnish_reading_room(layout: RoomLayout) -> None:
         (lighting.floor_lamp, 1),
     ):
         for _ in range(rng.integer(0, most)):
-            layout.place_at_wall(maker(rng, palette), front=0.4)
+            layout.place_at_wall(maker(rng, palette))
     place_plants(layout, 1)
 
 

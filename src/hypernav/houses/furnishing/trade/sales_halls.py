@@ -202,4 +202,4 @@ def _place_each(layout: RoomLayout, choices: Sequence[tuple[Maker, int]]) -> Non
     """Place up to so many of each model along the walls."""
     for maker, most in layout.rng.shuffled(choices):
         for _ in range(layout.rng.integer(0, most)):
-            layout.place_at_wall(maker(layout.rng, layout.palette), front=0.3)
+            layout.place_at_wall(maker(layout.rng, layout.palette))

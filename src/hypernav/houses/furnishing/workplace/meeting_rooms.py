@@ -62,7 +62,7 @@ def furnish_lounge(layout: RoomLayout) -> None:
         )
     ):
         if rng.chance(chance):
-            layout.place_at_wall(maker(rng, palette), front=0.3)
+            layout.place_at_wall(maker(rng, palette))
     place_plants(layout, rng.integer(1, 2))
 
 
@@ -89,7 +89,7 @@ def furnish_reception(layout: RoomLayout) -> None:
         )
     ):
         if rng.chance(chance):
-            layout.place_at_wall(maker(rng, palette), front=0.3)
+            layout.place_at_wall(maker(rng, palette))
     if rng.chance(0.5):
         layout.hang_on_wall(screens.wall_tv(rng, palette), sides=SIDES, z=1.2)
     place_plants(layout, rng.integer(1, 3))

@@ -33,7 +33,7 @@ def furnish_pantry(layout: RoomLayout) -> None:
         )
     ):
         if rng.chance(chance):
-            layout.place_at_wall(maker(rng, palette), front=0.4, where="corner")
+            layout.place_at_wall(maker(rng, palette), where="corner")
     if rng.chance(0.4):
         layout.hang_on_wall(boards.notice_board(rng, palette), sides=SIDES, z=1.0)
     if rng.chance(0.4):
@@ -81,7 +81,7 @@ def furnish_copy_room(layout: RoomLayout) -> None:
         )
     ):
         if rng.chance(chance):
-            layout.place_at_wall(maker(rng, palette), front=0.3, where="corner")
+            layout.place_at_wall(maker(rng, palette), where="corner")
     if rng.chance(0.5):
         layout.hang_on_wall(boards.notice_board(rng, palette), sides=SIDES, z=1.0)
 
