@@ -48,7 +48,8 @@ def test_a_data_set_that_does_not_exist_is_named_with_the_remedy(name, words):
     ("name", "words"),
     [
         ("houses-vall", "did you mean 'houses-val'"),
-        ("hm3d", "use houses-val, houses-ovon"),
+        ("gibson", "use houses-val, houses-ovon"),
+        ("hm3d", "expected hm3d:DIR"),
         ("habitat", "expected habitat:FILE"),
         ("houses-val:3", "nothing follows this name"),
     ],

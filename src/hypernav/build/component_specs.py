@@ -5,6 +5,9 @@ from typing import Literal
 
 PresetName = Literal["default", "paper"]
 
+BenchmarkName = Literal["hm3d", "mp3d", "ovon", "hypernav-paper"]
+"""Benchmarks whose published robot and limits a run can take (`hypernav.datasets.benchmarks`)."""
+
 
 @dataclass(frozen=True)
 class ComponentSpecs:

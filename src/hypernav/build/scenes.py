@@ -8,7 +8,7 @@ from hypernav.core.errors import SceneError
 from hypernav.core.whole_numbers import is_whole_number
 from hypernav.houses.building import BUILTIN_HOUSE, NOUNS, Building, house
 from hypernav.houses.house_cache import cached_building
-from hypernav.worlds.scenes.loading import load_scene
+from hypernav.worlds.scans.loading import open_scene
 from hypernav.worlds.scenes.scene import Scene
 
 
@@ -24,7 +24,7 @@ def build_scene(spec: str) -> Scene:
         SceneError: The file cannot be used, or there is no such building.
     """
     if not SCENES.knows(spec.partition(":")[0]):
-        return load_scene(Path(spec))
+        return open_scene(Path(spec))
     choice = SCENES.find(spec)
     return choice.load()(*choice.arguments)
 

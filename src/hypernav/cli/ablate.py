@@ -8,7 +8,7 @@ from typing import Any
 
 from hypernav.cli.ablate_options import Options
 from hypernav.cli.ablate_refinement import run_refinement
-from hypernav.cli.eval import check, evaluate, folder_name, planned
+from hypernav.cli.eval import check, config_of, evaluate, folder_name, planned
 from hypernav.cli.eval_table import result_line
 from hypernav.cli.guards.crashes import crash_report
 from hypernav.cli.guards.outputs import check_folder
@@ -40,10 +40,10 @@ def run(options: Options) -> int:
 def _run_variants(options: Options) -> ExitStatus:
     """Run every variant of a study as an evaluation of its own, and write the page."""
     who = options.who
-    study = STUDIES[options.study](Method(who.preset, who.resolve(), who.specs))
+    study = STUDIES[options.study](Method(who.preset, config_of(options), who.specs))
     study = replace(study, variants=_chosen(study, options.only))
     if options.list:
-        who.build().close()  # what cannot be built cannot be varied
+        who.build(config_of(options)).close()  # what cannot be built cannot be varied
         _show(study, with_left_out=options.only is None)
         return ExitStatus.SUCCESS
     name = f"{options.dataset}-{who.agent}-{who.preset}-{options.study}"

@@ -6,7 +6,7 @@ from pathlib import Path
 from hypernav.build.construction import asked_by
 from hypernav.build.registries import DETECTORS, SEGMENTERS
 from hypernav.cli.ablate_options import Options
-from hypernav.cli.eval import folder_name, plan_of
+from hypernav.cli.eval import config_of, folder_name, plan_of
 from hypernav.cli.guards.crashes import crash_report
 from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
@@ -26,7 +26,7 @@ def run_refinement(options: Options) -> ExitStatus:
         HyPerNavError: The study can't be begun, or stopped before its end.
     """
     _check(options)
-    who, config = options.who, options.who.resolve()
+    who, config = options.who, config_of(options)
     folder = options.out or Path("runs") / folder_name(f"{options.dataset}-{who.preset}-refinement")
     check_folder(folder)
     console = Terminal(quiet=options.quiet)

@@ -14,6 +14,7 @@ from hypernav.build.component_specs import ComponentSpecs, PresetName
 if TYPE_CHECKING:
     from hypernav.build.agents import BuiltAgent
     from hypernav.build.presets import HyPerNavConfig
+    from hypernav.core.embodiment import Embodiment
 
 
 @dataclass(frozen=True)
@@ -46,8 +47,11 @@ class AgentOptions:
         """Specifications of agent, model, detector, reasoner and segmenter, as requested."""
         return ComponentSpecs(self.agent, self.vlm, self.detector, self.reasoner, self.segmenter)
 
-    def resolve(self) -> "HyPerNavConfig":
-        """The whole configuration: preset, file, environment and single values, in this order.
+    def resolve(self, robot: "Embodiment | None" = None) -> "HyPerNavConfig":
+        """The whole configuration: preset, robot, file, environment and single values, in order.
+
+        Args:
+            robot: Robot of a benchmark; None takes the preset's.
 
         Raises:
             ConfigError: A file that cannot be read, a wrong key or an impossible value.
@@ -56,7 +60,9 @@ class AgentOptions:
         from hypernav.build.presets import preset
         from hypernav.core.config import layered
 
-        config = layered(preset(self.preset), file=self.config, assignments=self.set)
+        base = preset(self.preset)
+        base = base if robot is None else base.model_copy(update={"embodiment": robot})
+        config = layered(base, file=self.config, assignments=self.set)
         chosen = choose_components(self.specs, presence=config.presence.enabled)
         return with_own_sections(config, chosen)
 
@@ -88,7 +94,7 @@ class AgentOptions:
         }
 
 
-def check_steps_and_seed(max_steps: int, seed: int) -> None:
+def check_steps_and_seed(max_steps: int | None, seed: int) -> None:
     """Refuse numbers of steps and seeds that are out of bounds, in all commands that search.
 
     Raises:
@@ -96,7 +102,8 @@ def check_steps_and_seed(max_steps: int, seed: int) -> None:
     """
     from hypernav.core.config import MOST_SEED, MOST_STEPS, check_option
 
-    check_option("--max-steps", max_steps, (1, MOST_STEPS), "a search needs at least one step")
+    if max_steps is not None:
+        check_option("--max-steps", max_steps, (1, MOST_STEPS), "a search needs at least one step")
     check_option("--seed", seed, (0, MOST_SEED), "a seed is 0 or more")
 
 

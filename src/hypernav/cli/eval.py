@@ -20,8 +20,10 @@ from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.terminal import Terminal
 from hypernav.core.config import MOST_THREADS, check_option
-from hypernav.core.episode import Episode
+from hypernav.core.episode import MAX_STEPS, Episode
 from hypernav.core.errors import ConfigError, GoalError
+from hypernav.core.metrics import SUCCESS_DISTANCE_M
+from hypernav.datasets.benchmarks import benchmark_of
 from hypernav.evaluation.run_plan import RunPlan, Selection
 from hypernav.evaluation.run_session import RunSession, available_cores
 from hypernav.evaluation.runner import RunProgress, crash_of, run_episodes
@@ -103,9 +105,10 @@ def check(options: Options) -> None:
         ConfigError: There is one.
     """
     check_steps_and_seed(options.max_steps, options.seed)
-    check_option(
-        "--success-distance", options.success_distance, (0.001, 100.0), "must be more than 0"
-    )
+    if options.success_distance is not None:
+        check_option(
+            "--success-distance", options.success_distance, (0.001, 100.0), "must be more than 0"
+        )
     if options.workers is not None:
         check_option("--workers", options.workers, (1, MOST_THREADS), "at least one is needed")
     if options.who.record is not None:
@@ -121,7 +124,7 @@ def planned(options: Options, console: Console) -> tuple[RunPlan, list[Episode]]
     Raises:
         HyPerNavError: The run cannot be begun.
     """
-    config = options.who.resolve()
+    config = config_of(options)
     with console.status("loading the episodes …") as status:
         plan = plan_of(options, config)
         episodes = plan.episodes(
@@ -130,14 +133,28 @@ def planned(options: Options, console: Console) -> tuple[RunPlan, list[Episode]]
         return replace(plan, who=_who(options, config, episodes, console)), episodes
 
 
+def config_of(options: Options) -> HyPerNavConfig:
+    """The whole configuration, with the robot of the benchmark that the run follows."""
+    benchmark = benchmark_of(options.dataset, options.benchmark)
+    return options.who.resolve(None if benchmark is None else benchmark.embodiment)
+
+
 def plan_of(options: Options, config: HyPerNavConfig) -> RunPlan:
     """The run that the options ask for, without words for its agent."""
+    benchmark = benchmark_of(options.dataset, options.benchmark)
+    steps, distance_m = (
+        (MAX_STEPS, SUCCESS_DISTANCE_M)
+        if benchmark is None
+        else (benchmark.max_steps, benchmark.success_distance_m)
+    )
     return RunPlan(
         dataset=options.dataset,
         selection=Selection(options.episodes, options.scenes, options.goals),
         config=config,
-        max_steps=options.max_steps,
-        success_distance_m=options.success_distance,
+        max_steps=steps if options.max_steps is None else options.max_steps,
+        success_distance_m=(
+            distance_m if options.success_distance is None else options.success_distance
+        ),
         seed=options.seed,
         scenes_dir=options.scenes_dir,
     )

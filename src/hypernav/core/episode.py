@@ -26,6 +26,8 @@ class Episode:
         episode_id: Name that is unique within the scene.
         goal: Target of the search.
         start: Start pose, scene frame.
+        start_z: Height of the floor at the start, metres, which tells the storeys of a building
+            apart; None leaves the storey to the world.
         group: Part of the data set ("unseen"); empty if there is none.
         max_steps: Step limit; STOP counts as a step.
         success_distance_m: Geodesic distance to a view point within which a STOP counts, metres.
@@ -38,6 +40,7 @@ class Episode:
     goal: Goal
     start: Pose2
     group: str = ""
+    start_z: float | None = None
     max_steps: int = MAX_STEPS
     success_distance_m: float = SUCCESS_DISTANCE_M
     view_points: Float64[np.ndarray, "n 3"] | None = field(default=None, compare=False, repr=False)

@@ -1,18 +1,21 @@
 """Habitat's episodes as `hypernav.core.episode.Episode`."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from jaxtyping import Float64
 
 from hypernav.core.episode import Episode
 from hypernav.core.errors import EpisodeError
+from hypernav.core.goal import Goal
 from hypernav.datasets.habitat_format import EpisodeDataset, ObjectNavEpisode
 from hypernav.datasets.habitat_frames import pose_from_habitat
 
 
 def episodes_of(
-    dataset: EpisodeDataset, scene_of: Callable[[str], str] = lambda scene_id: scene_id
+    dataset: EpisodeDataset,
+    scene_of: Callable[[str], str] = lambda scene_id: scene_id,
+    words: Mapping[str, str] | None = None,
 ) -> list[Episode]:
     """The episodes of a file, in its order.
 
@@ -22,6 +25,7 @@ def episodes_of(
     Args:
         dataset: What the file holds.
         scene_of: Finds the scene that a ``scene_id`` of the file means.
+        words: Words by which a category is asked for, where they differ from its name.
 
     Raises:
         EpisodeError: Goals are missing, a start looks up or down, or two episodes have one name.
@@ -32,11 +36,14 @@ def episodes_of(
         key = (entry.goals_key(), *(entry.children_object_categories or ()))
         if entry.goals or key not in shared:
             shared[key] = _view_points(dataset, entry)
+        asked = None if words is None else words.get(entry.object_category)
+        start, start_z = pose_from_habitat(entry.start_position, entry.start_rotation)
         episode = Episode(
             scene_id=scene_of(entry.scene_id),
             episode_id=str(entry.episode_id),
-            goal=entry.goal,
-            start=pose_from_habitat(entry.start_position, entry.start_rotation)[0],
+            goal=entry.goal if asked is None else Goal(asked),
+            start=start,
+            start_z=start_z,
             group=str((entry.info or {}).get("vocabulary", "")),
             view_points=shared[key],
         )

@@ -4,7 +4,7 @@ A data set is written ``NAME[:ARGUMENT][#PART]``. A further one is an entry in `
 entry point ``hypernav.datasets`` of another package.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import closing
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -21,6 +21,8 @@ from hypernav.core.errors import EpisodeError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.whole_numbers import is_whole_number
+from hypernav.datasets.benchmark_files import scene_below, split_of
+from hypernav.datasets.benchmarks import BENCHMARKS, Benchmark
 from hypernav.datasets.habitat_episodes import episodes_of
 from hypernav.datasets.habitat_files import episode_files, read_episodes
 from hypernav.houses.episodes.splits import SPLITS, load_split
@@ -118,16 +120,39 @@ def habitat_episodes(request: DatasetRequest) -> list[Episode]:
             "--episodes, --scenes and --goals"
         )
     folder = request.scenes_dir or (path if path.is_dir() else path.parent)
+    return _episodes_in(path, request, partial(_scene_below, folder))
+
+
+def benchmark_episodes(name: str, request: DatasetRequest) -> list[Episode]:
+    """The episodes of a split of a published benchmark, below the folder of all its data."""
+    benchmark, folder = BENCHMARKS[name], Path(request.argument)
+    split = split_of(benchmark, folder, request.part)
+    scene_of = partial(_scene_of, benchmark, request.scenes_dir or folder)
+    return _episodes_in(split.path, request, scene_of, benchmark.words)
+
+
+def _episodes_in(
+    path: Path,
+    request: DatasetRequest,
+    scene_of: Callable[[str], str],
+    words: Mapping[str, str] | None = None,
+) -> list[Episode]:
+    """The episodes of all files of a split."""
     episodes: list[Episode] = []
     files = episode_files(path)
     for done, file in enumerate(files):
         request.tell(done, len(files))
         try:
-            episodes += episodes_of(read_episodes(file), partial(_scene_below, folder))
+            episodes += episodes_of(read_episodes(file), scene_of, words)
         except EpisodeError as error:
             named = str(error).startswith(str(file))
             raise error if named else EpisodeError(f"{file}: {error}") from error
     return episodes
+
+
+def _scene_of(benchmark: Benchmark, folder: Path, scene_id: str) -> str:
+    """The file of a benchmark's scene, or where it is missing: few need all of them."""
+    return str(scene_below(benchmark, folder, scene_id) or folder / "scene_datasets" / scene_id)
 
 
 def _scene_below(folder: Path, scene_id: str) -> str:
@@ -167,6 +192,10 @@ DATA_SOURCES: Registry[DataSource] = Registry(
         ),
         Entry("scene", scene_episodes, form="scene:SCENE[#STARTS]"),
         Entry("habitat", habitat_episodes, form="habitat:FILE"),
+        *(
+            Entry(name, partial(benchmark_episodes, name), form=f"{name}:DIR[#SPLIT]")
+            for name in BENCHMARKS
+        ),
     ],
 )
 """The registry of data sets."""

@@ -8,6 +8,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from hypernav.build.registries import SCENES
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.episode import Episode
 from hypernav.core.errors import EpisodeError
@@ -29,8 +30,9 @@ def load_episodes(
     Args:
         dataset: ``houses-val``, ``houses-ovon``, ``houses-train[#FIRST:END]``, the same
             of ``offices`` and ``shops``,
-            ``scene:SCENE[#STARTS]``, where SCENE is what ``hypernav find --scene`` understands, or
-            ``habitat:FILE``.
+            ``scene:SCENE[#STARTS]``, where SCENE is what ``hypernav find --scene`` understands,
+            ``habitat:FILE``, or a published benchmark: ``hm3d:DIR[#SPLIT]``, ``mp3d:…``,
+            ``ovon:…``.
         simulation: How the robot is simulated, for data sets that draw starts.
         embodiment: Body, camera and motion of the robot, for data sets that draw starts.
         scenes_dir: Folder of the scenes that an episode file names; by default the file's own.
@@ -70,7 +72,8 @@ def select(
         episodes: All episodes of the data set.
         part: Positions in the data set's order, ``FIRST:END`` (END is not included).
         scenes: Scenes with commas between them: the name (``houses:1003``), its last part
-            (``1003``), or the scene's position in the data set (``3``, from 0).
+            (``1003``), the number or name of an HM3D scene (``802``, ``00802-wcojb4TFT35``), or
+            the scene's position in the data set (``3``, from 0).
         goals: Goals with commas between them.
 
     Raises:
@@ -98,6 +101,26 @@ def select(
     if not chosen:
         raise EpisodeError(f"none of the {len(episodes)} episodes is left by what was chosen")
     return chosen
+
+
+def check_scenes(episodes: Sequence[Episode]) -> None:
+    """Make sure that the scenes of chosen episodes are there, before a long run begins.
+
+    Raises:
+        EpisodeError: A scene's file is missing.
+    """
+    scenes = dict.fromkeys(episode.scene_id for episode in episodes)
+    missing = [
+        scene
+        for scene in scenes
+        if not SCENES.knows(scene.partition(":")[0]) and not Path(scene).is_file()
+    ]
+    if missing:
+        raise EpisodeError(
+            f"{len(missing)} of {len(scenes)} scenes are missing, the first is {missing[0]}; "
+            "hypernav doctor --data DIR says what there is; choose scenes with --scenes, or their "
+            "folder with --scenes-dir"
+        )
 
 
 def fingerprint(episodes: Sequence[Episode]) -> str:
@@ -130,6 +153,17 @@ def _slice(text: str, count: int) -> slice:
     return chosen
 
 
+def _short_names(scene: str) -> set[str]:
+    """Shorter names of a scene: ``802`` for a file in the folder ``00802-wcojb4TFT35``."""
+    path = Path(scene)
+    folder = path.parent.name
+    names = {scene.rpartition(":")[2], path.stem, path.stem.removesuffix(".basis")}
+    number, dash, _ = folder.partition("-")
+    if dash and is_whole_number(number):
+        names |= {folder, number, str(int(number))}
+    return names
+
+
 def _scene_named(text: str, names: list[str]) -> str:
     """The scene of a name, the last part of a name, or a position.
 
@@ -138,7 +172,7 @@ def _scene_named(text: str, names: list[str]) -> str:
     """
     if text in names:
         return text
-    found = [name for name in names if text in (name.rpartition(":")[2], Path(name).stem)]
+    found = [name for name in names if text in _short_names(name)]
     if len(found) > 1:
         raise EpisodeError(
             f"--scenes: '{text}' names {len(found)} scenes: {', '.join(found[:5])}; write the "

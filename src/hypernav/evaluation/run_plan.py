@@ -10,7 +10,7 @@ from hypernav.build.presets import HyPerNavConfig
 from hypernav.core.episode import MAX_STEPS, Episode
 from hypernav.core.metrics import SUCCESS_DISTANCE_M
 from hypernav.evaluation.data_sources import Progress
-from hypernav.evaluation.datasets import fingerprint, load_episodes, select
+from hypernav.evaluation.datasets import check_scenes, fingerprint, load_episodes, select
 from hypernav.evaluation.protocol import StopRule
 
 
@@ -60,7 +60,7 @@ class RunPlan:
             progress: Function that is called with the progress of loading.
 
         Raises:
-            EpisodeError: There is no such data set, or nothing in it is chosen.
+            EpisodeError: There is no such data set, nothing in it is chosen, or a scene is missing.
             SceneError: A scene cannot be used.
         """
         chosen = select(
@@ -75,6 +75,7 @@ class RunPlan:
             scenes=self.selection.scenes,
             goals=self.selection.goals,
         )
+        check_scenes(chosen)
         limits = {"max_steps": self.max_steps, "success_distance_m": self.success_distance_m}
         return [replace(episode, **limits) for episode in chosen]
 

@@ -24,7 +24,7 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.metrics import SUCCESS_DISTANCE_M
 from hypernav.core.observation import Observation
-from hypernav.worlds.scenes.loading import load_scene
+from hypernav.worlds.scans.loading import open_scene
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.simulation import SimulatedWorld, SimulationConfig
 from hypernav.worlds.surface.starts import random_start
@@ -105,7 +105,7 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
         if isinstance(scene, SimulatedWorld):
             self.world = scene
         else:
-            scene = scene if isinstance(scene, Scene) else load_scene(Path(scene))
+            scene = scene if isinstance(scene, Scene) else open_scene(Path(scene))
             self.world = SimulatedWorld(scene, self.config.simulation, self.config.embodiment)
         self.render_mode = render_mode
         self._fixed_goal = None if goal is None else _checked_goal(goal)

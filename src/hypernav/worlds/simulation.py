@@ -62,8 +62,8 @@ class SimulatedWorld:
         scene: The scene that the robot is in.
         config: How the robot is simulated.
         embodiment: Body, camera and motion of the robot.
-        walkable: The surface on which the robot can stand.
-        regions: The regions in which goals count as reached.
+        walkable: The surface on which the robot can stand: the storey of the latest start.
+        regions: The regions on this storey in which goals count as reached.
     """
 
     def __init__(
@@ -96,9 +96,9 @@ class SimulatedWorld:
         )
         self._renderer = renderer or CpuRenderer(scene)
         rays = self._renderer.rays if isinstance(self._renderer, CpuRenderer) else RayCaster(scene)
-        self.regions = GoalRegions(
-            scene, self.walkable, rays, eye_height_m=self.embodiment.camera.height_m
-        )
+        self._rays = rays
+        self.regions = self._regions_on(self.walkable)
+        self._storeys = [(self.walkable, self.regions)]
         self._camera = self.embodiment.camera.intrinsics
         self._labels = {i.id: i.label for i in scene.instances if i.label is not None}
         self._rng: np.random.Generator | None = None
@@ -126,12 +126,14 @@ class SimulatedWorld:
             The first observation; its robot pose is the origin of the ``map`` frame.
 
         Raises:
+            SceneError: There is no storey at the height of the start.
             StartError: The robot can't stand at the start.
             WorldError: Noise is switched on and there is no generator for it.
         """
         if not self.config.noise.is_off and rng is None:
             raise WorldError("noise is switched on; pass reset a numpy.random.Generator for it")
         start = episode.start
+        self.walkable, self.regions = self._storey_at(episode.start_z)
         check_start(self.walkable, start)
         self._rng = rng
         self._start = start
@@ -237,6 +239,21 @@ class SimulatedWorld:
             view_points: View points of a data set, scene frame, metres; None takes the scene's own.
         """
         return self.regions.of(goal, view_points)
+
+    def _regions_on(self, walkable: WalkableGrid) -> GoalRegions:
+        eye_height_m = self.embodiment.camera.height_m
+        return GoalRegions(self.scene, walkable, self._rays, eye_height_m=eye_height_m)
+
+    def _storey_at(self, z: float | None) -> tuple[WalkableGrid, GoalRegions]:
+        """The storey of a height, computed once; None means the configured or largest one."""
+        for storey in self._storeys:
+            if z is None or storey[0].is_on_storey(np.array([z]))[0]:
+                return storey
+        walkable = WalkableGrid.from_scene(
+            self.scene, self.embodiment.body, cell_m=self.config.cell_m, floor_z=z
+        )
+        self._storeys.append((walkable, self._regions_on(walkable)))
+        return self._storeys[-1]
 
     @property
     def _height(self) -> float:

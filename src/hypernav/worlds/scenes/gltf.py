@@ -21,18 +21,22 @@ _BYTES_PER_VERTEX, _BYTES_PER_CORNER = 50, 50
 _Y_UP_TO_Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 
 
-def read_gltf(path: Path) -> tuple[list[MeshPart], list[Material]]:
+def read_gltf(
+    path: Path, *, z_up: bool = False, color_codes: bool = False
+) -> tuple[list[MeshPart], list[Material]]:
     """All triangles that a file's default scene shows, in the scene frame, and its materials.
 
     Args:
         path: A ``.glb`` or ``.gltf`` file.
+        z_up: Whether its coordinates are z up already, against the format's rule, as in scans.
+        color_codes: Whether colours of vertices are sRGB already, against the format's rule.
 
     Raises:
         SceneError: The file is broken or needs something that is not supported.
         OSError: It cannot be read, or would take too much memory.
     """
     file = GltfFile(path)
-    placed = _placed_nodes(file)
+    placed = _placed_nodes(file, np.eye(3) if z_up else _Y_UP_TO_Z_UP)
     meshes = file.document.meshes
     count = sum(len(file.item(meshes, node.mesh, "mesh").primitives) for node in placed)
     if count > _MOST_PARTS:
@@ -43,7 +47,9 @@ def read_gltf(path: Path) -> tuple[list[MeshPart], list[Material]]:
     # Corners that end at infinity or nowhere are left out when the scene is assembled.
     with np.errstate(all="ignore"):
         return [
-            part for node in placed for part in _parts_of(file, node, materials, transforms)
+            part
+            for node in placed
+            for part in _parts_of(file, node, materials, transforms, color_codes)
         ], materials
 
 
@@ -57,14 +63,14 @@ class _PlacedMesh:
     to_scene: Float64[np.ndarray, "4 4"]
 
 
-def _placed_nodes(file: GltfFile) -> list[_PlacedMesh]:
+def _placed_nodes(file: GltfFile, to_scene: Float64[np.ndarray, "3 3"]) -> list[_PlacedMesh]:
     nodes = file.document.nodes
     if len(nodes) > _MOST_NODES:
         raise SceneError(
             f"{file.path}: has {len(nodes):,} nodes, at most {_MOST_NODES:,} are read; join them"
         )
     turned = np.eye(4)
-    turned[:3, :3] = _Y_UP_TO_Z_UP
+    turned[:3, :3] = to_scene
     stack = [(index, turned, "") for index in reversed(_roots(file))]
     names: dict[str, int] = {}
     visited: set[int] = set()
@@ -128,6 +134,7 @@ def _parts_of(
     placed: _PlacedMesh,
     materials: list[Material],
     transforms: list[TextureTransform],
+    color_codes: bool,
 ) -> Iterator[MeshPart]:
     linear, shift = placed.to_scene[:3, :3], placed.to_scene[:3, 3]
     mirrored = np.linalg.det(linear) < 0.0
@@ -148,7 +155,7 @@ def _parts_of(
             faces=faces,
             material=material,
             uv=_texture_coordinates(file, primitive, transforms[material], faces),
-            colors=_colors(file, primitive, faces),
+            colors=_colors(file, primitive, faces, color_codes),
             normals=_normals(file, primitive, linear, faces),
         )
 
@@ -218,11 +225,12 @@ def _texture_coordinates(
 
 
 def _colors(
-    file: GltfFile, primitive: Primitive, faces: np.ndarray
+    file: GltfFile, primitive: Primitive, faces: np.ndarray, color_codes: bool
 ) -> UInt8[np.ndarray, "faces 3 3"] | None:
     if "COLOR_0" not in primitive.attributes:
         return None
-    codes = linear_to_srgb(_vectors(file, primitive, "COLOR_0", 3)) * 255.0
+    light = _vectors(file, primitive, "COLOR_0", 3)
+    codes = np.clip(light if color_codes else linear_to_srgb(light), 0.0, 1.0) * 255.0
     return np.rint(_corners(file, "COLOR_0", codes, faces)).astype(np.uint8)
 
 

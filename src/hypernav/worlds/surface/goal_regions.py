@@ -37,9 +37,13 @@ class GoalRegion:
         points: Float64[np.ndarray, "n 3"],
         instances: tuple[Instance, ...] = (),
     ) -> "GoalRegion":
-        """A region of given view points; their order and repetitions don't matter."""
+        """A region of given view points; their order and repetitions don't matter.
+
+        Those on other storeys belong to it, but no path leads to them.
+        """
         points = np.unique(points, axis=0)
-        field = walkable.distance_field(np.ascontiguousarray(points[:, :2]))
+        here = points[walkable.is_on_storey(points[:, 2])]
+        field = walkable.distance_field(np.ascontiguousarray(here[:, :2]))
         return GoalRegion(goal, instances, points, field)
 
     @property

@@ -17,6 +17,7 @@ from hypernav.worlds.surface.walkable_kernels import label_components, slide, wa
 
 _SMALLEST_ISLAND_M2 = 1.0
 """Smaller pockets, cut off from the rest, are the insides of furniture and gaps behind it."""
+_STOREY_M = 1.0
 _ROUNDING = 1e-6
 """Cells."""
 
@@ -100,6 +101,10 @@ class WalkableGrid:
     def height_at(self, x: float, y: float) -> float:
         """Floor height at a standable point, metres; NaN elsewhere."""
         return float(self.heights[self.cell_of(x, y)]) if self.is_standable(x, y) else math.nan
+
+    def is_on_storey(self, z: Float64[np.ndarray, "n"]) -> Bool[np.ndarray, "n"]:
+        """Whether heights belong to this storey, whose floors differ by less than a metre."""
+        return np.abs(z - self.floor_z) <= _STOREY_M
 
     def centres(self, component: int = 0) -> Float64[np.ndarray, "n 2"]:
         """Middle of every cell of one connected part, in order of rows."""

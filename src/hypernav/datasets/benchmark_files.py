@@ -1,0 +1,110 @@
+"""The files of a benchmark below a data folder: episodes of a split, and scenes."""
+
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+
+from hypernav.core.errors import EpisodeError
+from hypernav.datasets.benchmarks import Benchmark
+from hypernav.datasets.habitat_files import episode_files
+
+_SCENE_SUFFIXES = (".basis.glb", ".glb")
+"""Suffixes of a scene in the order of preference; Habitat draws the compressed file."""
+
+
+@dataclass(frozen=True)
+class SplitFolder:
+    """One split that was found.
+
+    Attributes:
+        name: Name of the split, "val".
+        version: Folder that holds it, "v2".
+        path: Path of the split's folder.
+    """
+
+    name: str
+    version: str
+    path: Path
+
+
+def found_splits(benchmark: Benchmark, folder: Path) -> list[SplitFolder]:
+    """All splits of a benchmark below a data folder, versions and names in order.
+
+    Args:
+        benchmark: The benchmark.
+        folder: Data folder, as in ``hm3d:DIR``: what habitat-lab calls ``data``.
+    """
+    found: dict[Path, SplitFolder] = {}
+    for pattern in benchmark.episodes:
+        for version in sorted(folder.glob(pattern)):
+            for split in sorted(version.iterdir()) if version.is_dir() else ():
+                if _holds_episodes(split):
+                    found.setdefault(split, SplitFolder(split.name, version.name, split))
+    return list(found.values())
+
+
+def split_of(benchmark: Benchmark, folder: Path, wanted: str = "") -> SplitFolder:
+    """The split that a name means.
+
+    Args:
+        benchmark: The benchmark.
+        folder: Data folder.
+        wanted: ``val``, or with its version ``v2/val``; empty for the benchmark's first.
+
+    Raises:
+        EpisodeError: There is no such split, or several versions have one of this name.
+    """
+    name = wanted or benchmark.splits[0]
+    splits = found_splits(benchmark, folder)
+    chosen = [split for split in splits if name in (split.name, f"{split.version}/{split.name}")]
+    if len(chosen) == 1:
+        return chosen[0]
+    names = ", ".join(f"#{split.version}/{split.name}" for split in (chosen or splits))
+    if chosen:
+        raise EpisodeError(
+            f"{benchmark.name}:{folder}: the split '{name}' is there in several versions; write "
+            f"one of {names}"
+        )
+    there = f"there are {names}" if splits else f"expected {folder / benchmark.episodes[0]}/{name}"
+    raise EpisodeError(
+        f"{benchmark.name}:{folder}: found no episodes of the split '{name}'; {there}. What is "
+        f"missing says hypernav doctor --data {folder}"
+    )
+
+
+def scene_folders(benchmark: Benchmark, folder: Path) -> list[Path]:
+    """The folders of a benchmark's scenes that are there, the preferred one first."""
+    bases = (folder / "scene_datasets", folder / "versioned_data", folder)
+    return [base / name for base in bases for name in benchmark.scenes if (base / name).is_dir()]
+
+
+def scene_below(benchmark: Benchmark, folder: Path, scene_id: str) -> Path | None:
+    """The file of a scene; None if it is nowhere.
+
+    The episodes of one scene are used with any release of it: ``hm3d/val/…`` and
+    ``hm3d_v0.2/val/…`` are the same houses, the latter with semantic annotations.
+
+    Args:
+        benchmark: The benchmark.
+        folder: Data folder, or the folder of all scenes.
+        scene_id: Path of the scene as the episodes give it, with ``/``.
+    """
+    named = PurePosixPath(scene_id)
+    if named.is_absolute() or ".." in named.parts:
+        return None
+    exact = [folder / "scene_datasets" / named, folder / named]
+    releases = [base.joinpath(*named.parts[1:]) for base in scene_folders(benchmark, folder)]
+    for path in (*exact, *releases):
+        stem = path.name.removesuffix(".glb").removesuffix(".basis")
+        for suffix in _SCENE_SUFFIXES:
+            if (file := path.with_name(stem + suffix)).is_file():
+                return file
+    return None
+
+
+def _holds_episodes(folder: Path) -> bool:
+    if not folder.is_dir() or folder.name == "content":
+        return False
+    try:
+        return len(episode_files(folder)) > 0
+    except EpisodeError:
+        return False

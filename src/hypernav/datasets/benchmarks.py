@@ -1,0 +1,164 @@
+"""The benchmarks of this field, as published: robot, limits, success distance and query words."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+from hypernav.core.embodiment import BodyConfig, CameraConfig, Embodiment, MotionConfig
+from hypernav.core.episode import MAX_STEPS
+from hypernav.core.errors import ConfigError
+from hypernav.core.metrics import SUCCESS_DISTANCE_M
+
+_HABITAT_STEP_M = 0.2
+"""Habitat's navigation meshes: a robot climbs edges of up to 0.2 m, so also stairs."""
+
+
+@dataclass(frozen=True)
+class Benchmark:
+    """What a benchmark prescribes, and where its files lie.
+
+    Attributes:
+        name: Name of the data source, as in ``hm3d:DIR``.
+        title: Name for people.
+        embodiment: The published robot.
+        source: Publication of these values.
+        episodes: Folders of its episodes below the data folder, with ``*`` for the version.
+        splits: Published splits that are evaluated; the first is the default.
+        scenes: Folders of its scenes below the folder of all scenes, the preferred one first.
+        where: Where episodes and scenes are to be had, for people.
+        max_steps: Step limit.
+        success_distance_m: Geodesic distance to a view point within which a STOP counts, metres.
+        words: Words by which a category of the files is asked for, where they differ from it.
+    """
+
+    name: str
+    title: str
+    embodiment: Embodiment
+    source: str
+    episodes: tuple[str, ...] = ()
+    splits: tuple[str, ...] = ("val",)
+    scenes: tuple[str, ...] = ()
+    where: str = ""
+    max_steps: int = MAX_STEPS
+    success_distance_m: float = SUCCESS_DISTANCE_M
+    words: Mapping[str, str] = field(default_factory=dict)
+
+
+_LOCOBOT = Embodiment(
+    # The camera and the depth range are those of the default robot, Habitat's own.
+    body=BodyConfig(radius_m=0.18, height_m=1.0, max_step_m=_HABITAT_STEP_M),
+    camera=CameraConfig(),
+    motion=MotionConfig(forward_m=0.25, turn_angle_deg=30.0),
+)
+"""Habitat's ObjectNav robot. Its navigation mesh rounds the height of 0.88 m up to 1.0 m."""
+
+_STRETCH = Embodiment(
+    body=BodyConfig(radius_m=0.17, height_m=1.41, max_step_m=_HABITAT_STEP_M),
+    camera=CameraConfig(width=360, height=640, hfov_deg=42.0, height_m=1.31),
+    motion=MotionConfig(forward_m=0.25, turn_angle_deg=30.0),
+)
+"""The Stretch robot of OVON, with its camera upright."""
+
+_HM3D = Benchmark(
+    name="hm3d",
+    title="HM3D ObjectNav",
+    embodiment=_LOCOBOT,
+    source="habitat-lab, benchmark/nav/objectnav/objectnav_hm3d.yaml",
+    episodes=(
+        "datasets/objectnav/hm3d/*",
+        "objectnav/hm3d/*",
+        "datasets/objectnav/objectnav_hm3d_*",
+        "datasets/objectnav_hm3d_*",
+        "objectnav_hm3d_*",
+    ),
+    scenes=("hm3d_v0.2", "hm3d"),
+    where=(
+        "episodes: objectnav_hm3d_v1.zip and objectnav_hm3d_v2.zip of habitat-lab's DATASETS.md; "
+        "scenes: with a licence from https://matterport.com/habitat-matterport-3d-research-dataset"
+    ),
+    # VLFM (Yokoyama et al., 2024) and the methods that follow it, vlfm/policy/habitat_policies.py.
+    words={"plant": "potted plant", "tv_monitor": "tv", "sofa": "couch"},
+)
+
+BENCHMARKS = {
+    "hm3d": _HM3D,
+    "hypernav-paper": replace(
+        _HM3D,
+        name="hypernav-paper",
+        title="HM3D ObjectNav with the steps of the HyPerNav paper",
+        embodiment=_LOCOBOT.model_copy(
+            update={"motion": MotionConfig(forward_m=0.5, turn_angle_deg=30.0)}
+        ),
+        source="HyPerNav, experiments: forward 0.5 m, turn 30°, 500 steps",
+    ),
+    "mp3d": Benchmark(
+        name="mp3d",
+        title="MP3D ObjectNav",
+        embodiment=_LOCOBOT,
+        source="habitat-lab, benchmark/nav/objectnav/objectnav_mp3d.yaml; turns of the challenge",
+        episodes=(
+            "datasets/objectnav/mp3d/*",
+            "objectnav/mp3d/*",
+            "datasets/objectnav/objectnav_mp3d_*",
+            "datasets/objectnav_mp3d_*",
+            "objectnav_mp3d_*",
+        ),
+        scenes=("mp3d",),
+        where=(
+            "episodes: objectnav_mp3d_v1.zip of habitat-lab's DATASETS.md; scenes: with a licence "
+            "from https://niessner.github.io/Matterport (download_mp.py --task habitat)"
+        ),
+        # VLFM's words, but where these name other things (a nightstand for a chest of drawers) or
+        # several at once (table, dining table, …).
+        words={
+            "plant": "potted plant",
+            "tv_monitor": "tv",
+            "sofa": "couch",
+            "cushion": "pillow",
+            "picture": "framed photograph",
+        },
+    ),
+    "ovon": Benchmark(
+        name="ovon",
+        title="HM3D-OVON",
+        embodiment=_STRETCH,
+        source="Yokoyama et al., HM3D-OVON, 2024, section IV, and its objectnav_stretch_hm3d.yaml",
+        episodes=(
+            "datasets/ovon/hm3d/*",
+            "datasets/ovon/hm3d",
+            "ovon/hm3d/*",
+            "ovon/hm3d",
+            "hm3d_ovon/hm3d/*",
+            "hm3d_ovon/hm3d",
+            "datasets/ovon/*",
+            "ovon/*",
+        ),
+        splits=("val_seen", "val_seen_synonyms", "val_unseen"),
+        scenes=("hm3d_v0.2", "hm3d"),
+        where=(
+            "episodes: hm3d.tar.gz of https://huggingface.co/datasets/nyokoyama/hm3d_ovon; scenes: "
+            "with a licence from https://matterport.com/habitat-matterport-3d-research-dataset"
+        ),
+        success_distance_m=0.25,
+    ),
+}
+"""All benchmarks, by name."""
+
+
+def benchmark_of(dataset: str, name: str | None = None) -> Benchmark | None:
+    """The benchmark that a run follows.
+
+    Args:
+        dataset: Data set of the run, such as ``hm3d:DIR#val``.
+        name: Benchmark that was asked for by name; None takes the data set's own.
+
+    Returns:
+        None if nobody named one and the data set has none: houses, scenes, files.
+
+    Raises:
+        ConfigError: There is no benchmark of this name.
+    """
+    if name is None:
+        return BENCHMARKS.get(dataset.partition(":")[0])
+    if name not in BENCHMARKS:
+        raise ConfigError(f"there is no benchmark '{name:.40}'; use {', '.join(BENCHMARKS)}")
+    return BENCHMARKS[name]

@@ -1,0 +1,58 @@
+"""Loading of scanned buildings."""
+
+from dataclasses import replace
+from pathlib import Path
+
+from hypernav.core.errors import SceneError
+from hypernav.worlds.scans.annotated import annotated
+from hypernav.worlds.scans.layout import ScanFiles
+from hypernav.worlds.scans.semantic_mesh import colors_of_triangles
+from hypernav.worlds.scans.semantic_text import read_annotations
+from hypernav.worlds.scenes.gltf import read_gltf
+from hypernav.worlds.scenes.loading import load_scene
+from hypernav.worlds.scenes.scene import Scene
+from hypernav.worlds.scenes.scene_assembly import SceneObject, assemble
+
+
+def open_scene(path: Path) -> Scene:
+    """Open a scene from a file, whether it is a scan or not.
+
+    Args:
+        path: A file that `load_scene` reads.
+
+    Raises:
+        SceneError: The file is missing, broken, empty or not a mesh.
+    """
+    files = ScanFiles.of(path)
+    return load_scene(path) if files is None or not path.is_file() else load_scan(files)
+
+
+def load_scan(files: ScanFiles) -> Scene:
+    """Open a scanned building.
+
+    Scans are stored z up, against the rule of glTF: habitat-sim reads them with ``up`` (0, 0, 1)
+    and ``front`` (0, 1, 0), the stage attributes of HM3D's scene-dataset configuration and its
+    default for all of Matterport's GLBs. Their light is in their textures.
+
+    Args:
+        files: Files of the scan.
+
+    Raises:
+        SceneError: A file is broken, empty or not a mesh.
+    """
+    path = files.mesh
+    try:
+        parts, materials = read_gltf(path, z_up=True)
+    except OSError as error:
+        raise SceneError(f"{path}: cannot be read ({error.strerror or error})") from error
+    if not parts:
+        raise SceneError(f"{path}: holds no triangles; download it again")
+    building = SceneObject("building", frozenset(part.node for part in parts), None)
+    scene = assemble(path.stem.removesuffix(".basis"), parts, [building], materials, smooth=False)
+    scene = replace(scene, unlit=True)
+    if files.semantic_mesh is None or files.semantic_text is None:
+        return scene
+    annotations = read_annotations(files.semantic_text)
+    known = frozenset(annotation.color for annotation in annotations)
+    colors = colors_of_triangles(files.semantic_mesh, known, scene.vertices, scene.faces)
+    return annotated(scene, annotations, colors)

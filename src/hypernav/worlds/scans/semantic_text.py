@@ -1,0 +1,92 @@
+"""The annotations of an HM3D scene: ``*.semantic.txt``."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from hypernav.core.errors import SceneError
+from hypernav.core.files.reading import read_file
+
+HEADER = "HM3D Semantic Annotations"
+
+_MOST_BYTES = 20_000_000
+_MOST_ANNOTATIONS = 65_535
+"""habitat-sim keeps the numbers of instances in 16 bits."""
+
+
+@dataclass(frozen=True)
+class Annotation:
+    """One instance of a scan.
+
+    Attributes:
+        id: Number in the file; episode files name their goals by it.
+        color: Colour ``0xRRGGBB`` that marks the instance in the semantic mesh.
+        category: Category in the annotator's own words.
+        region: Number of the room.
+    """
+
+    id: int
+    color: int
+    category: str
+    region: int
+
+    @property
+    def name(self) -> str:
+        """Name of the instance, as habitat-sim composes it: category and number."""
+        return f"{self.category}_{self.id}"
+
+
+def read_annotations(path: Path) -> list[Annotation]:
+    """Read the annotations of a scene.
+
+    After the header every line is ``id,RRGGBB,"category",region``. A category may hold commas and
+    quotes, so what stands between the second and the last comma is the category. Where two lines
+    have one colour, the first counts, as in habitat-sim (HM3DSemanticScene.cpp).
+
+    Args:
+        path: A ``*.semantic.txt`` file.
+
+    Raises:
+        SceneError: The file cannot be read, or a line is no annotation.
+    """
+    try:
+        text = read_file(path, most=_MOST_BYTES).decode("utf-8", errors="replace")
+    except OSError as error:
+        raise SceneError(f"{path}: cannot be read ({error.strerror or error})") from error
+    header, *lines = text.lstrip("\ufeff").splitlines() or [""]
+    if HEADER not in header:
+        raise SceneError(
+            f"{path}: holds no annotations: expected the first line {HEADER!r}, got {header!r:.60}"
+        )
+    if len(lines) > _MOST_ANNOTATIONS:
+        raise SceneError(
+            f"{path}: has {len(lines):,} lines, at most {_MOST_ANNOTATIONS:,} are read; is it the "
+            "annotation of one scene?"
+        )
+    found: dict[int, Annotation] = {}
+    for number, line in enumerate(lines, start=2):
+        if line.strip():
+            annotation = _annotation(path, number, line)
+            found.setdefault(annotation.color, annotation)
+    return list(found.values())
+
+
+def _annotation(path: Path, number: int, line: str) -> Annotation:
+    head, comma, region = line.rpartition(",")
+    try:
+        identity, color, category = head.split(",", maxsplit=2)
+        if not comma or len(color.strip()) != 6:
+            raise ValueError("too few commas, or no colour")
+        return Annotation(int(identity), int(color, 16), _unquoted(category), int(region))
+    except ValueError as error:
+        raise SceneError(
+            f'{path}: line {number} is no annotation: expected id,RRGGBB,"category",region, got '
+            f"{line!r:.80}; download the file again"
+        ) from error
+
+
+def _unquoted(category: str) -> str:
+    """The category without the quotes around it; doubled ones inside are one."""
+    text = category.strip()
+    if len(text) >= 2 and text[0] == text[-1] == '"':
+        text = text[1:-1]
+    return text.replace('""', '"').strip() or "unknown"

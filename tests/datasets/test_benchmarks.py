@@ -1,0 +1,75 @@
+"""Published benchmarks: what they prescribe, and where their files are found."""
+
+import pytest
+
+from hypernav.core.errors import ConfigError, EpisodeError
+from hypernav.datasets.benchmark_files import found_splits, scene_below, split_of
+from hypernav.datasets.benchmarks import BENCHMARKS, benchmark_of
+from scan_writers.data_folder import write_data
+from scan_writers.episodes import HASH, SCENE
+
+
+@pytest.fixture(scope="module")
+def data(tmp_path_factory):
+    return write_data(tmp_path_factory.mktemp("data"))
+
+
+@pytest.mark.parametrize(
+    ("name", "camera", "body", "forward_m", "success_m"),
+    [
+        ("hm3d", (640, 480, 79.0, 0.88), (0.18, 1.0), 0.25, 0.1),
+        ("hypernav-paper", (640, 480, 79.0, 0.88), (0.18, 1.0), 0.5, 0.1),
+        ("mp3d", (640, 480, 79.0, 0.88), (0.18, 1.0), 0.25, 0.1),
+        ("ovon", (360, 640, 42.0, 1.31), (0.17, 1.41), 0.25, 0.25),
+    ],
+)
+def test_the_published_robots_and_limits(name, camera, body, forward_m, success_m):
+    benchmark = BENCHMARKS[name]
+    robot = benchmark.embodiment
+    seen = robot.camera
+    assert (seen.width, seen.height, seen.hfov_deg, seen.height_m) == camera
+    assert (robot.body.radius_m, robot.body.height_m) == body
+    assert (robot.motion.forward_m, robot.motion.turn_angle_deg) == (forward_m, 30.0)
+    assert (benchmark.max_steps, benchmark.success_distance_m) == (500, success_m)
+
+
+def test_a_data_set_follows_its_own_benchmark_unless_another_is_named():
+    assert benchmark_of("ovon:data#val_unseen") is BENCHMARKS["ovon"]
+    assert benchmark_of("hm3d:data", "hypernav-paper") is BENCHMARKS["hypernav-paper"]
+    assert benchmark_of("houses-val") is None
+    with pytest.raises(ConfigError, match="use hm3d, hypernav-paper, mp3d, ovon"):
+        benchmark_of("houses-val", "hm4d")
+
+
+def test_every_split_that_is_there_is_found(data):
+    def names(benchmark):
+        return [f"{s.version}/{s.name}" for s in found_splits(BENCHMARKS[benchmark], data)]
+
+    assert names("hm3d") == ["v1/val", "v2/val"]
+    assert names("mp3d") == ["v1/val"]
+    assert names("ovon") == ["hm3d/val_seen", "hm3d/val_seen_synonyms", "hm3d/val_unseen"]
+
+
+def test_a_split_of_several_versions_needs_its_version(data):
+    assert split_of(BENCHMARKS["hm3d"], data, "v1/val").version == "v1"
+    assert split_of(BENCHMARKS["ovon"], data).name == "val_seen"
+    with pytest.raises(EpisodeError, match="write one of #v1/val, #v2/val"):
+        split_of(BENCHMARKS["hm3d"], data, "val")
+    with pytest.raises(EpisodeError, match=r"'train'; there are #v1/val.*doctor --data"):
+        split_of(BENCHMARKS["hm3d"], data, "train")
+    with pytest.raises(EpisodeError, match=r"expected .*doctor"):
+        split_of(BENCHMARKS["hm3d"], data / "nowhere", "val")
+
+
+def test_a_scene_is_found_in_any_release_and_with_either_kind_of_textures(data):
+    hm3d = BENCHMARKS["hm3d"]
+    expected = data / "scene_datasets" / "hm3d" / "val" / SCENE / f"{HASH}.glb"
+    for release in ("hm3d", "hm3d_v0.2"):
+        assert scene_below(hm3d, data, f"{release}/val/{SCENE}/{HASH}.basis.glb") == expected
+    assert scene_below(hm3d, data / "scene_datasets", f"hm3d/val/{SCENE}/{HASH}.glb") == expected
+    assert scene_below(hm3d, data, "hm3d/val/00803-x/x.basis.glb") is None
+
+
+@pytest.mark.parametrize("scene_id", ["/etc/passwd.glb", "hm3d/../../x.glb", "", "x"])
+def test_a_scene_id_never_leaves_the_folder(data, scene_id):
+    assert scene_below(BENCHMARKS["hm3d"], data, scene_id) is None

@@ -1,0 +1,110 @@
+"""The published benchmarks, from a data folder to scored episodes."""
+
+import json
+
+import numpy as np
+import pytest
+
+from eval_runs import SMALL, timeless_lines
+from hypernav.cli.main import main
+from hypernav.core.episode import Outcome
+from hypernav.core.errors import EpisodeError
+from hypernav.evaluation.datasets import load_episodes, select
+from hypernav.evaluation.run_plan import RunPlan, Selection
+from hypernav.evaluation.workers.worker import EpisodeWorker, Job
+from scan_writers.buildings import STOREY_M
+from scan_writers.data_folder import write_data
+from scan_writers.episodes import HASH, SCENE
+from small_worlds import small_config
+
+
+@pytest.fixture(scope="module")
+def data(tmp_path_factory):
+    return write_data(tmp_path_factory.mktemp("data"))
+
+
+def hypernav(*arguments):
+    with pytest.raises(SystemExit) as stop:
+        main([str(argument) for argument in arguments])
+    return stop.value.code
+
+
+def test_goals_are_asked_for_as_the_published_baselines_do(data):
+    goals = [episode.goal.text for episode in load_episodes(f"hm3d:{data}#v1/val")]
+    assert goals == ["chair", "potted plant", "tv", "couch"]
+
+
+def test_starts_keep_their_storey(data):
+    heights = [episode.start_z for episode in load_episodes(f"hm3d:{data}#v2/val")]
+    assert heights == [0.0, 0.0, STOREY_M, STOREY_M]
+
+
+def test_view_points_of_child_categories_count_too(data):
+    sofa = load_episodes(f"ovon:{data}#val_unseen")[1]
+    television = load_episodes(f"hm3d:{data}#v1/val")[2]
+    couch = load_episodes(f"hm3d:{data}#v1/val")[3]
+    assert sofa.view_points is not None
+    assert television.view_points is not None
+    assert couch.view_points is not None
+    both = np.concatenate([couch.view_points, television.view_points])
+    assert {*map(tuple, sofa.view_points)} == {*map(tuple, both)}
+
+
+@pytest.mark.parametrize("name", ["802", "00802", SCENE, HASH])
+def test_scenes_go_by_the_numbers_of_the_paper(data, name):
+    episodes = load_episodes(f"hm3d:{data}#v1/val")
+    assert len(select(episodes, scenes=name)) == len(episodes) == 4
+    with pytest.raises(EpisodeError, match="there is no scene '813'"):
+        select(episodes, scenes="802,813")
+
+
+def test_only_the_scenes_of_chosen_episodes_are_needed(data, tmp_path):
+    empty = tmp_path / "scenes"
+    empty.mkdir()
+    plan = RunPlan(f"hm3d:{data}#v1/val", Selection(), scenes_dir=empty)
+    with pytest.raises(EpisodeError, match=r"1 of 1 scenes are missing, the first is .*doctor"):
+        plan.episodes()
+
+
+@pytest.fixture(scope="module")
+def records(data, tmp_path_factory):
+    """What an agent with ground truth makes of the four episodes of HM3D."""
+    config = small_config(embodiment={"motion": {"forward_m": 0.25, "turn_angle_deg": 30.0}})
+    worker = EpisodeWorker(Job(tmp_path_factory.mktemp("run"), config))
+    try:
+        return [worker.run(episode) for episode in load_episodes(f"hm3d:{data}#v1/val")]
+    finally:
+        worker.close()
+
+
+def test_goals_on_either_storey_are_found(records):
+    assert [record.outcome for record in records] == [Outcome.FOUND] * 4
+    assert all(record.success and record.spl > 0.3 for record in records)
+
+
+def test_the_files_view_points_decide_about_distances(records):
+    # The chair is 1.5 m away; 0.9 m of them are left to its farthest view points.
+    assert records[0].shortest_path_m == pytest.approx(0.6, abs=0.15)
+
+
+def test_the_command_takes_the_robot_and_the_limits_of_the_benchmark(data, tmp_path):
+    quick = ("--max-steps", "3", "--workers", "1", "--quiet", "--episodes", "0:1")
+    assert hypernav("eval", f"ovon:{data}#val_seen", *quick, "--out", tmp_path / "ovon") == 0
+    run = json.loads((tmp_path / "ovon" / "run.json").read_text())["configuration"]
+    camera, body = run["config"]["embodiment"]["camera"], run["config"]["embodiment"]["body"]
+    assert (camera["width"], camera["height"], camera["hfov_deg"]) == (360, 640, 42.0)
+    assert (camera["height_m"], body["height_m"], body["radius_m"]) == (1.31, 1.41, 0.17)
+    assert run["config"]["embodiment"]["motion"]["forward_m"] == 0.25
+    assert (run["protocol"]["max_steps"], run["protocol"]["success_distance_m"]) == (3, 0.25)
+    assert len(timeless_lines(tmp_path / "ovon")) == 1
+
+
+def test_another_benchmark_and_single_values_win(data, tmp_path):
+    quick = ("--max-steps", "3", "--workers", "1", "--quiet", "--scenes", "802")
+    out = tmp_path / "paper"
+    other = ("--benchmark", "hypernav-paper", "--success-distance", "1.0", "--goals", "chair")
+    assert hypernav("eval", f"hm3d:{data}#v1/val", *quick, *other, *SMALL, "--out", out) == 0
+    run = json.loads((out / "run.json").read_text())["configuration"]
+    assert run["config"]["embodiment"]["motion"]["forward_m"] == 0.5
+    assert run["config"]["embodiment"]["camera"]["width"] == 160
+    assert run["protocol"]["success_distance_m"] == 1.0

@@ -1,0 +1,1 @@
+"""Writers of benchmark files, independent of the package's readers."""

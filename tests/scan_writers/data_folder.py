@@ -1,0 +1,38 @@
+"""A whole data folder with one scene and the episodes of every benchmark."""
+
+from pathlib import Path
+
+from scan_writers.buildings import STOREY_M, two_storeys
+from scan_writers.episodes import HASH, SCENE, episode, write_split
+from scan_writers.scans import write_scan, write_visual
+
+BELOW, ABOVE = (3.0, 3.0, 0.0), (5.0, 3.0, STOREY_M)
+
+
+def write_data(folder: Path) -> Path:
+    """HM3D v1 and v2, MP3D and OVON over a house of two storeys, as habitat-lab lays them out."""
+    house = two_storeys()
+    scenes, tasks = folder / "scene_datasets", folder / "datasets"
+    write_scan(house, scenes / "hm3d" / "val" / SCENE)
+    write_visual(house, scenes / "mp3d" / HASH / f"{HASH}.glb")
+    (scenes / "mp3d" / HASH / f"{HASH}.house").write_text("ASCII 1.1\n")
+    for version, release in (("v1", "hm3d"), ("v2", "hm3d_v0.2")):
+        scene_id = f"{release}/val/{SCENE}/{HASH}.basis.glb"
+        found = [
+            episode(0, scene_id, "chair", BELOW, 0.5),
+            episode(1, scene_id, "plant", BELOW),
+            episode(2, scene_id, "tv_monitor", ABOVE, 1.0),
+            episode(3, scene_id, "sofa", ABOVE),
+        ]
+        write_split(tasks / "objectnav" / "hm3d" / version / "val", house, found)
+    scene_id = f"mp3d/{HASH}/{HASH}.glb"
+    found = [episode(0, scene_id, "bed", BELOW), episode(1, scene_id, "tv_monitor", ABOVE)]
+    write_split(tasks / "objectnav" / "mp3d" / "v1" / "val", house, found)
+    scene_id = f"hm3d/val/{SCENE}/{HASH}.basis.glb"
+    for split in ("val_seen", "val_seen_synonyms", "val_unseen"):
+        found = [
+            episode(0, scene_id, "bed", BELOW, children_object_categories=[]),
+            episode(1, scene_id, "sofa", ABOVE, children_object_categories=["tv_monitor"]),
+        ]
+        write_split(tasks / "ovon" / "hm3d" / split, house, found, textual=True)
+    return folder
