@@ -16,6 +16,10 @@ _QUADS = np.array(
 _UNIT = np.array(
     [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]]
 )
+_BASIS_KINDS = {
+    b"sB": ("GOOGLE_texture_basis", "image/x-basis"),
+    b"\xabK": ("KHR_texture_basisu", "image/ktx2"),
+}
 _UV = np.array([[0.1, 0.9], [0.9, 0.9], [0.9, 0.1], [0.1, 0.1]], np.float32)
 
 
@@ -39,7 +43,7 @@ def write_visual(house: House, path: Path, *, image: bytes | None = None) -> Pat
     Args:
         house: The building.
         path: Path of the ``.glb``.
-        image: An image in Basis Universal's KTX 2 that both chunks show; None writes PNGs.
+        image: An image in Basis Universal that both chunks show; None writes PNGs.
     """
     writer = GltfWriter()
     for chunk in range(2):
@@ -53,8 +57,6 @@ def write_visual(house: House, path: Path, *, image: bytes | None = None) -> Pat
         }
         writer.node(name=f"chunk{chunk:03d}", mesh=writer.mesh(primitive))
     writer.document["extensionsUsed"] = ["KHR_materials_unlit"]
-    if image is not None:
-        writer.document["extensionsRequired"] = ["KHR_texture_basisu"]
     path.parent.mkdir(parents=True, exist_ok=True)
     return writer.write(path)
 
@@ -134,7 +136,9 @@ def _texture(writer: GltfWriter, chunk: int) -> int:
 
 
 def _basis_texture(writer: GltfWriter, content: bytes) -> int:
-    file = {"bufferView": writer.view(content), "mimeType": "image/ktx2"}
+    extension, kind = _BASIS_KINDS[content[:2]]
+    writer.document["extensionsRequired"] = [extension]
+    file = {"bufferView": writer.view(content), "mimeType": kind}
     source: dict[str, Any] = {"source": writer.add("images", file)}
-    info = {"index": writer.add("textures", {"extensions": {"KHR_texture_basisu": source}})}
+    info = {"index": writer.add("textures", {"extensions": {extension: source}})}
     return writer.add("materials", {"pbrMetallicRoughness": {"baseColorTexture": info}})

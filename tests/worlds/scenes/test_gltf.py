@@ -300,7 +300,7 @@ def invalid(path: list[Any], value: Any) -> GltfWriter:
         (["bufferViews", 0, "buffer"], 3, "buffer 3"),
         (["textures", 0, "source"], 5, "image 5"),
         (["textures", 0, "sampler"], 5, "sampler 5"),
-        (["textures"], [{"extensions": {"KHR_texture_basisu": {"source": 0}}}], "basisu"),
+        (["textures"], [{"extensions": {"MSFT_texture_dds": {"source": 0}}}], "MSFT_texture_dds"),
         (["images", 0], {}, "neither bytes nor a file"),
         (["images", 0], {"bufferView": 0}, "cannot be decoded"),
         (["images", 0], {"uri": "data:image/png;base64,!!!"}, "cannot be decoded"),

@@ -34,8 +34,10 @@ _EXTENSIONS = frozenset(
         "KHR_materials_volume",
         "KHR_lights_punctual",
         "KHR_mesh_quantization",
+        "KHR_texture_basisu",
         "KHR_texture_transform",
         "EXT_texture_webp",
+        "GOOGLE_texture_basis",
     }
 )
 _Item = TypeVar("_Item")

@@ -13,6 +13,7 @@ from pydantic import BaseModel, ValidationError
 from hypernav.core.errors import SceneError
 from hypernav.core.files.image_sizes import MOST_PIXELS, image_size
 from hypernav.worlds.drawing.textures import linear_to_srgb
+from hypernav.worlds.scenes.basis_images import basis_size, decode_basis, is_basis
 from hypernav.worlds.scenes.gltf_file import GltfFile
 from hypernav.worlds.scenes.gltf_format import (
     GltfMaterial,
@@ -23,6 +24,8 @@ from hypernav.worlds.scenes.gltf_format import (
 from hypernav.worlds.scenes.scene import Material, Wrap
 
 _WRAPS = {10497: Wrap.REPEAT, 33648: Wrap.MIRROR, 33071: Wrap.CLAMP}
+_IMAGE_EXTENSIONS = ("EXT_texture_webp", "KHR_texture_basisu", "GOOGLE_texture_basis")
+"""Extensions that name the image of a texture in place of its source."""
 _MIN_EMISSION = 0.5
 _Part = TypeVar("_Part", bound=BaseModel)
 
@@ -121,9 +124,10 @@ def _extension(file: GltfFile, kind: type[_Part], raw: Any) -> _Part:
 def _source(file: GltfFile, info: TextureInfo) -> int:
     """The number of the image of a texture."""
     texture = file.item(file.document.textures, info.index, "texture")
-    webp = texture.extensions.get("EXT_texture_webp")
-    if isinstance(webp, dict) and isinstance(webp.get("source"), int):
-        return webp["source"]
+    for name in _IMAGE_EXTENSIONS:
+        other = texture.extensions.get(name)
+        if isinstance(other, dict) and isinstance(other.get("source"), int):
+            return other["source"]
     if texture.source is None:
         names = ", ".join(texture.extensions) or "nothing"
         raise SceneError(
@@ -157,11 +161,11 @@ def _decode(file: GltfFile, numbers: list[int]) -> dict[int, _Image]:
 
 def _check_size(file: GltfFile, number: int, content: bytes) -> None:
     """Refuse an image before it is decoded, by what its header says."""
-    size = image_size(content)
+    size = basis_size(content) if is_basis(content) else image_size(content)
     if size is None:
         raise SceneError(
-            f"{file.path}: texture {number} cannot be decoded: it is no PNG, JPEG or WebP image; "
-            "export the file again with PNG or JPEG textures"
+            f"{file.path}: texture {number} cannot be decoded: it is no PNG, JPEG, WebP or Basis "
+            "Universal image; export the file again with PNG or JPEG textures"
         )
     width, height = size
     what = f"texture {number} with {width} × {height} pixels"
@@ -176,6 +180,9 @@ def _check_size(file: GltfFile, number: int, content: bytes) -> None:
 def _decode_one(content: bytes) -> _Image | None:
     if not content:
         return None
+    if is_basis(content):
+        rgba = decode_basis(content)
+        return None if rgba is None else _with_opacity(rgba[..., :3], rgba[..., 3])
     image = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_UNCHANGED)
     if image is None or image.dtype not in (np.uint8, np.uint16):
         return None
@@ -185,6 +192,11 @@ def _decode_one(content: bytes) -> _Image | None:
         return _Image(cv2.cvtColor(image, cv2.COLOR_GRAY2RGB), None)
     if image.shape[2] == 3:
         return _Image(cv2.cvtColor(image, cv2.COLOR_BGR2RGB), None)
-    opacity = np.ascontiguousarray(image[..., 3])
-    rgb = cv2.cvtColor(image, cv2.COLOR_BGRA2RGB)
-    return _Image(rgb, None if opacity.min() == 255 else opacity)
+    return _with_opacity(cv2.cvtColor(image, cv2.COLOR_BGRA2RGB), image[..., 3])
+
+
+def _with_opacity(
+    rgb: UInt8[np.ndarray, "height width 3"], opacity: UInt8[np.ndarray, "height width"]
+) -> _Image:
+    is_opaque = bool(opacity.min() == 255)
+    return _Image(np.ascontiguousarray(rgb), None if is_opaque else np.ascontiguousarray(opacity))
