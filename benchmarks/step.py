@@ -2,6 +2,9 @@
 
 Run: python benchmarks/step.py [--data FOLDER] [--house houses:N]
 
+Machines differ, so times are also given in units of one bare pass over a depth image, which counts
+the points in each voxel.
+
 The parts are timed on the recorded episode in small_house. Its poses are rendered again, so that
 colour and labels are there too. The agent's steps are those of a search in a large generated house
 for a goal that is not there, until 500 steps are done or all is explored.
@@ -17,6 +20,8 @@ from typing import Any
 
 import numpy as np
 import tyro
+from numba import njit
+from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
@@ -33,6 +38,7 @@ from hypernav.core.observation import LabelledPixels, Observation
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.blocks import divide_into_blocks
 from hypernav.mapping.frontiers import find_frontiers
+from hypernav.mapping.integrate_kernels import count_points
 from hypernav.mapping.top_down_map import TopDownMap
 from hypernav.perception.local.depth_cut import DepthCutSegmenter
 from hypernav.perception.local.ground_truth import GroundTruthDetector
@@ -45,6 +51,7 @@ from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
 
 STEPS = 500
+UNIT = "the unit: depth to distinct voxels"
 TEST_DATA = Path(os.environ.get("HYPERNAV_TEST_DATA", "../shared/data"))
 
 
@@ -85,10 +92,12 @@ def main(data: Path = TEST_DATA, house: str = "houses:100007") -> None:
         Planner(config.planning, config.embodiment.body),
     )
     trajectory: list[tuple[float, float]] = []
+    voxels = np.zeros(400 * 400 * 32, dtype=np.uint16)
     for step in range(STEPS):
         observation = observations[step % len(observations)]
         robot = observation.robot
         trajectory.append(robot.xy)
+        watch(UNIT, bare_pass, observation, voxels)
         watch("integrate", world_map.integrate, observation)
         watch("local perception", local.look, observation)
         grid = world_map.grid
@@ -101,6 +110,28 @@ def main(data: Path = TEST_DATA, house: str = "houses:100007") -> None:
         watch("plan to the farthest block", planner.plan, grid, robot.xy, target)
     search_in_vain(watch, house)
     report(watch)
+
+
+def bare_pass(observation: Observation, counts: NDArray[np.uint16]) -> int:
+    """Count the points of a depth image in the voxels of 20 m x 20 m x 1.6 m, 0.05 m each."""
+    camera, pose = observation.camera, observation.camera_to_map
+    u, v = np.arange(camera.width) + 0.5 - camera.cx, np.arange(camera.height) + 0.5 - camera.cy
+    turn = pose.rotation * 20.0
+    across = (u[:, None] / camera.fx * turn[:, 0]).astype(np.float32)
+    down = (v[:, None] / camera.fy * turn[:, 1] + turn[:, 2]).astype(np.float32)
+    corner = np.array([*observation.robot.xy, 0.1]) - np.array([10.0, 10.0, 0.0])
+    start = ((pose.translation - corner) * 20.0).astype(np.float32)
+    return distinct_voxels(observation.depth, start, across, down, counts)
+
+
+@njit(nogil=True)
+def distinct_voxels(depth, start, across, down, counts):
+    touched = np.empty(depth.size, dtype=np.int32)
+    near, far = np.float32(0.5), np.float32(5.0)
+    n = count_points(depth, near, far, start, across, down, 400, 32, counts, touched)
+    for i in range(n):
+        counts[touched[i]] = 0
+    return n
 
 
 def search_in_vain(watch: Stopwatch, house: str) -> None:
@@ -151,13 +182,16 @@ def recorded(data: Path, watch: Stopwatch) -> list[Observation]:
 
 
 def report(watch: Stopwatch) -> None:
-    table = Table("what", "median ms", "95th percentile ms", "first 100", "last 100", "n")
+    table = Table("what", "median ms", "95% ms", "in units", "95%", "first 100", "last 100", "n")
+    unit = np.median(watch.times[UNIT][3:])
     for name, times in watch.times.items():
         warm = times[3:]  # the first calls load compiled code
         table.add_row(
             name,
             f"{np.median(warm):.2f}",
             f"{np.percentile(warm, 95):.2f}",
+            f"{np.median(warm) / unit:.1f}",
+            f"{np.percentile(warm, 95) / unit:.1f}",
             f"{np.median(warm[:100]):.2f}",
             f"{np.median(warm[-100:]):.2f}",
             str(len(warm)),

@@ -5,9 +5,8 @@ import pytest
 
 from drawn_grids import drawn
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.overview import Prospects
 from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.prospects import find_prospects
+from hypernav.mapping.prospects import find_legs_m, find_prospects
 from hypernav.mapping.reachable_area import ReachableArea
 from hypernav.mapping.view_kernels import unknown_in_view
 
@@ -24,11 +23,13 @@ WALLED = """
 LEFT, RIGHT = (1.25, 1.5), (7.75, 1.5)
 
 
-def prospects(text, positions, range_m=RANGE_M):
+def area(text, robot):
     grid = drawn(text, scale=10)
-    x, y = positions[0]
-    robot = Pose2(x, y, 0.0)
-    return find_prospects(ReachableArea.of(grid, robot, MappingConfig(), 0.2), positions, range_m)
+    return ReachableArea.of(grid, Pose2(robot[0], robot[1], 0.0), MappingConfig(), 0.2)
+
+
+def prospects(text, positions, range_m=RANGE_M):
+    return find_prospects(area(text, positions[0]), positions, range_m)
 
 
 def view(text, row, column, reach=50):
@@ -128,17 +129,8 @@ def test_paths_between_positions_lead_around_walls():
     """
     inside, below = (1.75, 1.75), (1.75, 0.25)
     outside = (0.25, 1.75)
-    found = prospects(text, [inside, below, outside])
-    assert found.legs_m == pytest.approx(found.legs_m.T)
-    assert np.all(np.diag(found.legs_m) == 0.0)
-    assert found.legs_m[0, 2] > 2.0  # 1.5 m through the wall
-    assert np.isfinite(found.legs_m).all()
-
-
-def test_some_of_the_blocks_keep_their_prospects():
-    areas = np.array([3.0, 1.0, 2.0])
-    shows = np.array([[True, False, True], [False, True, False], [True, True, False]])
-    legs = np.arange(9.0).reshape(3, 3)
-    some = Prospects(areas, shows, legs).of([2, 0])
-    assert some.gains_m2.tolist() == [4.0, 5.0]
-    assert some.legs_m.tolist() == [[8.0, 6.0], [2.0, 0.0]]
+    legs_m = find_legs_m(area(text, inside), [inside, below, outside])
+    assert legs_m == pytest.approx(legs_m.T)
+    assert np.all(np.diag(legs_m) == 0.0)
+    assert legs_m[0, 2] > 2.0  # 1.5 m through the wall
+    assert np.isfinite(legs_m).all()

@@ -44,36 +44,32 @@ class Block:
 
 @dataclass(frozen=True, eq=False)
 class Prospects:
-    """What blocks would show of the unknown, and how far they are from each other.
+    """What blocks would show of the unknown.
 
     Attributes:
         areas_m2: Parts of the unknown floor, square metres.
         shows: Whether a block shows a part.
-        legs_m: Lengths of the paths between the blocks' destinations, metres.
     """
 
     areas_m2: Float64[np.ndarray, "areas"]
     shows: Bool[np.ndarray, "blocks areas"]
-    legs_m: Float64[np.ndarray, "blocks blocks"]
 
     @property
     def gains_m2(self) -> Float64[np.ndarray, "blocks"]:
         """Area that each of the blocks would show, square metres."""
         return self.shows @ self.areas_m2
 
-    def of(self, some: Sequence[int]) -> "Prospects":
-        """The prospects of some of the blocks, in this order."""
-        return Prospects(self.areas_m2, self.shows[some], self.legs_m[np.ix_(some, some)])
-
 
 def prospects_of_boundaries(blocks: Sequence[Block]) -> Prospects:
-    """Prospects by what blocks alone tell: each shows its own boundary; all paths are straight."""
-    places = np.array([block.destination for block in blocks]).reshape(-1, 2)
-    return Prospects(
-        areas_m2=np.array([block.frontier_cells for block in blocks], dtype=np.float64),
-        shows=np.eye(len(blocks), dtype=bool),
-        legs_m=np.linalg.norm(places[:, None] - places, axis=2),
-    )
+    """Prospects by what blocks alone tell: each shows its own boundary."""
+    boundaries = np.array([block.frontier_cells for block in blocks], dtype=np.float64)
+    return Prospects(boundaries, np.eye(len(blocks), dtype=bool))
+
+
+def straight_legs_m(blocks: Sequence[Block]) -> Float64[np.ndarray, "blocks blocks"]:
+    """Distances between blocks as the crow flies, metres."""
+    positions = np.array([block.destination for block in blocks]).reshape(-1, 2)
+    return np.linalg.norm(positions[:, None] - positions, axis=2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +86,7 @@ class Overview:
         things: Things that were seen, other than the goal.
         camera_image: What the robot's camera sees, RGB; None where nobody keeps it.
         prospects: Function that tells what some of the blocks would show; not every reasoner asks.
+        legs_m: Function that tells the lengths of the paths between some of the blocks, metres.
     """
 
     draw: Callable[[Collection[int], Collection[int]], UInt8[np.ndarray, "height width 3"]]
@@ -100,6 +97,7 @@ class Overview:
     things: Sequence[SeenThing] = ()
     camera_image: UInt8[np.ndarray, "height width 3"] | None = None
     prospects: Callable[[Sequence[Block]], Prospects] = prospects_of_boundaries
+    legs_m: Callable[[Sequence[Block]], Float64[np.ndarray, "blocks blocks"]] = straight_legs_m
 
     @cached_property
     def image(self) -> UInt8[np.ndarray, "height width 3"]:

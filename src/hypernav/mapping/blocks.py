@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 from jaxtyping import Bool, Int64, UInt8
 
-from hypernav.core.geometry.grid import Cell, OccupancyGrid
+from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.overview import Block
 from hypernav.mapping.config import MappingConfig
@@ -36,79 +36,76 @@ def blocks_of(reach: ReachableArea, config: MappingConfig) -> tuple[Block, ...]:
         reach: The map and what the robot can reach on it.
         config: Size of the squares, and the free floor that a block needs.
     """
-    side = config.block_size_m
-    row_square, column_square = _squares(reach.grid, side)
-    rows, columns = _runs(row_square), _runs(column_square)
-    cells = np.add.reduceat(reach.reachable, rows, axis=0, dtype=np.int64)
-    cells = np.add.reduceat(cells, columns, axis=1)
-    is_block = cells * reach.grid.resolution_m**2 >= config.block_min_area_m2
+    row_squares, rows = _squares(reach.grid, config.block_size_m, axis=0)
+    column_squares, columns = _squares(reach.grid, config.block_size_m, axis=1)
+    floor_m2 = _counts(reach.reachable, rows, columns) * reach.grid.resolution_m**2
+    free_cells = _counts(reach.grid.free, rows, columns)
+    frontier_cells = _counts(reach.frontier, rows, columns)
     blocks: list[Block] = []
-    for row, column in np.argwhere(is_block[::-1]):
-        square_y = int(row_square[rows[len(rows) - 1 - row]])
-        square_x = int(column_square[columns[column]])
-        window = (_slice(row_square, square_y), _slice(column_square, square_x))
+    for from_top, column in np.argwhere(floor_m2[::-1] >= config.block_min_area_m2):
+        row = len(row_squares) - 1 - from_top
+        x_min = int(column_squares[column]) * config.block_size_m
+        y_min = int(row_squares[row]) * config.block_size_m
+        window = (slice(*rows[row : row + 2]), slice(*columns[column : column + 2]))
+        if frontier_cells[row, column] > 0 and config.block_destination == "frontier":
+            destination = _at_frontier(reach, window)
+        else:
+            # The middle of a square may be the edge of two cells; half a cell more is in one.
+            half = (config.block_size_m + reach.grid.resolution_m) / 2.0
+            middle = reach.grid.cell_of(x_min + half, y_min + half)
+            destination = _nearest(reach.reachable, window, middle)
         blocks.append(
-            _block(reach, window, len(blocks) + 1, square_x * side, square_y * side, config)
+            Block(
+                number=len(blocks) + 1,
+                x_min=x_min,
+                y_min=y_min,
+                size_m=config.block_size_m,
+                free_cells=int(free_cells[row, column]),
+                frontier_cells=int(frontier_cells[row, column]),
+                destination=reach.grid.centre_of(*destination),
+                travel_m=float(reach.travel_m[destination]),
+            )
         )
     return tuple(blocks)
 
 
-def _runs(squares: Int64[np.ndarray, "n"]) -> Int64[np.ndarray, "squares"]:
-    """Where each square begins."""
-    return np.flatnonzero(np.diff(squares, prepend=squares[0] - 1))
-
-
 def _squares(
-    grid: OccupancyGrid, side: float
-) -> tuple[Int64[np.ndarray, "rows"], Int64[np.ndarray, "columns"]]:
-    """Number of the square that holds the middle of every row, and of every column, of cells."""
-    rows, columns = grid.cells.shape
-    y = grid.origin[1] + (np.arange(rows) + 0.5) * grid.resolution_m
-    x = grid.origin[0] + (np.arange(columns) + 0.5) * grid.resolution_m
-    return np.floor(y / side).astype(np.int64), np.floor(x / side).astype(np.int64)
+    grid: OccupancyGrid, side_m: float, axis: int
+) -> tuple[Int64[np.ndarray, "squares"], list[int]]:
+    """Numbers of the squares that hold the middles of rows or columns of cells, and their edges."""
+    cells = np.arange(grid.cells.shape[axis])
+    middles = grid.origin[1 - axis] + (cells + 0.5) * grid.resolution_m
+    squares, first = np.unique(np.floor(middles / side_m).astype(np.int64), return_index=True)
+    return squares, [*first.tolist(), len(cells)]
 
 
-def _slice(squares: Int64[np.ndarray, "n"], square: int) -> slice:
-    first, last = np.searchsorted(squares, [square, square + 1])
-    return slice(int(first), int(last))
+def _counts(
+    mask: Bool[np.ndarray, "rows columns"] | UInt8[np.ndarray, "rows columns"],
+    rows: list[int],
+    columns: list[int],
+) -> Int64[np.ndarray, "_ _"]:
+    """Number of cells of a mask in every square."""
+    sums = cv2.integral(mask.view(np.uint8))[np.ix_(rows, columns)].astype(np.int64)
+    return np.diff(np.diff(sums, axis=0), axis=1)
 
 
-def _block(
-    reach: ReachableArea,
-    window: tuple[slice, slice],
-    number: int,
-    x_min: float,
-    y_min: float,
-    config: MappingConfig,
-) -> Block:
-    """The block of a window of the map."""
-    reachable = np.ascontiguousarray(reach.reachable[window])
-    size = reach.grid.resolution_m
-    bottom, left = window[0].start, window[1].start
+def _at_frontier(reach: ReachableArea, window: tuple[slice, slice]) -> tuple[int, int]:
+    """The reachable cell before the middle of the largest frontier in a window."""
     frontier = np.ascontiguousarray(reach.frontier[window]).view(np.uint8)
-    far = max(frontier.shape)
-    frontier_cells = int(np.count_nonzero(frontier))
-    if frontier_cells and config.block_destination == "frontier":
-        rows, columns = np.nonzero(_largest_part(frontier))
-        middle = (round(float(rows.mean())), round(float(columns.mean())))
-        row, column = nearest_open_cell(frontier, *middle, far)
-        row, column = reach.look_out(row + bottom, column + left)
-    else:
-        # The middle of a square may be the edge of two cells; half a cell more is in one of them.
-        half = (config.block_size_m + size) / 2.0
-        middle = reach.grid.cell_of(x_min + half, y_min + half)
-        row, column = nearest_open_cell(reachable, middle[0] - bottom, middle[1] - left, far)
-        row, column = row + bottom, column + left
-    return Block(
-        number=number,
-        x_min=x_min,
-        y_min=y_min,
-        size_m=config.block_size_m,
-        free_cells=int(np.count_nonzero(reach.grid.cells[window] == Cell.FREE)),
-        frontier_cells=frontier_cells,
-        destination=reach.grid.centre_of(row, column),
-        travel_m=float(reach.travel_m[row, column]),
-    )
+    rows, columns = np.nonzero(_largest_part(frontier))
+    middle = (round(float(rows.mean())), round(float(columns.mean())))
+    row, column = nearest_open_cell(frontier, *middle, max(frontier.shape))
+    return reach.look_out(row + window[0].start, column + window[1].start)
+
+
+def _nearest(
+    mask: UInt8[np.ndarray, "rows columns"], window: tuple[slice, slice], to: tuple[int, int]
+) -> tuple[int, int]:
+    """The cell of a mask in a window that is nearest to a cell."""
+    bottom, left = window[0].start, window[1].start
+    inner = np.ascontiguousarray(mask[window])
+    row, column = nearest_open_cell(inner, to[0] - bottom, to[1] - left, max(inner.shape))
+    return row + bottom, column + left
 
 
 def _largest_part(cells: UInt8[np.ndarray, "rows columns"]) -> Bool[np.ndarray, "rows columns"]:

@@ -4,12 +4,13 @@ import math
 
 import numpy as np
 from numba import njit
+from numba.extending import register_jitable
 
 SQRT2 = math.sqrt(2.0)
 
 
 @njit(cache=True, nogil=True)
-def travel_cells(is_open, start_row, start_column):
+def travel_cells(is_open, start_row, start_column, wanted=None):
     """Length of the shortest 8-connected path from a cell to every other, in cells.
 
     Dijkstra with three lists instead of a heap: no step is shorter than one cell, so all waiting
@@ -20,9 +21,11 @@ def travel_cells(is_open, start_row, start_column):
         is_open: uint8 (rows, columns), not 0 where the robot may be.
         start_row: Row of the start, an open cell.
         start_column: Column of the start.
+        wanted: int64 (n, 2), rows and columns of the only cells whose distances are wanted; None
+            for all.
 
     Returns:
-        float32 (rows, columns), infinite where no path leads.
+        float32 (rows, columns), infinite where no path leads; also elsewhere than wanted.
     """
     rows, columns = is_open.shape
     width = columns + 2
@@ -43,6 +46,8 @@ def travel_cells(is_open, start_row, start_column):
     sides = np.array([width, -width, -1, 1])
     level = 0
     while counts[0] + counts[1] + counts[2] > 0:
+        if wanted is not None and are_nearer(distance, wanted, width, level):
+            break
         now = level % 3
         for i in range(counts[now]):
             cell = waiting[now, i]
@@ -70,6 +75,15 @@ def travel_cells(is_open, start_row, start_column):
         level += 1
     inner = distance.reshape(rows + 2, width)[1:-1, 1:-1]
     return inner.copy()
+
+
+@register_jitable
+def are_nearer(distance, cells, width, level):
+    """Whether all of some cells lie nearer than a whole number of cells."""
+    for i in range(len(cells)):
+        if not distance[(cells[i, 0] + 1) * width + cells[i, 1] + 1] < level:
+            return False
+    return True
 
 
 @njit(cache=True, nogil=True)

@@ -32,7 +32,7 @@ def find_prospects(
         range_m: Range of the camera, metres.
     """
     size = reach.grid.resolution_m
-    at = reach.grid.cells_of(np.array(positions).reshape(-1, 2))
+    at = _cells(reach, positions)
     range_cells = math.ceil(range_m / size)
     shows, chance = unknown_in_view(
         np.pad(reach.grid.cells, range_cells),  # the unknown goes on beyond the map
@@ -44,17 +44,32 @@ def find_prospects(
     )
     in_view = chance > 0.0
     patch_m2 = (_PATCH_CELLS * size) ** 2
-    return Prospects(chance[in_view] * patch_m2, shows[:, in_view], _legs_m(reach, at))
+    return Prospects(chance[in_view] * patch_m2, shows[:, in_view])
 
 
-def _legs_m(reach: ReachableArea, at: Int64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "n n"]:
-    """Lengths of the paths between cells, over patches that hold a reachable cell, metres."""
-    rows, columns = reach.reachable.shape
+def find_legs_m(
+    reach: ReachableArea, positions: Sequence[tuple[float, float]]
+) -> Float64[np.ndarray, "n n"]:
+    """Lengths of the paths between some positions, over patches that hold a reachable cell, metres.
+
+    Args:
+        reach: The map and what the robot can reach on it.
+        positions: Reachable positions ``(x, y)``, metres.
+    """
     side = _PATCH_CELLS
-    padded = np.pad(reach.reachable, ((0, -rows % side), (0, -columns % side)))
-    patches = padded.reshape(-(-rows // side), side, -(-columns // side), side).max(axis=(1, 3))
-    row, column = (at // side).T
-    cells = [travel_cells(patches, r, c)[row, column] for r, c in zip(row, column, strict=True)]
-    return np.array(cells, dtype=np.float64).reshape(len(at), len(at)) * (
-        side * reach.grid.resolution_m
-    )
+    at = _cells(reach, positions) // side
+    patches = reach.reachable
+    for axis in (0, 1):
+        patches = np.maximum.reduceat(patches, np.arange(0, patches.shape[axis], side), axis=axis)
+    legs = np.zeros((len(at), len(at)))
+    for k, (row, column) in enumerate(at[:-1]):
+        others = at[k + 1 :]
+        cells = travel_cells(patches, row, column, others)
+        legs[k, k + 1 :] = legs[k + 1 :, k] = cells[others[:, 0], others[:, 1]]
+    return legs * (side * reach.grid.resolution_m)
+
+
+def _cells(
+    reach: ReachableArea, positions: Sequence[tuple[float, float]]
+) -> Int64[np.ndarray, "n 2"]:
+    return reach.grid.cells_of(np.array(positions).reshape(-1, 2))

@@ -99,7 +99,10 @@ def _long_stretches(
     cells: Bool[np.ndarray, "rows columns"], least_cells: float
 ) -> Bool[np.ndarray, "rows columns"]:
     """The cells in connected parts of at least so many cells, 8-connected."""
-    _, parts, stats, _ = cv2.connectedComponentsWithStats(cells.view(np.uint8), connectivity=8)
-    is_long = stats[:, cv2.CC_STAT_AREA] >= least_cells - 1e-9
-    is_long[0] = False  # the background
-    return is_long[parts.astype(np.intp)]
+    # Statistics of the parts would take ten times as long as the parts.
+    _, parts = cv2.connectedComponents(cells.view(np.uint8), connectivity=8)
+    part_of = parts[cells].astype(np.intp)
+    is_long = np.bincount(part_of) >= least_cells - 1e-9
+    long = np.zeros(cells.shape, dtype=bool)
+    long[cells] = is_long[part_of]
+    return long

@@ -9,6 +9,14 @@ from hypernav.cli.guards.interruptions import (
 )
 
 
+@pytest.fixture(autouse=True)
+def sigint_as_in_a_terminal():
+    """A background job of a shell starts with SIGINT ignored, and Python leaves it so."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 def test_sigterm_ends_a_block_as_ctrl_c_does():
     before = signal.getsignal(signal.SIGTERM)
     with pytest.raises(KeyboardInterrupt), sigterm_as_interruption():

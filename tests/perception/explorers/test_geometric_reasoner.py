@@ -85,9 +85,9 @@ def test_a_view_counts_and_not_the_boundary():
     def crumbs_and_a_room(blocks):
         # The long boundary lies behind furniture, the short one is a door.
         shows = np.array([[True, False], [False, True]])
-        return Prospects(np.array([0.2, 9.0]), shows, np.array([[0.0, 4.0], [4.0, 0.0]]))
+        return Prospects(np.array([0.2, 9.0]), shows)
 
-    blocks = [block(1, 60, 2.0), block(2, 16, 3.0)]
+    blocks = [block(1, 60, 2.0, (2.0, 0.0)), block(2, 16, 3.0, (-3.0, 0.0))]
     for order in ("greedy", "tour"):
         assert choose(*blocks, order=order, gain="boundary").number == 1
         assert choose(*blocks, order=order, prospects=crumbs_and_a_room).number == 2
@@ -109,8 +109,7 @@ def test_a_tour_has_as_many_stops_as_allowed():
 
 def test_where_nothing_is_to_be_seen_the_nearest_comes_first():
     def nothing(blocks):
-        places = len(blocks)
-        return Prospects(np.zeros(0), np.zeros((places, 0), bool), np.ones((places, places)))
+        return Prospects(np.zeros(0), np.zeros((len(blocks), 0), bool))
 
     blocks = [block(1, 20, 5.0), block(2, 20, 2.0), block(3, 20, 9.0)]
     assert choose(*blocks, prospects=nothing).number == 2

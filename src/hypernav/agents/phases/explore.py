@@ -15,7 +15,7 @@ from hypernav.core.actions import Action
 from hypernav.core.components.abilities import Prefetches, answers_at_once
 from hypernav.core.components.protocols import Explorer
 from hypernav.core.destination import Destination
-from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.overview import Block
@@ -242,8 +242,8 @@ def unexplored_boundary(
     row, column = grid.cell_of(*position)
     reach = math.ceil(radius_m / grid.resolution_m)
     bottom, left = max(row - reach, 0), max(column - reach, 0)
-    window = (slice(bottom, row + reach + 1), slice(left, column + reach + 1))
-    beside_unknown = cv2.dilate((~grid.explored[window]).astype(np.uint8), np.ones((3, 3)))
+    around = grid.cells[bottom : max(row + reach + 1, 0), left : max(column + reach + 1, 0)]
+    beside_unknown = cv2.dilate((around == Cell.UNKNOWN).view(np.uint8), np.ones((3, 3)))
     return grid.centres_of(
-        np.argwhere(grid.free[window] & (beside_unknown > 0)) + np.array([bottom, left])
+        np.argwhere((around == Cell.FREE) & (beside_unknown > 0)) + np.array([bottom, left])
     )

@@ -5,7 +5,7 @@ from collections.abc import Collection, Sequence
 from typing import Literal
 
 import numpy as np
-from jaxtyping import UInt8
+from jaxtyping import Float64, UInt8
 from pydantic import Field
 
 from hypernav.core.components.abilities import answers_at_once
@@ -21,7 +21,7 @@ from hypernav.core.sightings import Sightings
 from hypernav.mapping.blocks import blocks_of
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.frontiers import find_frontiers
-from hypernav.mapping.prospects import find_prospects
+from hypernav.mapping.prospects import find_legs_m, find_prospects
 from hypernav.mapping.reachable_area import ReachableArea
 from hypernav.show.drawing.question_map import QuestionStyle, draw_question_map
 
@@ -179,11 +179,15 @@ class BlockExplorer:
         def prospects(of: Sequence[Block]) -> Prospects:
             return find_prospects(reach, [one.destination for one in of], self._range_m)
 
+        def legs_m(between: Sequence[Block]) -> Float64[np.ndarray, "_ _"]:
+            return find_legs_m(reach, [one.destination for one in between])
+
         return Overview(
             draw,
             blocks,
             robot,
             prospects=prospects,
+            legs_m=legs_m,
             legend=style.legend,
             trajectory=trajectory,
             things=things,

@@ -4,13 +4,18 @@ import math
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Float64
 from pydantic import Field
 
 from hypernav.core.config import RoomConfig
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.overview import Block, BlockChoice, Overview, Prospects, prospects_of_boundaries
+from hypernav.core.overview import (
+    Block,
+    BlockChoice,
+    Overview,
+    prospects_of_boundaries,
+    straight_legs_m,
+)
 from hypernav.core.trace import Exchange, ExchangeLog
 from hypernav.perception.explorers.tour_kernels import soonest_tour, unseen_after
 
@@ -107,8 +112,8 @@ class GeometricReasoner:
         if not blocks:
             return BlockChoice(None, "no block has unexplored boundary that can be reached")
         blocks = sorted(blocks, key=lambda one: (one.travel_m, one.number))
-        look = overview.prospects if config.gain == "view" else prospects_of_boundaries
-        prospects = look(blocks)
+        by_view = config.gain == "view"
+        prospects = (overview.prospects if by_view else prospects_of_boundaries)(blocks)
         gains = [float(gain) for gain in prospects.gains_m2]
         costs = [self._cost_m(block, overview.robot) for block in blocks]
         values = [
@@ -119,8 +124,9 @@ class GeometricReasoner:
         best = best_first[0]
         if config.order == "tour":
             stops = best_first[: config.tour_stops]
-            first_m = np.array([costs[k] for k in stops])
-            best = stops[_first_stop(prospects.of(stops), first_m)]
+            legs_m = (overview.legs_m if by_view else straight_legs_m)([blocks[k] for k in stops])
+            unseen = unseen_after(prospects.areas_m2, prospects.shows[stops]) + _NEVER_SEEN_M2
+            best = stops[soonest_tour(np.array([costs[k] for k in stops]), legs_m, unseen)[0]]
         return BlockChoice(blocks[best].number, self._reason(blocks[best], gains[best]))
 
     def _cost_m(self, block: Block, robot: Pose2) -> float:
@@ -133,9 +139,3 @@ class GeometricReasoner:
         if self._config.gain == "boundary":
             worth = f"{block.frontier_cells} cells of unexplored boundary"
         return f"block {block.number}: {worth}, {block.travel_m:.1f} m away"
-
-
-def _first_stop(prospects: Prospects, first_m: Float64[np.ndarray, "stops"]) -> int:
-    """The first stop of the tour that shows things soonest."""
-    unseen = unseen_after(prospects.areas_m2, prospects.shows)
-    return int(soonest_tour(first_m, prospects.legs_m, unseen + _NEVER_SEEN_M2)[0])
