@@ -24,7 +24,7 @@ COMMANDS = {
     "eval": "Run the episodes of a benchmark; the same command goes on where it was interrupted.",
     "ablate": "Run variants of the method on the same episodes, and say what each part is worth.",
     "report": "Write a page, a CSV file and LaTeX tables about one or more evaluations.",
-    "doctor": "Examine a vision-language model and its server, and say what to change.",
+    "doctor": "Examine a vision-language model, or the data of benchmarks, and say what to change.",
     "houses": "Generated buildings: pages about them, files for other programs, splits, episodes.",
 }
 _BOX = re.compile(r"[\u2500-\u257f]+|(?<!\S)-{3,}(?!\S)")

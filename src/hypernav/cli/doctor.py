@@ -1,14 +1,18 @@
-"""`hypernav doctor`: examine a vision-language model before relying on it."""
+"""`hypernav doctor`: examine a vision-language model, or data, before relying on it."""
+
+from collections.abc import Iterator
 
 from rich.markup import escape
 
 from hypernav.build.presets import preset
 from hypernav.cli.doctor_options import Options
 from hypernav.cli.terminal import Terminal
+from hypernav.core.checkup import Finding, State
 from hypernav.core.config import layered
 from hypernav.core.errors import ConfigError
+from hypernav.evaluation.data_checkup import check_data
 from hypernav.models.chat.vlm_spec import open_chat, parse_vlm_spec
-from hypernav.perception.vlm_checkup import Finding, State, check_up
+from hypernav.perception.vlm_checkup import check_up
 
 _MARKS = {
     State.GOOD: "[green]ok[/]   ",
@@ -22,22 +26,23 @@ def run(options: Options) -> int:
 
     Returns:
         0 if all is well, 1 if there is a fault.
+
+    Raises:
+        ConfigError: Nothing is named that could be examined, or a recording is.
     """
-    spec = parse_vlm_spec(options.vlm)
-    if spec.kind == "replay":
-        raise ConfigError(f"--vlm {options.vlm}: a recording cannot be examined, only a model")
-    config = layered(preset("default"), file=options.config, assignments=options.set)
-    # A fault shall show now, not after two minutes of retries.
-    chat = open_chat(spec, config.chat.model_copy(update={"patience_s": 0.0}))
-    console = Terminal(stderr=False, soft_wrap=True)
-    faults = []
-    with console.status("asking the model …"):
-        findings = check_up(
-            chat, config.grounding, config.overview, config.block_choice, config.presence
+    if options.vlm is None and options.data is None:
+        raise ConfigError(
+            "name what to examine: --vlm SPEC, a model, or --data DIR, a folder of benchmarks"
         )
-        for finding in findings:
-            console.print(_line(finding))
-            faults += [finding] if finding.state is State.FAULT else []
+    console = Terminal(stderr=False, soft_wrap=True)
+    faults: list[Finding] = []
+    if options.data is not None:
+        with console.status("reading the episodes …"):
+            faults += _shown(check_data(options.data), console)
+    if options.vlm is not None:
+        findings = _check_model(options.vlm, options)
+        with console.status("asking the model …"):
+            faults += _shown(findings, console)
     if not faults:
         console.print("all is well")
         return 0
@@ -47,5 +52,24 @@ def run(options: Options) -> int:
     return 1
 
 
+def _check_model(vlm: str, options: Options) -> Iterator[Finding]:
+    spec = parse_vlm_spec(vlm)
+    if spec.kind == "replay":
+        raise ConfigError(f"--vlm {vlm}: a recording cannot be examined, only a model")
+    config = layered(preset("default"), file=options.config, assignments=options.set)
+    # A fault shall show now, not after two minutes of retries.
+    chat = open_chat(spec, config.chat.model_copy(update={"patience_s": 0.0}))
+    return check_up(chat, config.grounding, config.overview, config.block_choice, config.presence)
+
+
+def _shown(findings: Iterator[Finding], console: Terminal) -> list[Finding]:
+    """Print findings as they come; returns the faults."""
+    faults = []
+    for finding in findings:
+        console.print(_line(finding))
+        faults += [finding] if finding.state is State.FAULT else []
+    return faults
+
+
 def _line(finding: Finding) -> str:
-    return f"{_MARKS[finding.state]} {finding.check + ':':24} {escape(finding.said)}"
+    return f"{_MARKS[finding.state]} {escape(finding.check + ':'):24} {escape(finding.said)}"

@@ -9,10 +9,12 @@ import tyro
 
 @dataclass(frozen=True)
 class Options:
-    """The model to examine, and how it is asked."""
+    """The model or the data to examine, and how a model is asked."""
 
-    vlm: str
-    """The model: openai:URL[#MODEL] or local:PATH_OR_ID."""
+    vlm: str | None = None
+    """Model to examine: openai:URL[#MODEL] or local:PATH_OR_ID."""
+    data: Path | None = None
+    """Data folder to examine, as in hm3d:DIR: what of the benchmarks is there, and what isn't."""
     config: Path | None = None
     """YAML file with sections like those of result.json's config; only values that differ."""
     set: Annotated[tuple[str, ...], tyro.conf.arg(metavar="SECTION.KEY=VALUE")] = field(

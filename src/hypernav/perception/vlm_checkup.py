@@ -6,12 +6,11 @@ a question that a free model would answer at length.
 """
 
 from collections.abc import Generator, Iterator
-from dataclasses import dataclass
-from enum import StrEnum
 
 import numpy as np
 
 from hypernav.core.chat import Answer, Question
+from hypernav.core.checkup import Finding, State
 from hypernav.core.components.protocols import ChatModel
 from hypernav.core.errors import ChatError, ConfigError, ModelRejectedError, ModelSetupError
 from hypernav.core.geometry.boxes import Box
@@ -46,31 +45,6 @@ _MAP_GOAL = Goal("bed")
 _RIGHT_BLOCKS = (2, 3)
 _NO_WORDS = "let the model answer without thinking first; the server's log may say more"
 _WAIT = "look into the server's log; --set chat.timeout_s=… waits longer for an answer"
-
-
-class State(StrEnum):
-    """Result of a check."""
-
-    GOOD = "good"
-    NOTE = "note"
-    FAULT = "fault"
-
-
-@dataclass(frozen=True)
-class Finding:
-    """The finding of one check.
-
-    Attributes:
-        check: Name of the check.
-        state: Result of the check.
-        said: Description of the finding.
-        remedy: Change that helps; empty if none is needed.
-    """
-
-    check: str
-    state: State
-    said: str
-    remedy: str = ""
 
 
 def check_up(

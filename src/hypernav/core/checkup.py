@@ -1,0 +1,29 @@
+"""What an examination of a model or of data found."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+
+class State(StrEnum):
+    """Result of a check."""
+
+    GOOD = "good"
+    NOTE = "note"
+    FAULT = "fault"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """The finding of one check.
+
+    Attributes:
+        check: Name of the check.
+        state: Result of the check.
+        said: Description of the finding.
+        remedy: Change that helps; empty if none is needed.
+    """
+
+    check: str
+    state: State
+    said: str
+    remedy: str = ""

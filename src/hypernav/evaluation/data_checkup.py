@@ -1,0 +1,126 @@
+"""Examination of a data folder before a long run: what of each benchmark is there, what isn't."""
+
+from collections.abc import Iterator
+from importlib.util import find_spec
+from pathlib import Path
+
+from hypernav.core.checkup import Finding, State
+from hypernav.core.errors import EpisodeError
+from hypernav.datasets.benchmark_files import SplitFolder, found_splits, scene_below, scene_folders
+from hypernav.datasets.benchmarks import BENCHMARKS, Benchmark
+from hypernav.datasets.habitat_files import episode_files, read_episodes
+from hypernav.worlds.scans.layout import ScanFiles
+
+_NAMED = 4
+"""The most missing scenes that are named."""
+_BASIS = ".basis.glb"
+
+
+def check_data(folder: Path) -> Iterator[Finding]:
+    """Examine a data folder, one finding after another; every episode file is read.
+
+    Args:
+        folder: Data folder, as in ``hm3d:DIR``.
+    """
+    if not folder.is_dir():
+        yield Finding(
+            "folder", State.FAULT, f"{folder} is no folder", "name the folder of all data"
+        )
+        return
+    found = False
+    for name in ("hm3d", "mp3d", "ovon"):
+        benchmark = BENCHMARKS[name]
+        if found_splits(benchmark, folder) or scene_folders(benchmark, folder):
+            found = True
+            yield from _check_benchmark(benchmark, folder)
+        else:
+            yield Finding(name, State.NOTE, f"nothing of {benchmark.title} is here")
+    if not found:
+        remedy = f"HM3D {BENCHMARKS['hm3d'].where}"
+        yield Finding("folder", State.FAULT, f"{folder} holds no benchmark", remedy)
+
+
+def _check_benchmark(benchmark: Benchmark, folder: Path) -> Iterator[Finding]:
+    splits = found_splits(benchmark, folder)
+    names = {split.name for split in splits}
+    missing = [name for name in benchmark.splits if name not in names]
+    if missing:
+        expected = folder / benchmark.episodes[0] / missing[0]
+        state = State.NOTE if splits else State.FAULT
+        words = f"no episodes of {', '.join(missing)}; expected {expected}"
+        yield Finding(f"{benchmark.name} episodes", state, words, benchmark.where)
+    for split in splits:
+        yield from _check_split(benchmark, folder, split)
+
+
+def _check_split(benchmark: Benchmark, folder: Path, split: SplitFolder) -> Iterator[Finding]:
+    check = f"{benchmark.name} {split.version}/{split.name}"
+    counts: dict[str, int] = {}
+    categories: set[str] = set()
+    try:
+        for file in episode_files(split.path):
+            for episode in read_episodes(file).episodes:
+                counts[episode.scene_id] = counts.get(episode.scene_id, 0) + 1
+                categories.add(episode.object_category)
+    except EpisodeError as error:
+        yield Finding(check, State.FAULT, str(error), "download the episodes again")
+        return
+    yield Finding(
+        check,
+        State.GOOD,
+        f"{sum(counts.values()):,} episodes in {len(counts)} scenes, {len(categories)} categories",
+    )
+    yield from _check_scenes(benchmark, folder, check, list(counts))
+
+
+def _check_scenes(
+    benchmark: Benchmark, folder: Path, check: str, scene_ids: list[str]
+) -> Iterator[Finding]:
+    files = {scene_id: scene_below(benchmark, folder, scene_id) for scene_id in scene_ids}
+    meshes = [mesh for mesh in files.values() if mesh is not None]
+    missing = [Path(scene_id).parent.name for scene_id, mesh in files.items() if mesh is None]
+    if missing:
+        some = ", ".join(missing[:_NAMED]) + (", …" if len(missing) > _NAMED else "")
+        state = State.NOTE if meshes else State.FAULT
+        words = f"{len(meshes)} of {len(files)} scenes; missing: {some}"
+        yield Finding(f"{check} scenes", state, words, benchmark.where)
+    elif meshes:
+        yield Finding(f"{check} scenes", State.GOOD, f"all {len(meshes)}")
+    scans = [scan for mesh in meshes if (scan := ScanFiles.of(mesh)) is not None]
+    yield from _check_scans(check, scans, annotated=benchmark.name != "mp3d")
+    if any(scan.mesh.name.endswith(_BASIS) for scan in scans):
+        yield _textures(check)
+
+
+def _check_scans(check: str, scans: list[ScanFiles], *, annotated: bool) -> Iterator[Finding]:
+    """Findings about what lies beside the meshes."""
+    meshes = sum(scan.navmesh is not None for scan in scans)
+    if scans and meshes == len(scans):
+        yield Finding(f"{check} navmeshes", State.GOOD, f"all {meshes}")
+    elif scans:
+        words = f"{meshes} of {len(scans)}; without one, floors are computed from the triangles"
+        yield Finding(f"{check} navmeshes", State.NOTE, words)
+    if not annotated or not scans:
+        return
+    semantic = sum(
+        scan.semantic_mesh is not None and scan.semantic_text is not None for scan in scans
+    )
+    if semantic == len(scans):
+        yield Finding(f"{check} annotations", State.GOOD, f"all {semantic}")
+    else:
+        words = (
+            f"{semantic} of {len(scans)} scenes; without them there is no ground truth, and "
+            "results are the same"
+        )
+        yield Finding(f"{check} annotations", State.NOTE, words)
+
+
+def _textures(check: str) -> Finding:
+    if find_spec("opengl_basisu") is not None:
+        return Finding(f"{check} textures", State.GOOD, "Basis Universal can be read")
+    return Finding(
+        f"{check} textures",
+        State.FAULT,
+        "Basis Universal can't be read",
+        "pip install 'hypernav[hm3d]', or download the scenes with plain textures, too",
+    )
