@@ -28,6 +28,10 @@ class SceneError(HyPerNavError):
     """A scene file is missing, broken, empty or not a mesh."""
 
 
+class NavmeshError(HyPerNavError):
+    """A navigation mesh file is missing, broken, or of a kind that habitat-sim does not write."""
+
+
 class StartError(HyPerNavError):
     """A start pose is off the walkable surface, or none can be found."""
 

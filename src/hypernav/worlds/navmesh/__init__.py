@@ -1,0 +1,1 @@
+"""Navigation meshes of habitat-sim as a surface to walk on."""

@@ -1,0 +1,193 @@
+"""Straight moves on a navigation mesh, and distances to its walls (numba kernels).
+
+As Detour's ``dtNavMeshQuery::moveAlongSurface`` with the switch for sliding that habitat-sim's copy
+has, and ``findDistanceToWall``.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from hypernav.worlds.navmesh.detour.corridor_kernels import MOST_NODES, first_link, portal
+from hypernav.worlds.navmesh.detour.geometry_kernels import (
+    FARTHEST,
+    HALF,
+    ONE,
+    ZERO,
+    between,
+    corner,
+    crossing,
+    distance,
+    is_over,
+    to_segment,
+)
+from hypernav.worlds.navmesh.detour.heap_kernels import lower, pop, push
+from hypernav.worlds.navmesh.detour.mesh import OTHER_TILE, WALL
+from hypernav.worlds.navmesh.detour.nearest_kernels import NOWHERE
+
+_MOST_NEAR = 64
+"""Polygons that one move may touch."""
+_MOST_WAITING = 48
+_MOST_NEIGHBOURS = 8
+"""Neighbours in another tile over one edge."""
+_SLACK = np.float32(0.001)
+
+
+@njit(cache=True)
+def _neighbours(mesh, polygon, edge, found):
+    """Walkable polygons behind an edge; writes them to an array and returns their number."""
+    neighbour = mesh.neighbours[polygon, edge]
+    if neighbour >= 0:
+        found[0] = neighbour
+        return 1 if mesh.walkable[neighbour] else 0
+    count = 0
+    if neighbour == OTHER_TILE:
+        for link in range(mesh.link_start[polygon], mesh.link_start[polygon + 1]):
+            other = mesh.link_polygon[link]
+            if mesh.link_edge[link] == edge and mesh.walkable[other] and count < len(found):
+                found[count] = other
+                count += 1
+    return count
+
+
+@njit(cache=True, inline="always")
+def _hits(a, b, start, end):
+    """Whether a move meets a segment, and where on the segment."""
+    cross, s, t = crossing(a, b, start, end)
+    return cross and ZERO <= t <= ONE and ZERO <= s <= ONE, s
+
+
+@njit(cache=True)
+def move(mesh, start_polygon, start, end, sliding):
+    """The end of a straight move from a point on a polygon.
+
+    Returns:
+        The point, not yet at the height of the surface, and its polygon, which is `NOWHERE` if
+        there is no such move.
+    """
+    polygons = np.empty(_MOST_NEAR, dtype=np.int32)
+    visited = np.zeros(_MOST_NEAR, dtype=np.bool_)
+    waiting = np.empty(_MOST_NEAR, dtype=np.int32)
+    found = np.empty(_MOST_NEIGHBOURS, dtype=np.int32)
+    polygons[0], visited[0], waiting[0] = start_polygon, True, 0
+    nodes, first, last = 1, 0, 1
+    best, best_point, best_gap = NOWHERE, start, FARTHEST
+    middle = between(start, end, HALF)
+    radius = distance(start, end) * HALF + _SLACK
+    radius_squared = radius * radius
+    while first < last:
+        polygon = polygons[waiting[first]]
+        first += 1
+        if is_over(mesh, polygon, end):
+            return end, polygon
+        count = mesh.corner_count[polygon]
+        edge = count - 1
+        for i in range(count):
+            a, b = corner(mesh, polygon, edge), corner(mesh, polygon, i)
+            beyond = _neighbours(mesh, polygon, edge, found)
+            edge = i
+            if beyond == 0:
+                if sliding:
+                    gap, t = to_segment(end, a, b)
+                    met = True
+                else:
+                    met, t = _hits(a, b, start, end)
+                    stop = between(a, b, t)
+                    dx, dz = end[0] - stop[0], end[2] - stop[2]
+                    gap = dx * dx + dz * dz
+                if met and gap < best_gap:
+                    best, best_point, best_gap = polygon, between(a, b, t), gap
+            for k in range(beyond):
+                node = 0
+                while node < nodes and polygons[node] != found[k]:
+                    node += 1
+                if node == nodes:
+                    if nodes == _MOST_NEAR:
+                        continue
+                    polygons[node] = found[k]
+                    nodes += 1
+                if visited[node] or to_segment(middle, a, b)[0] > radius_squared:
+                    continue
+                if not sliding and not _hits(a, b, start, end)[0]:
+                    continue
+                if last - first < _MOST_WAITING:
+                    visited[node] = True
+                    waiting[last] = node
+                    last += 1
+    return best_point, best
+
+
+@njit(cache=True)
+def _is_wall(mesh, polygon, edge):
+    """Whether nothing can be walked on behind an edge, as far as its first link tells."""
+    neighbour = mesh.neighbours[polygon, edge]
+    if neighbour >= 0:
+        return not mesh.walkable[neighbour]
+    if neighbour != WALL:
+        for link in range(mesh.link_start[polygon], mesh.link_start[polygon + 1]):
+            if mesh.link_edge[link] == edge:
+                return not mesh.walkable[mesh.link_polygon[link]]
+    return True
+
+
+@njit(cache=True)
+def wall_distance(mesh, start_polygon, centre, radius):
+    """Distance from a point on a polygon to the nearest wall, at most the radius, in the plane."""
+    node_of = np.full(len(mesh.corner_count), -1, dtype=np.int32)
+    polygons = np.empty(MOST_NODES, dtype=np.int32)
+    places = np.empty((MOST_NODES, 3), dtype=np.float32)
+    parents = np.empty(MOST_NODES, dtype=np.int32)
+    closed = np.zeros(MOST_NODES, dtype=np.bool_)
+    total = np.empty(MOST_NODES, dtype=np.float32)
+    heap = np.empty(MOST_NODES, dtype=np.int32)
+    node_of[start_polygon] = 0
+    polygons[0], parents[0], total[0] = start_polygon, NOWHERE, ZERO
+    places[0, 0], places[0, 1], places[0, 2] = centre
+    nodes = 1
+    heap_size = push(heap, 0, 0, total)
+    least = radius * radius
+    while heap_size > 0:
+        best, heap_size = pop(heap, heap_size, total)
+        closed[best] = True
+        polygon = polygons[best]
+        count = mesh.corner_count[polygon]
+        edge = count - 1
+        for i in range(count):
+            if _is_wall(mesh, polygon, edge):
+                gap, _ = to_segment(centre, corner(mesh, polygon, edge), corner(mesh, polygon, i))
+                least = min(least, gap)
+            edge = i
+        here = (places[best, 0], places[best, 1], places[best, 2])
+        for link in range(mesh.link_start[polygon], mesh.link_start[polygon + 1]):
+            neighbour = mesh.link_polygon[link]
+            if neighbour == parents[best]:
+                continue
+            edge = mesh.link_edge[link]
+            a = corner(mesh, polygon, edge)
+            b = corner(mesh, polygon, (edge + 1) % count)
+            if to_segment(centre, a, b)[0] > least or not mesh.walkable[neighbour]:
+                continue
+            node = node_of[neighbour]
+            is_new = node < 0
+            if is_new:
+                if nodes == MOST_NODES:
+                    continue
+                node = nodes
+                nodes += 1
+                node_of[neighbour], polygons[node] = node, neighbour
+                left, right = portal(mesh, first_link(mesh, polygon, neighbour), polygon)
+                for axis in range(3):
+                    places[node, axis] = (left[axis] + right[axis]) * HALF
+            if closed[node]:
+                continue
+            there = (places[node, 0], places[node, 1], places[node, 2])
+            new_total = total[best] + distance(here, there)
+            if not is_new and new_total >= total[node]:
+                continue
+            parents[node], total[node] = polygon, new_total
+            if is_new:
+                heap_size = push(heap, heap_size, node, total)
+            else:
+                lower(heap, heap_size, node, total)
+    return math.sqrt(least)

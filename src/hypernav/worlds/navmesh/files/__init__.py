@@ -1,0 +1,1 @@
+"""Navigation mesh files of habitat-sim, read and written."""

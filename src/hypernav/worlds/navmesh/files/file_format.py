@@ -1,0 +1,178 @@
+"""The records of a navigation mesh file of habitat-sim.
+
+A file is a `SET_HEADER`, from version 2 on the `SETTINGS` that the mesh was computed with, and its
+tiles: each a `TILE_REFERENCE` and the data that Detour's ``dtCreateNavMeshData`` made. These are a
+`TILE_HEADER` and the arrays of `TILE_ARRAYS`, whose lengths it gives, each padded to four bytes.
+Integers and floats have the byte order of the machine that wrote the file; its magic numbers tell.
+Positions are in Habitat's frame: x right, y up, metres.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float32, UInt8
+
+SET_MAGIC = int.from_bytes(b"MSET", "big")
+TILE_MAGIC = int.from_bytes(b"DNAV", "big")
+VERSIONS = (1, 2)
+TILE_VERSION = 7
+
+VERTICES_PER_POLYGON = 6
+EXTERNAL = 0x8000
+"""Flag of an edge that leads into a neighbouring tile; its direction is in the lowest byte."""
+SIDES = (0, 2, 4, 6)
+"""Directions of edges between tiles: towards +x, +z, -x, -z."""
+WALKABLE = 0x01
+"""Flag of a polygon that an agent may walk on."""
+BOUNDARY_EDGES = 0b010101
+"""Flags of a detail triangle: its edges 0-1, 1-2 and 2-0 lie on the polygon's boundary."""
+
+SET_HEADER = np.dtype(
+    [
+        ("magic", "<u4"),
+        ("version", "<i4"),
+        ("tiles", "<i4"),
+        ("origin", "<f4", 3),
+        ("tile_width", "<f4"),
+        ("tile_height", "<f4"),
+        ("most_tiles", "<i4"),
+        ("most_polygons", "<i4"),
+    ]
+)
+SETTINGS = np.dtype(
+    [
+        ("cell_size", "<f4"),
+        ("cell_height", "<f4"),
+        ("agent_height", "<f4"),
+        ("agent_radius", "<f4"),
+        ("agent_max_climb", "<f4"),
+        ("agent_max_slope", "<f4"),
+        ("region_min_size", "<f4"),
+        ("region_merge_size", "<f4"),
+        ("edge_max_len", "<f4"),
+        ("edge_max_error", "<f4"),
+        ("verts_per_poly", "<f4"),
+        ("detail_sample_dist", "<f4"),
+        ("detail_sample_max_error", "<f4"),
+        ("filter_low_hanging_obstacles", "u1"),
+        ("filter_ledge_spans", "u1"),
+        ("filter_walkable_low_height_spans", "u1"),
+        ("include_static_objects", "u1"),
+    ]
+)
+TILE_REFERENCE = np.dtype([("reference", "<u4"), ("size", "<i4")])
+TILE_HEADER = np.dtype(
+    [
+        ("magic", "<u4"),
+        ("version", "<i4"),
+        ("x", "<i4"),
+        ("y", "<i4"),
+        ("layer", "<i4"),
+        ("user_id", "<u4"),
+        ("polygons", "<i4"),
+        ("vertices", "<i4"),
+        ("most_links", "<i4"),
+        ("detail_meshes", "<i4"),
+        ("detail_vertices", "<i4"),
+        ("detail_triangles", "<i4"),
+        ("tree_nodes", "<i4"),
+        ("off_mesh_connections", "<i4"),
+        ("off_mesh_base", "<i4"),
+        ("walkable_height", "<f4"),
+        ("walkable_radius", "<f4"),
+        ("walkable_climb", "<f4"),
+        ("lowest", "<f4", 3),
+        ("highest", "<f4", 3),
+        ("quantisation", "<f4"),
+    ]
+)
+POLYGON = np.dtype(
+    [
+        ("first_link", "<u4"),
+        ("vertices", "<u2", VERTICES_PER_POLYGON),
+        ("neighbours", "<u2", VERTICES_PER_POLYGON),
+        ("flags", "<u2"),
+        ("vertex_count", "u1"),
+        ("area_and_type", "u1"),
+    ]
+)
+DETAIL_MESH = np.dtype(
+    [
+        ("vertex_base", "<u4"),
+        ("triangle_base", "<u4"),
+        ("vertex_count", "u1"),
+        ("triangle_count", "u1"),
+        ("padding", "u1", 2),
+    ]
+)
+TREE_NODE = np.dtype([("lowest", "<u2", 3), ("highest", "<u2", 3), ("index", "<i4")])
+
+
+class TileArray(NamedTuple):
+    """One array of a tile's data.
+
+    Attributes:
+        name: Its name in this package.
+        length: Field of the header that gives its length.
+        item: Type of its items.
+    """
+
+    name: str
+    length: str
+    item: np.dtype
+
+
+TILE_ARRAYS = (
+    TileArray("vertices", "vertices", np.dtype(("<f4", 3))),
+    TileArray("polygons", "polygons", POLYGON),
+    TileArray("links", "most_links", np.dtype("V12")),
+    TileArray("details", "detail_meshes", DETAIL_MESH),
+    TileArray("detail_vertices", "detail_vertices", np.dtype(("<f4", 3))),
+    TileArray("detail_triangles", "detail_triangles", np.dtype(("u1", 4))),
+    TileArray("tree", "tree_nodes", TREE_NODE),
+)
+"""In the order of the file. Links are room that Detour fills when it loads the tile."""
+
+
+@dataclass(frozen=True, eq=False)
+class NavmeshTile:
+    """One tile of a navigation mesh: the arrays of the file in this machine's byte order.
+
+    Attributes:
+        index: Number of the tile in the mesh.
+        header: Record of type `TILE_HEADER`.
+        vertices: Corners of the polygons, Habitat's frame, metres.
+        polygons: Records of type `POLYGON`.
+        details: Records of type `DETAIL_MESH`, one for every polygon.
+        detail_vertices: Further vertices of the detail meshes, Habitat's frame, metres.
+        detail_triangles: Three corners (those of the polygon come first) and flags of the edges.
+        tree: Records of type `TREE_NODE`.
+    """
+
+    index: int
+    header: np.void
+    vertices: Float32[np.ndarray, "v 3"]
+    polygons: np.ndarray
+    details: np.ndarray
+    detail_vertices: Float32[np.ndarray, "d 3"]
+    detail_triangles: UInt8[np.ndarray, "t 4"]
+    tree: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class NavmeshFile:
+    """A navigation mesh file.
+
+    Attributes:
+        version: Version of the format, 1 or 2.
+        header: Record of type `SET_HEADER`.
+        settings: What the mesh was computed with, record of type `SETTINGS`; None in
+            version 1, which doesn't say.
+        tiles: At least one tile, in the order in which they are loaded.
+    """
+
+    version: int
+    header: np.void
+    settings: np.void | None
+    tiles: tuple[NavmeshTile, ...]

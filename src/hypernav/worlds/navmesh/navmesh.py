@@ -1,0 +1,225 @@
+"""Questions to a navigation mesh, with the answers of habitat-sim's ``PathFinder``."""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float32, Float64, Int32
+
+from hypernav.core.errors import StartError
+from hypernav.worlds.navmesh.detour.islands import find_islands
+from hypernav.worlds.navmesh.detour.mesh import mesh_of
+from hypernav.worlds.navmesh.detour.motion_kernels import move, wall_distance
+from hypernav.worlds.navmesh.detour.nearest_kernels import NOWHERE, height_on, nearest
+from hypernav.worlds.navmesh.detour.path_kernels import shortest_path
+from hypernav.worlds.navmesh.files.file_format import NavmeshFile
+from hypernav.worlds.navmesh.files.reader import read_navmesh
+
+Point = tuple[float, float, float]
+"""Position ``(x, y, z)`` in Habitat's frame, y up, metres."""
+
+Singles = tuple[np.float32, np.float32, np.float32]
+"""The same as kernels take it."""
+
+_DRAWS = 10
+_SEARCH_RADIUS_M = 2.0
+_NAVIGABLE_HEIGHT_M = 0.5
+_NAVIGABLE_GAP_M = 1e-2
+_NUDGE_M = np.float32(1e-4)
+
+
+@dataclass(frozen=True, eq=False)
+class MeshPath:
+    """A shortest path.
+
+    Attributes:
+        length_m: Its length, metres; infinite if there is none.
+        points: Start, bends and end, Habitat's frame, metres; empty if there is none.
+    """
+
+    length_m: float
+    points: Float32[np.ndarray, "n 3"]
+
+
+NO_PATH = MeshPath(math.inf, np.zeros((0, 3), dtype=np.float32))
+
+
+class Navmesh:
+    """A navigation mesh that can be asked. All positions are in Habitat's frame, y up, metres.
+
+    A position off the mesh stands for the nearest one on it; more than 2 m beside it there is none,
+    as in habitat-sim.
+
+    Attributes:
+        mesh: The mesh, as the kernels take it.
+        islands: Island of every polygon.
+        areas_m2: Area of every island.
+        radii_m: Greatest distance of a corner of its polygons from their mean, of every island.
+        bounds: Lowest and highest corner.
+    """
+
+    def __init__(self, file: NavmeshFile) -> None:
+        """Prepare a file that was read.
+
+        Raises:
+            NavmeshError: Too many edges lie on borders between its tiles.
+        """
+        islands, self.mesh = find_islands(mesh_of(file))
+        self.islands: Int32[np.ndarray, " p"] = islands.of_polygon
+        self.areas_m2: Float64[np.ndarray, " i"] = islands.areas_m2
+        self.radii_m: Float64[np.ndarray, " i"] = islands.radii_m
+        self.bounds: Float32[np.ndarray, "2 3"] = np.stack(
+            [self.mesh.tile_low.min(axis=0), self.mesh.tile_high.max(axis=0)]
+        )
+
+    @staticmethod
+    def load(path: Path) -> "Navmesh":
+        """Read a file.
+
+        Raises:
+            NavmeshError: It cannot be read or holds no navigation mesh of habitat-sim.
+        """
+        return Navmesh(read_navmesh(path))
+
+    @property
+    def area_m2(self) -> float:
+        """Area of all islands."""
+        return float(self.areas_m2.sum())
+
+    def nearest(self, point: Point, island: int | None = None) -> Point | None:
+        """The nearest position on the mesh, or on one island; None if none is near."""
+        polygon, found = self.located(point, NOWHERE if island is None else island)
+        return None if polygon == NOWHERE else _point(found)
+
+    def is_navigable(self, point: Point, height_m: float = _NAVIGABLE_HEIGHT_M) -> bool:
+        """Whether a position is on the mesh, up to so much in height and 1 cm aside."""
+        found = self.nearest(point)
+        if found is None:
+            return False
+        gap = math.hypot(found[0] - point[0], found[2] - point[2])
+        return abs(found[1] - point[1]) <= height_m and gap <= _NAVIGABLE_GAP_M
+
+    def island_of(self, point: Point) -> int:
+        """Island of the nearest position on the mesh; -1 if none is near."""
+        polygon, _ = self.located(point)
+        return NOWHERE if polygon == NOWHERE else int(self.islands[polygon])
+
+    def obstacle_distance(self, point: Point, radius_m: float = _SEARCH_RADIUS_M) -> float:
+        """Distance to the nearest border of the mesh, at most so much; infinite off the mesh."""
+        polygon, found = self.located(point)
+        if polygon == NOWHERE:
+            return math.inf
+        return float(wall_distance(self.mesh, polygon, found, np.float32(radius_m)))
+
+    def try_step(self, start: Point, end: Point, *, sliding: bool) -> Point:
+        """End of a straight move on the mesh.
+
+        Args:
+            start: Where it begins.
+            end: Where it should end.
+            sliding: Whether to slide along borders of the mesh; otherwise a move ends there.
+
+        Returns:
+            The position reached; the start if it, or the end, is off the mesh, or if they lie on
+            different islands.
+        """
+        polygon, point = self.located(start)
+        end_polygon, _ = self.located(end)
+        if NOWHERE in (polygon, end_polygon) or self.islands[polygon] != self.islands[end_polygon]:
+            return start
+        found, last = move(self.mesh, polygon, point, singles(end), sliding)
+        if last == NOWHERE:
+            return start
+        reached = singles(found)
+        over, height = height_on(self.mesh, last, reached)
+        if over:
+            reached = (reached[0], np.float32(height), reached[2])
+        beside, _ = self.located(_point(reached))
+        if beside == NOWHERE or self.islands[beside] != self.islands[polygon]:
+            reached = self._nudged(reached, int(last))
+        return _point(reached)
+
+    def shortest_path(self, start: Point, end: Point) -> MeshPath:
+        """The shortest path between two positions."""
+        polygon, point = self.located(start)
+        end_polygon, end_point = self.located(end)
+        if NOWHERE in (polygon, end_polygon):
+            return NO_PATH
+        length, points = shortest_path(
+            self.mesh,
+            self.islands,
+            singles(start),
+            polygon,
+            point,
+            singles(end),
+            end_polygon,
+            end_point,
+        )
+        return MeshPath(float(length), points)
+
+    def random_point(self, rng: np.random.Generator, island: int | None = None) -> Point:
+        """A position on the mesh or on one island, uniform over the area.
+
+        Raises:
+            StartError: There is nothing to walk on.
+        """
+        polygons, triangles, areas = self._triangles
+        if island is not None:
+            areas = np.where(self.islands[polygons] == island, areas, 0.0)
+        sums = np.cumsum(areas)
+        for _ in range(_DRAWS if sums[-1] > 0.0 else 0):
+            # Rounding may lose a point at the border of its polygon.
+            chosen = min(int(np.searchsorted(sums, rng.random() * sums[-1])), len(sums) - 1)
+            along, across = math.sqrt(rng.random()), rng.random()
+            point = singles(
+                np.array([1.0 - along, along * (1.0 - across), along * across]) @ triangles[chosen]
+            )
+            over, height = height_on(self.mesh, int(polygons[chosen]), point)
+            if over:
+                return _point((point[0], np.float32(height), point[2]))
+        raise StartError("the navigation mesh has nothing to walk on to draw a position from")
+
+    def located(self, point: Point, island: int = NOWHERE) -> tuple[int, Singles]:
+        """The polygon nearest to a position and the point on it; `NOWHERE` if none is near."""
+        here = singles(point)
+        if not np.isfinite(here).all():
+            return NOWHERE, here
+        polygon, found = nearest(self.mesh, here, self.islands, island)
+        return int(polygon), singles(np.array(found))
+
+    def _nudged(self, point: Singles, polygon: int) -> Singles:
+        """The point moved a little towards the middle of a polygon.
+
+        habitat-sim does so where two islands touch: the point is then nearest to its own.
+        """
+        corners = self.mesh.vertices[self.mesh.corners[polygon, : self.mesh.corner_count[polygon]]]
+        middle = corners.sum(axis=0, dtype=np.float32) / np.float32(len(corners))
+        direction = middle - np.array(point)
+        return singles(np.array(point) + _NUDGE_M * direction / np.linalg.norm(direction))
+
+    @cached_property
+    def _triangles(
+        self,
+    ) -> tuple[Int32[np.ndarray, " t"], Float64[np.ndarray, "t 3 3"], Float64[np.ndarray, " t"]]:
+        """Walkable polygons cut into triangles: polygon, corners and area in the plane of each."""
+        polygons, corners = np.nonzero(
+            np.arange(2, self.mesh.corners.shape[1]) < self.mesh.corner_count[:, None]
+        )
+        numbers = np.stack([np.zeros_like(corners), corners + 1, corners + 2], axis=1)
+        triangles = self.mesh.vertices[self.mesh.corners[polygons[:, None], numbers]].astype(float)
+        ab, ac = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
+        areas = np.abs(ab[:, 0] * ac[:, 2] - ab[:, 2] * ac[:, 0]) / 2.0
+        areas = np.where(self.mesh.walkable[polygons], areas, 0.0)
+        return polygons.astype(np.int32), triangles, areas
+
+
+def singles(point: Point | np.ndarray) -> Singles:
+    """A point in single precision; numbers that come out of kernels have lost theirs."""
+    x, y, z = point
+    return np.float32(x), np.float32(y), np.float32(z)
+
+
+def _point(point: Singles) -> Point:
+    return float(point[0]), float(point[1]), float(point[2])
