@@ -152,7 +152,7 @@ def shown(count, max_frames, *, coloured=False):
 
     Images of the world have colour 255; those drawn afterwards have that of the robot's x.
     """
-    board = Storyboard(pose_of(0), max_frames)
+    board = Storyboard(pose_of(0).to_transform(), max_frames)
     camera = PinholeCamera(1, 1, 1.0, 1.0, 0.0, 0.0)
     observation = Observation(
         painted(255), np.ones((1, 1), np.float32), camera, Transform.identity(), pose_of(0)
@@ -160,9 +160,9 @@ def shown(count, max_frames, *, coloured=False):
     for number in range(count):
         trace = StepTrace(step=number, pose=(0.0, 0.0, 0.0), action=None, mode=Mode.EXPLORE)
         step = EpisodeStep(observation, trace, None)
-        board.watch(step, pose_of(number + 1), coloured=coloured)
+        board.watch(step, pose_of(number + 1).to_transform(), coloured=coloured)
     listed = Listed()
-    board.record(listed, lambda pose: painted(int(pose.x)))
+    board.record(listed, lambda pose: painted(int(pose.translation[0])))
     return listed.listed, listed.colours
 
 

@@ -24,7 +24,7 @@ class BedAtTen:
     instances = (Instance(3, "bed", BED, (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)),)
     view_points = np.array([[10.0, 0.0, 0.0]])
 
-    def distance(self, x, y):
+    def distance(self, x, y, z=None):
         return abs(10.0 - x)
 
 

@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from hypernav.core.goal import Goal
 from hypernav.worlds.noise import NoiseConfig
 from hypernav.worlds.simulation import SimulatedWorld, SimulationConfig
 from hypernav.worlds.surface.starts import random_start
+from navmesh_files import content_of, two_floors
 from small_episodes import episode_from
 
 SMALL = CameraConfig(width=64, height=48)
@@ -243,3 +245,32 @@ def test_a_robot_in_a_real_house_sees_it(small_house):
     assert observation.rgb.shape == (480, 640, 3)
     assert observation.depth[observation.depth > 0].min() >= 0.5
     assert observation.depth.max() <= 5.0
+
+
+def test_a_scene_with_a_navigation_mesh_is_walked_on_all_its_storeys(tmp_path):
+    path = tmp_path / "floors.navmesh"
+    path.write_bytes(content_of(two_floors()))
+    scene = replace(scene_of(*room_boxes()), navmesh=path)
+    world = SimulatedWorld(scene, embodiment=Embodiment(camera=SMALL))
+    goal = np.array([[1.0, 7.0, 3.0]])
+    start = Pose2(1.0, 1.0, math.pi / 2)
+    first = world.reset(episode_from(start, start_z=0.0, view_points=goal))
+    assert world.position == pytest.approx((1.0, 1.0, 0.0))
+    to_goal = [world.goal_truth(Goal("bed"), goal).distance(*world.position)]
+    for _ in range(12):
+        world.step(Action.MOVE_FORWARD)
+        to_goal.append(world.goal_truth(Goal("bed"), goal).distance(*world.position))
+    assert not world.collided
+    assert world.position == pytest.approx((1.0, 7.0, 3.0), abs=1e-4)
+    climbed = world.observation.camera_to_map.translation[2] - first.camera_to_map.translation[2]
+    assert climbed == pytest.approx(3.0, abs=1e-4)
+    assert world.path_length_m == pytest.approx(1.0 + 5.0 + 1.0, abs=1e-3)
+    assert to_goal == sorted(to_goal, reverse=True)
+    world.step(Action.MOVE_FORWARD)
+    for _ in range(4):
+        world.step(Action.MOVE_FORWARD)
+    assert world.collided
+    world.reset(episode_from(start, start_z=0.0))
+    assert world.position[2] == pytest.approx(0.0)
+    with pytest.raises(StartError, match="can't stand"):
+        world.reset(episode_from(start, start_z=3.0))

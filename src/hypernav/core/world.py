@@ -39,23 +39,42 @@ class Instance:
     box_max: tuple[float, float, float]
 
 
+Position = tuple[float, float, float]
+"""Position ``(x, y, z)`` of the robot on a floor, scene frame, metres."""
+
+
 @runtime_checkable
 class Walkable(Protocol):
-    """The true walkable surface, in the scene's frame, metres."""
+    """The true walkable surface, in the scene's frame, metres.
 
-    def is_standable(self, x: float, y: float) -> bool:
+    One floor may lie over another: ``z`` is the height near which a floor is meant. Without it, the
+    main storey's is; a surface of one storey has no use for it.
+    """
+
+    def height_at(self, x: float, y: float, z: float | None = None) -> float:
+        """Height of the floor; NaN where the robot can't stand."""
+        ...
+
+    def is_standable(self, x: float, y: float, z: float | None = None) -> bool:
         """Whether the robot fits here."""
         ...
 
-    def step(self, x: float, y: float, dx: float, dy: float) -> tuple[float, float]:
-        """End of a straight move: its target, or the last standable point before it."""
+    def nearest_standable(self, x: float, y: float, z: float | None = None) -> Position:
+        """The nearest position where the robot fits."""
         ...
 
-    def distance(self, start: tuple[float, float], end: tuple[float, float]) -> float:
-        """Geodesic distance, metres; infinite if no path exists."""
+    def move(self, position: Position, dx: float, dy: float, *, sliding: bool = False) -> Position:
+        """End of a straight move.
+
+        Args:
+            position: Where the robot is.
+            dx: Wanted displacement along x, metres.
+            dy: Wanted displacement along y, metres.
+            sliding: Whether it slides along obstacles; by default it stops at the contact.
+        """
         ...
 
-    def component_of(self, x: float, y: float) -> int:
+    def component_of(self, x: float, y: float, z: float | None = None) -> int:
         """Number of the connected part around a point: 0 is the largest; -1 if not standable."""
         ...
 
@@ -64,7 +83,7 @@ class Walkable(Protocol):
         ...
 
     def random_point(self, rng: np.random.Generator) -> tuple[float, float]:
-        """A standable point, uniform over the area."""
+        """A standable point of the largest part, on the main storey, uniform over the area."""
         ...
 
 
@@ -87,7 +106,7 @@ class GoalTruth(Protocol):
         """Points on the floor where the goal counts as reached; empty if there are none."""
         ...
 
-    def distance(self, x: float, y: float) -> float:
+    def distance(self, x: float, y: float, z: float | None = None) -> float:
         """Geodesic distance to the nearest view point; infinite if no path exists."""
         ...
 
@@ -107,7 +126,7 @@ class SceneTruth(Protocol):
         ...
 
     @property
-    def position(self) -> tuple[float, float, float]:
+    def position(self) -> Position:
         """True position of the robot on the floor."""
         ...
 

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import UInt8
 
 from hypernav.core.geometry.grid import OccupancyGrid
-from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.geometry.transforms import Transform
 from hypernav.core.trace import StepTrace
 from hypernav.evaluation.recorder import EpisodeRecorder
 from hypernav.worlds.episode_run import EpisodeStep
@@ -21,7 +21,7 @@ Image = UInt8[np.ndarray, "height width 3"]
 class _Frame:
     """What is needed to show a step: the camera image, or the true pose to draw it from."""
 
-    pose: Pose2
+    camera_to_scene: Transform
     grid: OccupancyGrid | None
     image: Image | None
 
@@ -35,46 +35,46 @@ class Storyboard:
     length of the episode.
     """
 
-    def __init__(self, pose: Pose2, max_frames: int = MAX_FRAMES) -> None:
+    def __init__(self, camera_to_scene: Transform, max_frames: int = MAX_FRAMES) -> None:
         """Begin an episode.
 
         Args:
-            pose: True pose of the robot at the start, scene frame.
+            camera_to_scene: True pose of the camera at the start, scene frame.
             max_frames: Greatest number of frames that are kept, besides that of the last step.
         """
         self._max_frames = max_frames
         self._stride = 1
         self._steps: list[StepTrace] = []
         self._frames: dict[int, _Frame] = {}
-        self._pose = pose
+        self._camera_to_scene = camera_to_scene
         self._last: _Frame | None = None
 
-    def watch(self, step: EpisodeStep, pose: Pose2, *, coloured: bool) -> None:
+    def watch(self, step: EpisodeStep, camera_to_scene: Transform, *, coloured: bool) -> None:
         """Add a step.
 
         Args:
             step: The step.
-            pose: True pose of the robot after the step, scene frame.
+            camera_to_scene: True pose of the camera after the step, scene frame.
             coloured: Whether the world drew the colours of the step's image.
         """
         image = step.observation.rgb if coloured else None
-        self._last = _Frame(self._pose, step.grid, image)
+        self._last = _Frame(self._camera_to_scene, step.grid, image)
         if len(self._steps) % self._stride == 0:
             # The agent's map changes with the next step.
             grid = None if step.grid is None else step.grid.copy()
             self._frames[len(self._steps)] = replace(self._last, grid=grid)
         self._steps.append(step.trace)
-        self._pose = pose
+        self._camera_to_scene = camera_to_scene
         if len(self._frames) > self._max_frames:
             self._stride *= 2
             self._frames = {n: f for n, f in self._frames.items() if n % self._stride == 0}
 
-    def record(self, recorder: EpisodeRecorder, draw: Callable[[Pose2], Image]) -> None:
+    def record(self, recorder: EpisodeRecorder, draw: Callable[[Transform], Image]) -> None:
         """Give all steps to a recorder, the kept frames with their images.
 
         Args:
             recorder: Recorder of the episode.
-            draw: Function that draws what the camera sees from a true pose of the robot.
+            draw: Function that draws what the camera sees from a true pose.
         """
         if self._last is None:
             return
@@ -84,5 +84,5 @@ class Storyboard:
             if frame is None:
                 recorder.add(step, None, None)
             else:
-                image = frame.image if frame.image is not None else draw(frame.pose)
+                image = frame.image if frame.image is not None else draw(frame.camera_to_scene)
                 recorder.add(step, frame.grid, image)

@@ -3,7 +3,7 @@
 import math
 
 from hypernav.core.metrics import SUCCESS_DISTANCE_M, EpisodeMetrics, measure
-from hypernav.core.world import GoalTruth
+from hypernav.core.world import GoalTruth, Position
 
 
 class Referee:
@@ -16,7 +16,7 @@ class Referee:
         distance_to_goal_m: Geodesic distance from the robot to the nearest view point.
     """
 
-    def __init__(self, goal: GoalTruth, start: tuple[float, float, float]) -> None:
+    def __init__(self, goal: GoalTruth, start: Position) -> None:
         """Begin an episode.
 
         Args:
@@ -24,17 +24,17 @@ class Referee:
             start: Position of the robot, scene frame, metres.
         """
         self.goal = goal
-        self.shortest_path_m = goal.distance(start[0], start[1])
+        self.shortest_path_m = goal.distance(*start)
         self.distance_to_goal_m = self.shortest_path_m
         self.path_length_m = 0.0
         self._position = start
 
-    def watch(self, position: tuple[float, float, float]) -> None:
+    def watch(self, position: Position) -> None:
         """Enter the position of the robot after an action, scene frame, metres."""
         if position == self._position:
             return
         self.path_length_m += math.dist(self._position, position)
-        self.distance_to_goal_m = self.goal.distance(position[0], position[1])
+        self.distance_to_goal_m = self.goal.distance(*position)
         self._position = position
 
     def measure(

@@ -16,9 +16,10 @@ from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.transforms import Pose2, Transform, wrap_angle
 from hypernav.core.goal import Goal
 from hypernav.core.observation import LabelledPixels, Observation
-from hypernav.core.world import Instance, RenderedView, Renderer
+from hypernav.core.world import Instance, Position, RenderedView, Renderer
 from hypernav.worlds.drawing.rays import RayCaster
 from hypernav.worlds.drawing.renderer import CpuRenderer
+from hypernav.worlds.navmesh.surface import NavmeshSurface
 from hypernav.worlds.noise import (
     NoiseConfig,
     noisy_depth,
@@ -30,6 +31,9 @@ from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.goal_regions import GoalRegion, GoalRegions
 from hypernav.worlds.surface.storeys import CELL_M
 from hypernav.worlds.surface.walkable import WalkableGrid
+from hypernav.worlds.surface.walkable_surface import WalkableSurface
+
+_ROUNDING_M = 1e-5
 
 
 class SimulationConfig(RoomConfig):
@@ -39,9 +43,9 @@ class SimulationConfig(RoomConfig):
         sliding: Slide along obstacles instead of stopping at them; off, as in Habitat's challenges.
         noise: Noise of sensors and motion; none by default.
         labels: Whether observations carry ground-truth labels.
-        cell_m: Side of the walkable surface's cells, metres.
+        cell_m: Side of the walkable surface's cells, metres; a navigation mesh has none.
         floor_z: Height of the storey's floor in the scene frame, metres; None takes the largest
-            storey.
+            storey. A navigation mesh has all storeys.
     """
 
     sliding: bool = False
@@ -62,8 +66,9 @@ class SimulatedWorld:
         scene: The scene that the robot is in.
         config: How the robot is simulated.
         embodiment: Body, camera and motion of the robot.
-        walkable: The surface on which the robot can stand: the storey of the latest start.
-        regions: The regions on this storey in which goals count as reached.
+        walkable: The surface on which the robot can stand: a navigation mesh of all storeys, or the
+            storey of the latest start.
+        regions: The regions on this surface in which goals count as reached.
     """
 
     def __init__(
@@ -73,7 +78,7 @@ class SimulatedWorld:
         embodiment: Embodiment | None = None,
         *,
         renderer: Renderer | None = None,
-        walkable: WalkableGrid | None = None,
+        walkable: WalkableSurface | None = None,
     ) -> None:
         """Open a scene for a robot; `reset` places the robot.
 
@@ -82,18 +87,18 @@ class SimulatedWorld:
             config: How the robot is simulated.
             embodiment: Body, camera and motion of the robot; by default Habitat's HM3D robot.
             renderer: Renderer of the scene; by default a `CpuRenderer`.
-            walkable: The surface on which the robot can stand; by default computed from the scene.
+            walkable: The surface on which the robot can stand; by default the scene's navigation
+                mesh, or computed from the scene where it has none.
 
         Raises:
             SceneError: The robot fits nowhere.
+            NavmeshError: The navigation mesh can't be read.
             MissingExtraError: Embree is not installed.
         """
         self.scene = scene
         self.config = config or SimulationConfig()
         self.embodiment = embodiment or Embodiment()
-        self.walkable = walkable or WalkableGrid.from_scene(
-            scene, self.embodiment.body, cell_m=self.config.cell_m, floor_z=self.config.floor_z
-        )
+        self.walkable = walkable or self._surface_at(self.config.floor_z)
         self._renderer = renderer or CpuRenderer(scene)
         rays = self._renderer.rays if isinstance(self._renderer, CpuRenderer) else RayCaster(scene)
         self._rays = rays
@@ -102,8 +107,9 @@ class SimulatedWorld:
         self._camera = self.embodiment.camera.intrinsics
         self._labels = {i.id: i.label for i in scene.instances if i.label is not None}
         self._rng: np.random.Generator | None = None
-        self._start: Pose2 | None = None
+        self._start: Transform | None = None
         self._pose = Pose2(0.0, 0.0, 0.0)
+        self._floor_z = math.nan
         self._reported = Pose2(0.0, 0.0, 0.0)
         self._observation: Observation | None = None
         self._stopped = False
@@ -134,10 +140,11 @@ class SimulatedWorld:
             raise WorldError("noise is switched on; pass reset a numpy.random.Generator for it")
         start = episode.start
         self.walkable, self.regions = self._storey_at(episode.start_z)
-        check_start(self.walkable, start)
+        check_start(self.walkable, start, episode.start_z)
         self._rng = rng
-        self._start = start
         self._pose = start
+        self._floor_z = self.walkable.height_at(*start.xy, episode.start_z)
+        self._start = start.to_transform(self._floor_z)
         self._reported = Pose2(0.0, 0.0, 0.0)
         self._stopped = False
         self._path_length_m = 0.0
@@ -182,9 +189,9 @@ class SimulatedWorld:
         return self._pose
 
     @property
-    def position(self) -> tuple[float, float, float]:
+    def position(self) -> Position:
         """True position of the robot on the floor, ``(x, y, z)``, scene frame, metres."""
-        return (self._pose.x, self._pose.y, self._height)
+        return (self._pose.x, self._pose.y, self._floor_z)
 
     @property
     def is_over(self) -> bool:
@@ -210,14 +217,16 @@ class SimulatedWorld:
         """
         if self._start is None:
             raise WorldError("the map frame starts at the start pose; place the robot first")
-        return self._start.to_transform(self.walkable.height_at(*self._start.xy))
+        return self._start
 
-    def view_from(self, pose: Pose2) -> RenderedView:
-        """What the camera sees from a true pose of the robot, scene frame, without noise."""
-        height = self.walkable.height_at(pose.x, pose.y)
-        return self._renderer.render(
-            self._camera, pose.to_transform(height) @ self.embodiment.camera.camera_to_base
-        )
+    @property
+    def camera_to_scene(self) -> Transform:
+        """True pose of the camera, scene frame."""
+        return self._pose.to_transform(self._floor_z) @ self.embodiment.camera.camera_to_base
+
+    def view_from(self, camera_to_scene: Transform) -> RenderedView:
+        """What the camera sees from a pose of its own, scene frame, without noise."""
+        return self._renderer.render(self._camera, camera_to_scene)
 
     @property
     def instances(self) -> tuple[Instance, ...]:
@@ -240,24 +249,26 @@ class SimulatedWorld:
         """
         return self.regions.of(goal, view_points)
 
-    def _regions_on(self, walkable: WalkableGrid) -> GoalRegions:
+    def _regions_on(self, walkable: WalkableSurface) -> GoalRegions:
         eye_height_m = self.embodiment.camera.height_m
         return GoalRegions(self.scene, walkable, self._rays, eye_height_m=eye_height_m)
 
-    def _storey_at(self, z: float | None) -> tuple[WalkableGrid, GoalRegions]:
+    def _surface_at(self, z: float | None) -> WalkableSurface:
+        """The scene's navigation mesh, or the walkable surface of the storey at a height."""
+        if self.scene.navmesh is not None:
+            return NavmeshSurface.load(self.scene.navmesh)
+        return WalkableGrid.from_scene(
+            self.scene, self.embodiment.body, cell_m=self.config.cell_m, floor_z=z
+        )
+
+    def _storey_at(self, z: float | None) -> tuple[WalkableSurface, GoalRegions]:
         """The storey of a height, computed once; None means the configured or largest one."""
         for storey in self._storeys:
             if z is None or storey[0].is_on_storey(np.array([z]))[0]:
                 return storey
-        walkable = WalkableGrid.from_scene(
-            self.scene, self.embodiment.body, cell_m=self.config.cell_m, floor_z=z
-        )
+        walkable = self._surface_at(z)
         self._storeys.append((walkable, self._regions_on(walkable)))
         return self._storeys[-1]
-
-    @property
-    def _height(self) -> float:
-        return self.walkable.height_at(self._pose.x, self._pose.y)
 
     def _generator(self) -> np.random.Generator:
         """The generator of noise; an unused one where all noise is off."""
@@ -269,9 +280,9 @@ class SimulatedWorld:
         if action == Action.MOVE_FORWARD:
             length = noisy_forward(self.embodiment.motion.forward_m, noise, rng)
             dx, dy = length * math.cos(before.yaw), length * math.sin(before.yaw)
-            x, y = self.walkable.step(before.x, before.y, dx, dy, sliding=self.config.sliding)
-            self._collided = math.hypot(x - before.x - dx, y - before.y - dy) > 1e-6
-            self._pose = Pose2(x, y, before.yaw)
+            x, y, z = self.walkable.move(position, dx, dy, sliding=self.config.sliding)
+            self._collided = math.hypot(x - before.x - dx, y - before.y - dy) > _ROUNDING_M
+            self._pose, self._floor_z = Pose2(x, y, before.yaw), z
             self._path_length_m += math.dist(position, self.position)
         else:
             angle = math.radians(self.embodiment.motion.turn_angle_deg)
@@ -283,8 +294,8 @@ class SimulatedWorld:
 
     def _look(self) -> Observation:
         camera_to_base = self.embodiment.camera.camera_to_base
-        view = self.view_from(self._pose)
-        above_start = self._height - float(self.map_to_scene.translation[2])
+        view = self.view_from(self.camera_to_scene)
+        above_start = self._floor_z - float(self.map_to_scene.translation[2])
         truth = LabelledPixels(view.instance_ids, self._labels) if self.config.labels else None
         return Observation(
             rgb=view.rgb,
@@ -305,14 +316,14 @@ class SimulatedWorld:
         return np.where(measured, depth, np.float32(0.0))
 
 
-def check_start(walkable: WalkableGrid, start: Pose2) -> None:
+def check_start(walkable: WalkableSurface, start: Pose2, z: float | None = None) -> None:
     """Make sure that the robot can stand at a pose.
 
     Raises:
         StartError: It can't; the message names the nearest position where it can.
     """
-    if not walkable.is_standable(start.x, start.y):
-        x, y = walkable.nearest_standable(start.x, start.y)
+    if not walkable.is_standable(start.x, start.y, z):
+        x, y, _ = walkable.nearest_standable(start.x, start.y, z)
         raise StartError(
             f"the robot can't stand at ({start.x:.2f}, {start.y:.2f}): it is inside or too close "
             f"to an obstacle, or off the floor; the nearest position is ({x:.2f}, {y:.2f})"

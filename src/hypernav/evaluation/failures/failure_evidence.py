@@ -150,7 +150,7 @@ class FailureEvidence:
     def _is_surrounded(self, area: Float64[np.ndarray, "n 2"]) -> bool:
         """Whether in truth no reachable position to stand is near the area."""
         walkable = self._truth.walkable
-        here = walkable.component_of(*self._truth.position[:2])
+        here = walkable.component_of(*self._truth.position)
         positions = walkable.centres(max(here, 0))
         low, high = area.min(axis=0), area.max(axis=0)
         stop_m = self._config.stop_reach_m

@@ -89,18 +89,19 @@ class EpisodeStudy:
         """
         renderer.colours = False
         rng = np.random.default_rng(episode.seed(self._seed))
-        run, pose = EpisodeRun(self._agent, world, episode, rng=rng), world.pose
+        run = EpisodeRun(self._agent, world, episode, rng=rng)
+        camera_to_scene = world.camera_to_scene
         for step in run:
             found = self._truth.detect(step.observation, episode.goal)
             if found and step.grid is not None:
                 truth = self._area(_mask_of(found[0]), step.observation)
                 if truth is not None:
                     renderer.colours = True
-                    rgb = world.view_from(pose).rgb
+                    rgb = world.view_from(camera_to_scene).rgb
                     renderer.colours = False
                     observation = replace(step.observation, rgb=rgb)
                     yield Frame(step.trace.step, observation, step.grid, found[0])
-            pose = world.pose
+            camera_to_scene = world.camera_to_scene
 
     def run(
         self, episode: Episode, world: SimulatedWorld, renderer: CpuRenderer

@@ -63,11 +63,11 @@ def judge_position(
         cells = cells[[int(np.linalg.norm(cells - np.array(robot.xy), axis=1).argmin())]]
     here = _in_scene(np.array([robot.xy]), map_to_scene)
     positions = walkable.centres(walkable.component_of(*here[0].tolist()))
-    gaps, _ = KDTree(_in_scene(cells, map_to_scene)).query(positions)
+    gaps, _ = KDTree(_in_scene(cells, map_to_scene)[:, :2]).query(positions)
     near = positions[gaps <= config.search.stop_distance_m]
     if len(near) == 0:
         return GoalPosition.UNREACHABLE
-    paths = walkable.distance_field(here)
+    paths = walkable.goal_field(here)
     x, y = min(near.tolist(), key=lambda position: paths.distance(*position))
     camera = config.embodiment.camera
     lens_m = walkable.height_at(x, y) + camera.height_m
@@ -81,9 +81,9 @@ def judge_position(
 
 def _in_scene(
     points: Float64[np.ndarray, "n 2"], map_to_scene: Transform
-) -> Float64[np.ndarray, "n 2"]:
+) -> Float64[np.ndarray, "n 3"]:
     lifted = np.column_stack([points, np.zeros(len(points))])
-    return np.ascontiguousarray(map_to_scene.apply(lifted)[:, :2])
+    return map_to_scene.apply(lifted)
 
 
 def _gaze(lens: tuple[float, float, float], point: Float64[np.ndarray, "3"]) -> Transform:

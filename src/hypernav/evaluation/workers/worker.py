@@ -18,7 +18,7 @@ from hypernav.core.components.abilities import Closes, looks_at_colours
 from hypernav.core.components.protocols import Agent
 from hypernav.core.episode import Episode, Outcome
 from hypernav.core.errors import CameraError, SceneError, StartError, WorldError
-from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.geometry.transforms import Transform
 from hypernav.core.metrics import measure
 from hypernav.core.trace import Ending
 from hypernav.evaluation.failures.classification import Facts, Verdict, classify
@@ -128,7 +128,7 @@ class EpisodeWorker:
         goal = world.goal_truth(episode.goal, episode.view_points)
         evidence = FailureEvidence(world, goal, self._job.config)
         questions, tokens, unusable = Counter[str](), Counter[str](), Counter[str]()
-        storyboard = Storyboard(world.pose)
+        storyboard = Storyboard(world.camera_to_scene)
         saved = ""
         with self._recorder(episode) if save == "videos" else nullcontext() as recorder:
             for step in run:
@@ -138,7 +138,7 @@ class EpisodeWorker:
                 if recorder is not None:
                     recorder.add(step.trace, step.grid, step.observation.rgb)
                 elif save == "failures":
-                    storyboard.watch(step, world.pose, coloured=place.renderer.colours)
+                    storyboard.watch(step, world.camera_to_scene, coloured=place.renderer.colours)
             result = run.result()
             stopped = run.trial.ending is Ending.FOUND
             facts = evidence.facts(
@@ -216,10 +216,10 @@ class _Place:
     world: SimulatedWorld
     renderer: CpuRenderer
 
-    def image_from(self, pose: Pose2) -> Image:
-        """What the camera sees from a true pose of the robot, in colours."""
+    def image_from(self, camera_to_scene: Transform) -> Image:
+        """What the camera sees from a true pose, in colours."""
         self.renderer.colours = True
-        return self.world.view_from(pose).rgb
+        return self.world.view_from(camera_to_scene).rgb
 
 
 def simulator_error_record(episode: Episode, error: str) -> EpisodeRecord:

@@ -49,7 +49,7 @@ def load_scan(files: ScanFiles) -> Scene:
         raise SceneError(f"{path}: holds no triangles; download it again")
     building = SceneObject("building", frozenset(part.node for part in parts), None)
     scene = assemble(path.stem.removesuffix(".basis"), parts, [building], materials, smooth=False)
-    scene = replace(scene, unlit=True)
+    scene = replace(scene, unlit=True, navmesh=files.navmesh)
     if files.semantic_mesh is None or files.semantic_text is None:
         return scene
     annotations = read_annotations(files.semantic_text)

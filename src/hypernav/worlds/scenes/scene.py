@@ -5,6 +5,7 @@ The scene frame is z up, metres. A glTF file (y up) becomes ``(x, -z, y)``.
 
 from dataclasses import dataclass
 from enum import IntEnum
+from pathlib import Path
 
 import numpy as np
 from jaxtyping import Bool, Float32, Int32, UInt8
@@ -57,6 +58,8 @@ class Scene:
         materials: All materials.
         instances: All instances.
         unlit: Whether light is already in the textures, as in scans.
+        navmesh: File of the surface to stand on that comes with the scene; None where it has to be
+            computed from the triangles.
     """
 
     name: str
@@ -70,3 +73,4 @@ class Scene:
     materials: tuple[Material, ...]
     instances: tuple[Instance, ...]
     unlit: bool = False
+    navmesh: Path | None = None

@@ -110,11 +110,17 @@ class DistanceField:
     best: Float64[np.ndarray, "vertices"]
     root: Int32[np.ndarray, "vertices"]
 
-    def distance(self, x: float, y: float) -> float:
-        """Metres to the nearest target; infinite if no path leads there or no floor is here."""
+    def distance(self, x: float, y: float, z: float | None = None) -> float:
+        """Metres to the nearest target; infinite if no path leads there or no floor is here.
+
+        Args:
+            x: x of the point, metres.
+            y: y of the point, metres.
+            z: Its height, for which a space of one storey has no use.
+        """
         return self._look(x, y)[0] * self.space.cell_m / UNITS
 
-    def path(self, x: float, y: float) -> list[tuple[float, float]]:
+    def path(self, x: float, y: float, z: float | None = None) -> list[tuple[float, float]]:
         """From here over all bends to the nearest target, metres; empty if there is no path."""
         _, root = self._look(x, y)
         if root < 0:

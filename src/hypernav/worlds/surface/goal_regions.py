@@ -9,9 +9,8 @@ from hypernav.core.goal import Goal
 from hypernav.core.world import Instance
 from hypernav.worlds.drawing.rays import RayCaster
 from hypernav.worlds.scenes.scene import Scene
-from hypernav.worlds.surface.geodesic import DistanceField
 from hypernav.worlds.surface.view_points import EYE_HEIGHT_M, REACH_M, view_points
-from hypernav.worlds.surface.walkable import WalkableGrid
+from hypernav.worlds.surface.walkable_surface import PathField, WalkableSurface
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,38 +21,36 @@ class GoalRegion:
         goal: Goal that was asked for.
         instances: Objects that satisfy the goal; empty if the scene holds none.
         view_points: Points on the floor, metres, scene frame; empty if none can be reached.
-        field: Geodesic distance to the nearest view point.
+        field: Shortest paths to the nearest view point.
     """
 
     goal: Goal
     instances: tuple[Instance, ...]
     view_points: Float64[np.ndarray, "n 3"]
-    field: DistanceField
+    field: PathField
 
     @staticmethod
     def of_points(
         goal: Goal,
-        walkable: WalkableGrid,
+        walkable: WalkableSurface,
         points: Float64[np.ndarray, "n 3"],
         instances: tuple[Instance, ...] = (),
     ) -> "GoalRegion":
         """A region of given view points; their order and repetitions don't matter.
 
-        Those on other storeys belong to it, but no path leads to them.
+        Those off the surface belong to it, but no path leads to them.
         """
         points = np.unique(points, axis=0)
-        here = points[walkable.is_on_storey(points[:, 2])]
-        field = walkable.distance_field(np.ascontiguousarray(here[:, :2]))
-        return GoalRegion(goal, instances, points, field)
+        return GoalRegion(goal, instances, points, walkable.goal_field(points))
 
     @property
     def is_reachable(self) -> bool:
         """Whether there is a view point at all."""
         return len(self.view_points) > 0
 
-    def distance(self, x: float, y: float) -> float:
+    def distance(self, x: float, y: float, z: float | None = None) -> float:
         """Geodesic distance to the nearest view point, metres; infinite if no path leads there."""
-        return self.field.distance(x, y)
+        return self.field.distance(x, y, z)
 
 
 class GoalRegions:
@@ -62,7 +59,7 @@ class GoalRegions:
     def __init__(
         self,
         scene: Scene,
-        walkable: WalkableGrid,
+        walkable: WalkableSurface,
         rays: RayCaster,
         *,
         reach_m: float = REACH_M,

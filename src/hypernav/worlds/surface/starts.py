@@ -6,13 +6,13 @@ import numpy as np
 
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.worlds.surface.goal_regions import GoalRegion
-from hypernav.worlds.surface.walkable import WalkableGrid
+from hypernav.worlds.surface.walkable_surface import WalkableSurface
 
 _DRAWS = 2000
 
 
 def random_start(
-    walkable: WalkableGrid,
+    walkable: WalkableSurface,
     rng: np.random.Generator,
     region: GoalRegion | None = None,
     *,

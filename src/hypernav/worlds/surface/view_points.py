@@ -13,7 +13,7 @@ from jaxtyping import Bool, Float32, Float64
 from hypernav.core.world import Instance
 from hypernav.worlds.drawing.rays import RayCaster
 from hypernav.worlds.scenes.scene import Scene
-from hypernav.worlds.surface.walkable import WalkableGrid
+from hypernav.worlds.surface.walkable_surface import WalkableSurface
 
 REACH_M = 1.0
 EYE_HEIGHT_M = 0.88
@@ -25,7 +25,7 @@ _ROUNDS = (4, 12, 32, 80)
 
 def view_points(
     scene: Scene,
-    walkable: WalkableGrid,
+    walkable: WalkableSurface,
     instance: Instance,
     rays: RayCaster,
     *,
@@ -48,19 +48,10 @@ def view_points(
     Returns:
         Points on the floor, metres, scene frame; empty if the object is seen from nowhere.
     """
-    floor = _near(walkable, instance, reach_m)
+    (x_min, y_min, _), (x_max, y_max, _) = instance.box_min, instance.box_max
+    floor = walkable.floor_near((x_min, y_min), (x_max, y_max), reach_m)
     eyes = floor + np.array([0.0, 0.0, eye_height_m])
     return floor[_sees(scene, instance, eyes, rays)]
-
-
-def _near(walkable: WalkableGrid, instance: Instance, reach_m: float) -> Float64[np.ndarray, "n 3"]:
-    """Middles of standable cells around an object's box, with the floor's height."""
-    centres = walkable.centres()
-    low, high = np.array(instance.box_min[:2]), np.array(instance.box_max[:2])
-    gaps = np.maximum(np.maximum(low - centres, centres - high), 0.0)
-    near = (gaps**2).sum(axis=1) <= reach_m**2
-    heights = walkable.heights[walkable.components == 0][near]
-    return np.column_stack([centres[near], heights.astype(np.float64)])
 
 
 def _sees(

@@ -10,6 +10,7 @@ from jaxtyping import Bool, Float32, Float64, Int32
 from hypernav.core.embodiment import BodyConfig
 from hypernav.core.errors import SceneError, StartError
 from hypernav.core.geometry.bounds import has_cell
+from hypernav.core.world import Position
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.geodesic import DistanceField, FreeSpace
 from hypernav.worlds.surface.storeys import CELL_M, Storey, find_storey
@@ -26,7 +27,8 @@ _ROUNDING = 1e-6
 class WalkableGrid:
     """The truth about one storey: standable cells, their heights, and the paths between them.
 
-    The scene frame's x and y are used throughout, metres. A position is standable if its cell is.
+    The scene frame's x and y are used throughout, metres; heights ``z`` tell storeys apart and are
+    not needed. A position is standable if its cell is.
     Paths may run along the border of standable cells, but never slip between two diagonal cells.
 
     Attributes:
@@ -87,18 +89,18 @@ class WalkableGrid:
             math.floor((x - self.origin[0]) / self.cell_m),
         )
 
-    def component_of(self, x: float, y: float) -> int:
+    def component_of(self, x: float, y: float, z: float | None = None) -> int:
         """The connected part that a point lies in: 0 is the largest, -1 is not standable."""
         row, column = self.cell_of(x, y)
         if not has_cell(self.components.shape, row, column):
             return -1
         return int(self.components[row, column])
 
-    def is_standable(self, x: float, y: float) -> bool:
+    def is_standable(self, x: float, y: float, z: float | None = None) -> bool:
         """Whether the robot fits here."""
         return self.component_of(x, y) >= 0
 
-    def height_at(self, x: float, y: float) -> float:
+    def height_at(self, x: float, y: float, z: float | None = None) -> float:
         """Floor height at a standable point, metres; NaN elsewhere."""
         return float(self.heights[self.cell_of(x, y)]) if self.is_standable(x, y) else math.nan
 
@@ -115,11 +117,32 @@ class WalkableGrid:
         """Area of one connected part."""
         return int((self.components == component).sum()) * self.cell_m**2
 
-    def nearest_standable(self, x: float, y: float) -> tuple[float, float]:
+    def floor_near(
+        self, low: tuple[float, float], high: tuple[float, float], reach_m: float
+    ) -> Float64[np.ndarray, "n 3"]:
+        """Middles of cells of the largest part, with their heights, around a box.
+
+        Args:
+            low: Lowest corner of the box.
+            high: Its highest corner.
+            reach_m: Greatest distance to the box.
+        """
+        centres = self.centres()
+        gaps = np.maximum(np.maximum(np.array(low) - centres, centres - np.array(high)), 0.0)
+        near = (gaps**2).sum(axis=1) <= reach_m**2
+        heights = self.heights[self.components == 0][near]
+        return np.column_stack([centres[near], heights.astype(np.float64)])
+
+    def nearest_standable(self, x: float, y: float, z: float | None = None) -> Position:
         """The middle of the cell of the largest part that is nearest to a point."""
         centres = self.centres()
         nearest = centres[np.argmin(((centres - (x, y)) ** 2).sum(axis=1))]
-        return float(nearest[0]), float(nearest[1])
+        return float(nearest[0]), float(nearest[1]), self.height_at(*nearest.tolist())
+
+    def move(self, position: Position, dx: float, dy: float, *, sliding: bool = False) -> Position:
+        """End of a straight move, as of `step`, on the floor."""
+        x, y = self.step(position[0], position[1], dx, dy, sliding)
+        return x, y, self.height_at(x, y)
 
     def step(
         self, x: float, y: float, dx: float, dy: float, sliding: bool = False
@@ -159,6 +182,11 @@ class WalkableGrid:
     ) -> list[tuple[float, float]]:
         """Corners of the shortest path with both ends; its length is `distance`. Empty if none."""
         return self.free_space.shortest_path(start, end)
+
+    def goal_field(self, goals: Float64[np.ndarray, "n 3"]) -> DistanceField:
+        """As `distance_field`, of those among positions in space that lie on this storey."""
+        here = goals[self.is_on_storey(goals[:, 2])]
+        return self.distance_field(np.ascontiguousarray(here[:, :2]))
 
     def distance_field(self, targets: Float64[np.ndarray, "n 2"]) -> DistanceField:
         """Geodesic distance from anywhere to the nearest of many points."""

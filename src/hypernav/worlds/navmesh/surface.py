@@ -1,0 +1,198 @@
+"""A navigation mesh as the surface that a simulated robot stands on, over all storeys."""
+
+import math
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Bool, Float64, Int64
+
+from hypernav.core.errors import SceneError, StartError
+from hypernav.core.world import Position
+from hypernav.datasets.habitat_frames import positions_from_habitat, positions_to_habitat
+from hypernav.worlds.navmesh.goal_paths import GoalPaths
+from hypernav.worlds.navmesh.navmesh import Navmesh, Point
+
+_SPACING_M = 0.05
+_DRAWS = 1000
+
+
+class NavmeshSurface:
+    """Where Habitat's robot can stand: a `WalkableSurface`.
+
+    It stands, steps, slides and finds paths as in habitat-sim. Positions are in the scene frame,
+    z up, metres. Connected parts are the mesh's islands, by area.
+
+    Attributes:
+        navmesh: The mesh, in Habitat's frame.
+        floor_z: Height of the main storey's floor, metres: the median over the largest island.
+    """
+
+    def __init__(self, navmesh: Navmesh) -> None:
+        """Take a navigation mesh.
+
+        Raises:
+            SceneError: There is nothing to walk on.
+        """
+        self.navmesh = navmesh
+        self._by_area: Int64[np.ndarray, " i"] = np.argsort(-navmesh.areas_m2, kind="stable")
+        if len(self._floor) == 0:
+            raise SceneError("the robot fits nowhere: the navigation mesh has nothing to walk on")
+        self.floor_z = float(np.median(self._floor[:, 2]))
+
+    @staticmethod
+    def load(path: Path) -> "NavmeshSurface":
+        """Read a navigation mesh of habitat-sim.
+
+        Raises:
+            NavmeshError: It cannot be read or holds no navigation mesh of habitat-sim.
+            SceneError: There is nothing to walk on.
+        """
+        return NavmeshSurface(Navmesh.load(path))
+
+    def is_on_storey(self, z: Float64[np.ndarray, " n"]) -> Bool[np.ndarray, " n"]:
+        """Whether heights belong to a storey: all do, this surface has them all."""
+        return np.ones(len(z), dtype=bool)
+
+    def height_at(self, x: float, y: float, z: float | None = None) -> float:
+        """Height of the floor, metres; NaN where the robot can't stand."""
+        point = self._point(x, y, z)
+        if not self.navmesh.is_navigable(point):
+            return math.nan
+        found = self.navmesh.nearest(point)
+        return math.nan if found is None else found[1]
+
+    def is_standable(self, x: float, y: float, z: float | None = None) -> bool:
+        """Whether the robot fits here: the floor is at most 0.5 m higher or lower."""
+        return self.navmesh.is_navigable(self._point(x, y, z))
+
+    def nearest_standable(self, x: float, y: float, z: float | None = None) -> Position:
+        """The nearest position where the robot fits; of those 5 cm apart if none is within 2 m."""
+        found = self.navmesh.nearest(self._point(x, y, z))
+        if found is not None:
+            return _position(found)
+        here = np.array([x, y, self.floor_z if z is None else z])
+        nearest = self._floor[np.argmin(((self._floor - here) ** 2).sum(axis=1))]
+        return float(nearest[0]), float(nearest[1]), float(nearest[2])
+
+    def move(self, position: Position, dx: float, dy: float, *, sliding: bool = False) -> Position:
+        """End of a straight move.
+
+        Args:
+            position: Where the robot is.
+            dx: Wanted displacement along x, metres.
+            dy: Wanted displacement along y, metres.
+            sliding: Whether it slides along obstacles; by default it stops at the contact.
+        """
+        x, y, z = position
+        end = self._point(x + dx, y + dy, z)
+        return _position(self.navmesh.try_step(self._point(x, y, z), end, sliding=sliding))
+
+    def distance(self, start: Position, end: Position) -> float:
+        """Geodesic distance, metres; infinite if no path exists."""
+        return self.navmesh.shortest_path(self._point(*start), self._point(*end)).length_m
+
+    def goal_field(self, goals: Float64[np.ndarray, "n 3"]) -> "NavmeshField":
+        """Shortest paths to the nearest of these positions; those off the mesh don't count."""
+        return NavmeshField(self, goals)
+
+    def component_of(self, x: float, y: float, z: float | None = None) -> int:
+        """Rank of the island around a point by area: 0 is the largest; -1 if not standable."""
+        if not self.is_standable(x, y, z):
+            return -1
+        island = self.navmesh.island_of(self._point(x, y, z))
+        return int(np.flatnonzero(self._by_area == island)[0])
+
+    def centres(self, component: int = 0) -> Float64[np.ndarray, "n 2"]:
+        """Points of one island, 5 cm apart, on all its storeys."""
+        return self._points_of(component)[:, :2]
+
+    def floor_near(
+        self, low: tuple[float, float], high: tuple[float, float], reach_m: float
+    ) -> Float64[np.ndarray, "n 3"]:
+        """Positions on the largest island, 5 cm apart, around a box.
+
+        Args:
+            low: Lowest corner of the box.
+            high: Its highest corner.
+            reach_m: Greatest distance to the box.
+        """
+        floor = self._floor[:, :2]
+        gaps = np.maximum(np.maximum(np.array(low) - floor, floor - np.array(high)), 0.0)
+        return self._floor[(gaps**2).sum(axis=1) <= reach_m**2]
+
+    def random_point(self, rng: np.random.Generator) -> tuple[float, float]:
+        """A point of the largest island, on the main storey, uniform over its area.
+
+        Raises:
+            StartError: There is nothing to stand on.
+        """
+        for _ in range(_DRAWS):
+            x, y, _ = _position(self.navmesh.random_point(rng, int(self._by_area[0])))
+            if self.is_standable(x, y):
+                return x, y
+        raise StartError("the navigation mesh has no main storey to draw a position from")
+
+    def _point(self, x: float, y: float, z: float | None) -> Point:
+        """A position in Habitat's frame."""
+        return x, self.floor_z if z is None else z, -y
+
+    @cached_property
+    def _floor(self) -> Float64[np.ndarray, "n 3"]:
+        return self._points_of(0)
+
+    def _points_of(self, component: int) -> Float64[np.ndarray, "n 3"]:
+        """Points of an island in rows and columns, with the heights of its polygons."""
+        mesh, island = self.navmesh.mesh, self._by_area[component]
+        polygons = np.flatnonzero((self.navmesh.islands == island) & mesh.walkable)
+        points = [np.zeros((0, 3))]
+        for polygon in polygons.tolist():
+            corners = mesh.vertices[mesh.corners[polygon, : mesh.corner_count[polygon]]]
+            points.append(_points_in(positions_from_habitat(corners.astype(np.float64))))
+        return np.concatenate(points)
+
+
+class NavmeshField:
+    """Shortest paths on a navigation mesh to the nearest of a set of goals. Scene frame, metres."""
+
+    def __init__(self, surface: NavmeshSurface, goals: Float64[np.ndarray, "n 3"]) -> None:
+        """Take the goals; those off the mesh don't count."""
+        self._surface = surface
+        self._paths = GoalPaths(surface.navmesh, positions_to_habitat(goals))
+
+    def distance(self, x: float, y: float, z: float | None = None) -> float:
+        """Geodesic distance; infinite if no path leads there."""
+        return self._paths.nearest(self._point(x, y, z))[1].length_m
+
+    def path(self, x: float, y: float, z: float | None = None) -> list[tuple[float, float]]:
+        """From here over all bends to the nearest goal, seen from above; empty if no path does."""
+        points = self._paths.nearest(self._point(x, y, z))[1].points.astype(np.float64)
+        return [(x, y) for x, y, _ in positions_from_habitat(points).tolist()]
+
+    def _point(self, x: float, y: float, z: float | None) -> Point:
+        return x, self._surface.floor_z if z is None else z, -y
+
+
+def _position(point: Point) -> Position:
+    x, y, z = point
+    return x, -z, y
+
+
+def _points_in(corners: Float64[np.ndarray, "c 3"]) -> Float64[np.ndarray, "n 3"]:
+    """Points in a convex polygon that lie in rows and columns over all polygons."""
+    low, high = corners[:, :2].min(axis=0), corners[:, :2].max(axis=0)
+    steps = [
+        (np.arange(math.ceil(a / _SPACING_M), math.floor(b / _SPACING_M) + 1) + 0.5) * _SPACING_M
+        for a, b in zip(low - 0.5 * _SPACING_M, high - 0.5 * _SPACING_M, strict=True)
+    ]
+    x, y = (grid.ravel() for grid in np.meshgrid(*steps))
+    inside = np.ones(len(x), dtype=bool)
+    sides = np.roll(corners, -1, axis=0) - corners
+    for (ax, ay, _), (dx, dy, _) in zip(corners, sides, strict=True):
+        inside &= dx * (y - ay) - dy * (x - ax) >= 0.0
+    # Heights by the plane that fits the corners best; Detour's may differ by the error of details.
+    plane, *_ = np.linalg.lstsq(
+        np.column_stack([corners[:, :2], np.ones(len(corners))]), corners[:, 2]
+    )
+    x, y = x[inside], y[inside]
+    return np.column_stack([x, y, plane[0] * x + plane[1] * y + plane[2]])
