@@ -1,10 +1,12 @@
 from itertools import pairwise
 
+import cv2
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from hypernav.worlds.drawing.texture_kernels import halve
 from hypernav.worlds.drawing.textures import (
     SRGB_TO_LINEAR,
     TextureSet,
@@ -83,3 +85,14 @@ def test_the_largest_shrink_until_all_fit(budget_mb: float, big: int, small: int
     ]
     textures = collect_textures(materials, budget_mb)
     assert textures.levels[:, 0, 1].tolist() == [big, small]
+
+
+@given(width=st.integers(1, 20), height=st.integers(1, 20), seed=st.integers(0, 99))
+@settings(max_examples=20, deadline=None)
+def test_the_kernel_halves_as_opencv_does_to_the_bit(width: int, height: int, seed: int) -> None:
+    image = np.random.default_rng(seed).integers(0, 256, (2 * height, 2 * width, 3), np.uint8)
+    light = np.empty((height, width, 3), np.float32)
+    halve(image, SRGB_TO_LINEAR, light)
+    full = SRGB_TO_LINEAR[image]
+    expected = cv2.resize(full, (width, height), interpolation=cv2.INTER_AREA)
+    assert np.array_equal(light, expected.reshape(light.shape))

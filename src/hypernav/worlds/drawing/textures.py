@@ -14,6 +14,7 @@ import cv2
 import numpy as np
 from jaxtyping import Bool, Float32, Int32, Int64, UInt8, UInt32
 
+from hypernav.worlds.drawing.texture_kernels import halve
 from hypernav.worlds.scenes.scene import Material
 
 _CODES = np.arange(256) / 255.0
@@ -121,6 +122,10 @@ def _first_halving(
     Strips of an image of even sides are halved one by one: its light takes four times its memory.
     """
     height, width = codes.shape[:2]
+    if opaque is None and height % 2 == 0 and width % 2 == 0:
+        light = np.empty((size[1], size[0], 3), np.float32)
+        halve(codes, SRGB_TO_LINEAR, light)
+        return light, np.ones((size[1], size[0]), np.float32)
     rows = _STRIP_ROWS if height % 2 == 0 and width % 2 == 0 else height
     light = np.empty((size[1], size[0], 3), np.float32)
     opacity = np.ones((size[1], size[0]), np.float32)
