@@ -51,12 +51,12 @@ class House:
     things: tuple[Thing, ...] = field(default_factory=tuple)
 
     def view_points(self, thing: Thing) -> list[Corner]:
-        """Free points on a thing's floor, 0.1 m apart and 0.25 to 0.9 m from it."""
+        """Free points on a thing's floor, 0.1 m apart and 0.25 to 1.0 m from it."""
         floor = thing.low[2]
         near = [
             (column / 10.0, row / 10.0, floor)
             for column, row in itertools.product(range(3, 88), range(3, 58))
-            if 0.25 <= thing.gap_m(column / 10.0, row / 10.0) <= 0.9
+            if 0.25 <= thing.gap_m(column / 10.0, row / 10.0) <= 1.0
         ]
         return [point for point in near if self.is_free(*point)]
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from gltf_writer import GltfWriter
 from scan_writers.buildings import House, Thing
+from scan_writers.navmeshes import write_navmesh
 
 _QUADS = np.array(
     [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
@@ -127,6 +128,7 @@ def write_scan(house: House, folder: Path, *, image: bytes | None = None) -> Pat
     path = write_visual(house, folder / f"{stem}{suffix}", image=image)
     write_semantic_colors(house, folder / f"{stem}.semantic.glb")
     (folder / f"{stem}.semantic.txt").write_text("\n".join(semantic_lines(house)) + "\n")
+    write_navmesh(house, folder / f"{stem}.basis.navmesh")
     return path
 
 
