@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from hypernav.agents.config import SearchConfig
+from hypernav.agents.floors import Floor, Floors
 from hypernav.agents.phases.approach import Approach
 from hypernav.agents.phases.end import End
 from hypernav.agents.phases.explore import Explore
@@ -59,6 +60,7 @@ class SearchAgent:
     def __init__(self, components: SearchComponents) -> None:
         """Begin with no search under way."""
         self._components = components
+        self._floors: Floors | None = None
         self._search: _Search | None = None
 
     @property
@@ -68,11 +70,19 @@ class SearchAgent:
 
     def reset(self, goal: Goal) -> None:
         """Forget everything and begin a new search."""
-        self._search = _Search(goal, self._components)
+        self._floors = Floors(self._components.new_map, self._components.embodiment)
+        self._search = _Search(goal, self._components, self._floors.current)
 
     def act(self, observation: Observation) -> Action | None:
-        """Look, decide, and say what to do next; None gives up."""
-        return self._running.act(observation)
+        """Look, decide, and say what to do next; None gives up.
+
+        On another floor of the building the search goes on with a map of its own.
+        """
+        search = self._running
+        floor = search.floor if self._floors is None else self._floors.follow(observation)
+        if floor is not search.floor:
+            search = self._search = search.on(floor)
+        return search.act(floor.seen_from(observation))
 
     @property
     def last_step(self) -> StepTrace:
@@ -85,7 +95,7 @@ class SearchAgent:
     @property
     def grid(self) -> OccupancyGrid:
         """The map drawn so far."""
-        return self._running.world_map.grid
+        return self._running.floor.map.grid
 
     @property
     def _running(self) -> "_Search":
@@ -95,20 +105,23 @@ class SearchAgent:
 
 
 class _Search:
-    """One search for one goal: the map, the phases, and the trace of the latest step."""
+    """One search for one goal on one floor: the phases, and the trace of the latest step."""
 
-    def __init__(self, goal: Goal, components: SearchComponents) -> None:
+    def __init__(
+        self, goal: Goal, components: SearchComponents, floor: Floor, steps: int = 0
+    ) -> None:
         planning, embodiment = components.planning, components.embodiment
         local, config = components.local, components.config.paced(embodiment.motion)
         local.reset(goal)
         components.log.drain()
-        self.world_map = components.new_map()
+        self.floor = floor
         self.trace: StepTrace | None = None
+        self._goal = goal
+        self._components = components
         self._local = local
         self._log = components.log
         self._bumps = BumpSensor(planning, embodiment)
-        self._trajectory: list[tuple[float, float]] = []
-        self._steps = 0
+        self._steps = steps
         self._always_looks = config.looks == "always"
         self._motion = embodiment.motion
         # Each keeps to its own plan: steps that lead to two positions by turns lead to neither.
@@ -124,7 +137,7 @@ class _Search:
             goal,
             local,
             navigator,
-            self.world_map,
+            floor.map,
             self._explore,
             self._look_around,
             config,
@@ -134,7 +147,7 @@ class _Search:
             local,
             navigator,
             self._approach,
-            self.world_map.config,
+            floor.map.config,
             planning.clearances_m(embodiment.body)[0],
             config,
         )
@@ -156,28 +169,33 @@ class _Search:
                 goal,
                 local,
                 navigator,
-                self.world_map,
+                floor.map,
                 self._explore,
                 self._look_around,
                 self._approach,
                 config,
             ),
         }
-        if config.look_around_at_start:
+        if config.look_around_at_start and not floor.trajectory:
             self._look_around.begin(full=not self._always_looks)
+
+    def on(self, floor: Floor) -> "_Search":
+        """The same search on another floor; a target on this one is forgotten."""
+        return _Search(self._goal, self._components, floor, self._steps)
 
     def act(self, observation: Observation) -> Action | None:
         """Draw the map, look for the goal, decide, and keep the trace."""
         clock, events = ModuleClock(), list[str]()
-        self._trajectory.append(observation.robot.xy)
+        world_map, trajectory = self.floor.map, self.floor.trajectory
+        trajectory.append(observation.robot.xy)
         with clock("map"):
-            self.world_map.integrate(observation)
-            self.world_map.mark_occupied(self._bumps.points(observation.robot, self.world_map.grid))
+            world_map.integrate(observation)
+            world_map.mark_occupied(self._bumps.points(observation.robot, world_map.grid))
         with clock("local"):
             detections = self._local.look(observation, asks=self._asks_the_camera())
         if self._gaze is not None:
             self._gaze.note(observation.robot)
-        step = Step(observation, self.world_map.grid, self._trajectory, self._motion, clock, events)
+        step = Step(observation, world_map.grid, trajectory, self._motion, clock, events)
         decision = self._decide(step)
         if decision.action is not None:
             self._bumps.note_action(observation.robot, decision.action)
