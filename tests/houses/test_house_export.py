@@ -16,8 +16,10 @@ from hypernav.houses.export.files import ExportedBuilding, export_building
 from hypernav.houses.export.page import building_page
 from hypernav.houses.generator import generate
 from hypernav.worlds.drawing.renderer import CpuRenderer
+from hypernav.worlds.navmesh.surface import NavmeshSurface
 from hypernav.worlds.scenes.loading import load_scene
 from hypernav.worlds.scenes.scene import Scene
+from hypernav.worlds.surface.walkable import WalkableGrid
 
 NUMBER = BUILTIN_HOUSE
 
@@ -130,3 +132,20 @@ def test_the_page_shows_all(tmp_path: Path):
     assert "refrigerator" in text
     assert "http://www.w3.org/2000/svg" in text
     assert 'src="http' not in text
+
+
+def test_paths_on_its_navigation_mesh_are_as_long_as_on_our_own_surface(
+    built: Scene, exported: ExportedBuilding
+):
+    surface, grid = NavmeshSurface.load(exported.navmesh), WalkableGrid.from_scene(built)
+    assert surface.navmesh.area_m2 == pytest.approx(grid.area_m2(), rel=0.005)
+    rng = np.random.default_rng(0)
+    ratios = []
+    for _ in range(200):
+        start, end = grid.random_point(rng), grid.random_point(rng)
+        length = surface.distance((*start, grid.height_at(*start)), (*end, grid.height_at(*end)))
+        if grid.distance(start, end) > 0.5:
+            ratios.append(length / grid.distance(start, end))
+    # Detour's search over the middles of sides doesn't always find the shortest corridor.
+    assert np.quantile(np.abs(np.array(ratios) - 1.0), 0.95) < 0.02
+    assert max(ratios) < 1.1

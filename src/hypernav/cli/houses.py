@@ -85,6 +85,7 @@ def _export(options: Export) -> None:
         (files.dataset_config, "for Habitat's scene_dataset_config_file"),
         (files.semantic_glb, "its instances in colours, for Habitat's semantic sensor"),
         (files.semantic_txt, "the instances of these colours"),
+        (files.navmesh, "where Habitat's robot can stand"),
     ):
         size = f"{path.stat().st_size / 1e6:.1f} MB"
         console.print(f"  {path.name:34} {size:>8}  {what}", soft_wrap=True)

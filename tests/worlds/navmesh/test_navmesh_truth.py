@@ -8,6 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from hypernav.core.embodiment import BodyConfig
+from hypernav.datasets.habitat_frames import positions_from_habitat
+from hypernav.worlds.navmesh.files.polygon_mesh import PolygonMesh
+from hypernav.worlds.navmesh.files.reader import navmesh_of, read_navmesh
+from hypernav.worlds.navmesh.files.writer import navmesh_bytes
 from hypernav.worlds.navmesh.goal_paths import GoalPaths
 from hypernav.worlds.navmesh.navmesh import Navmesh, Point
 
@@ -98,3 +103,20 @@ def test_several_goals_at_once(navmesh: Navmesh, truth: dict[str, Any]) -> None:
         assert path.length_m == pytest.approx(expected, rel=1e-6)
         if query["geodesic"] is not None:
             assert goal == query["closest"]
+
+
+def test_the_writer_makes_of_its_polygons_what_habitat_sim_made(test_data: Path, name: str) -> None:
+    (theirs,) = read_navmesh(test_data / "habitat" / name).tiles
+    polygons = [p["vertices"][: p["vertex_count"]].tolist() for p in theirs.polygons]
+    vertices = positions_from_habitat(theirs.vertices.astype(np.float64))
+    (ours,) = navmesh_of(navmesh_bytes(PolygonMesh.of(vertices, polygons), BodyConfig())).tiles
+    assert (ours.vertices == theirs.vertices).all()
+    for key in ("neighbours", "vertex_count", "area_and_type"):
+        assert (ours.polygons[key] == theirs.polygons[key]).all()
+    for key in ("magic", "version", "x", "y", "layer", "polygons", "vertices", "off_mesh_base"):
+        assert ours.header[key] == theirs.header[key]
+    # Detour's tree has room for one node more than it needs.
+    assert len(ours.tree) == 2 * len(polygons) - 1 == len(theirs.tree) - 1
+    assert sorted(ours.tree["index"][ours.tree["index"] >= 0]) == list(range(len(polygons)))
+    inner = ours.tree["index"] < 0
+    assert (ours.tree["index"][inner] + 2 * len(polygons) - 1 >= 0).all()

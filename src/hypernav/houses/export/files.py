@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import UInt8
 
+from hypernav.core.embodiment import BodyConfig
 from hypernav.core.errors import SceneError
 from hypernav.core.world import Instance
 from hypernav.houses.assembly import CompactScene
@@ -16,8 +17,11 @@ from hypernav.houses.building import Building
 from hypernav.houses.export.descriptions import describe
 from hypernav.houses.export.glb import write_house, write_semantics
 from hypernav.houses.generator import build_compact, plan_of
+from hypernav.worlds.navmesh.files.writer import navmesh_bytes
+from hypernav.worlds.navmesh.meshing.from_grid import mesh_from_grid
 from hypernav.worlds.scenes.loading import OBJECTS_FILE
 from hypernav.worlds.scenes.scene import Scene
+from hypernav.worlds.surface.walkable import WalkableGrid
 
 
 @dataclass(frozen=True)
@@ -30,6 +34,7 @@ class ExportedBuilding:
         dataset_config: File for Habitat's ``scene_dataset_config_file``.
         semantic_glb: Building in colours that identify its instances.
         semantic_txt: Instance of every colour.
+        navmesh: Where the robot can stand, for Habitat.
     """
 
     glb: Path
@@ -37,14 +42,16 @@ class ExportedBuilding:
     dataset_config: Path
     semantic_glb: Path
     semantic_txt: Path
+    navmesh: Path
 
 
 def export_building(building: Building, out_dir: Path) -> ExportedBuilding:
     """Write a building to a folder.
 
     ``house_N.glb`` and ``objects.json`` open with `hypernav.worlds.load_scene`; the rest is for
-    Habitat: ``hypernav.scene_dataset_config.json``, and the semantics in the form of HM3D's
-    (``house_N.semantic.glb`` with vertex colours, ``house_N.semantic.txt``).
+    Habitat: ``hypernav.scene_dataset_config.json``, the semantics in the form of HM3D's
+    (``house_N.semantic.glb`` with vertex colours, ``house_N.semantic.txt``), and the walkable
+    surface of the default robot, ``house_N.navmesh``.
 
     Args:
         building: The building.
@@ -60,6 +67,7 @@ def export_building(building: Building, out_dir: Path) -> ExportedBuilding:
         out_dir / "hypernav.scene_dataset_config.json",
         out_dir / f"{name}.semantic.glb",
         out_dir / f"{name}.semantic.txt",
+        out_dir / f"{name}.navmesh",
     )
     try:
         out_dir.mkdir(parents=True, exist_ok=True)
@@ -70,6 +78,8 @@ def export_building(building: Building, out_dir: Path) -> ExportedBuilding:
         colors = _colors(len(house.names))
         write_semantics(house, colors, files.semantic_glb)
         files.semantic_txt.write_text(_semantic_lines(house, colors, rooms))
+        walkable = WalkableGrid.from_scene(scene, BodyConfig())
+        files.navmesh.write_bytes(navmesh_bytes(mesh_from_grid(walkable), BodyConfig()))
         files.dataset_config.write_text(json.dumps(_dataset_config(files), indent=2) + "\n")
     except OSError as error:
         raise SceneError(f"{out_dir}: cannot be written ({error.strerror or error})") from error

@@ -1,0 +1,1 @@
+"""Grids of standable cells turned into the polygons of a navigation mesh."""
