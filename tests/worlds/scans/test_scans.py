@@ -115,6 +115,12 @@ def test_scans_are_known_by_the_names_of_their_files(tmp_path, path, is_scan):
     assert (ScanFiles.of(tmp_path / path) is not None) is is_scan
 
 
+def test_a_building_that_we_exported_is_no_scan(tmp_path):
+    for name in ("objects.json", "house_7.semantic.txt", "house_7.semantic.glb", "house_7.navmesh"):
+        (tmp_path / name).write_bytes(b"")
+    assert ScanFiles.of(tmp_path / "house_7.glb") is None
+
+
 def test_a_matterport_scan_is_known_by_its_house_file(tmp_path):
     (tmp_path / "17DRP5sb8fy.house").write_text("ASCII 1.1\n")
     (tmp_path / "17DRP5sb8fy.navmesh").write_bytes(b"")

@@ -10,6 +10,8 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
+from hypernav.worlds.scenes.loading import OBJECTS_FILE
+
 _SCENE = re.compile(r"(?P<stem>.+?)(?:\.basis)?\.glb", re.IGNORECASE)
 
 
@@ -45,6 +47,8 @@ class ScanFiles:
             or re.fullmatch(rf"\d{{5}}-{re.escape(stem)}", folder.name) is not None
             or _there(folder / f"{stem}.semantic.txt") is not None
         )
+        if _there(folder / OBJECTS_FILE) is not None:
+            return None  # an export of ours, y up, with the annotation that Habitat wants
         if not is_hm3d and _there(folder / f"{stem}.house") is None:
             return None
         return ScanFiles(
