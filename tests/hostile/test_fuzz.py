@@ -8,13 +8,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.strategies import SearchStrategy
 from pydantic import BaseModel
 
 from hostile import hostile_records as records
 from hostile import hostile_scenes as scenes
+from hostile.damage import damaged, hostile
 from hostile.hostile_values import VALUES
 from hypernav.build.presets import preset
 from hypernav.core.chat import Question
@@ -30,14 +31,6 @@ from hypernav.worlds.scenes.loading import load_scene
 
 pytestmark = pytest.mark.slow
 
-hostile = settings(
-    max_examples=2000,
-    derandomize=True,
-    database=None,
-    deadline=None,
-    suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
-)
-
 ANYTHING = st.sampled_from(VALUES) | st.integers() | st.floats() | st.text(max_size=5)
 
 
@@ -50,15 +43,6 @@ def changed(draw: st.DrawFn, document: Any) -> Any:
         if not isinstance(document, dict | list) or not document:
             break
     return document
-
-
-@st.composite
-def damaged(draw: st.DrawFn, content: bytes) -> bytes:
-    """Bytes of which some are others, or missing."""
-    damage = bytearray(content)
-    for _ in range(draw(st.integers(1, 4))):
-        damage[draw(st.integers(0, len(damage) - 1))] = draw(st.integers(0, 255))
-    return bytes(damage[: draw(st.integers(0, len(damage)) | st.just(len(damage)))])
 
 
 def text_of(document: SearchStrategy[Any]) -> SearchStrategy[bytes]:
