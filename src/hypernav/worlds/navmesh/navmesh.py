@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float32, Float64, Int32
@@ -11,9 +12,9 @@ from jaxtyping import Float32, Float64, Int32
 from hypernav.core.errors import StartError
 from hypernav.worlds.navmesh.detour.islands import find_islands
 from hypernav.worlds.navmesh.detour.mesh import mesh_of
-from hypernav.worlds.navmesh.detour.motion_kernels import move, wall_distance
+from hypernav.worlds.navmesh.detour.motion_kernels import try_step, wall_distance
 from hypernav.worlds.navmesh.detour.nearest_kernels import NOWHERE, height_on, nearest
-from hypernav.worlds.navmesh.detour.path_kernels import shortest_path
+from hypernav.worlds.navmesh.detour.path_kernels import path_between
 from hypernav.worlds.navmesh.files.file_format import NavmeshFile
 from hypernav.worlds.navmesh.files.reader import read_navmesh
 
@@ -27,7 +28,6 @@ _DRAWS = 10
 _SEARCH_RADIUS_M = 2.0
 _NAVIGABLE_HEIGHT_M = 0.5
 _NAVIGABLE_GAP_M = 1e-2
-_NUDGE_M = np.float32(1e-4)
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,38 +125,12 @@ class Navmesh:
             The position reached; the start if it, or the end, is off the mesh, or if they lie on
             different islands.
         """
-        polygon, point = self.located(start)
-        end_polygon, _ = self.located(end)
-        if NOWHERE in (polygon, end_polygon) or self.islands[polygon] != self.islands[end_polygon]:
-            return start
-        found, last = move(self.mesh, polygon, point, singles(end), sliding)
-        if last == NOWHERE:
-            return start
-        reached = singles(found)
-        over, height = height_on(self.mesh, last, reached)
-        if over:
-            reached = (reached[0], np.float32(height), reached[2])
-        beside, _ = self.located(_point(reached))
-        if beside == NOWHERE or self.islands[beside] != self.islands[polygon]:
-            reached = self._nudged(reached, int(last))
+        reached = try_step(self.mesh, self.islands, singles(start), singles(end), sliding)
         return _point(reached)
 
     def shortest_path(self, start: Point, end: Point) -> MeshPath:
         """The shortest path between two positions."""
-        polygon, point = self.located(start)
-        end_polygon, end_point = self.located(end)
-        if NOWHERE in (polygon, end_polygon):
-            return NO_PATH
-        length, points = shortest_path(
-            self.mesh,
-            self.islands,
-            singles(start),
-            polygon,
-            point,
-            singles(end),
-            end_polygon,
-            end_point,
-        )
+        length, points = path_between(self.mesh, self.islands, singles(start), singles(end))
         return MeshPath(float(length), points)
 
     def random_point(self, rng: np.random.Generator, island: int | None = None) -> Point:
@@ -183,21 +157,8 @@ class Navmesh:
 
     def located(self, point: Point, island: int = NOWHERE) -> tuple[int, Singles]:
         """The polygon nearest to a position and the point on it; `NOWHERE` if none is near."""
-        here = singles(point)
-        if not np.isfinite(here).all():
-            return NOWHERE, here
-        polygon, found = nearest(self.mesh, here, self.islands, island)
+        polygon, found = nearest(self.mesh, singles(point), self.islands, island)
         return int(polygon), singles(np.array(found))
-
-    def _nudged(self, point: Singles, polygon: int) -> Singles:
-        """The point moved a little towards the middle of a polygon.
-
-        habitat-sim does so where two islands touch: the point is then nearest to its own.
-        """
-        corners = self.mesh.vertices[self.mesh.corners[polygon, : self.mesh.corner_count[polygon]]]
-        middle = corners.sum(axis=0, dtype=np.float32) / np.float32(len(corners))
-        direction = middle - np.array(point)
-        return singles(np.array(point) + _NUDGE_M * direction / np.linalg.norm(direction))
 
     @cached_property
     def _triangles(
@@ -221,5 +182,5 @@ def singles(point: Point | np.ndarray) -> Singles:
     return np.float32(x), np.float32(y), np.float32(z)
 
 
-def _point(point: Singles) -> Point:
+def _point(point: tuple[Any, Any, Any]) -> Point:
     return float(point[0]), float(point[1]), float(point[2])

@@ -24,7 +24,7 @@ from hypernav.worlds.navmesh.detour.geometry_kernels import (
 )
 from hypernav.worlds.navmesh.detour.heap_kernels import lower, pop, push
 from hypernav.worlds.navmesh.detour.mesh import OTHER_TILE, WALL
-from hypernav.worlds.navmesh.detour.nearest_kernels import NOWHERE
+from hypernav.worlds.navmesh.detour.nearest_kernels import NOWHERE, height_on, nearest
 
 _MOST_NEAR = 64
 """Polygons that one move may touch."""
@@ -32,6 +32,7 @@ _MOST_WAITING = 48
 _MOST_NEIGHBOURS = 8
 """Neighbours in another tile over one edge."""
 _SLACK = np.float32(0.001)
+_NUDGE = np.float32(1e-4)
 
 
 @njit(cache=True)
@@ -116,6 +117,43 @@ def move(mesh, start_polygon, start, end, sliding):
                     waiting[last] = node
                     last += 1
     return best_point, best
+
+
+@njit(cache=True)
+def try_step(mesh, islands, start, end, sliding):
+    """The end of a straight move on the mesh, as habitat-sim's ``PathFinder::tryStep``.
+
+    It is the start where start or end are off the mesh or lie on different islands.
+    """
+    polygon, point = nearest(mesh, start, islands, NOWHERE)
+    end_polygon, _ = nearest(mesh, end, islands, NOWHERE)
+    if polygon == NOWHERE or end_polygon == NOWHERE or islands[polygon] != islands[end_polygon]:
+        return start
+    reached, last = move(mesh, polygon, point, end, sliding)
+    if last == NOWHERE:
+        return start
+    over, height = height_on(mesh, last, reached)
+    if over:
+        reached = (reached[0], height, reached[2])
+    # Where two islands touch, the point may count as the other's. habitat-sim moves it inwards.
+    beside, _ = nearest(mesh, reached, islands, NOWHERE)
+    if beside == NOWHERE or islands[beside] != islands[polygon]:
+        return _nudged(mesh, last, reached)
+    return reached
+
+
+@njit(cache=True)
+def _nudged(mesh, polygon, p):
+    """A point moved a little towards the middle of a polygon."""
+    count = mesh.corner_count[polygon]
+    x, y, z = ZERO, ZERO, ZERO
+    for i in range(count):
+        a = corner(mesh, polygon, i)
+        x, y, z = x + a[0], y + a[1], z + a[2]
+    corners = np.float32(count)
+    middle = (x / corners, y / corners, z / corners)
+    length = distance(p, middle)
+    return between(p, middle, _NUDGE / length) if length > ZERO else p
 
 
 @njit(cache=True)

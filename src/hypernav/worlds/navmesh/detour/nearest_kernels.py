@@ -91,6 +91,8 @@ def nearest(mesh, p, islands, island):
     low = (p[0] - _REACH[0], p[1] - _REACH[1], p[2] - _REACH[2])
     high = (p[0] + _REACH[0], p[1] + _REACH[1], p[2] + _REACH[2])
     best, best_gap, best_point = NOWHERE, FARTHEST, p
+    if not (math.isfinite(p[0]) and math.isfinite(p[1]) and math.isfinite(p[2])):
+        return best, best_point
     first_x, first_y = _location(mesh, low)
     last_x, last_y = _location(mesh, high)
     for tile in range(len(mesh.tile_x)):

@@ -21,7 +21,7 @@ from hypernav.worlds.navmesh.detour.geometry_kernels import (
     signed_area,
     to_segment,
 )
-from hypernav.worlds.navmesh.detour.nearest_kernels import NOWHERE
+from hypernav.worlds.navmesh.detour.nearest_kernels import NOWHERE, nearest
 
 NO_PATH = np.float32(np.inf)
 
@@ -139,6 +139,18 @@ def _is_equal(a, b):
         ):
             return False
     return True
+
+
+@njit(cache=True)
+def path_between(mesh, islands, start, end):
+    """The shortest path between two positions; a position off the mesh has none."""
+    start_polygon, start_point = nearest(mesh, start, islands, NOWHERE)
+    end_polygon, end_point = nearest(mesh, end, islands, NOWHERE)
+    if start_polygon == NOWHERE or end_polygon == NOWHERE:
+        return NO_PATH, np.empty((0, 3), dtype=np.float32)
+    return shortest_path(
+        mesh, islands, start, start_polygon, start_point, end, end_polygon, end_point
+    )
 
 
 @njit(cache=True)
