@@ -37,7 +37,14 @@ def torch_or_skip() -> None:
     pytest.importorskip("transformers", reason=_HOW)
 
 
-Builder = Callable[[Path], Path]
+@pytest.fixture(scope="session", params=["cpu", "cuda"])
+def device(torch_or_skip: None, request: pytest.FixtureRequest) -> str:
+    """Each device of this machine; the GPU's tests are skipped where there is none."""
+    import torch
+
+    if request.param == "cuda" and not torch.cuda.is_available():
+        pytest.skip("torch sees no GPU here")
+    return request.param
 
 
 @pytest.fixture(scope="session")

@@ -6,6 +6,9 @@ time is the decoder of image files, for which Pillow stands in.
 """
 
 import io
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,18 +17,27 @@ from PIL import Image
 _SCHEMA = "(Tensor dets, Tensor scores, float iou_threshold) -> Tensor"
 
 
+@cache
 def prepare() -> None:
     """Declare the operators and replace the decoder, unless torchvision works as it is."""
     import torch
 
-    if hasattr(torch.ops.torchvision, "nms"):
+    package = find_spec("torchvision")
+    if package is None or _loads(torch, Path(str(package.origin)).with_name("_C.so")):
         return
     for name in ("nms", "qnms"):
         torch.library.define(f"torchvision::{name}", _SCHEMA)
     import torchvision
 
-    if not torchvision.extension._has_ops():
-        torchvision.io.decode_image = _decode_image
+    torchvision.io.decode_image = _decode_image
+
+
+def _loads(torch: Any, compiled: Path) -> bool:
+    try:
+        torch.ops.load_library(compiled)
+    except OSError:
+        return False
+    return True
 
 
 def _decode_image(data: Any, mode: Any = None, apply_exif_orientation: bool = False) -> Any:

@@ -12,7 +12,7 @@ from hypernav.cli.main import main
 STEPS = 5
 
 
-def find(glb: Path, out: Path, *arguments: str) -> dict:
+def find(glb: Path, out: Path, *arguments: str, device: str = "cpu") -> dict:
     """Run a short search; its result.json."""
     camera = ("embodiment.camera.width=160", "embodiment.camera.height=120")
     few = ("grounding.max_tokens=16", "block_choice.max_tokens=16", "attention.seen_share=1")
@@ -24,7 +24,7 @@ def find(glb: Path, out: Path, *arguments: str) -> dict:
         *few,
         *chosen,
         "search.look_around_at_start=false",
-        "chat.device=cpu",
+        f"chat.device={device}",
     )
     command = ["find", "bed", *options, "--max-steps", str(STEPS), *arguments, *settings]
     with pytest.raises(SystemExit) as stop:
@@ -58,8 +58,9 @@ def test_through_transformers_serve(glb: Path, tmp_path: Path, transformers_serv
     assert (again / "trace.jsonl").read_bytes() == (live / "trace.jsonl").read_bytes()
 
 
-def test_in_this_process(glb: Path, tmp_path: Path, tiny: Callable[[str], Path]):
-    check(tmp_path, find(glb, tmp_path, "--vlm", f"local:{tiny('qwen25_vl')}"))
+def test_in_this_process(glb: Path, tmp_path: Path, tiny: Callable[[str], Path], device: str):
+    vlm = f"local:{tiny('qwen25_vl')}"
+    check(tmp_path, find(glb, tmp_path, "--vlm", vlm, device=device))
 
 
 def test_doctor_names_what_is_wrong_with_it(

@@ -18,8 +18,8 @@ WHICH = Question("choose block", "Which block?", (VIEW,), ("1", "3", "12"), max_
 
 
 @pytest.fixture(scope="module")
-def chat(tiny: Callable[[str], Path]) -> LocalChat:
-    return LocalChat(str(tiny("qwen25_vl")), ChatConfig(device="cpu"))
+def chat(tiny: Callable[[str], Path], device: str) -> LocalChat:
+    return LocalChat(str(tiny("qwen25_vl")), ChatConfig(device=device))
 
 
 def test_counts_the_tokens_of_text_and_image(chat: LocalChat):
@@ -37,10 +37,10 @@ def test_says_the_same_twice(chat: LocalChat):
     assert chat.ask(OPEN).text == chat.ask(OPEN).text
 
 
-def test_sampling_is_repeatable_by_its_seed(tiny: Callable[[str], Path]):
+def test_sampling_is_repeatable_by_its_seed(tiny: Callable[[str], Path], device: str):
     path = str(tiny("qwen25_vl"))
     texts = [
-        LocalChat(path, ChatConfig(device="cpu", temperature=2.0, seed=seed)).ask(OPEN).text
+        LocalChat(path, ChatConfig(device=device, temperature=2.0, seed=seed)).ask(OPEN).text
         for seed in (1, 1, 2)
     ]
     assert texts[0] == texts[1] != texts[2]
@@ -109,11 +109,22 @@ def test_a_model_of_another_kind(tiny: Callable[[str], Path]):
         LocalChat(str(tiny("clip")))
 
 
-@pytest.mark.parametrize("device", ["toaster", "cuda:0"])
-def test_a_device_that_is_not_there(device: str):
+@pytest.mark.parametrize("absent", ["toaster", "cuda:0"])
+def test_a_device_that_is_not_there(absent: str):
     import torch
 
-    if device.startswith("cuda") and torch.cuda.is_available():
+    if absent.startswith("cuda") and torch.cuda.is_available():
         pytest.skip("this machine has a GPU")
-    with pytest.raises(ConfigError, match=device):
-        LocalChat("anything", ChatConfig(device=device))
+    with pytest.raises(ConfigError, match=absent):
+        LocalChat("anything", ChatConfig(device=absent))
+
+
+def test_questions_leave_nothing_in_the_memory_of_a_gpu(chat: LocalChat):
+    import torch
+
+    if chat.device.type != "cuda":
+        pytest.skip("only a GPU's memory is counted")
+    chat.ask(OPEN), chat.ask(WHICH)
+    before = torch.cuda.memory_allocated()
+    chat.ask(OPEN), chat.ask(WHICH)
+    assert torch.cuda.memory_allocated() == before

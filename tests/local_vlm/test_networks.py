@@ -14,7 +14,7 @@ from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.models.vision.sam import SamConfig, SamSegmenter
-from hypernav.models.vision.similarity import ImageTextSimilarity
+from hypernav.models.vision.similarity import ImageTextSimilarity, SimilarityConfig
 from hypernav.models.vision.zero_shot import ZeroShotConfig, ZeroShotDetector
 
 Tiny = Callable[[str], Path]
@@ -31,11 +31,13 @@ def observe(height: int, width: int) -> Observation:
 @pytest.mark.parametrize("name", ["sam", "sam2"])
 @pytest.mark.parametrize("size", [(48, 64), (96, 72)])
 def test_masks_have_the_images_size_and_stay_in_the_box(
-    tiny: Tiny, name: str, size: tuple[int, int]
+    tiny: Tiny, device: str, name: str, size: tuple[int, int]
 ):
     view = observe(*size)
-    free = SamSegmenter(str(tiny(name)), SamConfig(clip_to_box=False)).segment(view, BOX)
-    clipped = SamSegmenter(str(tiny(name))).segment(view, BOX)
+    free = SamSegmenter(str(tiny(name)), SamConfig(device=device, clip_to_box=False)).segment(
+        view, BOX
+    )
+    clipped = SamSegmenter(str(tiny(name)), SamConfig(device=device)).segment(view, BOX)
     assert free.shape == clipped.shape == size
     assert free.dtype == clipped.dtype == np.bool_
     inside = np.zeros(size, bool)
@@ -45,8 +47,8 @@ def test_masks_have_the_images_size_and_stay_in_the_box(
 
 
 @pytest.mark.parametrize("name", ["sam", "sam2"])
-def test_another_box_gives_another_mask(tiny: Tiny, name: str):
-    segmenter = SamSegmenter(str(tiny(name)), SamConfig(clip_to_box=False))
+def test_another_box_gives_another_mask(tiny: Tiny, device: str, name: str):
+    segmenter = SamSegmenter(str(tiny(name)), SamConfig(device=device, clip_to_box=False))
     view = observe(48, 64)
     first = segmenter.segment(view, Box(0.0, 0.0, 8.0, 8.0))
     second = segmenter.segment(view, Box(40.0, 20.0, 64.0, 48.0))
@@ -59,8 +61,8 @@ def test_a_box_outside_the_image_holds_nothing(tiny: Tiny):
 
 
 @pytest.mark.parametrize("name", ["owlv2", "grounding_dino"])
-def test_open_vocabulary_boxes_lie_in_the_image_best_first(tiny: Tiny, name: str):
-    config = ZeroShotConfig(score_threshold=0.0, min_side_px=0.0)
+def test_open_vocabulary_boxes_lie_in_the_image_best_first(tiny: Tiny, device: str, name: str):
+    config = ZeroShotConfig(device=device, score_threshold=0.0, min_side_px=0.0)
     detector = ZeroShotDetector(str(tiny(name)), config)
     found = detector.detect(observe(48, 64), Goal("red sofa"))
     assert found
@@ -73,14 +75,14 @@ def test_open_vocabulary_boxes_lie_in_the_image_best_first(tiny: Tiny, name: str
 
 
 @pytest.mark.parametrize("name", ["owlv2", "grounding_dino"])
-def test_nothing_is_surer_than_certain(tiny: Tiny, name: str):
-    detector = ZeroShotDetector(str(tiny(name)), ZeroShotConfig(score_threshold=1.0))
+def test_nothing_is_surer_than_certain(tiny: Tiny, device: str, name: str):
+    detector = ZeroShotDetector(str(tiny(name)), ZeroShotConfig(device=device, score_threshold=1.0))
     assert detector.detect(observe(48, 64), Goal("bed")) == []
 
 
 @pytest.mark.parametrize("name", ["clip", "siglip", "blip2"])
-def test_similarity_is_a_number_that_depends_on_both_sides(tiny: Tiny, name: str):
-    model = ImageTextSimilarity(str(tiny(name)))
+def test_similarity_is_a_number_that_depends_on_both_sides(tiny: Tiny, device: str, name: str):
+    model = ImageTextSimilarity(str(tiny(name)), SimilarityConfig(device=device))
     one, other = image(0), image(1)
     values = {
         model.similarity(one, "a bed"),
