@@ -7,7 +7,12 @@ from pydantic import BaseModel
 
 from chat_models import image
 from hypernav.core.chat import Fault, Question
-from hypernav.core.errors import ConfigError, ModelError
+from hypernav.core.errors import (
+    ConfigError,
+    MissingExtraError,
+    ModelError,
+    ModelUnavailableError,
+)
 from hypernav.models.chat.config import ChatConfig
 from hypernav.models.chat.local_chat import LocalChat
 from hypernav.models.chat.vlm_spec import open_chat
@@ -109,14 +114,44 @@ def test_a_model_of_another_kind(tiny: Callable[[str], Path]):
         LocalChat(str(tiny("clip")))
 
 
-@pytest.mark.parametrize("absent", ["toaster", "cuda:0"])
+@pytest.mark.parametrize("absent", ["toaster", "cuda:99"])
 def test_a_device_that_is_not_there(absent: str):
-    import torch
-
-    if absent.startswith("cuda") and torch.cuda.is_available():
-        pytest.skip("this machine has a GPU")
     with pytest.raises(ConfigError, match=absent):
         LocalChat("anything", ChatConfig(device=absent))
+
+
+def test_without_a_gpu_the_gpu_is_not_there(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr("torch.cuda.is_available", lambda: False)
+    with pytest.raises(ConfigError, match="no GPU"):
+        LocalChat("anything", ChatConfig(device="cuda"))
+
+
+def test_weights_without_room_say_how_large_they_are(
+    tiny: Callable[[str], Path], monkeypatch: pytest.MonkeyPatch
+):
+    import torch
+
+    def full(*_: object) -> None:
+        raise torch.OutOfMemoryError
+
+    monkeypatch.setattr("torch.nn.Module.to", full)
+    with pytest.raises(ModelError, match=r"take 0\.0 GiB, and cpu has no room"):
+        LocalChat(str(tiny("qwen25_vl")), ChatConfig(device="cpu"))
+
+
+def test_a_question_without_room_is_an_outage_and_the_next_one_is_answered(
+    chat: LocalChat, monkeypatch: pytest.MonkeyPatch
+):
+    import torch
+
+    def full(*_: object, **__: object) -> None:
+        raise torch.OutOfMemoryError
+
+    with monkeypatch.context() as patch:
+        patch.setattr(chat._model, "generate", full)
+        with pytest.raises(ModelUnavailableError, match="ran out of memory"):
+            chat.ask(OPEN)
+    assert chat.ask(OPEN).text
 
 
 def test_questions_leave_nothing_in_the_memory_of_a_gpu(chat: LocalChat):
@@ -128,3 +163,14 @@ def test_questions_leave_nothing_in_the_memory_of_a_gpu(chat: LocalChat):
     before = torch.cuda.memory_allocated()
     chat.ask(OPEN), chat.ask(WHICH)
     assert torch.cuda.memory_allocated() == before
+
+
+def test_a_package_that_a_model_needs_is_named(
+    tiny: Callable[[str], Path], monkeypatch: pytest.MonkeyPatch
+):
+    def lacking(*_: object, **__: object) -> None:
+        raise ImportError("\nQwen2VLVideoProcessor requires the Torchvision library\n")
+
+    monkeypatch.setattr("transformers.AutoProcessor.from_pretrained", lacking)
+    with pytest.raises(MissingExtraError, match=r"requires the Torchvision library .*local-vlm"):
+        LocalChat(str(tiny("qwen25_vl")), ChatConfig(device="cpu"))

@@ -57,7 +57,7 @@ class TruthMissingError(HyPerNavError):
 
 
 class ModelError(HyPerNavError):
-    """A model file is missing or is not the kind of network that was expected."""
+    """A model file is missing, is not the kind of network that was expected, or does not fit."""
 
 
 class ContractError(HyPerNavError):

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from hypernav.core.components.extras import require
-from hypernav.core.errors import ConfigError, ModelError
+from hypernav.core.errors import ConfigError, MissingExtraError, ModelError
 
 EXTRA = "local-vlm"
 
@@ -25,8 +25,10 @@ def choose_device(wanted: str = "auto") -> Any:
         device = torch.device(wanted)
     except RuntimeError as error:
         raise ConfigError(f"'{wanted}' is not a device; try auto, cpu or cuda") from error
-    if device.type == "cuda" and not torch.cuda.is_available():
-        raise ConfigError(f"device '{wanted}' was asked for, but torch sees no GPU; try auto")
+    count = torch.cuda.device_count() if torch.cuda.is_available() else 0
+    if device.type == "cuda" and (device.index or 0) >= count:
+        seen = f"only cuda:0 to cuda:{count - 1}" if count else "no GPU"
+        raise ConfigError(f"device '{wanted}' was asked for, but torch sees {seen}; try auto")
     return device
 
 
@@ -50,25 +52,57 @@ def load_pretrained(auto_class: str, path: str, **options: Any) -> Any:
 
     Raises:
         ModelError: There are no such weights here, or they are of another kind.
-        MissingExtraError: transformers is not installed.
+        MissingExtraError: transformers is not installed, or lacks a package for this model.
     """
     transformers = require("transformers", extra=EXTRA)
-    loader = getattr(transformers, auto_class, None)
-    if loader is None:
-        raise ModelError(
-            f"transformers {transformers.__version__} has no {auto_class}; "
-            f"try: pip install -U 'hypernav[{EXTRA}]'"
-        )
     try:
+        loader = getattr(transformers, auto_class, None)
+        if loader is None:
+            raise ModelError(
+                f"transformers {transformers.__version__} has no {auto_class}; "
+                f"try: pip install -U 'hypernav[{EXTRA}]'"
+            )
         return loader.from_pretrained(path, local_files_only=True, **options)
+    except ImportError as error:
+        reason = " ".join(str(error).split())
+        raise MissingExtraError(
+            f"transformers cannot load '{path}' with the packages that are installed: {reason} "
+            f"Try: pip install -U 'hypernav[{EXTRA}]'"
+        ) from error
     except OSError as error:
         if Path(path).is_dir():
             raise ModelError(f"{path} does not hold a complete model: {error}") from error
         raise ModelError(
             f"no weights of '{path}' in the local cache; fetch them first: hf download {path}"
         ) from error
-    except (ValueError, KeyError, ImportError) as error:
+    except (ValueError, KeyError) as error:
         raise ModelError(f"'{path}' is not a model for {auto_class}: {error}") from error
+
+
+def load_network(auto_class: str, path: str, device: Any, dtype: Any) -> Any:
+    """A network on its device, ready to be asked.
+
+    Args:
+        auto_class: Name of the class, as for `load_pretrained`.
+        path: A folder, or the id of a model in the local Hugging Face cache.
+        device: Device, from `choose_device`.
+        dtype: Format of the weights, from `choose_dtype`.
+
+    Raises:
+        ModelError: There are no such weights here, they are of another kind, or they do not fit
+            into the device's memory.
+        MissingExtraError: transformers is not installed, or lacks a package for this model.
+    """
+    torch = require("torch", extra=EXTRA)
+    network = load_pretrained(auto_class, path, dtype=dtype)
+    try:
+        return network.to(device).eval()
+    except torch.OutOfMemoryError as error:
+        size = sum(weights.numel() * weights.element_size() for weights in network.parameters())
+        raise ModelError(
+            f"the weights of '{path}' take {size / 2**30:.1f} GiB, and {device} has no room for "
+            "them; use a smaller model, a server, or fewer --workers: each loads its own"
+        ) from error
 
 
 def moved_to_device(inputs: Any, device: Any, dtype: Any) -> dict[str, Any]:

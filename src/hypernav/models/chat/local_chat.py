@@ -14,7 +14,13 @@ from hypernav.core.components.extras import require
 from hypernav.core.errors import ModelError, ModelUnavailableError
 from hypernav.models.chat.answer_parsing import parse_answer
 from hypernav.models.chat.config import ChatConfig
-from hypernav.models.torch_device import EXTRA, choose_device, choose_dtype, load_pretrained
+from hypernav.models.torch_device import (
+    EXTRA,
+    choose_device,
+    choose_dtype,
+    load_network,
+    load_pretrained,
+)
 
 
 class LocalChat:
@@ -29,7 +35,8 @@ class LocalChat:
 
         Raises:
             MissingExtraError: torch or transformers is not installed.
-            ModelError: There are no such weights here, or they cannot see images.
+            ModelError: There are no such weights here, they cannot see images, or they do not fit
+                into the device's memory.
         """
         self.config = config or ChatConfig()
         self._torch = require("torch", extra=EXTRA)
@@ -40,8 +47,7 @@ class LocalChat:
         self._processor = load_pretrained("AutoProcessor", path)
         if getattr(self._processor, "image_processor", None) is None:
             raise ModelError(f"'{path}' is a model for text only; it cannot see images")
-        model = load_pretrained("AutoModelForImageTextToText", path, dtype=dtype)
-        self._model = model.to(self.device).eval()
+        self._model = load_network("AutoModelForImageTextToText", path, self.device, dtype)
         self._lock = threading.Lock()
 
     def identify(self) -> str:

@@ -21,6 +21,7 @@ from hypernav.models.torch_device import (
     EXTRA,
     choose_device,
     choose_dtype,
+    load_network,
     load_pretrained,
     moved_to_device,
 )
@@ -52,14 +53,14 @@ class SamSegmenter:
 
         Raises:
             MissingExtraError: torch or transformers is not installed.
-            ModelError: There are no such weights here, or they are no SAM.
+            ModelError: There are no such weights here, they are no SAM, or there is no room for
+                them.
         """
         self.config = config or SamConfig()
         self._torch = require("torch", extra=EXTRA)
         self._device = choose_device(self.config.device)
         self._dtype = choose_dtype(self._device, self.config.dtype)
-        model = load_pretrained("AutoModelForMaskGeneration", path, dtype=self._dtype)
-        self._model = model.to(self._device).eval()
+        self._model = load_network("AutoModelForMaskGeneration", path, self._device, self._dtype)
         self._processor = load_pretrained("AutoProcessor", path)
         if not hasattr(self._processor, "post_process_masks"):
             raise ModelError(f"'{path}' has no processor for boxes and masks; is it a SAM?")

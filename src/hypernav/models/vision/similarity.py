@@ -15,6 +15,7 @@ from hypernav.models.torch_device import (
     EXTRA,
     choose_device,
     choose_dtype,
+    load_network,
     load_pretrained,
     moved_to_device,
 )
@@ -46,7 +47,8 @@ class ImageTextSimilarity:
 
         Raises:
             MissingExtraError: torch or transformers is not installed.
-            ModelError: There are no such weights here, or they compare nothing.
+            ModelError: There are no such weights here, they compare nothing, or there is no room
+                for them.
         """
         config = config or SimilarityConfig()
         self._torch = require("torch", extra=EXTRA)
@@ -59,8 +61,7 @@ class ImageTextSimilarity:
             )
         blip2 = self._kind == "blip-2"
         auto_class = "Blip2ForImageTextRetrieval" if blip2 else "AutoModel"
-        model = load_pretrained(auto_class, path, dtype=self._dtype)
-        self._model = model.to(self._device).eval()
+        self._model = load_network(auto_class, path, self._device, self._dtype)
         self._processor = load_pretrained("AutoProcessor", path)
 
     def similarity(self, image: Image, text: str) -> float:

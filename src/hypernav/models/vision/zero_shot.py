@@ -18,6 +18,7 @@ from hypernav.models.torch_device import (
     EXTRA,
     choose_device,
     choose_dtype,
+    load_network,
     load_pretrained,
     moved_to_device,
 )
@@ -51,15 +52,17 @@ class ZeroShotDetector:
 
         Raises:
             MissingExtraError: torch or transformers is not installed.
-            ModelError: There are no such weights here, or they are no such detector.
+            ModelError: There are no such weights here, they are no such detector, or there is no
+                room for them.
         """
         self.config = config or ZeroShotConfig()
         self._torch = require("torch", extra=EXTRA)
         self._path = path
         self._device = choose_device(self.config.device)
         self._dtype = choose_dtype(self._device, self.config.dtype)
-        model = load_pretrained("AutoModelForZeroShotObjectDetection", path, dtype=self._dtype)
-        self._model = model.to(self._device).eval()
+        self._model = load_network(
+            "AutoModelForZeroShotObjectDetection", path, self._device, self._dtype
+        )
         self._processor = load_pretrained("AutoProcessor", path)
         if not hasattr(self._processor, "post_process_grounded_object_detection"):
             raise ModelError(f"'{path}' has no processor for text and boxes")
