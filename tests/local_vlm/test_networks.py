@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -78,6 +79,32 @@ def test_open_vocabulary_boxes_lie_in_the_image_best_first(tiny: Tiny, device: s
 def test_nothing_is_surer_than_certain(tiny: Tiny, device: str, name: str):
     detector = ZeroShotDetector(str(tiny(name)), ZeroShotConfig(device=device, score_threshold=1.0))
     assert detector.detect(observe(48, 64), Goal("bed")) == []
+
+
+@pytest.mark.parametrize("name", ["sam", "sam2"])
+def test_the_corners_of_a_box_reach_the_network_exactly(tiny: Tiny, device: str, name: str):
+    """They are scaled to its image of 64×64, where bfloat16 has steps of a quarter pixel."""
+    segmenter = SamSegmenter(str(tiny(name)), SamConfig(device=device, dtype="bfloat16"))
+    given: list[Any] = []
+    segmenter._model.register_forward_pre_hook(
+        lambda _, args, inputs: given.append(inputs["input_boxes"]), with_kwargs=True
+    )
+    segmenter.segment(observe(640, 640), Box(313.0, 111.0, 627.0, 401.0))
+    assert given[0].flatten().tolist() == pytest.approx([31.3, 11.1, 62.7, 40.1], abs=1e-4)
+
+
+@pytest.mark.parametrize("name", ["owlv2", "grounding_dino"])
+def test_boxes_are_scaled_to_pixels_exactly(tiny: Tiny, device: str, name: str):
+    """In bfloat16 they would land on every fourth pixel."""
+    config = ZeroShotConfig(device=device, dtype="bfloat16", score_threshold=0.0, min_side_px=0.0)
+    detector = ZeroShotDetector(str(tiny(name)), config)
+    said: list[Any] = []
+    detector._model.register_forward_hook(lambda _, args, outputs: said.append(outputs.pred_boxes))
+    found = detector.detect(observe(480, 640), Goal("bed"))
+    x, _, width, _ = said[0][0].double().cpu().numpy().T
+    expected = 640.0 * (x + width / 2).clip(0.0, 1.0)
+    edges = np.array([one.box.x_max for one in found])
+    assert np.abs(edges[:, None] - expected).min(axis=1).max() < 1e-3
 
 
 @pytest.mark.parametrize("name", ["clip", "siglip", "blip2"])
