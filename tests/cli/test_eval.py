@@ -10,7 +10,11 @@ import time
 import pytest
 
 from eval_runs import SMALL, timeless_lines, write_room
+from hypernav.cli.agent_options import AgentOptions
+from hypernav.cli.eval import worker_count
+from hypernav.cli.eval_options import Options
 from hypernav.cli.main import main
+from hypernav.evaluation.run_session import available_cores
 
 QUICK = ("--workers", "1", "--max-steps", "30", *SMALL)
 
@@ -50,6 +54,14 @@ def test_a_run_leaves_its_episodes_and_its_configuration(runs):
     session = json.loads((runs / "hypernav" / "sessions.jsonl").read_text())
     assert (session["ended"], session["episodes"]) == ("finished", 2)
     assert session["peak_memory_mb"]["0"] > 50
+
+
+def test_there_is_one_worker_a_core_unless_each_would_load_a_model():
+    served, local = (AgentOptions(vlm=vlm) for vlm in ("openai:http://gpu/v1", "local:qwen"))
+    assert worker_count(Options("houses-val")) == available_cores()
+    assert worker_count(Options("houses-val", served)) == available_cores()
+    assert worker_count(Options("houses-val", local)) == 1
+    assert worker_count(Options("houses-val", local, workers=3)) == 3
 
 
 def test_saved_episodes_have_a_page_and_colours_change_no_result(runs, room, tmp_path):

@@ -32,6 +32,7 @@ from hypernav.evaluation.workers.process_pool import ProcessPool
 from hypernav.evaluation.workers.ray_pool import RayPool
 from hypernav.evaluation.workers.worker import Job
 from hypernav.evaluation.workers.worker_pool import WorkerPool
+from hypernav.models.chat.vlm_spec import parse_vlm_spec
 
 _LINE_EVERY_S = 60.0
 
@@ -85,7 +86,7 @@ def evaluate(
         if store.records:
             console.print(f"{len(store.records)} of {len(episodes)} episodes are done already")
         pool = _pool(options, folder, plan.config)
-        session = RunSession(store, options.workers or available_cores())
+        session = RunSession(store, worker_count(options))
         try:
             with session:
                 return _watch(console, episodes, store, pool, session)
@@ -96,6 +97,13 @@ def evaluate(
                 soft_wrap=True,
             )
             raise
+
+
+def worker_count(options: Options) -> int:
+    """Number of workers; if none is given, one where each would load a model, else one a core."""
+    vlm = options.who.vlm
+    loads_model = vlm is not None and parse_vlm_spec(vlm).kind == "local"
+    return options.workers or (1 if loads_model else available_cores())
 
 
 def check(options: Options) -> None:

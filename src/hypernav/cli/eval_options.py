@@ -32,7 +32,8 @@ class Options:
     scenes_dir: Path | None = None
     """Folder of the scenes that the episodes name; by default the data set's own folder."""
     workers: int | None = None
-    """Number of processes, one core each; by default as many as there are cores."""
+    """Number of processes, one core each; by default as many as there are cores, but one with
+    --vlm local:…, which each of them loads."""
     ray: str | None = None
     """Address of a Ray cluster, or auto, to run the workers there instead."""
     save: SaveChoice = "none"
