@@ -1,11 +1,13 @@
-"""Time a vision-language model of a given size on the two questions of the method.
+"""Time the questions of the method to a vision-language model in this process, and its memory.
 
-The model is Qwen2.5-VL with random weights, so nothing is downloaded: the benchmark measures
-latency, not the quality of answers. The questions are those of the method in tokens: grounding
-(640×480 image, sent as 644×476, 60 answer tokens) and block choice (768×768 image, 8 answer
-tokens), alone and in batches. With 8 tokens a block choice stands for the constrained question.
+The model is Qwen2.5-VL in its real size with random weights. It is written to a temporary folder
+and opened as ``--vlm local:FOLDER`` opens it, so nothing is downloaded and the whole path of a
+question is timed: image processor, chat template, network, reading of the answer. A token takes the
+same time with random weights as with trained ones. What they say is nonsense that never ends, so
+free answers have a fixed length: that of a real model's usual ones, about. Texts have a token a
+word and a digit, as with Qwen's own tokenizer.
 
-    python benchmarks/vlm_latency.py                      # 7B in bfloat16; needs a GPU of 24 GB
+    python benchmarks/vlm_latency.py              # 7B in bfloat16: a GPU of 24 GB, 17 GB of disk
     python benchmarks/vlm_latency.py --size tiny --device cpu
 
 Needs the extra: pip install 'hypernav[local-vlm]'.
@@ -14,26 +16,39 @@ Needs the extra: pip install 'hypernav[local-vlm]'.
 import statistics
 import sys
 import time
-from dataclasses import dataclass
-from importlib.util import find_spec
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Annotated, Any, Literal
 
+import numpy as np
 import tyro
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "local_vlm"))
 
 from cpu_torchvision import prepare
+from qwen25_vl import save_qwen25_vl
 
+from hypernav.core.chat import Answer, Question
 from hypernav.core.components.extras import require
 from hypernav.core.errors import HyPerNavError
+from hypernav.core.goal import Goal
+from hypernav.core.overview import Block
+from hypernav.models.chat.config import ChatConfig
+from hypernav.models.chat.local_chat import LocalChat
 from hypernav.models.chat.vlm_families import family_named
 from hypernav.models.torch_device import EXTRA, choose_device, choose_dtype
+from hypernav.perception.explorers.block_explorer import OverviewConfig
+from hypernav.perception.explorers.map_question import VlmReasonerConfig, map_question
+from hypernav.perception.known_answers import drawn_house
+from hypernav.perception.local.crop_check import crop_question
+from hypernav.perception.local.presence import PresenceConfig, presence_question
+from hypernav.perception.local.vlm_detector import VlmDetectorConfig, grounding_question
 
-IMAGE_PAD, VISION_START, VISION_END = 151655, 151652, 151653
-TEXT_TOKENS = 120
 TEXT = {
     "7b": {
+        "vocab_size": 152064,
         "hidden_size": 3584,
         "intermediate_size": 18944,
         "num_hidden_layers": 28,
@@ -42,14 +57,17 @@ TEXT = {
         "mrope": [16, 24, 24],
     },
     "3b": {
+        "vocab_size": 151936,
         "hidden_size": 2048,
         "intermediate_size": 11008,
         "num_hidden_layers": 36,
         "num_attention_heads": 16,
         "num_key_value_heads": 2,
+        "tie_word_embeddings": True,
         "mrope": [16, 24, 24],
     },
     "tiny": {
+        "vocab_size": 4096,
         "hidden_size": 32,
         "intermediate_size": 64,
         "num_hidden_layers": 2,
@@ -58,124 +76,134 @@ TEXT = {
         "mrope": [1, 1, 2],
     },
 }
-VISION = {
-    "7b": {"depth": 32, "hidden_size": 1280, "intermediate_size": 3420, "num_heads": 16},
-    "3b": {"depth": 32, "hidden_size": 1280, "intermediate_size": 3420, "num_heads": 16},
-    "tiny": {"depth": 2, "hidden_size": 32, "intermediate_size": 64, "num_heads": 4},
+LARGE_VISION = {
+    "depth": 32,
+    "hidden_size": 1280,
+    "intermediate_size": 3420,
+    "num_heads": 16,
+    "fullatt_block_indexes": [7, 15, 23, 31],
 }
-FULL_ATTENTION = {"7b": [7, 15, 23, 31], "3b": [7, 15, 23, 31], "tiny": [1]}
+TINY_VISION = {
+    "depth": 2,
+    "hidden_size": 32,
+    "intermediate_size": 64,
+    "num_heads": 4,
+    "fullatt_block_indexes": [1],
+}
 Size = Literal["7b", "3b", "tiny"]
+GIB = 2**30
 
 
 @dataclass(frozen=True)
 class Task:
-    """One kind of question: its name, image and length of answer."""
+    """A question, and what it is about."""
 
     name: str
-    width: int
-    height: int
-    answer_tokens: int
+    question: Question
 
 
-TASKS = (Task("grounding", 640, 480, 60), Task("block choice", 768, 768, 8))
-
-
-def build(size: Size, device: Any, dtype: Any) -> Any:
-    """The network with random weights, on the device."""
-    torch = require("torch", extra=EXTRA)
-    if device.type == "cpu" and find_spec("torchvision") is not None:
-        prepare()
-    hf = require("transformers", extra=EXTRA)
-    text: dict[str, Any] = dict(TEXT[size])
-    sections = text.pop("mrope")
-    config = hf.Qwen2_5_VLConfig(
-        text_config={
-            **text,
-            "vocab_size": 152064,
-            "max_position_embeddings": 32768,
-            "tie_word_embeddings": False,
-            "rope_parameters": {
-                "rope_type": "default",
-                "mrope_section": sections,
-                "rope_theta": 1e6,
-            },
-        },
-        vision_config={
-            **VISION[size],
-            "out_hidden_size": text["hidden_size"],
-            "fullatt_block_indexes": FULL_ATTENTION[size],
-        },
-        image_token_id=IMAGE_PAD,
-        vision_start_token_id=VISION_START,
-        vision_end_token_id=VISION_END,
+def tasks() -> list[Task]:
+    """One of each kind of question, with free answers as long as usual."""
+    goal, noise = Goal("potted plant"), np.random.default_rng(0)
+    view, crop = (
+        noise.integers(0, 256, (height, width, 3), np.uint8)
+        for height, width in ((480, 640), (240, 200))
     )
-    torch.manual_seed(0)
-    usual = torch.get_default_dtype()
-    torch.set_default_dtype(dtype)
-    try:
-        with torch.device(device):
-            model = hf.Qwen2_5_VLForConditionalGeneration(config)
-    finally:
-        torch.set_default_dtype(usual)
-    return model.eval()
+    boxes = grounding_question(VlmDetectorConfig(), family_named("qwen2.5-vl"), view, goal)
+    drawn = drawn_house(OverviewConfig(), 1)
+    blocks = tuple(
+        Block(number, number, 0.0, 2.0, 1000, 40, (number + 1.0, 1.0), 3.0)
+        for number in range(1, 13)
+    )
+    house = replace(drawn, blocks=blocks, draw=lambda *_: drawn.image)
+    reasoned, constrained = (
+        map_question(VlmReasonerConfig(mode=mode), house, goal)
+        for mode in ("reasoned", "constrained")
+    )
+    return [
+        Task("boxes: none", replace(boxes, max_tokens=3)),
+        Task("boxes: one", replace(boxes, max_tokens=45)),
+        Task("crop", crop_question(crop, goal)),
+        Task("presence", presence_question(PresenceConfig(), view, goal)),
+        Task("block, reasoned", replace(reasoned, max_tokens=100)),
+        Task("block, constrained", constrained),
+    ]
 
 
-def inputs_for(task: Task, batch: int, device: Any, dtype: Any) -> dict[str, Any]:
-    """The inputs that the model's processor would produce for a batch of such questions."""
-    torch = require("torch", extra=EXTRA)
-    width, height = family_named("qwen2.5-vl").sent_size(task.width, task.height)
-    grid = (1, height // 14, width // 14)
-    patches = grid[1] * grid[2]
-    image = [VISION_START, *[IMAGE_PAD] * (patches // 4), VISION_END]
-    prompt = [*range(1000, 1000 + TEXT_TOKENS // 2), *image]
-    prompt += range(2000, 2000 + TEXT_TOKENS // 2)
-    ids = torch.tensor([prompt] * batch, device=device)
-    return {
-        "input_ids": ids,
-        "attention_mask": torch.ones_like(ids),
-        "mm_token_type_ids": (ids == IMAGE_PAD).int(),
-        "pixel_values": torch.randn(batch * patches, 3 * 2 * 14 * 14, device=device, dtype=dtype),
-        "image_grid_thw": torch.tensor([grid] * batch, device=device),
-    }
+def words_of(texts: Sequence[str]) -> Any:
+    """A tokenizer that knows the words of these texts; a number is its digits."""
+    tokenizers = require("tokenizers", extra=EXTRA)
+    before = tokenizers.pre_tokenizers
+    tokenizer = tokenizers.Tokenizer(tokenizers.models.BPE())
+    tokenizer.pre_tokenizer = before.Sequence(
+        [before.Digits(individual_digits=True), before.ByteLevel(add_prefix_space=False)]
+    )
+    tokenizer.decoder = tokenizers.decoders.ByteLevel()
+    trainer = tokenizers.trainers.BpeTrainer(
+        vocab_size=2048, initial_alphabet=before.ByteLevel.alphabet(), show_progress=False
+    )
+    tokenizer.train_from_iterator(texts, trainer)
+    return tokenizer
 
 
-def measure(model: Any, task: Task, batch: int, rounds: int) -> float:
-    """Median seconds of one batch, with answers of exactly the task's length."""
-    torch = require("torch", extra=EXTRA)
-    inputs = inputs_for(task, batch, model.device, model.dtype)
-    length = {"min_new_tokens": task.answer_tokens, "max_new_tokens": task.answer_tokens}
-    taken = []
-    for round_number in range(rounds + 1):
-        if model.device.type == "cuda":
-            torch.cuda.synchronize()
-        begin = time.perf_counter()
-        with torch.inference_mode():
-            model.generate(**inputs, **length, do_sample=False, pad_token_id=0)
-        if model.device.type == "cuda":
-            torch.cuda.synchronize()
-        if round_number > 0:  # the first one warms up
-            taken.append(time.perf_counter() - begin)
-    return statistics.median(taken)
+def write_model(folder: Path, size: Size, texts: Sequence[str], config: ChatConfig) -> None:
+    """Write a model of this size to a folder."""
+    text: dict[str, Any] = dict(TEXT[size])
+    rope = {"rope_type": "default", "rope_theta": 1e6, "mrope_section": text.pop("mrope")}
+    device = choose_device(config.device)
+    save_qwen25_vl(
+        folder,
+        words_of(texts),
+        {**text, "max_position_embeddings": 32768, "rope_parameters": rope},
+        TINY_VISION if size == "tiny" else LARGE_VISION,
+        ends=False,
+        device=device,
+        dtype=choose_dtype(device, config.dtype),
+    )
+
+
+def measure(chat: LocalChat, question: Question, rounds: int) -> tuple[Answer, list[float]]:
+    """The answer and its seconds, round by round; one more round warms up."""
+    answers = [chat.ask(question) for _ in range(rounds + 1)][1:]
+    return answers[0], sorted(answer.seconds for answer in answers)
 
 
 def main(
     size: Annotated[Size, tyro.conf.arg(help="which Qwen2.5-VL")] = "7b",
     device: Annotated[str, tyro.conf.arg(help="auto, cpu, cuda")] = "auto",
-    batches: Annotated[tuple[int, ...], tyro.conf.arg(help="batch sizes")] = (1, 8, 32),
-    rounds: Annotated[int, tyro.conf.arg(help="measured rounds, one more warms up")] = 5,
+    dtype: Annotated[
+        Literal["auto", "bfloat16", "float16", "float32"], tyro.conf.arg(help="number format")
+    ] = "auto",
+    rounds: Annotated[int, tyro.conf.arg(help="measured rounds, one more warms up")] = 10,
 ) -> None:
     torch = require("torch", extra=EXTRA)
-    where = choose_device(device)
-    dtype = choose_dtype(where)
-    model = build(size, where, dtype)
-    weights = sum(parameter.numel() for parameter in model.parameters())
-    hardware = torch.cuda.get_device_name(where) if where.type == "cuda" else where.type
-    print(f"Qwen2.5-VL {size}, {weights / 1e9:.2f} G weights, {dtype}, {hardware}")
-    print(f"{'question':14} {'batch':>5} {'seconds':>9} {'per question':>13}")
-    for task in TASKS:
-        for batch in batches:
-            seconds = measure(model, task, batch, rounds)
-            print(f"{task.name:14} {batch:5d} {seconds:9.3f} {seconds / batch:13.3f}")
+    prepare()
+    config = ChatConfig(device=device, dtype=dtype)
+    asked = tasks()
+    with TemporaryDirectory() as folder:
+        write_model(Path(folder), size, [task.question.text for task in asked], config)
+        if torch.cuda.is_available():
+            torch.cuda.empty_cache()  # of the model that was written
+        begin = time.perf_counter()
+        chat = LocalChat(folder, config)
+        loaded = time.perf_counter() - begin
+    cuda = chat.device.type == "cuda"
+    hardware = torch.cuda.get_device_name(chat.device) if cuda else chat.device.type
+    print(f"Qwen2.5-VL {size} of random weights on {hardware}, loaded in {loaded:.1f} s")
+    if cuda:
+        print(f"weights: {torch.cuda.memory_allocated() / GIB:.1f} GiB")
+    print(f"{'question':20} {'in':>5} {'out':>4} {'median s':>9} {'from':>6} {'to':>6} {'GiB':>6}")
+    for task in asked:
+        if cuda:
+            torch.cuda.reset_peak_memory_stats()
+        answer, seconds = measure(chat, task.question, rounds)
+        peak = torch.cuda.max_memory_allocated() / GIB if cuda else float("nan")
+        print(
+            f"{task.name:20} {answer.usage.tokens_in:5d} {answer.usage.tokens_out:4d} "
+            f"{statistics.median(seconds):9.3f} {seconds[0]:6.3f} {seconds[-1]:6.3f} {peak:6.1f}"
+        )
+    if cuda:
+        print(f"reserved in all: {torch.cuda.memory_reserved() / GIB:.1f} GiB")
 
 
 if __name__ == "__main__":

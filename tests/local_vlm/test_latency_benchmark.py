@@ -6,21 +6,20 @@ import pytest
 SCRIPT = Path(__file__).parents[2] / "benchmarks" / "vlm_latency.py"
 
 
-def test_the_benchmark_runs_with_a_tiny_model_on_the_cpu(capsys: pytest.CaptureFixture[str]):
+def test_the_benchmark_runs_with_a_tiny_model(device: str, capsys: pytest.CaptureFixture[str]):
     benchmark = runpy.run_path(str(SCRIPT))
-    benchmark["main"](size="tiny", device="cpu", batches=(1, 2), rounds=1)
-    rows = [line.split() for line in capsys.readouterr().out.splitlines()[2:]]
-    assert [row[:-3] for row in rows] == [["grounding"]] * 2 + [["block", "choice"]] * 2
-    assert all(float(row[-1]) > 0.0 for row in rows)
-
-
-def test_its_prompts_have_the_length_of_the_real_ones(tiny, torch_or_skip: None):
-    """Text apart: 391 tokens for the camera's image, 729 for the map."""
-    benchmark = runpy.run_path(str(SCRIPT))
-    import torch
-
-    lengths = []
-    for task in benchmark["TASKS"]:
-        inputs = benchmark["inputs_for"](task, 1, torch.device("cpu"), torch.float32)
-        lengths.append(int((inputs["input_ids"] == benchmark["IMAGE_PAD"]).sum()))
-    assert lengths == [391, 729]
+    benchmark["main"](size="tiny", device=device, rounds=1)
+    said = capsys.readouterr().out.splitlines()
+    tasks = benchmark["tasks"]()
+    rows = {
+        task.name: line.split() for task in tasks for line in said if line.startswith(task.name)
+    }
+    assert list(rows) == [task.name for task in tasks]
+    tokens_out = {name: int(row[-5]) for name, row in rows.items()}
+    for task in tasks:
+        expected = 1 if task.question.allowed else task.question.max_tokens
+        assert tokens_out[task.name] == expected
+    tokens_in = {name: int(row[-6]) for name, row in rows.items()}
+    # 391 tokens for the camera's image, 729 for the map; the rest is text.
+    assert 0 < tokens_in["boxes: one"] - 391 < 150
+    assert 0 < tokens_in["block, reasoned"] - 729 < 800

@@ -6,32 +6,40 @@ What they say is nonsense, but it is nonsense of the real shape.
 from pathlib import Path
 from typing import Any
 
+from qwen25_vl import save_qwen25_vl
+
 _SMALL = {"hidden_size": 32, "num_hidden_layers": 2, "num_attention_heads": 4}
-_CHAT = (
-    "{% for m in messages %}<|im_start|>{{ m['role'] }}\n"
-    "{% if m['content'] is string %}{{ m['content'] }}{% else %}{% for c in m['content'] %}"
-    "{% if c['type'] == 'image' %}<|vision_start|><|image_pad|><|vision_end|>"
-    "{% elif 'text' in c %}{{ c['text'] }}{% endif %}{% endfor %}{% endif %}<|im_end|>\n"
-    "{% endfor %}{% if add_generation_prompt %}<|im_start|>assistant\n{% endif %}"
-)
 
 
-def _byte_tokenizer(*, ends: bool = False, **special: Any) -> Any:
-    """A token a byte; with beginning and end around a text if it ``ends``, as CLIP needs them."""
-    from tokenizers import Tokenizer, decoders, models, pre_tokenizers, processors
-    from transformers import PreTrainedTokenizerFast
+def _bytes() -> Any:
+    """A token a byte."""
+    from tokenizers import Tokenizer, decoders, models, pre_tokenizers
 
     alphabet = sorted(pre_tokenizers.ByteLevel.alphabet())
     vocabulary = {character: number for number, character in enumerate(alphabet)}
     tokenizer = Tokenizer(models.BPE(vocab=vocabulary, merges=[]))
     tokenizer.pre_tokenizer = pre_tokenizers.ByteLevel(add_prefix_space=False)
     tokenizer.decoder = decoders.ByteLevel()
-    if ends:
-        tokenizer.add_special_tokens(["<pad>", "<s>", "</s>"])
-        tokenizer.post_processor = processors.TemplateProcessing(
-            single="<s> $A </s>", special_tokens=[("<s>", 257), ("</s>", 258)]
-        )
-    return PreTrainedTokenizerFast(tokenizer_object=tokenizer, **special)
+    return tokenizer
+
+
+def _short_tokenizer() -> Any:
+    """A token a byte, with beginning and end around a text, as CLIP needs them."""
+    from tokenizers import processors
+    from transformers import PreTrainedTokenizerFast
+
+    tokenizer = _bytes()
+    tokenizer.add_special_tokens(["<pad>", "<s>", "</s>"])
+    tokenizer.post_processor = processors.TemplateProcessing(
+        single="<s> $A </s>", special_tokens=[("<s>", 257), ("</s>", 258)]
+    )
+    return PreTrainedTokenizerFast(
+        tokenizer_object=tokenizer,
+        pad_token="<pad>",
+        bos_token="<s>",
+        eos_token="</s>",
+        model_max_length=64,
+    )
 
 
 def _saved(folder: Path, model: Any, processor: Any) -> Path:
@@ -42,62 +50,25 @@ def _saved(folder: Path, model: Any, processor: Any) -> Path:
 
 def qwen25_vl(folder: Path) -> Path:
     """Qwen2.5-VL: 2 layers, 115,000 weights."""
-    import torch
-    import transformers as hf
-
-    tokenizer = _byte_tokenizer(
-        eos_token="<|im_end|>",
-        pad_token="<|endoftext|>",
-        additional_special_tokens=[
-            "<|im_start|>",
-            "<|vision_start|>",
-            "<|vision_end|>",
-            "<|image_pad|>",
-            "<|video_pad|>",
-        ],
-    )
-    ids = tokenizer.convert_tokens_to_ids
-    vision = {"depth": 2, "num_heads": 4, "hidden_size": 32, "out_hidden_size": 32}
-    config = hf.Qwen2_5_VLConfig(
-        text_config={
-            **_SMALL,
-            "vocab_size": len(tokenizer),
-            "intermediate_size": 64,
-            "num_key_value_heads": 2,
-            "max_position_embeddings": 8192,
-            "rope_parameters": {
-                "rope_type": "default",
-                "mrope_section": [1, 1, 2],
-                "rope_theta": 1e6,
-            },
-            "eos_token_id": ids("<|im_end|>"),
-            "pad_token_id": ids("<|endoftext|>"),
+    text = {
+        **_SMALL,
+        "intermediate_size": 64,
+        "num_key_value_heads": 2,
+        "max_position_embeddings": 8192,
+        "rope_parameters": {
+            "rope_type": "default",
+            "mrope_section": [1, 1, 2],
+            "rope_theta": 1e6,
         },
-        vision_config={
-            **vision,
-            "intermediate_size": 64,
-            "patch_size": 14,
-            "spatial_merge_size": 2,
-            "temporal_patch_size": 2,
-            "window_size": 112,
-            "fullatt_block_indexes": [1],
-        },
-        image_token_id=ids("<|image_pad|>"),
-        video_token_id=ids("<|video_pad|>"),
-        vision_start_token_id=ids("<|vision_start|>"),
-        vision_end_token_id=ids("<|vision_end|>"),
-    )
-    torch.manual_seed(0)
-    model = hf.Qwen2_5_VLForConditionalGeneration(config)
-    model.generation_config.eos_token_id = ids("<|im_end|>")
-    model.generation_config.pad_token_id = ids("<|endoftext|>")
-    processor = hf.Qwen2_5_VLProcessor(
-        image_processor=hf.Qwen2VLImageProcessor(min_pixels=56 * 56, max_pixels=28 * 28 * 1280),
-        tokenizer=tokenizer,
-        video_processor=hf.Qwen2VLVideoProcessor(),
-        chat_template=_CHAT,
-    )
-    return _saved(folder, model, processor)
+    }
+    vision = {
+        "depth": 2,
+        "num_heads": 4,
+        "hidden_size": 32,
+        "intermediate_size": 64,
+        "fullatt_block_indexes": [1],
+    }
+    return save_qwen25_vl(folder, _bytes(), text, vision)
 
 
 def _prompt_and_decoder() -> dict[str, Any]:
@@ -182,12 +153,6 @@ def _text_config() -> dict[str, Any]:
         "eos_token_id": 258,
         "pad_token_id": 256,
     }
-
-
-def _short_tokenizer() -> Any:
-    return _byte_tokenizer(
-        ends=True, pad_token="<pad>", bos_token="<s>", eos_token="</s>", model_max_length=64
-    )
 
 
 def owlv2(folder: Path) -> Path:
