@@ -8,6 +8,9 @@ PresetName = Literal["default", "paper"]
 BenchmarkName = Literal["hm3d", "mp3d", "ovon", "hypernav-paper"]
 """Benchmarks whose published robot and limits a run can take (`hypernav.datasets.benchmarks`)."""
 
+WorldName = Literal["native", "habitat"]
+"""Simulators: our own, and habitat-sim for those who have it."""
+
 
 @dataclass(frozen=True)
 class ComponentSpecs:

@@ -25,6 +25,7 @@ COMMANDS = {
     "ablate": "Run variants of the method on the same episodes, and say what each part is worth.",
     "report": "Write a page, a CSV file and LaTeX tables about one or more evaluations.",
     "doctor": "Examine a vision-language model, or the data of benchmarks, and say what to change.",
+    "compare": "Compare the simulator with habitat-sim, pose by pose, in a scene of your own.",
     "houses": "Generated buildings: pages about them, files for other programs, splits, episodes.",
 }
 _BOX = re.compile(r"[\u2500-\u257f]+|(?<!\S)-{3,}(?!\S)")

@@ -33,6 +33,7 @@ from hypernav.evaluation.workers.ray_pool import RayPool
 from hypernav.evaluation.workers.worker import Job
 from hypernav.evaluation.workers.worker_pool import WorkerPool
 from hypernav.models.chat.vlm_spec import parse_vlm_spec
+from hypernav.worlds.habitat.simulator import require_habitat
 
 _LINE_EVERY_S = 60.0
 
@@ -111,6 +112,7 @@ def check(options: Options) -> None:
 
     Raises:
         ConfigError: There is one.
+        MissingExtraError: The world needs a program that is not installed.
     """
     check_steps_and_seed(options.max_steps, options.seed)
     if options.success_distance is not None:
@@ -119,6 +121,8 @@ def check(options: Options) -> None:
         )
     if options.workers is not None:
         check_option("--workers", options.workers, (1, MOST_THREADS), "at least one is needed")
+    if options.world == "habitat":
+        require_habitat()
     if options.who.record is not None:
         raise ConfigError(
             "--record is for single searches: use it with hypernav find; an evaluation keeps "
@@ -165,6 +169,7 @@ def plan_of(options: Options, config: HyPerNavConfig) -> RunPlan:
         ),
         seed=options.seed,
         scenes_dir=options.scenes_dir,
+        world=options.world,
     )
 
 
@@ -196,6 +201,7 @@ def _pool(options: Options, folder: Path, config: HyPerNavConfig) -> WorkerPool:
         specs=options.who.specs,
         seed=options.seed,
         save=options.save,
+        world=options.world,
     )
     return ProcessPool(job) if options.ray is None else RayPool(job, options.ray)
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import tyro
 
-from hypernav.build.component_specs import BenchmarkName
+from hypernav.build.component_specs import BenchmarkName, WorldName
 from hypernav.cli.agent_options import AgentOptions, FlatAgentOptions
 from hypernav.evaluation.save_choice import SaveChoice
 
@@ -31,6 +31,8 @@ class Options:
     """Only these goals, separated by commas."""
     scenes_dir: Path | None = None
     """Folder of the scenes that the episodes name; by default the data set's own folder."""
+    world: WorldName = "native"
+    """Simulator: our own, or habitat-sim if it is installed."""
     workers: int | None = None
     """Number of processes, one core each; by default as many as there are cores, but one with
     --vlm local:…, which each of them loads."""

@@ -52,6 +52,7 @@ def evaluate(
         seed=plan.seed,
         save=save,
         make_agent=make_agent,
+        world=plan.world,
     )
     with RunStore(folder, plan.configuration(episodes)) as store:
         store.withdraw(lambda record: not record.counts)

@@ -6,6 +6,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from hypernav.build.component_specs import WorldName
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.core.episode import MAX_STEPS, Episode
 from hypernav.core.metrics import SUCCESS_DISTANCE_M
@@ -42,6 +43,7 @@ class RunPlan:
         success_distance_m: Success distance of the run's own protocol; reports show others, too.
         seed: Seed of all noise.
         scenes_dir: Folder of the scenes that an episode file names; None takes the file's own.
+        world: Simulator that the episodes run in.
     """
 
     dataset: str
@@ -52,6 +54,7 @@ class RunPlan:
     success_distance_m: float = SUCCESS_DISTANCE_M
     seed: int = 0
     scenes_dir: Path | None = None
+    world: WorldName = "native"
 
     def episodes(self, progress: Progress | None = None) -> list[Episode]:
         """The chosen episodes of the data set, with the limits of this run.
@@ -103,4 +106,4 @@ class RunPlan:
                 "seed": self.seed,
             },
             "config": self.config.model_dump(mode="json"),
-        }
+        } | ({} if self.world == "native" else {"world": self.world})

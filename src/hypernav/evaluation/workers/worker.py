@@ -11,9 +11,10 @@ from pathlib import Path
 import numpy as np
 
 from hypernav.build.agents import BuiltAgent, build_agent
-from hypernav.build.component_specs import ComponentSpecs
+from hypernav.build.component_specs import ComponentSpecs, WorldName
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.scenes import build_scene
+from hypernav.build.worlds import open_world
 from hypernav.core.components.abilities import Closes, looks_at_colours
 from hypernav.core.components.protocols import Agent
 from hypernav.core.episode import Episode, Outcome
@@ -28,8 +29,9 @@ from hypernav.evaluation.recorder import EpisodeRecorder
 from hypernav.evaluation.save_choice import SaveChoice
 from hypernav.evaluation.storyboard import Image, Storyboard
 from hypernav.perception.exchanges import unusable_answers
-from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
+from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
+from hypernav.worlds.habitat.simulator import HabitatRenderer
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.simulation import SimulatedWorld
 
@@ -50,6 +52,7 @@ class Job:
         save: Choice of episodes that keep page and video.
         make_agent: Factory of an agent of your own, in place of the configured one.
         open_scene: Function that gives the scene of a name.
+        world: Simulator that scenes are opened in.
     """
 
     folder: Path
@@ -59,6 +62,7 @@ class Job:
     save: SaveChoice = "none"
     make_agent: Callable[[], Agent] | None = None
     open_scene: Callable[[str], Scene] = build_scene
+    world: WorldName = "native"
 
 
 class EpisodeWorker:
@@ -117,10 +121,9 @@ class EpisodeWorker:
     def _place_of(self, scene_id: str) -> "_Place":
         if self._place is None or self._place.scene_id != scene_id:
             self._leave_scene()  # the old one's memory, before the new one's
-            scene, config = self._job.open_scene(scene_id), self._job.config
-            renderer = CpuRenderer(scene, RenderConfig(threads=1))
-            world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
-            self._place = _Place(scene_id, world, renderer)
+            scene = self._job.open_scene(scene_id)
+            opened = open_world(scene, scene_id, self._job.config, self._job.world)
+            self._place = _Place(scene_id, opened.world, opened.renderer)
         return self._place
 
     def _watch(self, run: EpisodeRun, place: "_Place") -> EpisodeRecord:
@@ -214,7 +217,7 @@ class _Place:
 
     scene_id: str
     world: SimulatedWorld
-    renderer: CpuRenderer
+    renderer: CpuRenderer | HabitatRenderer
 
     def image_from(self, camera_to_scene: Transform) -> Image:
         """What the camera sees from a true pose, in colours."""

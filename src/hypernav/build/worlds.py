@@ -1,0 +1,54 @@
+"""Construction of worlds: our own simulator, or habitat-sim."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from hypernav.build.component_specs import WorldName
+from hypernav.build.presets import HyPerNavConfig
+from hypernav.core.errors import SceneError
+from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
+from hypernav.worlds.habitat.path_finder import HabitatSurface
+from hypernav.worlds.habitat.simulator import HabitatRenderer
+from hypernav.worlds.scenes.scene import Scene
+from hypernav.worlds.simulation import SimulatedWorld
+
+
+@dataclass(frozen=True, eq=False)
+class OpenedWorld:
+    """A world, and the renderer that draws it.
+
+    Attributes:
+        world: The world.
+        renderer: Its renderer, whose colours may be switched off.
+    """
+
+    world: SimulatedWorld
+    renderer: CpuRenderer | HabitatRenderer
+
+
+def open_world(
+    scene: Scene, scene_id: str, config: HyPerNavConfig, name: WorldName = "native"
+) -> OpenedWorld:
+    """Open a scene in a world; drawing takes one thread.
+
+    Args:
+        scene: The scene.
+        scene_id: Name of the scene; for habitat-sim the path of its file.
+        config: The robot, and how it is simulated.
+        name: The world.
+
+    Raises:
+        SceneError: The robot fits nowhere, or habitat-sim can't open the scene.
+        MissingExtraError: habitat-sim is not installed.
+    """
+    if name == "native":
+        renderer = CpuRenderer(scene, RenderConfig(threads=1))
+        world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
+        return OpenedWorld(world, renderer)
+    mesh = Path(scene_id)
+    if not mesh.is_file():
+        raise SceneError(f"{scene_id}: habitat-sim opens files only, such as those of hm3d:DIR")
+    drawn = HabitatRenderer(scene, mesh, config.embodiment)
+    surface = HabitatSurface(drawn.path_finder)
+    world = SimulatedWorld(scene, config.world, config.embodiment, renderer=drawn, walkable=surface)
+    return OpenedWorld(world, drawn)

@@ -1,0 +1,63 @@
+"""The command `hypernav compare`: our simulator and habitat-sim, pose by pose."""
+
+from contextlib import closing
+
+import numpy as np
+
+from hypernav.build.presets import preset
+from hypernav.build.scenes import build_scene
+from hypernav.build.worlds import open_world
+from hypernav.cli.agent_options import check_steps_and_seed
+from hypernav.cli.compare_options import Options
+from hypernav.cli.terminal import Terminal
+from hypernav.core.config import check_option
+from hypernav.datasets.benchmarks import BENCHMARKS
+from hypernav.evaluation.world_comparison import PoseComparison, compare_worlds
+from hypernav.worlds.habitat.simulator import require_habitat
+
+_MOST_POSES = 10_000
+
+
+def run(options: Options) -> int:
+    """Run the command.
+
+    Returns:
+        0 if the simulators agree at every pose, 1 if they don't.
+
+    Raises:
+        MissingExtraError: habitat-sim is not installed.
+        SceneError: The scene can't be opened.
+    """
+    check_steps_and_seed(None, options.seed)
+    check_option("--poses", options.poses, (1, _MOST_POSES), "poses that are compared")
+    require_habitat()
+    console = Terminal(stderr=False, soft_wrap=True)
+    robot = BENCHMARKS[options.benchmark].embodiment
+    config = preset("default").model_copy(update={"embodiment": robot})
+    scene_id = str(options.scene)
+    with console.status("opening the scene in both simulators …"):
+        scene = build_scene(scene_id)
+        native = open_world(scene, scene_id, config)
+        habitat = open_world(scene, scene_id, config, "habitat")
+    rng = np.random.default_rng(options.seed)
+    with closing(native.world), closing(habitat.world):
+        found = []
+        for comparison in compare_worlds(habitat, native, options.poses, rng):
+            console.print(_line(comparison), markup=False)
+            found.append(comparison)
+    same = sum(comparison.is_same for comparison in found)
+    console.print(f"{same} of {len(found)} poses agree in depth, steps and paths", markup=False)
+    return 0 if same == len(found) else 1
+
+
+def _line(comparison: PoseComparison) -> str:
+    x, y, z = comparison.position
+    mark = "ok  " if comparison.is_same else "DIFF"
+    return (
+        f"{mark} ({x:7.2f}, {y:7.2f}, {z:6.2f}) {np.degrees(comparison.yaw):6.1f}°: "
+        f"colours {comparison.color_difference:5.1f}/255, "
+        f"depth {100.0 * comparison.depth_share:5.1f} %, "
+        f"labels {100.0 * comparison.label_share:5.1f} %, "
+        f"step {1000.0 * comparison.step_m:.2f} mm, "
+        f"path {comparison.path_m:.3f} m, ours {comparison.own_path_m:.3f} m"
+    )

@@ -1,0 +1,189 @@
+"""habitat-sim's images of a scene, as a renderer of ours.
+
+Written against the documented calls of habitat-sim 0.2.2 to 0.3.3: ``Simulator``,
+``get_agent(0).set_state``, ``get_sensor_observations`` and ``pathfinder`` are all that is used.
+Poses of the scene, z up, become Habitat's, y up, here and in `path_finder`, and nowhere else.
+"""
+
+import importlib
+import math
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64, Int32
+
+from hypernav.core.embodiment import Embodiment
+from hypernav.core.errors import MissingExtraError, SceneError
+from hypernav.core.geometry.camera import PinholeCamera
+from hypernav.core.geometry.transforms import Transform
+from hypernav.core.world import RenderedView
+from hypernav.worlds.scenes.scene import Scene
+
+_OPTICAL_TO_GL = np.diag([1.0, -1.0, -1.0])
+_SCENE_TO_HABITAT = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
+_DATASET_CONFIGS = (
+    "hm3d_annotated_basis.scene_dataset_config.json",
+    "hm3d_basis.scene_dataset_config.json",
+    "mp3d.scene_dataset_config.json",
+)
+
+
+def require_habitat() -> ModuleType:
+    """The module of habitat-sim.
+
+    Raises:
+        MissingExtraError: It is not installed.
+    """
+    try:
+        return importlib.import_module("habitat_sim")
+    except ModuleNotFoundError as error:
+        raise MissingExtraError(
+            "the world 'habitat' needs habitat-sim, which is not installed and which pip does not "
+            "have; try: conda install habitat-sim headless -c conda-forge -c aihabitat (Python "
+            "3.9), or build it: https://github.com/facebookresearch/habitat-sim. The native world "
+            "needs none of it: leave out --world habitat"
+        ) from error
+
+
+class HabitatRenderer:
+    """habitat-sim's images of one scene; satisfies `hypernav.core.world.Renderer`.
+
+    Attributes:
+        colours: Not used: habitat-sim always draws them.
+        path_finder: habitat-sim's path finder of the scene.
+    """
+
+    def __init__(self, scene: Scene, mesh: Path, robot: Embodiment) -> None:
+        """Open a scene in habitat-sim.
+
+        Args:
+            scene: The same scene as we read it, for the numbers of its instances.
+            mesh: File of the scene.
+            robot: Robot whose camera is simulated.
+
+        Raises:
+            MissingExtraError: habitat-sim is not installed.
+            SceneError: It can't open the scene, or has no navigation mesh of it.
+        """
+        habitat_sim = require_habitat()
+        self.colours = True
+        self._habitat = habitat_sim
+        self._camera = robot.camera.intrinsics
+        try:
+            self._simulator: Any = habitat_sim.Simulator(_configuration(habitat_sim, mesh, robot))
+        except (RuntimeError, ValueError, OSError) as error:
+            raise SceneError(f"{mesh}: habitat-sim can't open it ({error})") from error
+        self.path_finder: Any = self._simulator.pathfinder
+        if not self.path_finder.is_loaded:
+            self.close()
+            raise SceneError(f"{mesh}: habitat-sim found no navigation mesh beside it")
+        self._instances = _instance_numbers(scene)
+
+    def render(self, camera: PinholeCamera, camera_to_scene: Transform) -> RenderedView:
+        """Colour, depth and instances as habitat-sim draws them.
+
+        Args:
+            camera: Intrinsics; those of the robot that the scene was opened for.
+            camera_to_scene: Pose of the camera, optical to scene frame.
+
+        Raises:
+            SceneError: The camera is another one.
+        """
+        if camera != self._camera:
+            raise SceneError("habitat-sim's camera is set when a scene is opened; open it again")
+        state = self._habitat.AgentState()
+        state.position = _SCENE_TO_HABITAT @ camera_to_scene.translation
+        rotation = _SCENE_TO_HABITAT @ camera_to_scene.rotation @ _OPTICAL_TO_GL
+        state.rotation = quaternion_of(rotation).tolist()
+        self._simulator.get_agent(0).set_state(state)
+        seen = self._simulator.get_sensor_observations()
+        depth = np.asarray(seen["depth"], dtype=np.float32)
+        ids = self._numbered(np.asarray(seen["semantic"]))
+        return RenderedView(
+            rgb=np.ascontiguousarray(seen["color"][..., :3]),
+            depth=depth,
+            instance_ids=np.where(depth > 0.0, ids, np.int32(-1)),
+        )
+
+    def close(self) -> None:
+        """Close the simulator; the renderer isn't used again."""
+        self._simulator.close()
+
+    def _numbered(self, semantic: np.ndarray) -> Int32[np.ndarray, "height width"]:
+        known = np.clip(semantic.astype(np.int64), 0, len(self._instances) - 1)
+        return np.where(known == semantic, self._instances[known], np.int32(0)).astype(np.int32)
+
+
+def quaternion_of(rotation: Float64[np.ndarray, "3 3"]) -> Float64[np.ndarray, "4"]:
+    """The quaternion ``[x, y, z, w]`` of a rotation matrix (Shepperd, 1978)."""
+    trace = float(np.trace(rotation))
+    largest = int(np.argmax([*np.diag(rotation), trace]))
+    if largest == 3:
+        w = math.sqrt(1.0 + trace) / 2.0
+        skew = rotation - rotation.T
+        return np.array([skew[2, 1], skew[0, 2], skew[1, 0], 4.0 * w * w]) / (4.0 * w)
+    i, j, k = largest, (largest + 1) % 3, (largest + 2) % 3
+    length = math.sqrt(1.0 + 2.0 * rotation[i, i] - trace)
+    values = np.zeros(4)
+    values[i] = length / 2.0
+    values[j] = (rotation[i, j] + rotation[j, i]) / (2.0 * length)
+    values[k] = (rotation[i, k] + rotation[k, i]) / (2.0 * length)
+    values[3] = (rotation[k, j] - rotation[j, k]) / (2.0 * length)
+    return values
+
+
+def _configuration(habitat_sim: ModuleType, mesh: Path, robot: Embodiment) -> Any:
+    simulator = habitat_sim.SimulatorConfiguration()
+    simulator.scene_id = str(mesh)
+    simulator.enable_physics = False
+    dataset = _dataset_config(mesh)
+    if dataset is not None:
+        simulator.scene_dataset_config_file = str(dataset)
+    kinds = habitat_sim.SensorType
+    sensors = [
+        _sensor(habitat_sim, robot, name, kind)
+        for name, kind in (
+            ("color", kinds.COLOR),
+            ("depth", kinds.DEPTH),
+            ("semantic", kinds.SEMANTIC),
+        )
+    ]
+    agent = habitat_sim.agent.AgentConfiguration()
+    agent.sensor_specifications = sensors
+    return habitat_sim.Configuration(simulator, [agent])
+
+
+def _sensor(habitat_sim: ModuleType, robot: Embodiment, name: str, kind: Any) -> Any:
+    """A camera at the agent's own position: the agent is put where the camera is."""
+    sensor = habitat_sim.CameraSensorSpec()
+    sensor.uuid = name
+    sensor.sensor_type = kind
+    sensor.sensor_subtype = habitat_sim.SensorSubType.PINHOLE
+    sensor.resolution = [robot.camera.height, robot.camera.width]
+    sensor.hfov = robot.camera.hfov_deg
+    sensor.position = [0.0, 0.0, 0.0]
+    return sensor
+
+
+def _dataset_config(mesh: Path) -> Path | None:
+    """The scene-dataset configuration above a scene, which brings its annotation."""
+    for folder in list(mesh.resolve().parents)[:4]:
+        for name in _DATASET_CONFIGS:
+            if (folder / name).is_file():
+                return folder / name
+    return None
+
+
+def _instance_numbers(scene: Scene) -> Int32[np.ndarray, "numbers"]:
+    """Our number of every annotated instance, by habitat-sim's; 0 is the building."""
+    numbers = {0: 0}
+    for instance in scene.instances[1:]:
+        annotated = instance.name.rpartition("_")[2]
+        if annotated.isdecimal():
+            numbers[int(annotated)] = instance.id
+    table = np.zeros(max(numbers) + 1, dtype=np.int32)
+    for annotated, own in numbers.items():
+        table[annotated] = own
+    return table

@@ -1,0 +1,191 @@
+"""A stand-in for habitat-sim: the few calls that are used, in its own frame, y up.
+
+It draws what our renderer draws, and walks on the mesh as our reader reads it; how a state becomes
+a camera in the scene is its own arithmetic, from the quaternion on.
+"""
+
+from enum import Enum
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from hypernav.core.geometry.camera import PinholeCamera
+from hypernav.core.geometry.transforms import Transform
+from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
+from hypernav.worlds.navmesh.goal_paths import GoalPaths
+from hypernav.worlds.navmesh.navmesh import Navmesh
+from hypernav.worlds.scans.layout import ScanFiles
+from hypernav.worlds.scans.loading import open_scene
+
+
+class SensorType(Enum):
+    COLOR = 1
+    DEPTH = 2
+    SEMANTIC = 3
+
+
+class SensorSubType(Enum):
+    PINHOLE = 1
+
+
+class CameraSensorSpec(SimpleNamespace):
+    """Attributes are set one by one, as on the real one."""
+
+
+class SimulatorConfiguration(SimpleNamespace):
+    pass
+
+
+class AgentState(SimpleNamespace):
+    pass
+
+
+class _AgentConfiguration(SimpleNamespace):
+    pass
+
+
+agent = SimpleNamespace(AgentConfiguration=_AgentConfiguration)
+
+
+class Configuration:
+    def __init__(self, sim_cfg: Any, agents: list[Any]) -> None:
+        self.sim_cfg, self.agents = sim_cfg, agents
+
+
+class ShortestPath:
+    def __init__(self) -> None:
+        self.requested_start: Any = None
+        self.requested_end: Any = None
+        self.geodesic_distance = float("inf")
+        self.points: list[Any] = []
+
+
+class MultiGoalShortestPath(ShortestPath):
+    def __init__(self) -> None:
+        super().__init__()
+        self.requested_ends: Any = None
+
+
+class PathFinder:
+    """habitat-sim's path finder over one mesh."""
+
+    def __init__(self, navmesh: Navmesh | None) -> None:
+        self._mesh: Any = navmesh
+        self._rng = np.random.default_rng(0)
+
+    @property
+    def is_loaded(self) -> bool:
+        return self._mesh is not None
+
+    @property
+    def num_islands(self) -> int:
+        return len(self._mesh.areas_m2)
+
+    def island_area(self, island: int) -> float:
+        return float(self._mesh.areas_m2[island])
+
+    def get_island(self, point: Any) -> int:
+        return self._mesh.island_of(tuple(point))
+
+    def seed(self, seed: int) -> None:
+        self._rng = np.random.default_rng(seed)
+
+    def get_random_navigable_point(self, max_tries: int = 10, island_index: int = -1) -> Any:
+        assert max_tries > 0
+        return np.array(self._mesh.random_point(self._rng, island_index))
+
+    def snap_point(self, point: Any, island_index: int = -1) -> Any:
+        found = self._mesh.nearest(tuple(point), None if island_index < 0 else island_index)
+        return np.full(3, np.nan) if found is None else np.array(found)
+
+    def is_navigable(self, point: Any, max_y_delta: float = 0.5) -> bool:
+        return self._mesh.is_navigable(tuple(point), max_y_delta)
+
+    def try_step(self, start: Any, end: Any) -> Any:
+        return np.array(self._mesh.try_step(tuple(start), tuple(end), sliding=True))
+
+    def try_step_no_sliding(self, start: Any, end: Any) -> Any:
+        return np.array(self._mesh.try_step(tuple(start), tuple(end), sliding=False))
+
+    def find_path(self, path: Any) -> bool:
+        if isinstance(path, MultiGoalShortestPath):
+            ends = np.asarray(path.requested_ends)
+            found = GoalPaths(self._mesh, ends).nearest(tuple(path.requested_start))[1]
+        else:
+            start, end = tuple(path.requested_start), tuple(path.requested_end)
+            found = self._mesh.shortest_path(start, end)
+        path.geodesic_distance, path.points = found.length_m, list(found.points)
+        return np.isfinite(found.length_m)
+
+
+class _Agent:
+    def __init__(self) -> None:
+        self.state: Any = None
+
+    def set_state(self, state: Any) -> None:
+        assert len(state.rotation) == 4
+        assert np.isclose(np.linalg.norm(state.rotation), 1.0)
+        self.state = state
+
+
+class Simulator:
+    def __init__(self, configuration: Configuration) -> None:
+        path = Path(configuration.sim_cfg.scene_id)
+        scene = open_scene(path)
+        files = ScanFiles.of(path)
+        mesh = None if files is None or files.navmesh is None else Navmesh.load(files.navmesh)
+        self.pathfinder = PathFinder(mesh)
+        self._renderer = CpuRenderer(scene, RenderConfig(threads=1))
+        self._numbers = np.array(
+            [0, *(int(i.name.rpartition("_")[2]) for i in scene.instances[1:])], dtype=np.uint32
+        )
+        self._sensors = configuration.agents[0].sensor_specifications
+        self._agent = _Agent()
+        self.is_closed = False
+
+    def get_agent(self, number: int) -> _Agent:
+        assert number == 0
+        return self._agent
+
+    def get_sensor_observations(self) -> dict[str, Any]:
+        seen: dict[str, Any] = {}
+        for sensor in self._sensors:
+            height, width = sensor.resolution
+            camera = PinholeCamera.from_hfov(width, height, float(sensor.hfov))
+            view = self._renderer.render(camera, self._camera_to_scene(sensor))
+            if sensor.sensor_type is SensorType.COLOR:
+                opaque = np.full((height, width, 1), 255, np.uint8)
+                seen[sensor.uuid] = np.concatenate([view.rgb, opaque], axis=2)
+            elif sensor.sensor_type is SensorType.DEPTH:
+                seen[sensor.uuid] = view.depth
+            else:
+                numbers = self._numbers[np.maximum(view.instance_ids, 0)]
+                seen[sensor.uuid] = np.where(view.instance_ids >= 0, numbers, 0)
+        return seen
+
+    def close(self) -> None:
+        self._renderer.close()
+        self.is_closed = True
+
+    def _camera_to_scene(self, sensor: Any) -> Transform:
+        """OpenGL's camera: x right, y up, looking along -z; Habitat's world: y up."""
+        x, y, z, w = self._agent.state.rotation
+        right = _turned((x, y, z, w), (1.0, 0.0, 0.0))
+        up = _turned((x, y, z, w), (0.0, 1.0, 0.0))
+        back = _turned((x, y, z, w), (0.0, 0.0, 1.0))
+        offset = np.column_stack([right, up, back]) @ np.array(sensor.position)
+        middle = np.array(self._agent.state.position) + offset
+        columns = [_in_scene(right), _in_scene(-up), _in_scene(-back)]
+        return Transform(np.column_stack(columns), _in_scene(middle))
+
+
+def _turned(quaternion: tuple[float, ...], vector: tuple[float, ...]) -> np.ndarray:
+    axis, w = np.array(quaternion[:3]), quaternion[3]
+    v = np.array(vector)
+    return v + 2.0 * np.cross(axis, np.cross(axis, v) + w * v)
+
+
+def _in_scene(vector: np.ndarray) -> np.ndarray:
+    return np.array([vector[0], -vector[2], vector[1]])

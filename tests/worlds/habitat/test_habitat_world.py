@@ -1,0 +1,145 @@
+"""Agents on habitat-sim's observations, by a faithful stand-in for the few calls that are used."""
+
+import math
+import sys
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import fake_habitat
+from hypernav.build.worlds import open_world
+from hypernav.cli.main import main
+from hypernav.core.errors import MissingExtraError, SceneError
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.world import Renderer
+from hypernav.evaluation.datasets import load_episodes
+from hypernav.evaluation.workers.worker import EpisodeWorker, Job
+from hypernav.evaluation.world_comparison import compare_worlds
+from hypernav.worlds.habitat.path_finder import HabitatSurface
+from hypernav.worlds.habitat.simulator import HabitatRenderer, quaternion_of
+from hypernav.worlds.scans.loading import open_scene
+from hypernav.worlds.surface.walkable_surface import WalkableSurface
+from scan_writers.data_folder import write_data
+from scan_writers.episodes import HASH, SCENE
+from small_worlds import small_config
+
+CONFIG = small_config(embodiment={"motion": {"forward_m": 0.25, "turn_angle_deg": 30.0}})
+
+
+@pytest.fixture
+def _habitat(monkeypatch):
+    monkeypatch.setitem(sys.modules, "habitat_sim", fake_habitat)
+
+
+@pytest.fixture(scope="module")
+def data(tmp_path_factory):
+    return write_data(tmp_path_factory.mktemp("data"))
+
+
+@pytest.fixture
+def mesh(data):
+    return data / "scene_datasets" / "hm3d" / "val" / SCENE / f"{HASH}.glb"
+
+
+def opened(mesh, name):
+    return open_world(open_scene(mesh), str(mesh), CONFIG, name)
+
+
+def test_without_habitat_sim_the_error_says_how_to_get_it(mesh):
+    with pytest.raises(MissingExtraError, match="conda install habitat-sim"):
+        opened(mesh, "habitat")
+
+
+def test_the_command_says_so_before_anything_is_loaded(capsys):
+    with pytest.raises(SystemExit) as stop:
+        main(["eval", "hm3d:nowhere", "--world", "habitat"])
+    assert stop.value.code == 2
+    assert "leave out --world habitat" in capsys.readouterr().err
+
+
+@given(st.floats(-math.pi, math.pi), st.floats(-1.5, 1.5), st.floats(-math.pi, math.pi))
+def test_a_quaternion_turns_as_its_matrix(yaw, pitch, roll):
+    def about(axis, angle):
+        cross = np.cross(np.eye(3), axis)
+        return np.eye(3) - math.sin(angle) * cross + (1 - math.cos(angle)) * cross @ cross
+
+    matrix = about((0, 0, 1), yaw) @ about((0, 1, 0), pitch) @ about((1, 0, 0), roll)
+    x, y, z, w = quaternion_of(matrix)
+    assert x * x + y * y + z * z + w * w == pytest.approx(1.0)
+    for axis in np.eye(3):
+        turned = fake_habitat._turned((x, y, z, w), tuple(axis))
+        assert np.allclose(turned, matrix @ axis, atol=1e-9)
+
+
+@pytest.mark.usefixtures("_habitat")
+def test_both_worlds_show_and_walk_the_same(mesh):
+    habitat, native = opened(mesh, "habitat"), opened(mesh, "native")
+    assert isinstance(habitat.renderer, Renderer)
+    assert isinstance(habitat.world.walkable, WalkableSurface)
+    for comparison in compare_worlds(habitat, native, 6, np.random.default_rng(0)):
+        assert comparison.is_same
+        assert comparison.color_difference == 0.0
+        assert comparison.depth_share == comparison.label_share == 1.0
+        assert comparison.step_m == pytest.approx(0.0, abs=1e-6)
+
+
+@pytest.mark.usefixtures("_habitat")
+def test_episodes_run_on_habitats_observations(data, tmp_path):
+    chair, _, television, _ = load_episodes(f"hm3d:{data}#v1/val")
+    found = []
+    for world in ("habitat", "native"):
+        worker = EpisodeWorker(Job(tmp_path, CONFIG, world=world))
+        found.append([worker.run(e).model_dump(exclude={"seconds"}) for e in (chair, television)])
+        worker.close()
+    assert found[0] == found[1]
+    assert all(record["success"] for record in found[0])
+
+
+@pytest.mark.usefixtures("_habitat")
+def test_a_difference_is_seen(mesh, monkeypatch):
+    habitat, native = opened(mesh, "habitat"), opened(mesh, "native")
+    surface = habitat.world.walkable
+    assert isinstance(surface, HabitatSurface)
+    original = surface.move
+
+    def shorter(position, dx, dy, *, sliding=False):
+        return original(position, 0.9 * dx, 0.9 * dy, sliding=sliding)
+
+    monkeypatch.setattr(surface, "move", shorter)
+    found = list(compare_worlds(habitat, native, 3, np.random.default_rng(0)))
+    assert not all(comparison.is_same for comparison in found)
+
+
+@pytest.mark.usefixtures("_habitat")
+def test_the_command_compares_pose_by_pose(mesh, capsys):
+    with pytest.raises(SystemExit) as stop:
+        main(["compare", str(mesh), "--poses", "2"])
+    assert stop.value.code == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line[:4] for line in lines] == ["ok  ", "ok  ", "2 of"]
+
+
+@pytest.mark.usefixtures("_habitat")
+def test_what_habitat_cannot_open_is_one_error(mesh, monkeypatch):
+    with pytest.raises(SceneError, match="opens files only"):
+        open_world(open_scene(mesh), "builtin", CONFIG, "habitat")
+    drawn = HabitatRenderer(open_scene(mesh), mesh, CONFIG.embodiment)
+    other = CONFIG.embodiment.camera.model_copy(update={"width": 80}).intrinsics
+    with pytest.raises(SceneError, match="camera is set"):
+        drawn.render(other, Pose2(0.0, 0.0, 0.0).to_transform())
+
+    def refuse(configuration):
+        raise RuntimeError("no such stage")
+
+    monkeypatch.setattr(fake_habitat, "Simulator", refuse)
+    with pytest.raises(SceneError, match=r"can't open it \(no such stage\)"):
+        opened(mesh, "habitat")
+
+
+@pytest.mark.usefixtures("_habitat")
+def test_a_scene_without_a_mesh_is_refused(data):
+    scan = data / "scene_datasets" / "mp3d" / HASH / f"{HASH}.glb"
+    with pytest.raises(SceneError, match="no navigation mesh beside it"):
+        opened(scan, "habitat")
