@@ -141,6 +141,13 @@ def test_nothing_can_be_drawn_where_nothing_is_walkable() -> None:
         navmesh.random_point(np.random.default_rng(0))
 
 
+def test_the_edges_of_a_polygon_count_where_none_is_marked_as_boundary() -> None:
+    parts = FileParts.of(content_of(squares(2, 1)))
+    parts.tiles[0].arrays["detail_triangles"][:, 3] = 0
+    navmesh = Navmesh(navmesh_of(parts.content()))
+    assert navmesh.nearest((-0.5, 0.0, -0.25)) == pytest.approx((0.0, 0.0, -0.25))
+
+
 def test_two_tiles_are_walked_as_one() -> None:
     halves = [FileParts.of(content_of(squares(2, 2))) for _ in range(2)]
     parts = halves[0]

@@ -105,7 +105,7 @@ class NavmeshSurface:
 
     def centres(self, component: int = 0) -> Float64[np.ndarray, "n 2"]:
         """Points of one island, 5 cm apart, on all its storeys."""
-        return self._points_of(component)[:, :2]
+        return (self._floor if component == 0 else self._points_of(component))[:, :2]
 
     def floor_near(
         self, low: tuple[float, float], high: tuple[float, float], reach_m: float

@@ -17,19 +17,19 @@ _SAME_SQUARED = np.float32((1.0 / 16384.0) ** 2)
 _PARALLEL = np.float32(1e-6)
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True)
 def vertex(mesh, i):
     """A vertex as a point."""
     return mesh.vertices[i, 0], mesh.vertices[i, 1], mesh.vertices[i, 2]
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True)
 def corner(mesh, polygon, i):
     """A corner of a polygon as a point."""
     return vertex(mesh, mesh.corners[polygon, i])
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True)
 def between(a, b, t):
     """The point at a fraction of the straight line from a to b."""
     return (
@@ -39,32 +39,32 @@ def between(a, b, t):
     )
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True)
 def squared_distance(a, b):
     """Squared distance in space."""
     dx, dy, dz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
     return dx * dx + dy * dy + dz * dz
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True)
 def distance(a, b):
     """Distance in space."""
     return math.sqrt(squared_distance(a, b))
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True)
 def is_same(a, b):
     """Whether two points are closer than a sixteenth of a millimetre."""
     return squared_distance(a, b) < _SAME_SQUARED
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True)
 def signed_area(a, b, c):
     """Twice the area of a triangle in the plane; its sign tells the side of c."""
     return (c[0] - a[0]) * (b[2] - a[2]) - (b[0] - a[0]) * (c[2] - a[2])
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True)
 def to_segment(p, a, b):
     """Squared distance from p to the segment a-b in the plane, and where on it, 0 to 1."""
     abx, abz = b[0] - a[0], b[2] - a[2]
@@ -79,7 +79,7 @@ def to_segment(p, a, b):
     return dx * dx + dz * dz, t
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True)
 def crossing(a, b, c, d):
     """Whether the lines a-b and c-d cross in the plane, and where on each: 0 to 1 is within."""
     ux, uz = b[0] - a[0], b[2] - a[2]
@@ -107,7 +107,7 @@ def is_over(mesh, polygon, p):
     return inside
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True)
 def height_in_triangle(p, a, b, c):
     """Whether a point lies over or under a triangle, and the triangle's height there."""
     v0x, v0y, v0z = c[0] - a[0], c[1] - a[1], c[2] - a[2]

@@ -52,7 +52,7 @@ def _neighbours(mesh, polygon, edge, found):
     return count
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True)
 def _hits(a, b, start, end):
     """Whether a move meets a segment, and where on the segment."""
     cross, s, t = crossing(a, b, start, end)

@@ -70,7 +70,17 @@ def closest_on(mesh, polygon, p):
     over, height = height_on(mesh, polygon, p)
     if over:
         return (p[0], height, p[2]), True
-    return _on_detail_edges(mesh, polygon, p, True), False
+    return _on_detail_edges(mesh, polygon, p, _has_boundary(mesh, polygon)), False
+
+
+@njit(cache=True)
+def _has_boundary(mesh, polygon):
+    """Whether an edge is marked as boundary; Detour would crash beside a polygon without one."""
+    for triangle in range(mesh.triangle_start[polygon], mesh.triangle_start[polygon + 1]):
+        for flag in _ON_BOUNDARY:
+            if mesh.triangle_flags[triangle] & flag != 0:
+                return True
+    return False
 
 
 @njit(cache=True)

@@ -4,7 +4,6 @@ import numpy as np
 
 from hypernav.core.errors import NavmeshError
 from hypernav.worlds.navmesh.files.file_format import (
-    BOUNDARY_EDGES,
     EXTERNAL,
     SIDES,
     VERTICES_PER_POLYGON,
@@ -144,13 +143,6 @@ def _check_details(tile: NavmeshTile, name: str) -> None:
     expect(
         ((corners[:, :3] < own) | (beyond < len(tile.detail_vertices))).all(),
         f"{name}: a detail triangle has a vertex of a number beyond {len(tile.detail_vertices)}",
-    )
-    on_boundary = np.bincount(
-        owner, weights=(corners[:, 3] & BOUNDARY_EDGES) != 0, minlength=len(details)
-    )
-    expect(
-        ((on_boundary > 0) | (counts == 0)).all(),
-        f"{name}: a detail mesh has no edge on the boundary of its polygon",
     )
 
 

@@ -25,8 +25,6 @@ SIDES = (0, 2, 4, 6)
 """Directions of edges between tiles: towards +x, +z, -x, -z."""
 WALKABLE = 0x01
 """Flag of a polygon that an agent may walk on."""
-BOUNDARY_EDGES = 0b010101
-"""Flags of a detail triangle: its edges 0-1, 1-2 and 2-0 lie on the polygon's boundary."""
 
 SET_HEADER = np.dtype(
     [
