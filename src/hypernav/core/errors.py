@@ -28,8 +28,8 @@ class SceneError(HyPerNavError):
     """A scene file is missing, broken, empty or not a mesh."""
 
 
-class NavmeshError(HyPerNavError):
-    """A navigation mesh file is missing, broken, or of a kind that habitat-sim does not write."""
+class NavmeshError(SceneError):
+    """A scene's navigation mesh is missing, broken, or of a kind that habitat-sim doesn't write."""
 
 
 class StartError(HyPerNavError):

@@ -91,8 +91,7 @@ class SimulatedWorld:
                 mesh, or computed from the scene where it has none.
 
         Raises:
-            SceneError: The robot fits nowhere.
-            NavmeshError: The navigation mesh can't be read.
+            SceneError: The robot fits nowhere, or the navigation mesh can't be read.
             MissingExtraError: Embree is not installed.
         """
         self.scene = scene
