@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from drawn_grids import drawn
+from hypernav.core.geometry.grid import Cell
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.prospects import find_legs_m, find_prospects
@@ -106,6 +107,20 @@ def test_beyond_the_map_the_unknown_goes_on():
     assert prospects(margin, [there]).gains_m2 == pytest.approx(
         prospects(WALLED, [LEFT]).gains_m2, rel=0.02
     )
+
+
+def test_what_is_shown_is_unknown_there_and_no_farther_than_the_range():
+    grid = area(WALLED, LEFT).grid
+    found = prospects(WALLED, [LEFT])
+    cells = grid.cells_of(found.positions)
+    inside = grid.contains(cells)
+    assert not inside.all()
+    patch = np.arange(-2, 3)  # a patch is four cells wide
+    for row, column in cells[inside]:
+        rows = np.clip(row + patch, 0, grid.cells.shape[0] - 1)
+        columns = np.clip(column + patch, 0, grid.cells.shape[1] - 1)
+        assert (grid.cells[np.ix_(rows, columns)] == Cell.UNKNOWN).any()
+    assert np.linalg.norm(found.positions - LEFT, axis=1).max() < RANGE_M + 0.2
 
 
 def test_what_two_positions_show_both_counts_once():

@@ -49,10 +49,12 @@ class Prospects:
     Attributes:
         areas_m2: Parts of the unknown floor, square metres.
         shows: Whether a block shows a part.
+        positions: Middles ``(x, y)`` of the parts, ``map`` frame, metres.
     """
 
     areas_m2: Float64[np.ndarray, "areas"]
     shows: Bool[np.ndarray, "blocks areas"]
+    positions: Float64[np.ndarray, "areas 2"]
 
     @property
     def gains_m2(self) -> Float64[np.ndarray, "blocks"]:
@@ -63,13 +65,17 @@ class Prospects:
 def prospects_of_boundaries(blocks: Sequence[Block]) -> Prospects:
     """Prospects by what blocks alone tell: each shows its own boundary."""
     boundaries = np.array([block.frontier_cells for block in blocks], dtype=np.float64)
-    return Prospects(boundaries, np.eye(len(blocks), dtype=bool))
+    return Prospects(boundaries, np.eye(len(blocks), dtype=bool), _destinations(blocks))
 
 
 def straight_legs_m(blocks: Sequence[Block]) -> Float64[np.ndarray, "blocks blocks"]:
     """Distances between blocks as the crow flies, metres."""
-    positions = np.array([block.destination for block in blocks]).reshape(-1, 2)
+    positions = _destinations(blocks)
     return np.linalg.norm(positions[:, None] - positions, axis=2)
+
+
+def _destinations(blocks: Sequence[Block]) -> Float64[np.ndarray, "blocks 2"]:
+    return np.array([block.destination for block in blocks], dtype=np.float64).reshape(-1, 2)
 
 
 @dataclass(frozen=True, eq=False)

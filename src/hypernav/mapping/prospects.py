@@ -43,8 +43,10 @@ def find_prospects(
         _PATCH_CELLS,
     )
     in_view = chance > 0.0
-    patch_m2 = (_PATCH_CELLS * size) ** 2
-    return Prospects(chance[in_view] * patch_m2, shows[:, in_view])
+    patch_m = _PATCH_CELLS * size
+    corner = np.array(reach.grid.origin) - range_cells * size
+    middles = corner + (np.argwhere(in_view)[:, ::-1] + 0.5) * patch_m
+    return Prospects(chance[in_view] * patch_m**2, shows[:, in_view], middles)
 
 
 def find_legs_m(

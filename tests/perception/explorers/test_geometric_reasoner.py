@@ -85,7 +85,7 @@ def test_a_view_counts_and_not_the_boundary():
     def crumbs_and_a_room(blocks):
         # The long boundary lies behind furniture, the short one is a door.
         shows = np.array([[True, False], [False, True]])
-        return Prospects(np.array([0.2, 9.0]), shows)
+        return Prospects(np.array([0.2, 9.0]), shows, np.zeros((2, 2)))
 
     blocks = [block(1, 60, 2.0, (2.0, 0.0)), block(2, 16, 3.0, (-3.0, 0.0))]
     for order in ("greedy", "tour"):
@@ -109,7 +109,7 @@ def test_a_tour_has_as_many_stops_as_allowed():
 
 def test_where_nothing_is_to_be_seen_the_nearest_comes_first():
     def nothing(blocks):
-        return Prospects(np.zeros(0), np.zeros((len(blocks), 0), bool))
+        return Prospects(np.zeros(0), np.zeros((len(blocks), 0), bool), np.zeros((0, 2)))
 
     blocks = [block(1, 20, 5.0), block(2, 20, 2.0), block(3, 20, 9.0)]
     assert choose(*blocks, prospects=nothing).number == 2
