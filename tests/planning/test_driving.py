@@ -29,7 +29,7 @@ PAPER = PlanningConfig(
     squeeze_m=0.0, comfort_cost=0.0, targets="nearest-straight", steering="waypoint"
 )
 HALL = drawn("....................\n" * 20, scale=10, origin=(-5.0, -5.0))
-PATH = PlannedPath(((0.0, 0.0), (2.0, 0.0), (2.0, 2.0)), 0.0)
+PATH = PlannedPath(((0.0, 0.0), (2.0, 0.0), (2.0, 2.0)), gap_m=0.0, cost=80.0, is_known=True)
 
 
 def follower(path, config=PAPER):
@@ -55,7 +55,9 @@ def test_it_turns_if_the_next_waypoint_is_too_far_off_and_goes_otherwise(yaw_deg
 
 
 def test_a_waypoint_that_was_stepped_over_does_not_come_back():
-    following = follower(PlannedPath(((0.0, 0.0), (0.7, 0.0), (3.0, 0.1)), 0.0))
+    following = follower(
+        PlannedPath(((0.0, 0.0), (0.7, 0.0), (3.0, 0.1)), gap_m=0.0, cost=60.0, is_known=True)
+    )
     for x in (0.0, 0.4, 1.1, 1.6, 2.1):
         assert following.next_action(Pose2(x, 0.0, 0.0)) is Action.MOVE_FORWARD
     assert following.remaining(Pose2(1.6, 0.0, 0.0)) == ((1.6, 0.0), (3.0, 0.1))

@@ -231,6 +231,44 @@ def test_the_unknown_is_dearer_or_forbidden_as_configured():
     assert Planner(PlanningConfig(unknown_cost=0.0), BODY).plan(grid, start, target) is None
 
 
+def wall_with(gap_cells, *, beyond):
+    """A wall across a room of 4 m x 4 m, with a gap; on the right it ends in the given state."""
+    cells = np.full((80, 80), Cell.FREE, dtype=np.uint8)
+    cells[38:42, :70] = Cell.OCCUPIED
+    cells[38:42, 20 : 20 + gap_cells] = Cell.FREE
+    cells[30:50, 70:] = beyond
+    return OccupancyGrid(cells, 0.05, (0.0, 0.0))
+
+
+@pytest.mark.parametrize(
+    ("prefer_known", "beyond", "gap_cells", "through_the_gap"),
+    [
+        (True, Cell.UNKNOWN, 8, True),  # 0.4 m: passable with a margin of next to nothing
+        (False, Cell.UNKNOWN, 8, False),
+        (True, Cell.FREE, 8, False),
+        (True, Cell.UNKNOWN, 4, False),  # too narrow for the robot
+        (True, Cell.UNKNOWN, 12, True),
+    ],
+)
+def test_a_known_gap_comes_before_the_unknown(prefer_known, beyond, gap_cells, through_the_gap):
+    grid = wall_with(gap_cells, beyond=beyond)
+    config = PlanningConfig(prefer_known=prefer_known)
+    path = path_of(config, grid, (1.2, 1.0), np.array([[1.2, 3.0]]))
+    assert path.enters
+    assert (max(x for x, _ in path.waypoints) < 2.0) == through_the_gap
+    assert path.is_known == (through_the_gap or beyond == Cell.FREE)
+
+
+@pytest.mark.parametrize("beyond", [Cell.UNKNOWN, Cell.FREE])
+def test_what_will_do_is_gone_to_where_the_best_lies_behind_the_unknown(beyond):
+    grid = wall_with(0, beyond=beyond)
+    best, will_do = np.array([[1.2, 3.0]]), np.array([[1.2, 3.0], [1.2, 1.5]])
+    options = list(Planner(CONFIG, BODY).options(grid, (0.3, 0.3), [best, will_do]))
+    end = certain(options[0][1]).end
+    assert end == pytest.approx((1.2, 3.0) if beyond == Cell.FREE else (1.2, 1.5), abs=0.05)
+    assert len(options) == 4
+
+
 def test_of_several_targets_the_configured_one_is_gone_to():
     grid = drawn(
         """
@@ -340,7 +378,8 @@ def test_a_gap_that_only_just_fits_is_taken_where_no_other_way_leads():
 
 
 def test_the_length_of_a_path_is_that_of_its_legs():
-    assert PlannedPath(((0.0, 0.0), (3.0, 4.0), (3.0, 5.0)), 0.0).length_m == pytest.approx(6.0)
+    path = PlannedPath(((0.0, 0.0), (3.0, 4.0), (3.0, 5.0)), gap_m=0.0, cost=120.0, is_known=True)
+    assert path.length_m == pytest.approx(6.0)
 
 
 def test_dense_waypoints_are_one_in_every_cell():

@@ -177,6 +177,7 @@ def preset(name: PresetName) -> HyPerNavConfig:
         planning=PlanningConfig(
             margin_m=0.12,
             squeeze_m=0.0,
+            prefer_known=False,
             comfort_cost=0.0,
             unknown_cost=1.0,
             targets="nearest-straight",

@@ -19,6 +19,9 @@ class PlanningConfig(RoomConfig):
             radius and this.
         squeeze_m: Reduction of that dilation where no path leads, or nothing is left to explore,
             metres; 0 does without.
+        prefer_known: Whether a path over explored floor that squeezes through a gap, or enters
+            the destination elsewhere than at the best positions, is preferred to a path through the
+            unknown that costs more; else it is taken only where there is no other.
         comfort_m: Distance beyond the dilation, metres, within which a path costs more, so that it
             keeps to the middle of doors where there is room.
         comfort_cost: Addition to the cost factor of 1 within `comfort_m`; 0 switches it off.
@@ -54,6 +57,7 @@ class PlanningConfig(RoomConfig):
 
     margin_m: float = Field(default=0.04, ge=0.0, le=2.0)
     squeeze_m: float = Field(default=0.04, ge=0.0, le=2.0)
+    prefer_known: bool = True
     comfort_m: float = Field(default=0.20, ge=0.0, le=5.0)
     comfort_cost: float = Field(default=1.0, ge=0.0, le=1000.0)
     unknown_cost: float = Field(default=3.0, ge=0.0, le=1000.0)

@@ -27,13 +27,15 @@ class Costmap:
             is no part of the escape.
         escape: Path from the robot to open floor, whose cells have costs too; None if there is
             none.
-        is_squeezed: Whether obstacles are inflated less than they should be.
+        clearance_m: Distance from obstacles that the robot's middle keeps, metres.
+        is_squeezed: Whether that distance is less than it should be.
     """
 
     grid: OccupancyGrid
     costs: Float32[np.ndarray, "rows columns"]
     is_open: UInt8[np.ndarray, "rows columns"]
     escape: Escape | None
+    clearance_m: float
     is_squeezed: bool
 
     @staticmethod
@@ -75,7 +77,7 @@ class Costmap:
             escape = Escape.find(occupied, is_open, here, size)
         if escape is not None:
             costs[escape.cells & (is_open == 0)] = _ESCAPE_COST
-        return Costmap(grid, costs, is_open, escape, is_squeezed)
+        return Costmap(grid, costs, is_open, escape, clearance_m, is_squeezed)
 
     @property
     def is_tight(self) -> bool:

@@ -36,7 +36,7 @@ class Navigator:
         """Forget the path."""
         self._follower.follow(None)
         self._age, self._clearance_m = 0, self._clearances_m[0]
-        self._targets: Float64[np.ndarray, "n 2"] = np.zeros((0, 2))
+        self._destinations: tuple[Float64[np.ndarray, "_ 2"], ...] = ()
 
     @property
     def path(self) -> PlannedPath | None:
@@ -49,27 +49,28 @@ class Navigator:
         return self._follower.arrived
 
     def towards(
-        self, grid: OccupancyGrid, robot: Pose2, targets: Float64[np.ndarray, "n 2"]
+        self, grid: OccupancyGrid, robot: Pose2, *destinations: Float64[np.ndarray, "_ 2"]
     ) -> Action | None:
         """The next action on the path to a destination.
 
         Args:
             grid: The map.
             robot: Pose of the robot.
-            targets: Points of the destination, ``(x, y)``, metres.
+            destinations: Points of the destination, ``(x, y)``, metres; then those that will do
+                where these are hard to reach.
 
         Returns:
             The action. None if there is no path, or if no step brings the robot nearer; `arrived`
             tells which.
         """
         self._age += 1
-        if self._path_is_fresh(targets):
+        if self._path_is_fresh(destinations):
             costmap = self._costmap(grid, robot)
             if not is_blocked(self._follower.remaining(robot), costmap):
                 action = self._follower.next_action(robot, costmap)
                 if action is not None or self.arrived:
                     return action
-        return self._plan(grid, robot, targets)
+        return self._plan(grid, robot, destinations)
 
     def remaining(self, robot: Pose2) -> list[tuple[float, float]]:
         """The path that is left, from the robot on, metres; empty without a path."""
@@ -80,28 +81,37 @@ class Navigator:
         """Length of the path that is left, metres; 0 without a path."""
         return sum(math.dist(*leg) for leg in pairwise(self._follower.remaining(robot)))
 
-    def _path_is_fresh(self, targets: Float64[np.ndarray, "n 2"]) -> bool:
+    def _path_is_fresh(self, destinations: tuple[Float64[np.ndarray, "_ 2"], ...]) -> bool:
         every = self._config.replan_every_steps
         is_young = every is None or self._age < every
-        return self.path is not None and is_young and self._leads_to(targets)
+        return (
+            self.path is not None
+            and is_young
+            and len(destinations) == len(self._destinations)
+            and all(map(self._overlap, destinations, self._destinations))
+        )
 
-    def _leads_to(self, targets: Float64[np.ndarray, "n 2"]) -> bool:
-        """Whether the path was planned to this destination, or to one that it overlaps."""
-        if self._config.replan_when_moved or len(self._targets) == 0:
-            return np.array_equal(targets, self._targets)
-        low, high = targets.min(axis=0), targets.max(axis=0)
-        before_low, before_high = self._targets.min(axis=0), self._targets.max(axis=0)
+    def _overlap(
+        self, points: Float64[np.ndarray, "_ 2"], before: Float64[np.ndarray, "_ 2"]
+    ) -> bool:
+        """Whether a path to the points of before leads to these, too."""
+        if self._config.replan_when_moved or len(before) == 0:
+            return np.array_equal(points, before)
+        low, high = points.min(axis=0), points.max(axis=0)
+        before_low, before_high = before.min(axis=0), before.max(axis=0)
         return bool((low <= before_high).all() and (before_low <= high).all())
 
     def _plan(
-        self, grid: OccupancyGrid, robot: Pose2, targets: Float64[np.ndarray, "n 2"]
+        self,
+        grid: OccupancyGrid,
+        robot: Pose2,
+        destinations: tuple[Float64[np.ndarray, "_ 2"], ...],
     ) -> Action | None:
-        """Plan anew, closer to obstacles where there is no path otherwise, and begin."""
-        self._targets, self._age = targets, 0
-        for clearance_m in self._clearances_m:
-            self._clearance_m = clearance_m
-            costmap = self._costmap(grid, robot)
-            self._follower.follow(self._planner.plan_on(costmap, robot.xy, targets))
+        """Plan anew and begin."""
+        self._destinations, self._age = destinations, 0
+        for costmap, path in self._planner.options(grid, robot.xy, destinations):
+            self._clearance_m = costmap.clearance_m
+            self._follower.follow(path)
             action = self._follower.next_action(robot, costmap)
             if action is not None or self.arrived:
                 return action

@@ -1,6 +1,8 @@
 """Paths over the map."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
 from itertools import pairwise
 
 import cv2
@@ -14,6 +16,9 @@ from hypernav.planning.config import PlanningConfig
 from hypernav.planning.costmap import Costmap
 from hypernav.planning.motion_kernels import cost_of_line, shortcut
 
+_BESIDE_M = 0.1
+"""Gap that comes of the size of the cells, metres."""
+
 
 @dataclass(frozen=True)
 class PlannedPath:
@@ -23,10 +28,24 @@ class PlannedPath:
         waypoints: Points ``(x, y)`` from the start to the end, metres: corners, or every cell.
         gap_m: Distance from the path's end to the nearest cell of the destination, metres; more
             than 0 where the destination itself cannot be entered.
+        cost: Cost of its cells, in cells of free floor far from obstacles.
+        is_known: Whether all its cells are explored.
     """
 
     waypoints: tuple[tuple[float, float], ...]
     gap_m: float
+    cost: float
+    is_known: bool
+
+    @property
+    def enters(self) -> bool:
+        """Whether it leads into the destination, but for the size of the cells."""
+        return self.gap_m < _BESIDE_M
+
+    @property
+    def is_sure(self) -> bool:
+        """Whether it leads into the destination over explored floor."""
+        return self.enters and self.is_known
 
     @property
     def end(self) -> tuple[float, float]:
@@ -63,8 +82,8 @@ class Planner:
 
         From inside an inflated obstacle the path first leads out of it. A destination that cannot
         be entered moves to the cell nearest to it (`PlanningConfig.end_in_obstacle`), at most
-        `PlanningConfig.max_gap_m` away. Where no path leads, obstacles are inflated less
-        (`PlanningConfig.squeeze_m`).
+        `PlanningConfig.max_gap_m` away. Where no path leads, or only through the unknown, obstacles
+        are inflated less (`PlanningConfig.squeeze_m`, `PlanningConfig.prefer_known`).
 
         Args:
             grid: The map.
@@ -74,20 +93,51 @@ class Planner:
         Returns:
             The path; None if there is none.
         """
-        for clearance_m in self._clearances_m:
-            costmap = Costmap.of(grid, self._config, start, clearance_m)
-            path = self.plan_on(costmap, start, targets)
-            if path is not None:
-                return path
-        return None
+        return next((path for _, path in self.options(grid, start, [targets]) if path), None)
 
-    def plan_on(
+    def options(
+        self,
+        grid: OccupancyGrid,
+        start: tuple[float, float],
+        destinations: Sequence[Float64[np.ndarray, "_ 2"]],
+    ) -> Iterator[tuple[Costmap, PlannedPath | None]]:
+        """The paths to choose from, the best first.
+
+        Args:
+            grid: The map.
+            start: Position of the robot ``(x, y)``, metres.
+            destinations: Points ``(x, y)`` of the destination, metres, then those that will do as
+                well where these are hard to reach; at least one point each.
+
+        Yields:
+            A costmap, and the path on it; None if there is none. Most are computed only when they
+            are asked for.
+        """
+
+        @cache
+        def costmap(clearance_m: float) -> Costmap:
+            is_squeezed = clearance_m < self._clearances_m[0]
+            return Costmap.of(grid, self._config, start, clearance_m, is_squeezed=is_squeezed)
+
+        options = (
+            (costmap(clearance_m), self._plan_on(costmap(clearance_m), start, points))
+            for points in destinations
+            for clearance_m in self._clearances_m
+        )
+        first = next(options)
+        if first[1] is None or first[1].is_sure or not self._config.prefer_known:
+            yield first
+            yield from options
+        else:
+            yield from _known_first([first, *options])
+
+    def _plan_on(
         self,
         costmap: Costmap,
         start: tuple[float, float],
         targets: Float64[np.ndarray, "n 2"],
     ) -> PlannedPath | None:
-        """The cheapest path on a costmap; see `plan`."""
+        """The cheapest path on a costmap."""
         config = self._config
         if config.targets == "nearest-straight":
             offsets = ((targets - np.array(start)) ** 2).sum(axis=1)
@@ -98,13 +148,31 @@ class Planner:
         goal, gap_m = _enterable_goal(costmap, here, targets, config)
         if gap_m == np.inf or (config.max_gap_m is not None and gap_m > config.max_gap_m):
             return None
-        cells, _ = astar(costmap.costs, here, goal)
+        cells, cost = astar(costmap.costs, here, goal)
         if len(cells) == 0:
             return None
+        is_known = bool(costmap.grid.explored[tuple(cells.T)].all())
         if config.waypoints == "corners":
             cells = cells[shortcut(costmap.costs, cells, *costmap.continuous(*start))]
         points = [(float(x), float(y)) for x, y in costmap.grid.centres_of(cells)]
-        return PlannedPath((start, *(points[1:] if len(points) > 1 else points)), gap_m)
+        waypoints = (start, *(points[1:] if len(points) > 1 else points))
+        return PlannedPath(waypoints, gap_m, cost, is_known)
+
+
+def _known_first(
+    options: list[tuple[Costmap, PlannedPath | None]],
+) -> list[tuple[Costmap, PlannedPath | None]]:
+    """Sure paths that cost less than the first one to the destination, then it, then the others."""
+    costs = [path.cost for _, path in options if path is not None and path.enters]
+    most = costs[0] if costs else 0.0
+
+    def rank(option: tuple[Costmap, PlannedPath | None]) -> int:
+        path = option[1]
+        if path is None or not path.enters:
+            return 2
+        return 0 if path.is_known and path.cost < most else 1
+
+    return sorted(options, key=rank)
 
 
 def is_blocked(points: tuple[tuple[float, float], ...], costmap: Costmap) -> bool:

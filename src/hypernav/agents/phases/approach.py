@@ -8,7 +8,6 @@ from hypernav.agents.phases.explore import Explore
 from hypernav.agents.phases.look_around import LookAround
 from hypernav.agents.phases.step import Decision, PhaseName, Step
 from hypernav.agents.progress import patience_of
-from hypernav.core.actions import Action
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import Mode
@@ -80,8 +79,10 @@ class Approach:
         goals = self._goals(target)
         if _distance_m(robot, goals[0]) > config.stop_distance_m:
             with step.clock("plan"):
-                action, leads_there = self._go(step, goals)
-            if self._navigator.path is None or not (leads_there or self.as_near_as_possible):
+                action = self._navigator.towards(step.grid, robot, *goals)
+            path = self._navigator.path
+            leads_there = path is not None and path.gap_m <= config.approach_gap_m
+            if path is None or not (leads_there or self.as_near_as_possible):
                 self.forget()
                 return PhaseName.LOOK_AROUND
             left_m = self._navigator.left_m(robot)
@@ -110,18 +111,6 @@ class Approach:
             if 0 < len(in_sight) < len(goals[0]):
                 goals.insert(0, in_sight)
         return goals
-
-    def _go(
-        self, step: Step, goals: list[Float64[np.ndarray, "_ 2"]]
-    ) -> tuple[Action | None, bool]:
-        """The next action to the first goal that a path leads to, and whether there is one."""
-        action = None
-        for points in goals:
-            action = self._navigator.towards(step.grid, step.robot, points)
-            path = self._navigator.path
-            if path is not None and path.gap_m <= self._config.approach_gap_m:
-                return action, True
-        return action, False
 
     def _leave_exploration(self, step: Step) -> None:
         """Leave exploration: local perception wins."""
