@@ -21,7 +21,7 @@ class PlanningConfig(RoomConfig):
             metres; 0 does without.
         prefer_known: Whether a path over explored floor that squeezes through a gap, or enters
             the destination elsewhere than at the best positions, is preferred to a path through the
-            unknown that costs more; else it is taken only where there is no other.
+            unknown of twice its cost; else it is taken only where there is no other.
         comfort_m: Distance beyond the dilation, metres, within which a path costs more, so that it
             keeps to the middle of doors where there is room.
         comfort_cost: Addition to the cost factor of 1 within `comfort_m`; 0 switches it off.

@@ -162,9 +162,9 @@ class Planner:
 def _known_first(
     options: list[tuple[Costmap, PlannedPath | None]],
 ) -> list[tuple[Costmap, PlannedPath | None]]:
-    """Sure paths that cost less than the first one to the destination, then it, then the others."""
+    """Sure paths of half the cost of the first to the destination, then it, then the others."""
     costs = [path.cost for _, path in options if path is not None and path.enters]
-    most = costs[0] if costs else 0.0
+    most = costs[0] / 2.0 if costs else 0.0
 
     def rank(option: tuple[Costmap, PlannedPath | None]) -> int:
         path = option[1]

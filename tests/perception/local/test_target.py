@@ -51,9 +51,20 @@ def test_the_goal_area_is_not_entered_behind_a_wall():
     target = target_at(thing_m=2.0)
     everywhere = target.entry_points_in_sight(at_eye_level(None))
     assert len(everywhere) == len(target.entry_points)
-    before = target.entry_points_in_sight(at_eye_level(1.7))
+    unseen = replace(target, area=replace(target.area, before=np.zeros_like(target.area.before)))
+    before = unseen.entry_points_in_sight(at_eye_level(1.7))
     assert 0 < len(before) < len(everywhere)
     assert before[:, 0].min() > 1.7
+
+
+def test_what_was_seen_over_a_counter_is_in_sight_from_before_it():
+    target = target_at(thing_m=2.0)  # seen from the origin, along x
+    points = target.entry_points_in_sight(at_eye_level(1.7))
+    across = points[points[:, 0] < 1.6]
+    assert len(across) > 0
+    assert np.abs(across[:, 1]).max() < np.abs(points[:, 1]).max()  # before the target only
+    beyond = target.area.entry_points[target.area.entry_before]
+    assert beyond[:, 0].max() < target.area.seen_points[:, 0].max()
 
 
 def test_what_the_target_itself_covers_hides_nothing():

@@ -53,6 +53,7 @@ class GoalArea:
         mask: Mask of the dilated cells.
         seen: Mask of the cells that points of the target fall into.
         entry: Mask of the cells that the robot may go to.
+        before: Mask of those between the target and a camera that saw it.
         origin: Lower left corner of the masks, metres.
         resolution_m: Side of a cell, metres.
         height_m: Height of the target's middle above the floor, metres.
@@ -61,6 +62,7 @@ class GoalArea:
     mask: Bool[np.ndarray, "rows columns"]
     seen: Bool[np.ndarray, "rows columns"]
     entry: Bool[np.ndarray, "rows columns"]
+    before: Bool[np.ndarray, "rows columns"]
     origin: tuple[float, float]
     resolution_m: float
     height_m: float
@@ -106,7 +108,8 @@ class GoalArea:
             mask = clusters == int(weights.argmax())
             seen &= mask
         origin = (float(low[1]) * resolution_m, float(low[0]) * resolution_m)
-        return GoalArea(mask, seen, mask, origin, resolution_m, float(np.median(points[:, 2])))
+        height_m = float(np.median(points[:, 2]))
+        return GoalArea(mask, seen, mask, np.zeros_like(mask), origin, resolution_m, height_m)
 
     def joined(self, other: "GoalArea") -> "GoalArea":
         """The cells of both areas, from two looks at the same target."""
@@ -115,7 +118,7 @@ class GoalArea:
         low = np.minimum(*corners)
         ends = [c + a.mask.shape for c, a in zip(corners, (self, other), strict=True)]
         shape = tuple(np.maximum(*ends) - low)
-        mask, seen, entry = np.zeros((3, *shape), dtype=bool)
+        mask, seen, entry, before = np.zeros((4, *shape), dtype=bool)
         for corner, area in zip(corners, (self, other), strict=True):
             row, column = corner - low
             rows, columns = area.mask.shape
@@ -123,8 +126,9 @@ class GoalArea:
             mask[window] |= area.mask
             seen[window] |= area.seen
             entry[window] |= area.entry
+            before[window] |= area.before
         origin = (float(low[1]) * size, float(low[0]) * size)
-        return GoalArea(mask, seen, entry, origin, size, self.height_m)
+        return GoalArea(mask, seen, entry, before, origin, size, self.height_m)
 
     def entered_from(self, observation: Observation, reach_m: float) -> "GoalArea":
         """The same area, to be entered near the seen cells, but not behind a wall.
@@ -143,7 +147,12 @@ class GoalArea:
         )
         entry = (away * self.resolution_m <= reach_m) & ~wide.seen
         entry[entry] = lies_open(wide._centres(entry), observation)
-        return replace(wide, entry=entry) if entry.any() else self
+        if not entry.any():
+            return self
+        before = entry.copy()
+        x, y, _ = observation.camera_to_map.translation
+        before[entry] = _are_before(wide._centres(entry), self.seen_points, np.array([x, y]))
+        return replace(wide, entry=entry, before=before)
 
     def _widened(self, margin: int) -> "GoalArea":
         """The same area in a larger window."""
@@ -152,6 +161,7 @@ class GoalArea:
             np.pad(self.mask, margin),
             np.pad(self.seen, margin),
             np.pad(self.entry, margin),
+            np.pad(self.before, margin),
             (self.origin[0] - shift, self.origin[1] - shift),
             self.resolution_m,
             self.height_m,
@@ -166,6 +176,11 @@ class GoalArea:
     def entry_points(self) -> Float64[np.ndarray, "n 2"]:
         """Centres of the cells that the robot may go to, ``(x, y)``, metres."""
         return self._centres(self.entry)
+
+    @cached_property
+    def entry_before(self) -> Bool[np.ndarray, " n"]:
+        """Which of the entry points lie between the target and a camera that saw it."""
+        return self.before[self.entry]
 
     @cached_property
     def seen_points(self) -> Float64[np.ndarray, "n 2"]:
@@ -227,3 +242,21 @@ class GoalArea:
     def _centres(self, mask: Bool[np.ndarray, "rows columns"]) -> Float64[np.ndarray, "n 2"]:
         cells = np.argwhere(mask)
         return np.array(self.origin) + (cells[:, ::-1] + 0.5) * self.resolution_m
+
+
+def _are_before(
+    points: Float64[np.ndarray, "n 2"],
+    seen: Float64[np.ndarray, "m 2"],
+    camera: Float64[np.ndarray, "2"],
+) -> Bool[np.ndarray, " n"]:
+    """Which points lie before those that a camera sees: in their directions, and nearer."""
+    middle = np.arctan2(*(seen.mean(axis=0) - camera)[::-1])
+
+    def away(of: Float64[np.ndarray, "_ 2"]) -> Float64[np.ndarray, " _"]:
+        bearings = np.arctan2(of[:, 1] - camera[1], of[:, 0] - camera[0]) - middle
+        return np.mod(bearings + np.pi, 2.0 * np.pi) - np.pi
+
+    of_seen, of_points = away(seen), away(points)
+    farthest_m = np.linalg.norm(seen - camera, axis=1).max()
+    is_nearer = np.linalg.norm(points - camera, axis=1) < farthest_m
+    return is_nearer & (of_points >= of_seen.min()) & (of_points <= of_seen.max())

@@ -56,13 +56,18 @@ class Target:
     def entry_points_in_sight(self, eye_level: OccupancyGrid) -> Float64[np.ndarray, "n 2"]:
         """Those of `entry_points` between which and the target nothing stands; there may be none.
 
+        What was seen over a counter is seen from before the counter, too: positions between the
+        target and a camera that saw it count, whatever the map shows there.
+
         Args:
             eye_level: Map of what is as high as the camera.
         """
-        points, seen = self.area.entry_points, self.area.nearest_seen_points
+        area = self.area
+        points, seen, before = area.entry_points, area.nearest_seen_points, area.entry_before
         is_open = _far_from(points, self.barred)
-        points, seen = points[is_open], seen[is_open]
-        return points[lines_are_clear(eye_level, points, seen, through=self.area.seen_points)]
+        points, seen, before = points[is_open], seen[is_open], before[is_open]
+        is_clear = lines_are_clear(eye_level, points, seen, through=area.seen_points)
+        return points[is_clear | before]
 
     def distance_to(self, x: float, y: float) -> float:
         """Straight distance to the nearest entry point, metres."""
