@@ -80,7 +80,7 @@ class ZeroShotDetector:
         )
         with self._torch.inference_mode():
             outputs = self._model(**moved_to_device(inputs, self._device, self._dtype))
-        for exact in ("logits", "pred_boxes"):  # scaled to pixels below, where bfloat16 is coarse
+        for exact in ("logits", "pred_boxes"):  # bfloat16 has edges at every 256th of an image only
             outputs[exact] = outputs[exact].float()
         (found,) = self._processor.post_process_grounded_object_detection(
             outputs,
