@@ -1,13 +1,14 @@
 import runpy
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-SCRIPT = Path(__file__).parents[2] / "benchmarks" / "vlm_latency.py"
+BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 
 
 def test_the_benchmark_runs_with_a_tiny_model(device: str, capsys: pytest.CaptureFixture[str]):
-    benchmark = runpy.run_path(str(SCRIPT))
+    benchmark = runpy.run_path(str(BENCHMARKS / "vlm_latency.py"))
     benchmark["main"](size="tiny", device=device, rounds=1)
     said = capsys.readouterr().out.splitlines()
     tasks = benchmark["tasks"]()
@@ -23,3 +24,12 @@ def test_the_benchmark_runs_with_a_tiny_model(device: str, capsys: pytest.Captur
     # 391 tokens for the camera's image, 729 for the map; the rest is text.
     assert 0 < tokens_in["boxes: one"] - 391 < 150
     assert 0 < tokens_in["block, reasoned"] - 729 < 800
+
+
+@pytest.mark.parametrize(("name", "network"), [("sam: tiny", "sam"), ("zero-shot: tiny", "owlv2")])
+def test_the_benchmark_of_detectors_and_segmenters_times_them(
+    device: str, tiny: Callable[[str], Path], name: str, network: str
+):
+    benchmark = runpy.run_path(str(BENCHMARKS / "vision_latency.py"))
+    look = benchmark["opened"](name, str(tiny(network)), device, "float32")
+    assert benchmark["median_ms"](look, benchmark["camera_view"](), 1) > 0.0
