@@ -8,8 +8,6 @@ sees an incomplete file. A broken file is replaced; without a writable folder no
 import hashlib
 import json
 import logging
-import os
-import sys
 import tempfile
 import zipfile
 from dataclasses import asdict
@@ -19,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from hypernav.core.files.cache_folder import cache_folder
 from hypernav.core.labels import ObjectLabel
 from hypernav.houses.assembly import CompactScene, to_scene
 from hypernav.houses.building import VERSION, Building
@@ -26,26 +25,10 @@ from hypernav.houses.modelling.mesh import Finish
 from hypernav.houses.textures.library import is_image, is_loaded, store_texture, texture
 from hypernav.worlds.scenes.scene import Scene
 
-CACHE_VARIABLE = "HYPERNAV_CACHE"
-"""Environment variable that names another cache folder."""
-
 _ARRAYS = ("positions", "normals", "uv", "faces", "face_material", "face_instance")
 _NOT_GENERATING = ("export", "episodes")
 _BROKEN = (OSError, EOFError, ValueError, KeyError, TypeError, zipfile.BadZipFile)
 _LOGGER = logging.getLogger(__name__)
-
-
-def cache_folder() -> Path:
-    """Cache folder: the one that `HYPERNAV_CACHE` names, or the platform's own."""
-    if own := os.environ.get(CACHE_VARIABLE):
-        return Path(own)
-    if sys.platform == "win32":
-        base = Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
-    elif sys.platform == "darwin":
-        base = Path.home() / "Library" / "Caches"
-    else:
-        base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    return base / "hypernav"
 
 
 @lru_cache(maxsize=1)

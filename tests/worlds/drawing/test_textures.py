@@ -96,3 +96,13 @@ def test_the_kernel_halves_as_opencv_does_to_the_bit(width: int, height: int, se
     full = SRGB_TO_LINEAR[image]
     expected = cv2.resize(full, (width, height), interpolation=cv2.INTER_AREA)
     assert np.array_equal(light, expected.reshape(light.shape))
+
+
+@given(seed=st.integers(0, 99))
+@settings(max_examples=10, deadline=None)
+def test_opaque_texels_are_coded_like_those_with_holes(seed: int) -> None:
+    image = np.random.default_rng(seed).integers(0, 256, (16, 8, 3), np.uint8)
+    solid = Material("a", (1.0, 1.0, 1.0), image, opaque=np.ones((16, 8), dtype=bool))
+    plain = Material("b", (1.0, 1.0, 1.0), image)
+    textures = [collect_textures([material], 1.0) for material in (solid, plain)]
+    assert np.array_equal(textures[0].texels, textures[1].texels)

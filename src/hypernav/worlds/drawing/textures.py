@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 from jaxtyping import Bool, Float32, Int32, Int64, UInt8, UInt32
 
-from hypernav.worlds.drawing.texture_kernels import halve
+from hypernav.worlds.drawing.texture_kernels import encode, halve
 from hypernav.worlds.scenes.scene import Material
 
 _CODES = np.arange(256) / 255.0
@@ -107,7 +107,7 @@ def _pyramid(material: Material, count: int) -> list[UInt32[np.ndarray, "height 
         else:
             light, opacity = _halved(light, size), _halved(opacity, size)
         if number >= left_out:
-            levels.append(_packed(_encode(light, opacity), np.rint(opacity * 255.0)))
+            levels.append(_coded(light, None if material.opaque is None else opacity))
     return levels
 
 
@@ -145,6 +145,18 @@ def _first_halving(
 def _halved(values: np.ndarray, size: tuple[int, int]) -> np.ndarray:
     halved = cv2.resize(values, size, interpolation=cv2.INTER_AREA)
     return halved.reshape(size[1], size[0], *values.shape[2:])
+
+
+def _coded(
+    light: Float32[np.ndarray, "height width 3"],
+    opacity: Float32[np.ndarray, "height width"] | None,
+) -> UInt32[np.ndarray, "height width"]:
+    """A level in the form of texels; its light and opacity, which is None where all is opaque."""
+    if opacity is not None:
+        return _packed(_encode(light, opacity), np.rint(opacity * 255.0))
+    codes = np.empty(light.shape, np.uint8)
+    encode(light, _LINEAR_TO_CODE, codes)
+    return _packed(codes, np.uint8(255))
 
 
 def _encode(

@@ -6,6 +6,7 @@ from pathlib import Path
 from hypernav.core.errors import SceneError
 from hypernav.worlds.scans.annotated import annotated
 from hypernav.worlds.scans.layout import ScanFiles
+from hypernav.worlds.scans.scan_cache import cached_scan
 from hypernav.worlds.scans.semantic_mesh import colors_of_triangles
 from hypernav.worlds.scans.semantic_text import read_annotations
 from hypernav.worlds.scenes.gltf import read_gltf
@@ -15,7 +16,7 @@ from hypernav.worlds.scenes.scene_assembly import SceneObject, assemble
 
 
 def open_scene(path: Path) -> Scene:
-    """Open a scene from a file, whether it is a scan or not.
+    """Open a scene from a file, whether it is a scan or not; large scans are kept in the cache.
 
     Args:
         path: A file that `load_scene` reads.
@@ -24,7 +25,9 @@ def open_scene(path: Path) -> Scene:
         SceneError: The file is missing, broken, empty or not a mesh.
     """
     files = ScanFiles.of(path)
-    return load_scene(path) if files is None or not path.is_file() else load_scan(files)
+    if files is None or not path.is_file():
+        return load_scene(path)
+    return cached_scan(files, load_scan)
 
 
 def load_scan(files: ScanFiles) -> Scene:

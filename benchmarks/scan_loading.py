@@ -1,0 +1,147 @@
+"""Time the loading of a large scan: triangles, textures and instances, first and from the cache.
+
+The scan is the house of two storeys of the tests, cut into a million triangles, with textures of
+4096². It is written to a temporary folder, in the layout of HM3D.
+
+    python benchmarks/scan_loading.py
+    python benchmarks/scan_loading.py --basis      # textures in Basis Universal, extra hm3d
+"""
+
+import resource
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+import cv2
+import numpy as np
+import tyro
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+
+from gltf_writer import GltfWriter
+from hypernav.datasets.benchmarks import BENCHMARKS
+from hypernav.worlds.scans.layout import ScanFiles
+from hypernav.worlds.scans.loading import load_scan
+from hypernav.worlds.scans.scan_cache import cached_scan
+from hypernav.worlds.simulation import SimulatedWorld
+from scan_writers.basis_bytes import ktx2
+from scan_writers.buildings import two_storeys
+from scan_writers.scans import color_of, mesh_of, semantic_lines
+
+TEXTURES, SIDE = 8, 4096
+HOUSE = two_storeys()
+_Result = TypeVar("_Result")
+
+
+@dataclass(frozen=True)
+class Options:
+    """The scan."""
+
+    triangles: int = 1_000_000
+    """Number of triangles, about."""
+    basis: bool = False
+    """Textures in Basis Universal instead of JPEG."""
+
+
+def main(options: Options) -> None:
+    """Write a scan, and load it twice."""
+    with tempfile.TemporaryDirectory() as folder:
+        files = ScanFiles.of(write(options, Path(folder) / "00802-wcojb4TFT35"))
+        assert files is not None
+        cache = Path(folder) / "cache"
+        for name in ("first", "cached"):
+            scene = timed(name, lambda: cached_scan(files, load_scan, folder=cache))
+        print(f"{len(scene.faces):,} triangles, {len(scene.instances)} instances")
+        robot = BENCHMARKS["hm3d"].embodiment
+        timed("world", lambda: SimulatedWorld(scene, embodiment=robot))
+        print(f"{resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6:.2f} GB at most")
+
+
+def timed(name: str, work: Callable[[], _Result]) -> _Result:
+    """The result of some work, whose time is printed."""
+    wall_s, processor_s = time.perf_counter(), time.process_time()
+    result = work()
+    wall_s, processor_s = time.perf_counter() - wall_s, time.process_time() - processor_s
+    print(f"{name}: {wall_s:.2f} s, {processor_s:.2f} s of processor time")
+    return result
+
+
+def write(options: Options, folder: Path) -> Path:
+    """Write the scan; returns the path of its mesh."""
+    folder.mkdir(parents=True)
+    positions, uv, triangles, owner = dense(options.triangles)
+    visual, rng = GltfWriter(), np.random.default_rng(0)
+    for part in np.array_split(triangles, TEXTURES):
+        used, corners = np.unique(part, return_inverse=True)
+        codes = rng.integers(60, 220, (SIDE // 8, SIDE // 8, 3), dtype=np.uint8)
+        image = cv2.resize(codes, (SIDE, SIDE), interpolation=cv2.INTER_CUBIC)
+        material = (
+            in_basis(visual, image) if options.basis else visual.textured(image, suffix=".jpg")
+        )
+        attributes = {
+            "POSITION": visual.array(positions[used]),
+            "TEXCOORD_0": visual.array(uv[used]),
+        }
+        indices = visual.array(corners.astype(np.uint32).ravel())
+        visual.node(
+            mesh=visual.mesh({"attributes": attributes, "indices": indices, "material": material})
+        )
+    semantic = GltfWriter()
+    colors = np.array([(*color_of(k), 255) for k in range(len(HOUSE.things))], np.uint8)[owner]
+    attributes = {
+        "POSITION": semantic.array(positions),
+        "COLOR_0": semantic.array(colors, normalized=True),
+    }
+    semantic.node(
+        mesh=semantic.mesh({"attributes": attributes, "indices": semantic.array(triangles.ravel())})
+    )
+    stem = folder.name.partition("-")[2]
+    semantic.write(folder / f"{stem}.semantic.glb")
+    (folder / f"{stem}.semantic.txt").write_text("\n".join(semantic_lines(HOUSE)))
+    return visual.write(folder / f"{stem}.glb")
+
+
+def dense(count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Positions, texture coordinates and things of vertices, and triangles over them."""
+    corners, _, _ = mesh_of(HOUSE.things)
+    quads = corners.reshape(-1, 4, 3)
+    sides = np.linalg.norm(quads[:, [1, 3]] - quads[:, :1], axis=2)
+    spacing_m = float(np.sqrt(2.0 * sides.prod(axis=1).sum() / count))
+    positions, uv, triangles, owner, first = [], [], [], [], 0
+    for number, (quad, (width, height)) in enumerate(zip(quads, sides, strict=True)):
+        columns, rows = (max(1, round(float(side) / spacing_m)) for side in (width, height))
+        u, v = np.meshgrid(np.linspace(0, 1, columns + 1), np.linspace(0, 1, rows + 1))
+        along, up = u.ravel()[:, None], v.ravel()[:, None]
+        positions.append(quad[0] + along * (quad[1] - quad[0]) + up * (quad[3] - quad[0]))
+        uv.append(np.hstack([along, up]))
+        corner = first + (np.arange(columns) + (columns + 1) * np.arange(rows)[:, None]).ravel()
+        above = corner + columns + 1
+        triangles.append(np.stack([corner, corner + 1, above + 1], axis=1))
+        triangles.append(np.stack([corner, above + 1, above], axis=1))
+        owner.append(np.full(len(along), number // 6))
+        first += len(along)
+    return (
+        np.concatenate(positions).astype(np.float32),
+        np.concatenate(uv).astype(np.float32),
+        np.concatenate(triangles).astype(np.uint32),
+        np.concatenate(owner),
+    )
+
+
+def in_basis(writer: GltfWriter, image: np.ndarray) -> int:
+    """A material with a texture in Basis Universal, of blocks of one colour each."""
+    writer.document["extensionsRequired"] = ["KHR_texture_basisu"]
+    content = writer.view(ktx2(image[::4, ::4].astype(int)))
+    file: dict[str, Any] = {"bufferView": content, "mimeType": "image/ktx2"}
+    source = {"source": writer.add("images", file)}
+    texture = writer.add("textures", {"extensions": {"KHR_texture_basisu": source}})
+    info = {"baseColorTexture": {"index": texture}}
+    return writer.add("materials", {"pbrMetallicRoughness": info})
+
+
+if __name__ == "__main__":
+    main(tyro.cli(Options))

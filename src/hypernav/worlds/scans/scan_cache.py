@@ -1,0 +1,168 @@
+"""Cache of scans on disk: triangles, instances and decoded textures, so that they open at once.
+
+A folder holds one scan. It is written beside its place and then renamed, so that nobody ever sees
+an incomplete one. Textures are mapped into memory and read when they are needed. A folder that is
+broken is written again; without a writable cache nothing is kept.
+"""
+
+import hashlib
+import json
+import logging
+import shutil
+import tempfile
+import zipfile
+from collections.abc import Callable
+from dataclasses import asdict
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from hypernav.core.files.cache_folder import cache_folder
+from hypernav.core.labels import ObjectLabel
+from hypernav.core.world import Instance
+from hypernav.worlds.scans.layout import ScanFiles
+from hypernav.worlds.scenes.scene import Material, Scene, Wrap
+
+LEAST_BYTES = 10_000_000
+"""Smaller meshes are read as fast as their cache."""
+
+_ARRAYS = ("vertices", "faces", "uv", "colors", "face_material", "face_instance")
+_IMAGES = ("texture", "opaque")
+_BROKEN = (OSError, EOFError, ValueError, KeyError, TypeError, IndexError, zipfile.BadZipFile)
+_LOGGER = logging.getLogger(__name__)
+
+
+def cached_scan(
+    files: ScanFiles,
+    load: Callable[[ScanFiles], Scene],
+    *,
+    folder: Path | None = None,
+    least_bytes: int = LEAST_BYTES,
+) -> Scene:
+    """A scan from the cache if it is there; otherwise it is loaded and kept.
+
+    Args:
+        files: Files of the scan; if one of them changes, the scan is loaded again.
+        load: Function that loads it.
+        folder: Cache folder; `cache_folder()` if None.
+        least_bytes: Size of the smallest mesh that is kept, bytes.
+    """
+    if files.mesh.stat().st_size < least_bytes:
+        return load(files)
+    home = (folder or cache_folder()) / "scans" / _key(files)
+    try:
+        return _read(home, files)
+    except FileNotFoundError:
+        pass
+    except _BROKEN as error:
+        _LOGGER.warning("%s is broken (%s) and is written again", home, error)
+    scene = load(files)
+    _try_write(home, scene)
+    return scene
+
+
+def _key(files: ScanFiles) -> str:
+    """A name that changes with the files and with the code that reads them."""
+    digest = hashlib.sha256(_reader_version().encode())
+    for path in (files.mesh, files.semantic_mesh, files.semantic_text):
+        if path is not None:
+            status = path.stat()
+            told = (str(path.resolve()), status.st_size, status.st_mtime_ns)
+            digest.update(json.dumps(told).encode())
+    return f"{files.mesh.stem}-{digest.hexdigest()[:16]}"
+
+
+@lru_cache(maxsize=1)
+def _reader_version() -> str:
+    digest = hashlib.sha256()
+    here = Path(__file__).parents[1]
+    for room in ("scans", "scenes"):
+        for source in sorted((here / room).glob("*.py")):
+            digest.update(source.read_bytes())
+    return digest.hexdigest()
+
+
+def _read(home: Path, files: ScanFiles) -> Scene:
+    with (home / "scan.npz").open("rb") as file, np.load(file, allow_pickle=False) as stored:
+        about = json.loads(stored["about"].tobytes())
+        arrays = {name: stored[name] for name in _ARRAYS}
+    images = [_mapped(home / f"{number}.npy") for number in range(about["images"])]
+    return Scene(
+        name=about["name"],
+        **arrays,
+        normals=None,
+        materials=tuple(_material(one, images) for one in about["materials"]),
+        instances=tuple(_instance(one) for one in about["instances"]),
+        unlit=True,
+        navmesh=files.navmesh,
+    )
+
+
+def _mapped(path: Path) -> np.ndarray:
+    """An array whose bytes stay on the disk until they are looked at."""
+    with path.open("rb") as file:
+        np.lib.format.read_magic(file)
+        shape, _, dtype = np.lib.format.read_array_header_1_0(file)
+        begin = file.tell()
+    return np.asarray(np.memmap(path, dtype, mode="c", offset=begin, shape=shape))
+
+
+def _material(stored: dict[str, Any], images: list[Any]) -> Material:
+    texture, opaque = (None if stored[k] is None else images[stored[k]] for k in _IMAGES)
+    return Material(
+        stored["name"],
+        tuple(stored["color"]),
+        texture,
+        (Wrap(stored["wrap"][0]), Wrap(stored["wrap"][1])),
+        opaque,
+        stored["unlit"],
+    )
+
+
+def _instance(stored: dict[str, Any]) -> Instance:
+    label = None if stored["label"] is None else ObjectLabel(stored["label"])
+    low, high = tuple(stored["box_min"]), tuple(stored["box_max"])
+    return Instance(stored["id"], stored["name"], label, low, high)
+
+
+def _try_write(home: Path, scene: Scene) -> None:
+    try:
+        home.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=home.parent, prefix=".new-") as fresh:
+            _write(Path(fresh) / home.name, scene)
+            shutil.rmtree(home, ignore_errors=True)
+            (Path(fresh) / home.name).rename(home)
+    except OSError as error:
+        _LOGGER.info("%s could not be written (%s)", home, error)
+
+
+def _write(home: Path, scene: Scene) -> None:
+    home.mkdir()
+    images: dict[int, int] = {}
+    materials = []
+    for material in scene.materials:
+        about: dict[str, Any] = {"texture": None, "opaque": None}
+        for kind in _IMAGES:
+            image = getattr(material, kind)
+            if image is not None:
+                if id(image) not in images:
+                    images[id(image)] = len(images)
+                    np.save(home / f"{images[id(image)]}.npy", image)
+                about[kind] = images[id(image)]
+        about |= {"name": material.name, "color": material.color, "unlit": material.unlit}
+        materials.append(about | {"wrap": [int(way) for way in material.wrap]})
+    instances = [
+        asdict(one) | {"label": None if one.label is None else one.label.category}
+        for one in scene.instances
+    ]
+    about = {
+        "name": scene.name,
+        "materials": materials,
+        "instances": instances,
+        "images": len(images),
+    }
+    text = np.frombuffer(json.dumps(about).encode(), dtype=np.uint8)
+    arrays = {name: getattr(scene, name) for name in _ARRAYS}
+    np.savez(home / "scan.npz", about=text, **arrays)

@@ -1,0 +1,96 @@
+"""A scan from the cache is the scan itself."""
+
+import os
+from dataclasses import fields
+
+import numpy as np
+import pytest
+
+from hypernav.worlds.scans.layout import ScanFiles
+from hypernav.worlds.scans.loading import load_scan
+from hypernav.worlds.scans.scan_cache import cached_scan
+from hypernav.worlds.scenes.scene import Scene
+from scan_writers.buildings import two_storeys
+from scan_writers.scans import write_scan
+
+HOUSE = two_storeys()
+
+
+@pytest.fixture
+def files(tmp_path) -> ScanFiles:
+    found = ScanFiles.of(write_scan(HOUSE, tmp_path / "00802-wcojb4TFT35"))
+    assert found is not None
+    return found
+
+
+class Loads:
+    """Loads scans, and counts."""
+
+    def __init__(self) -> None:
+        self.count = 0
+
+    def __call__(self, files: ScanFiles) -> Scene:
+        self.count += 1
+        return load_scan(files)
+
+
+def assert_same(found: Scene, expected: Scene) -> None:
+    for field in fields(Scene):
+        ours, theirs = getattr(found, field.name), getattr(expected, field.name)
+        if isinstance(theirs, np.ndarray):
+            assert np.array_equal(ours, theirs)
+            assert ours.dtype == theirs.dtype
+        elif field.name != "materials":
+            assert ours == theirs
+    for ours, theirs in zip(found.materials, expected.materials, strict=True):
+        assert (ours.name, ours.color, ours.wrap, ours.unlit) == (
+            theirs.name, theirs.color, theirs.wrap, theirs.unlit,
+        )  # fmt: skip
+        assert (ours.texture is None) == (theirs.texture is None)
+        if ours.texture is not None and theirs.texture is not None:
+            assert np.array_equal(ours.texture, theirs.texture)
+
+
+def test_a_scan_is_loaded_once(files, tmp_path):
+    load = Loads()
+    for _ in range(3):
+        found = cached_scan(files, load, folder=tmp_path / "cache", least_bytes=0)
+        assert_same(found, load_scan(files))
+    assert load.count == 1
+
+
+def test_small_scans_are_not_kept(files, tmp_path):
+    cached_scan(files, load_scan, folder=tmp_path / "cache")
+    assert not (tmp_path / "cache").exists()
+
+
+@pytest.mark.parametrize("name", ["mesh", "semantic_mesh", "semantic_text"])
+def test_a_file_that_changes_is_read_again(files, tmp_path, name):
+    load = Loads()
+    cached_scan(files, load, folder=tmp_path / "cache", least_bytes=0)
+    os.utime(getattr(files, name), (1, 1))
+    cached_scan(files, load, folder=tmp_path / "cache", least_bytes=0)
+    assert load.count == 2
+
+
+@pytest.mark.parametrize("damage", [b"", b"PK\3\4 nothing", None])
+@pytest.mark.parametrize("name", ["scan.npz", "0.npy"])
+def test_a_broken_cache_is_written_again(files, tmp_path, name, damage, caplog):
+    cached_scan(files, load_scan, folder=tmp_path / "cache", least_bytes=0)
+    (path,) = (tmp_path / "cache" / "scans").glob(f"*/{name}")
+    if damage is None:
+        path.write_bytes(path.read_bytes()[:-100])
+    else:
+        path.write_bytes(damage)
+    load = Loads()
+    for _ in range(2):
+        found = cached_scan(files, load, folder=tmp_path / "cache", least_bytes=0)
+        assert_same(found, load_scan(files))
+    assert load.count == 1
+    assert "is written again" in caplog.text
+
+
+def test_without_a_folder_to_write_to_nothing_is_kept(files, tmp_path):
+    (tmp_path / "file").write_bytes(b"")
+    found = cached_scan(files, load_scan, folder=tmp_path / "file", least_bytes=0)
+    assert_same(found, load_scan(files))
