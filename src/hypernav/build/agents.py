@@ -143,8 +143,9 @@ def build_agent(
     ahead = config.prefetch.enabled and _asks_chat(chosen.reasoner) and not chosen.is_whole_agent
     map_log = ExchangeLog() if ahead else log
     # A thread that asks ahead would see more or less of it, as the model is fast or slow.
-    tells = _asks_chat(chosen.reasoner) and not ahead and not chosen.is_whole_agent
-    sightings = Sightings() if tells else None
+    tells_rooms = config.geometric.trust_rooms > 0.0
+    tells = (_asks_chat(chosen.reasoner) or tells_rooms) and not ahead
+    sightings = Sightings(tells_rooms=tells_rooms) if tells and not chosen.is_whole_agent else None
     built: dict[str, Any] = {}
     for kind, choice in chosen.by_kind.items():
         offers = _offers(config, map_log if kind in ("reasoner", "agent") else log) | built
@@ -209,8 +210,18 @@ def build_search(
     """
     offers = _offers(config, log)
     offers["reasoner"] = reasoner or offers["fallback"]
+    sightings = Sightings(tells_rooms=True) if config.geometric.trust_rooms > 0.0 else None
+    offers["sightings"] = sightings
     explorer = _made(AGENTS.find(agent), "agent", config, offers)
-    return _search(config, detector, log, explorer=explorer, segmenter=segmenter, presence=presence)
+    return _search(
+        config,
+        detector,
+        log,
+        explorer=explorer,
+        segmenter=segmenter,
+        presence=presence,
+        sightings=sightings,
+    )
 
 
 def _search(

@@ -12,7 +12,7 @@ chat          `hypernav.core.components.protocols.ChatModel` of ``--vlm``; requi
 embodiment    `hypernav.core.embodiment.Embodiment`: what the robot is
 mapping       `hypernav.mapping.config.MappingConfig`: cells and blocks of the map
 clearances_m  how far from obstacles destinations lie, metres, in the order to try
-sightings     for agents: what was seen besides the goal; None unless a model chooses blocks
+sightings     for agents: what was seen besides the goal; None unless a reasoner asks
 fallback      for reasoners: a reasoner that needs no model
 truth         `hypernav.core.episode_truth.EpisodeTruth`: for stand-ins, in simulation only
 reasoner      for agents: the `BlockReasoner` of ``--reasoner``

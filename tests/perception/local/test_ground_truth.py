@@ -38,3 +38,15 @@ def test_a_world_without_labels_is_an_error_that_names_the_remedy():
     observation = thing_before_wall(with_truth=False)
     with pytest.raises(LabelsMissingError, match="--detector yolox:"):
         GroundTruthDetector().detect(observation, Goal("bed"))
+
+
+def test_it_names_what_it_sees_with_its_position_but_once():
+    observation = thing_before_wall(thing_m=2.0)
+    named = GroundTruthDetector().name_things(observation, besides=())
+    assert [thing.label for thing in named.values()] == ["bed"]
+    assert next(iter(named.values())).position == pytest.approx((2.0, 0.0), abs=0.1)
+    assert GroundTruthDetector().name_things(observation, besides=named) == {}
+
+
+def test_what_is_beyond_the_range_of_depth_is_not_named():
+    assert GroundTruthDetector().name_things(thing_before_wall(thing_m=0.0), besides=()) == {}

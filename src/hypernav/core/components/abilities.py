@@ -1,6 +1,6 @@
 """Optional abilities of components beside their protocol: asked for, never demanded."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any, Protocol, runtime_checkable
 
 from hypernav.core.destination import Destination
@@ -8,6 +8,8 @@ from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
+from hypernav.core.observation import Observation
+from hypernav.core.sightings import SeenThing
 
 
 @runtime_checkable
@@ -76,6 +78,17 @@ class Prefetches(Protocol):
         destination: Destination,
     ) -> None:
         """Begin to choose, if it is time; called at every step of the path to a destination."""
+        ...
+
+
+@runtime_checkable
+class NamesThings(Protocol):
+    """A detector that can name whatever is in an image, not only the goal."""
+
+    def name_things(
+        self, observation: Observation, *, besides: Collection[int]
+    ) -> Mapping[int, SeenThing]:
+        """Things with their positions, by numbers that stay theirs; only those not yet named."""
         ...
 
 

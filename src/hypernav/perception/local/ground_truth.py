@@ -1,18 +1,24 @@
 """Detection by perfect labels from a simulated world, for work on everything but recognition."""
 
+from collections.abc import Collection
 from functools import lru_cache
 
 import numpy as np
 
 from hypernav.core.errors import LabelsMissingError
 from hypernav.core.geometry.boxes import Box, Detection
+from hypernav.core.geometry.depth import is_measured
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels, Observation
+from hypernav.core.sightings import SeenThing
 
 MIN_AREA_SHARE = 0.0005
 """Share of the image below which objects are overlooked, as by a real detector: 12×12 pixels in
 640×480."""
+_STRIDE = 8
+_LEAST_PIXELS = 2
+"""Every 8th pixel in both directions is looked at to name things, and so many must show one."""
 
 
 @lru_cache(maxsize=4096)
@@ -53,6 +59,35 @@ class GroundTruthDetector:
             for number in visible_objects(truth, self._min_area_share)
             if _satisfies(truth.labels[number], goal)
         ]
+
+    def name_things(
+        self, observation: Observation, *, besides: Collection[int]
+    ) -> dict[int, SeenThing]:
+        """Visible instances within the range of depth, by their numbers.
+
+        Args:
+            observation: Present frame.
+            besides: Numbers of those that are left out.
+
+        Raises:
+            LabelsMissingError: The world supplies no labels.
+        """
+        truth = true_labels(observation)
+        ids = truth.ids[::_STRIDE, ::_STRIDE]
+        depth = observation.depth[::_STRIDE, ::_STRIDE]
+        rows, columns = np.nonzero((ids >= 0) & is_measured(depth))
+        shown = ids[rows, columns]
+        things = {}
+        for number in np.flatnonzero(np.bincount(shown) >= _LEAST_PIXELS).tolist():
+            if number in besides or number not in truth.labels:
+                continue
+            mine = shown == number
+            points = observation.camera.unproject_pixels(
+                rows[mine] * _STRIDE, columns[mine] * _STRIDE, depth[rows[mine], columns[mine]]
+            )
+            x, y, _ = observation.camera_to_map.apply(np.median(points, axis=0)[None])[0]
+            things[number] = SeenThing(truth.labels[number].category, (float(x), float(y)))
+        return things
 
 
 def true_labels(observation: Observation) -> LabelledPixels:

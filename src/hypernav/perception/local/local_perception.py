@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 from jaxtyping import Bool
 
+from hypernav.core.components.abilities import NamesThings
 from hypernav.core.components.protocols import Detector, Segmenter
 from hypernav.core.embodiment import CameraConfig
 from hypernav.core.geometry.boxes import Detection
@@ -191,6 +192,9 @@ class LocalPerception:
         detections = self._detector.detect(observation, self._goal)
         if self._sightings is not None:
             self._sightings.note(observation, detections)
+            if self._sightings.tells_rooms and isinstance(self._detector, NamesThings):
+                named = self._sightings.named
+                self._sightings.note_named(self._detector.name_things(observation, besides=named))
         for detection in (one for one in detections if one.is_goal):
             mask = self._refined_mask(detection, observation)
             area, reason = self._area(mask, observation)
