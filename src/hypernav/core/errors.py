@@ -130,3 +130,11 @@ class RunFolderError(HyPerNavError):
 
 class RecordingError(HyPerNavError):
     """A recording of a chat model is broken, or does not hold the question that was asked."""
+
+
+class WireError(HyPerNavError):
+    """A message between a robot and its server does not follow the contract."""
+
+
+class StateError(HyPerNavError):
+    """The state folder of a server is in use, damaged, or cannot be written."""

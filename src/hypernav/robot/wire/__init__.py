@@ -1,0 +1,1 @@
+"""The contract between a robot and its server: messages, and observations as bytes."""
