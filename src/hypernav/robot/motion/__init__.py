@@ -1,0 +1,1 @@
+"""Velocities for robots that drive smoothly: pure pursuit along the path of an agent."""

@@ -1,0 +1,119 @@
+"""A path as its follower sees it: how far along it the robot is, and what lies ahead."""
+
+import math
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+from jaxtyping import Float64
+
+from hypernav.core.geometry.transforms import wrap_angle
+
+_SAME_LINE_M = 0.02
+"""Deviation that is no corner: paths from cell to cell are staircases."""
+_BACK_M = 0.3
+"""Length by which a robot may be farther back on its path than it was, metres."""
+_STEP_M = 0.025
+
+
+class PathAhead:
+    """A path without superfluous corners, and the robot's progress along it."""
+
+    def __init__(self, path: Sequence[tuple[float, float]], sharp_deg: float) -> None:
+        """Take a path of at least one corner.
+
+        Args:
+            path: Corners ``(x, y)``, metres.
+            sharp_deg: Angle of the corners at which the robot has to stop, degrees.
+        """
+        self._corners = _simplified(np.array(path, dtype=np.float64).reshape(-1, 2))
+        legs = np.diff(self._corners, axis=0)
+        self._at = np.concatenate([[0.0], np.cumsum(np.hypot(*legs.T))])
+        headings = np.arctan2(legs[:, 1], legs[:, 0])
+        sharp = [
+            at
+            for at, turn in zip(self._at[1:-1], np.diff(headings), strict=True)
+            if abs(wrap_angle(float(turn))) > math.radians(sharp_deg)
+        ]
+        self._stops = [*map(float, sharp), self.length_m]
+        self._along_m = 0.0
+
+    @property
+    def length_m(self) -> float:
+        """Length of the path, metres."""
+        return float(self._at[-1])
+
+    def point(self, along_m: float) -> tuple[float, float]:
+        """Point ``(x, y)`` at a length along the path, metres; its end beyond it."""
+        x, y = (np.interp(along_m, self._at, self._corners[:, axis]) for axis in (0, 1))
+        return (float(x), float(y))
+
+    def pass_to(self, x: float, y: float, within_m: float) -> float:
+        """The length along the path of its point next to the robot, metres.
+
+        The robot goes on along the path: of places where the path comes by twice the next one
+        counts.
+
+        Args:
+            x: Position of the robot, metres.
+            y: The same.
+            within_m: Length beyond the previous point in which the robot may be now, metres.
+        """
+        low = max(self._along_m - _BACK_M, 0.0)
+        count = max(math.ceil((self._along_m + within_m - low) / _STEP_M), 1)
+        lengths = np.minimum(low + np.arange(count + 1) * _STEP_M, self.length_m)
+        points = np.stack([np.interp(lengths, self._at, self._corners[:, k]) for k in (0, 1)], 1)
+        self._along_m = float(lengths[np.hypot(points[:, 0] - x, points[:, 1] - y).argmin()])
+        return self._along_m
+
+    def next_stop_m(self, along_m: float, passed_m: float) -> float:
+        """Length from a point of the path to the next sharp corner or the end, metres.
+
+        Args:
+            along_m: Length of the path up to the point, metres.
+            passed_m: Length before a corner at which it counts as passed, metres.
+        """
+        ahead = [at - along_m for at in self._stops if at - along_m > passed_m]
+        return ahead[0] if ahead else self.length_m - along_m
+
+    def aim(
+        self, x: float, y: float, along_m: float, ahead_m: float, cut_m: float
+    ) -> tuple[float, float]:
+        """The farthest point of the path that the robot may go to in a straight line.
+
+        Args:
+            x: Position of the robot, metres.
+            y: The same.
+            along_m: Length along the path of the point next to the robot, metres.
+            ahead_m: Largest length beyond it, metres.
+            cut_m: Largest distance of a corner from that line, metres.
+        """
+        steps = math.ceil(ahead_m / _STEP_M)
+        for step in range(steps, 1, -1):
+            end_m = min(along_m + step * _STEP_M, self.length_m)
+            between = self._corners[(self._at > along_m) & (self._at < end_m)]
+            end = self.point(end_m)
+            if _deviation(between, (x, y), end) <= cut_m:
+                return end
+        return self.point(along_m + _STEP_M)
+
+
+def _simplified(corners: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "m 2"]:
+    if len(corners) < 3:
+        return corners
+    curve = corners.astype(np.float32).reshape(-1, 1, 2)
+    kept = cv2.approxPolyDP(curve, _SAME_LINE_M, False).reshape(-1, 2).astype(np.float64)
+    # Single precision is for the choice of corners only; both ends stay what they are.
+    kept[0], kept[-1] = corners[0], corners[-1]
+    return kept
+
+
+def _deviation(
+    points: Float64[np.ndarray, "n 2"], start: tuple[float, float], end: tuple[float, float]
+) -> float:
+    """Largest distance of points from a line segment, metres; 0 without points."""
+    if len(points) == 0:
+        return 0.0
+    a, line = np.array(start), np.array(end) - np.array(start)
+    shares = np.clip((points - a) @ line / max(float(line @ line), 1e-12), 0.0, 1.0)
+    return float(np.hypot(*(points - a - shares[:, None] * line).T).max())
