@@ -15,6 +15,7 @@ from hypernav.agents.phases.step import Decision, Phase, PhaseName, Step
 from hypernav.agents.phases.verify import Verify
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
+from hypernav.core.components.abilities import Watches
 from hypernav.core.components.protocols import Explorer, PresenceCheck
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import WorldError
@@ -123,6 +124,7 @@ class _Search:
         self._bumps = BumpSensor(planning, embodiment)
         self._steps = steps
         self._always_looks = config.looks == "always"
+        self._watcher = components.explorer if isinstance(components.explorer, Watches) else None
         self._motion = embodiment.motion
         # Each keeps to its own plan: steps that lead to two positions by turns lead to neither.
         navigator = Navigator(planning, embodiment)
@@ -193,6 +195,9 @@ class _Search:
             world_map.mark_occupied(self._bumps.points(observation.robot, world_map.grid))
         with clock("local"):
             detections = self._local.look(observation, asks=self._asks_the_camera())
+        if self._watcher is not None:
+            with clock("global"):
+                self._watcher.watch(observation, world_map.grid)
         if self._gaze is not None:
             self._gaze.note(observation.robot)
         step = Step(observation, world_map.grid, trajectory, self._motion, clock, events)

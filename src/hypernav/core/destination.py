@@ -15,6 +15,12 @@ class Destination:
         reason: Reason for the choice, in one short sentence for people.
         blocks: Blocks that were offered, for the trace; empty for explorers without blocks.
         is_sighting: Whether the goal is in sight in this direction, so that no explorer chose it.
+        holds: Whether nothing that the map shows on the way ends it: a move chosen from an image is
+            made to its end.
+        arrival_m: Distance within which it counts as reached, metres; None leaves it to the search.
+        face: Heading to turn to on arrival, ``map`` frame, radians; None keeps the heading.
+        most_steps: Number of steps after which the explorer is asked again; None leaves the
+            destination standing. The same answer again is the same destination.
     """
 
     x: float
@@ -22,6 +28,10 @@ class Destination:
     reason: str
     blocks: tuple[Block, ...] = ()
     is_sighting: bool = False
+    holds: bool = False
+    arrival_m: float | None = None
+    face: float | None = None
+    most_steps: int | None = None
 
     @property
     def xy(self) -> tuple[float, float]:

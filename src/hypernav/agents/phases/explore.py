@@ -71,6 +71,7 @@ class Explore:
         self._age = self._unasked = 0
         self._left: list[tuple[float, float]] = []
         self._pursued: list[tuple[float, float]] = []
+        self._expired: Destination | None = None
         self._offered: tuple[Block, ...] = ()
         self.destination: Destination | None = None
 
@@ -83,6 +84,7 @@ class Explore:
             self._age += 1
             return self._decision(turn, "looking at what is unexplored here", robot)
         self._drop_finished(step)
+        self._expire()
         self._reconsider(step)
         for _ in range(_CHOICES_PER_STEP):
             destination = self.destination
@@ -96,11 +98,16 @@ class Explore:
                     return PhaseName.END
                 self._left.clear()
                 self._begin(destination)
+            turn = self._facing_turn(destination, step)
+            if turn is not None:
+                return self._decision(turn, destination.reason, robot)
             with step.clock("plan"):
                 action = self._navigator.towards(grid, robot, np.array([destination.xy]))
             if action is None:
                 arrived = self._navigator.arrived
                 self._end("destination reached" if arrived else "no path to destination", step)
+                if destination.holds:
+                    break  # The next move is chosen from another image.
             elif not self._patience.lasts(self._navigator.left_m(robot)):
                 self._end(self._patience.worn_out, step)
             else:
@@ -142,10 +149,25 @@ class Explore:
             self._left.append(destination.xy)
             self._begin(other)
 
+    def _expire(self) -> None:
+        """Ask again where to go after as many steps as the explorer wished.
+
+        Nothing ends by this: patience goes on if the answer is the same as before.
+        """
+        destination = self.destination
+        if destination is None or destination.most_steps is None:
+            return
+        self._unasked += 1
+        if self._unasked >= destination.most_steps:
+            self._expired, self.destination = destination, None
+
     def _begin(self, destination: Destination) -> None:
+        again, self._expired = self._expired, None
         self.destination, self._offered = destination, destination.blocks
-        self._age = self._unasked = 0
-        self._patience.reset()
+        self._unasked = 0
+        if again is None or math.dist(again.xy, destination.xy) > self._arrival_m(destination):
+            self._age = 0
+            self._patience.reset()
 
     def _decision(self, action: Action, reason: str, robot: Pose2) -> Decision:
         return Decision(action, Mode.EXPLORE, reason, self._navigator.remaining(robot))
@@ -186,6 +208,17 @@ class Explore:
         reason = f"the {self._goal.thing} is in sight, too far away to be measured"
         self.destination = Destination(*position, reason=reason, is_sighting=True)
 
+    def _arrival_m(self, destination: Destination) -> float:
+        return destination.arrival_m or self._config.arrival_distance_m
+
+    def _facing_turn(self, destination: Destination, step: Step) -> Action | None:
+        """At a destination with a heading, the turn towards it, if it is not as good as ahead."""
+        face, robot = destination.face, step.robot
+        if face is None or robot.distance_to(*destination.xy) >= self._arrival_m(destination):
+            return None
+        ahead = (robot.x + math.cos(face), robot.y + math.sin(face))
+        return turn_towards(robot, ahead, step.motion)
+
     def _look_across(self, step: Step) -> Action | None:
         """At the destination, the turn towards what is still unexplored around it.
 
@@ -196,8 +229,9 @@ class Explore:
             not config.look_across_boundary
             or destination is None
             or destination.is_sighting
+            or destination.holds
             or self._age >= config.endurance_steps
-            or robot.distance_to(*destination.xy) >= config.arrival_distance_m
+            or robot.distance_to(*destination.xy) >= self._arrival_m(destination)
         ):
             return None
         if self._gaze is not None:
@@ -214,11 +248,13 @@ class Explore:
         destination, config, grid, robot = self.destination, self._config, step.grid, step.robot
         if destination is None:
             return
-        if robot.distance_to(*destination.xy) < config.arrival_distance_m:
-            self._end("destination reached", step)
+        if robot.distance_to(*destination.xy) < self._arrival_m(destination):
+            if self._facing_turn(destination, step) is None:
+                self._end("destination reached", step)
         elif (
             config.drop_explored
             and not destination.is_sighting
+            and not destination.holds
             and len(unexplored_boundary(grid, destination.xy, config.drop_explored_radius_m)) == 0
         ):
             self._end("destination explored", step)

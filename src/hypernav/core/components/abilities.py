@@ -82,6 +82,20 @@ class Prefetches(Protocol):
 
 
 @runtime_checkable
+class Watches(Protocol):
+    """An explorer that looks at images itself, not only at the map that is drawn from them."""
+
+    def watch(self, observation: Observation, grid: OccupancyGrid) -> None:
+        """Look at the image of a step; called at every step, before anything is decided in it.
+
+        Args:
+            observation: Frame of this step.
+            grid: The map with this frame in it, which changes with the next one.
+        """
+        ...
+
+
+@runtime_checkable
 class NamesThings(Protocol):
     """A detector that can name whatever is in an image, not only the goal."""
 
