@@ -7,12 +7,12 @@ from typing import Any
 
 from hypernav.agents.search import SearchAgent, SearchComponents
 from hypernav.build.chat import is_named, model_words, wrap_chat
-from hypernav.build.choosing import ChosenComponents, choose_components
+from hypernav.build.choosing import ChosenComponents, choose_components, role_in
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.construction import asked_by, make, section_of
 from hypernav.build.presets import HyPerNavConfig, PriceConfig
-from hypernav.build.registries import AGENTS, Factory
-from hypernav.build.stand_ins import SegmenterWords, segmenter_words
+from hypernav.build.registries import AGENTS, ROLES, Factory
+from hypernav.build.stand_ins import SegmenterWords, reasoner_warning, segmenter_words
 from hypernav.core.components.abilities import (
     ChecksGoal,
     ChecksModel,
@@ -22,10 +22,10 @@ from hypernav.core.components.abilities import (
 )
 from hypernav.core.components.protocols import (
     Agent,
-    BlockReasoner,
     Detector,
     Explorer,
     PresenceCheck,
+    SceneScorer,
     Segmenter,
 )
 from hypernav.core.components.registry import Choice, check_protocol
@@ -42,7 +42,7 @@ from hypernav.perception.local.depth_cut import DepthCutSegmenter
 from hypernav.perception.local.local_perception import LocalPerception
 from hypernav.perception.local.presence import VlmPresenceCheck
 
-_PROTOCOLS = {"detector": Detector, "segmenter": Segmenter, "reasoner": BlockReasoner}
+_PROTOCOLS = {"detector": Detector, "segmenter": Segmenter}
 
 
 @dataclass(frozen=True)
@@ -83,10 +83,18 @@ class BuiltAgent:
                 component.check_goal(goal)
 
     @property
+    def warnings(self) -> list[str]:
+        """Sentences to show before a search: what stands in for something, and the remedy."""
+        told = (self.segmenter.warning, reasoner_warning(self.chosen))
+        return [warning for warning in told if warning]
+
+    @property
     def looks_at_colours(self) -> bool:
         """Whether a chat model, or a component that is given images, looks at their colours."""
         given_images = [
-            one for one in self.components if isinstance(one, Detector | Segmenter | Agent)
+            one
+            for one in self.components
+            if isinstance(one, Detector | Segmenter | SceneScorer | Agent)
         ]
         return self.chosen.vlm is not None or any(map(looks_at_colours, given_images))
 
@@ -140,11 +148,12 @@ def build_agent(
     log, ledger, truth = ExchangeLog(), Ledger(), EpisodeTruth()
     chat, recording = wrap_chat(chosen.vlm, config.chat, ledger, record)
     # A reasoner that is asked while the robot drives to its last answer needs its own log.
-    ahead = config.prefetch.enabled and _asks_chat(chosen.reasoner) and not chosen.is_whole_agent
+    asks_map = chosen.chooses_blocks and _asks_chat(chosen.reasoner)
+    ahead = config.prefetch.enabled and asks_map and not chosen.is_whole_agent
     map_log = ExchangeLog() if ahead else log
     # A thread that asks ahead would see more or less of it, as the model is fast or slow.
     tells_rooms = config.geometric.trust_rooms > 0.0
-    tells = (_asks_chat(chosen.reasoner) or tells_rooms) and not ahead
+    tells = (asks_map or tells_rooms) and not ahead
     sightings = Sightings(tells_rooms=tells_rooms) if tells and not chosen.is_whole_agent else None
     built: dict[str, Any] = {}
     for kind, choice in chosen.by_kind.items():
@@ -152,7 +161,8 @@ def build_agent(
         offers |= {"sightings": sightings, "truth": truth}
         if chat is not None:
             offers["chat"] = chat
-        built[kind] = _made(choice, kind, config, offers)
+        role = chosen.reasoner_role if kind == "reasoner" else kind
+        built[role] = _made(choice, role, config, offers)
     detector, agent = built.get("detector"), built["agent"]
     if chosen.vlm is not None and is_named(chosen.vlm) and isinstance(detector, ChecksModel):
         detector.check_model()  # better refused now than at the first step
@@ -194,7 +204,7 @@ def build_search(
     *,
     agent: str = "hypernav",
     segmenter: Segmenter | None = None,
-    reasoner: BlockReasoner | None = None,
+    reasoner: object | None = None,
     presence: PresenceCheck | None = None,
 ) -> SearchAgent:
     """An agent around components that exist already, for example a detector of your own.
@@ -205,14 +215,18 @@ def build_search(
         log: Log of the questions to detector and reasoner.
         agent: Name of an explorer.
         segmenter: Segmenter of the pixels in a box; cuts by depth unless given.
-        reasoner: Reasoner that chooses blocks; geometric unless given.
+        reasoner: Reasoner that the explorer asks; the one that needs no model unless given.
         presence: Presence check before STOP; None trusts the goal area.
     """
     offers = _offers(config, log)
-    offers["reasoner"] = reasoner or offers["fallback"]
     sightings = Sightings(tells_rooms=True) if config.geometric.trust_rooms > 0.0 else None
     offers["sightings"] = sightings
-    explorer = _made(AGENTS.find(agent), "agent", config, offers)
+    choice = AGENTS.find(agent)
+    role = role_in(asked_by(choice))
+    if role:
+        stand_in = ROLES[role].registry.find(ROLES[role].without_model)
+        offers[role] = reasoner or _made(stand_in, role, config, offers)
+    explorer = _made(choice, "agent", config, offers)
     return _search(
         config,
         detector,
@@ -269,14 +283,20 @@ def _offers(config: HyPerNavConfig, log: ExchangeLog) -> dict[str, Any]:
 
 
 def _made(
-    choice: Choice[Factory], kind: str, config: HyPerNavConfig, offers: dict[str, Any]
+    choice: Choice[Factory], role: str, config: HyPerNavConfig, offers: dict[str, Any]
 ) -> Any:
-    """A component that keeps the protocol of its kind."""
+    """A component that keeps the protocol of its role, which is its kind unless it reasons."""
+    kind = "reasoner" if role in ROLES else role
     section = section_of(choice, kind, config)
     component = make(choice, offers if section is None else offers | {"config": section})
-    protocol = _PROTOCOLS.get(kind) or (Agent if hasattr(choice.load(), "act") else Explorer)
-    check_protocol(component, protocol, name=f"--{kind} {choice.spec}")
+    check_protocol(component, _protocol_of(choice, role), name=f"--{kind} {choice.spec}")
     return component
+
+
+def _protocol_of(choice: Choice[Factory], role: str) -> type:
+    if role in ROLES:
+        return ROLES[role].protocol
+    return _PROTOCOLS.get(role) or (Agent if hasattr(choice.load(), "act") else Explorer)
 
 
 def _asks_chat(choice: Choice[Factory] | None) -> bool:

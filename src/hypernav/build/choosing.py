@@ -1,12 +1,13 @@
 """Choice of the components: gaps are filled in, and contradictions refused."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any
 
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.construction import asked_by, section_of
 from hypernav.build.presets import HyPerNavConfig
-from hypernav.build.registries import AGENTS, DETECTORS, REASONERS, SEGMENTERS, Factory
+from hypernav.build.registries import AGENTS, DETECTORS, ROLES, SEGMENTERS, Factory, Role
 from hypernav.core.components.abilities import gives_masks
 from hypernav.core.components.registry import Choice, Registry
 from hypernav.core.errors import ConfigError
@@ -22,7 +23,7 @@ class ChosenComponents:
         agent: Agent, or explorer of the search.
         vlm: Specification of the chat model.
         detector: Detector of the goal.
-        reasoner: Reasoner that chooses the block to visit.
+        reasoner: Reasoner that the agent asks where to go, or what a view is worth.
         segmenter: Segmenter of the pixels in a box; None where detections carry their masks.
         presence: Whether the chat model checks the presence of the goal before STOP.
     """
@@ -42,6 +43,16 @@ class ChosenComponents:
             for kind in ("detector", "segmenter", "reasoner", "agent")
             if (choice := getattr(self, kind)) is not None
         }
+
+    @property
+    def reasoner_role(self) -> str:
+        """Name by which the agent asks for its reasoner; empty if it asks for none."""
+        return role_in(asked_by(self.agent))
+
+    @property
+    def chooses_blocks(self) -> bool:
+        """Whether a reasoner is asked which block of the map to visit."""
+        return self.reasoner_role == "reasoner"
 
     @property
     def is_whole_agent(self) -> bool:
@@ -83,7 +94,7 @@ def choose_components(specs: ComponentSpecs, *, presence: bool = True) -> Chosen
         asked |= {"detector", "segmenter"}
     by_model = "vlm" if model else None
     detector = _choice(DETECTORS, specs.detector, by_model or "ground-truth", agent, asked)
-    reasoner = _choice(REASONERS, specs.reasoner, by_model or "geometric", agent, asked)
+    reasoner = _reasoner(ROLES.get(role_in(asked)), specs.reasoner, by_model, agent)
     segmenter = _choice(SEGMENTERS, specs.segmenter, "depth-cut", agent, asked)
     # A whole agent gets the segmenter that it asks for, whatever it asks it for.
     if not drives_itself and detector and segmenter and gives_masks(detector.load()):
@@ -97,6 +108,11 @@ def choose_components(specs: ComponentSpecs, *, presence: bool = True) -> Chosen
     chosen = ChosenComponents(agent, specs.vlm, detector, reasoner, segmenter, looks_once_more)
     _check_model(chosen)
     return chosen
+
+
+def role_in(asked: Collection[str]) -> str:
+    """Name of the one role of a reasoner among what is asked for; empty if there is none."""
+    return next((name for name in ROLES if name in asked), "")
 
 
 def with_own_sections(config: HyPerNavConfig, chosen: ChosenComponents) -> HyPerNavConfig:
@@ -129,11 +145,26 @@ def _choice(
     if registry.kind in asked:
         return registry.find(spec or default)
     if spec is not None:
-        raise ConfigError(
-            f"--agent {agent.spec} asks no {registry.kind}, so --{registry.kind} {spec} has no "
-            "meaning; drop it or use --agent hypernav"
-        )
+        raise ConfigError(_needless(registry.kind, spec, agent))
     return None
+
+
+def _reasoner(
+    role: Role | None, spec: str | None, by_model: str | None, agent: Choice[Factory]
+) -> Choice[Factory] | None:
+    """The reasoner in the role that the agent has for one."""
+    if role is not None:
+        return role.registry.find(spec or by_model or role.without_model)
+    if spec is not None:
+        raise ConfigError(_needless("reasoner", spec, agent))
+    return None
+
+
+def _needless(kind: str, spec: str, agent: Choice[Factory]) -> str:
+    return (
+        f"--agent {agent.spec} asks no {kind}, so --{kind} {spec} has no "
+        "meaning; drop it or use --agent hypernav"
+    )
 
 
 def _check_model(chosen: ChosenComponents) -> None:

@@ -16,6 +16,7 @@ sightings     for agents: what was seen besides the goal; None unless a reasoner
 fallback      for reasoners: a reasoner that needs no model
 truth         `hypernav.core.episode_truth.EpisodeTruth`: for stand-ins, in simulation only
 reasoner      for agents: the `BlockReasoner` of ``--reasoner``
+scorer        for agents: the `SceneScorer` of ``--reasoner``
 detector      for agents: the `Detector` of ``--detector``
 segmenter     for agents: the `Segmenter` of ``--segmenter``
 ============  ====================================================================================

@@ -27,6 +27,10 @@ from hypernav.perception.local.depth_cut import DepthCutConfig
 from hypernav.perception.local.noisy_detector import NoisyDetectorConfig
 from hypernav.perception.local.presence import PresenceConfig
 from hypernav.perception.local.vlm_detector import VlmDetectorConfig
+from hypernav.perception.values.chat_scorer import ChatScorerConfig
+from hypernav.perception.values.similarity_scorer import SimilarityScorerConfig
+from hypernav.perception.values.truth_scorer import TruthScorerConfig
+from hypernav.perception.values.value_frontier import ValueFrontierConfig
 from hypernav.planning.config import PlanningConfig
 from hypernav.worlds.simulation import SimulationConfig
 
@@ -108,6 +112,10 @@ class HyPerNavConfig(RoomConfig):
     sam: SamConfig = SamConfig()
     onnx_sam: OnnxSamConfig = OnnxSamConfig()
     noisy_detector: NoisyDetectorConfig = NoisyDetectorConfig()
+    value_frontier: ValueFrontierConfig = ValueFrontierConfig()
+    truth_scorer: TruthScorerConfig = TruthScorerConfig()
+    similarity_scorer: SimilarityScorerConfig = SimilarityScorerConfig()
+    chat_scorer: ChatScorerConfig = ChatScorerConfig()
     own: OwnConfig = OwnConfig()
 
     @model_validator(mode="after")

@@ -4,8 +4,10 @@ Other packages register theirs as entry points of the group that each registry n
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from hypernav.core.components.protocols import BlockReasoner, SceneScorer
 from hypernav.core.components.registry import Entry, Registry
 
 if TYPE_CHECKING:
@@ -106,6 +108,56 @@ REASONERS: Registry[Factory] = Registry(
 )
 """Reasoners that choose the block to visit (`hypernav.core.components.protocols.BlockReasoner`)."""
 
+SCORERS: Registry[Factory] = Registry(
+    "reasoner",
+    "hypernav.scorers",
+    [
+        Entry(
+            "truth",
+            "hypernav.perception.values.truth_scorer:TruthScorer",
+            words="the truth in view (stand-in)",
+            section="truth_scorer",
+        ),
+        Entry(
+            "similarity",
+            "hypernav.perception.values.similarity_scorer:SimilarityScorer",
+            form="similarity:PATH_OR_ID",
+            words="similarity by {files}",
+            section="similarity_scorer",
+        ),
+        Entry(
+            "vlm",
+            "hypernav.perception.values.chat_scorer:ChatScorer",
+            words="{model}",
+            section="chat_scorer",
+        ),
+    ],
+)
+"""Scorers of views, for a value map (`hypernav.core.components.protocols.SceneScorer`)."""
+
+
+@dataclass(frozen=True)
+class Role:
+    """The part of ``--reasoner`` in an agent, which says by its parameter's name what it asks.
+
+    Attributes:
+        registry: Registry of those who can play it.
+        protocol: Protocol that they keep.
+        without_model: Name of the one who plays it unless named, where there is no chat model;
+            with one it is ``vlm``.
+    """
+
+    registry: Registry[Factory]
+    protocol: type
+    without_model: str
+
+
+ROLES = {
+    "reasoner": Role(REASONERS, BlockReasoner, "geometric"),
+    "scorer": Role(SCORERS, SceneScorer, "truth"),
+}
+"""Roles by the names of the parameters of agents and explorers; each asks for one at most."""
+
 AGENTS: Registry[Factory] = Registry(
     "agent",
     "hypernav.agents",
@@ -120,10 +172,19 @@ AGENTS: Registry[Factory] = Registry(
             "hypernav.perception.explorers.nearest_frontier:NearestFrontierExplorer",
             words="nearest frontier",
         ),
+        Entry(
+            "vlfm",
+            "hypernav.perception.values.value_frontier:ValueFrontierExplorer",
+            words="VLFM's frontiers by value",
+            section="value_frontier",
+        ),
     ],
 )
 """Explorers, for which the search of this package drives, and whole agents
 (`Explorer` and `Agent` of `hypernav.core.components.protocols`)."""
+
+COMPONENTS = (AGENTS, DETECTORS, SEGMENTERS, *(role.registry for role in ROLES.values()))
+"""The registries of all that an agent is made of."""
 
 SCENES: "Registry[Callable[..., Scene]]" = Registry(
     "scene",

@@ -1,4 +1,4 @@
-"""Words for what segments in place of the network that the published method names."""
+"""Words for what stands in for a network that the published method names."""
 
 from dataclasses import dataclass
 
@@ -41,6 +41,16 @@ def segmenter_words(
     words += f", in place of {published}"
     remedy = "with weights of it: --segmenter onnx-sam:ENCODER.onnx,DECODER.onnx"
     return SegmenterWords(words, f"segments with {words}; {remedy}")
+
+
+def reasoner_warning(chosen: ChosenComponents) -> str:
+    """Sentence to show before a search whose reasoner only stands in for a model; else empty."""
+    if chosen.reasoner is None:
+        return ""
+    stands_in_for = getattr(chosen.reasoner.load(), "stands_in_for", "")
+    if not stands_in_for:
+        return ""
+    return f"reasons by {chosen.reasoner.words(model='')}, in place of {stands_in_for}"
 
 
 def _letters(name: str) -> str:

@@ -22,7 +22,7 @@ class AgentOptions:
     """The agent and its components. It can be pickled, so that every process builds its own."""
 
     agent: str = "hypernav"
-    """Agent: hypernav (explores by blocks), frontier (nearest frontier) or package.module:Name."""
+    """Agent: hypernav, frontier, a published method (vlfm) or package.module:Name."""
     preset: PresetName = "default"
     """Values of the method: the published ones, or those that measured better."""
     vlm: str | None = None
@@ -30,7 +30,7 @@ class AgentOptions:
     detector: str | None = None
     """Detector of the goal, if not --vlm: ground-truth, yolox:PATH.onnx, vlm, zero-shot:ID, …"""
     reasoner: str | None = None
-    """Reasoner that chooses the next block, if not --vlm: geometric, vlm, noisy:P or random."""
+    """What the agent asks where to go, if not --vlm: geometric, …; for vlfm similarity:ID, …"""
     segmenter: str | None = None
     """Segmenter of the pixels in a box: depth-cut, sam:ID or onnx-sam:ENC.onnx,DEC.onnx."""
     record: Path | None = None

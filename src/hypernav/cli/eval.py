@@ -178,8 +178,8 @@ def _who(
 ) -> dict[str, Any]:
     """Description of the agent, after checking that it can be built and can see the goals."""
     parts = options.who.build(config)
-    if parts.segmenter.warning:
-        console.print(f"[yellow]{escape(parts.segmenter.warning)}[/]", soft_wrap=True)
+    for warning in parts.warnings:
+        console.print(f"[yellow]{escape(warning)}[/]", soft_wrap=True)
     goals = dict.fromkeys(episode.goal for episode in episodes)
     visible, first_error = [], None
     for goal in goals:

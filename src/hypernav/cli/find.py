@@ -75,8 +75,8 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
     parts = options.who.build(config)
     parts.check_goal(goal)
     console = Terminal(quiet=options.quiet)
-    if parts.segmenter.warning:
-        console.print(f"[yellow]{escape(parts.segmenter.warning)}[/]", soft_wrap=True)
+    for warning in parts.warnings:
+        console.print(f"[yellow]{escape(warning)}[/]", soft_wrap=True)
     with (
         closing(parts),
         warnings_on(console),

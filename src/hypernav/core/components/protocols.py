@@ -79,6 +79,15 @@ class BlockReasoner(Protocol):
 
 
 @runtime_checkable
+class SceneScorer(Protocol):
+    """Tells how much what the camera sees looks like a place where the goal is near."""
+
+    def score(self, observation: Observation, goal: Goal) -> float:
+        """Score from 0 (not at all) to 1; comparable only between answers of one scorer."""
+        ...
+
+
+@runtime_checkable
 class Explorer(Protocol):
     """Chooses where to go while the goal is out of sight."""
 

@@ -23,10 +23,10 @@ def model_quality(method: Method) -> Study:
         ConfigError: The agent asks no reasoner, so none can be better.
     """
     chosen = method.chosen
-    if chosen.reasoner is None or chosen.detector is None:
+    if chosen.reasoner is None or chosen.detector is None or not chosen.chooses_blocks:
         raise ConfigError(
-            f"--agent {chosen.agent.spec} doesn't ask both a reasoner and a detector, so this "
-            "study can't vary them; use hypernav"
+            f"--agent {chosen.agent.spec} doesn't ask both a reasoner of blocks and a detector, so "
+            "this study can't vary them; use hypernav"
         )
     plain = chosen.reasoner.spec == "geometric"
     unchanged = "geometric rule" if plain else f"reasoner {chosen.reasoner.spec}"

@@ -1,7 +1,7 @@
 """Which switches cannot matter with the components in use, and why."""
 
 from hypernav.build.construction import asked_by
-from hypernav.build.registries import AGENTS, DETECTORS, REASONERS, SEGMENTERS
+from hypernav.build.registries import COMPONENTS
 from hypernav.core.components.abilities import answers_at_once
 from hypernav.core.errors import ConfigError
 from hypernav.evaluation.ablation.config_fields import differing_fields
@@ -55,7 +55,7 @@ def why_unread(field: str, method: Method) -> str:
         return f"no component in use reads the section '{section}'"
     if field in _DRAWN | _ASKED and not asks_model:
         return "no model is asked about the map"
-    if field == "mapping.block_destination" and chosen.reasoner is None:
+    if field == "mapping.block_destination" and not chosen.chooses_blocks:
         return f"--agent {chosen.agent.spec} goes to no blocks"
     if field == "search.reconsider_steps":
         chooses = chosen.reasoner or chosen.agent
@@ -72,8 +72,7 @@ def why_unread(field: str, method: Method) -> str:
 
 
 def _sections_of_components() -> set[str]:
-    registries = (AGENTS, DETECTORS, REASONERS, SEGMENTERS)
-    return set().union(*(registry.sections for registry in registries))
+    return set().union(*(registry.sections for registry in COMPONENTS))
 
 
 def _sections_in_use(method: Method) -> set[str]:

@@ -1,8 +1,8 @@
-"""Similarity of an image and a text: CLIP, SigLIP, SigLIP 2 and BLIP-2's matching head.
+"""Similarity of an image and a text: CLIP, SigLIP, SigLIP 2 and BLIP-2's two heads.
 
 Sources: Radford et al. 2021 (CLIP: cosine of two embeddings), Zhai et al. 2023 (SigLIP: a
 probability by a sigmoid; its text is padded to 64 tokens, as it was trained), Li et al. 2023
-(BLIP-2: image-text matching).
+(BLIP-2: image-text matching, a probability, and image-text contrast, a cosine).
 """
 
 from typing import Any, Literal
@@ -29,10 +29,13 @@ class SimilarityConfig(RoomConfig):
     Attributes:
         device: "auto", "cpu", "cuda", "mps".
         dtype: "auto" is bfloat16 where the device has it.
+        head: Head of BLIP-2: "itm", matching, whose probability soon says 0 or 1, or "itc",
+            contrast, whose cosine grades; other models have one only.
     """
 
     device: str = "auto"
     dtype: Literal["auto", "bfloat16", "float16", "float32"] = "auto"
+    head: Literal["itm", "itc"] = "itm"
 
 
 class ImageTextSimilarity:
@@ -63,6 +66,7 @@ class ImageTextSimilarity:
         auto_class = "Blip2ForImageTextRetrieval" if blip2 else "AutoModel"
         self._model = load_network(auto_class, path, self._device, self._dtype)
         self._processor = load_pretrained("AutoProcessor", path)
+        self._matches = config.head == "itm"
 
     def similarity(self, image: Image, text: str) -> float:
         """Similarity from 0 (none) to 1; comparable only between answers of the same model."""
@@ -77,8 +81,9 @@ class ImageTextSimilarity:
 
     def _run(self, inputs: dict[str, Any]) -> float:
         if self._kind == "blip-2":
-            outputs = self._model(**inputs, use_image_text_matching_head=True)
-            return float(outputs.logits_per_image.float().softmax(-1)[0, 1])
+            outputs = self._model(**inputs, use_image_text_matching_head=self._matches)
+            logits = outputs.logits_per_image.float()
+            return float(logits.softmax(-1)[0, 1] if self._matches else logits[0, 0])
         outputs = self._model(**inputs)
         if self._kind == "clip":
             cosine = (outputs.image_embeds * outputs.text_embeds).float().sum()

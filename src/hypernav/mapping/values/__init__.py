@@ -1,0 +1,1 @@
+"""Value maps: how well what was seen where fits the goal."""

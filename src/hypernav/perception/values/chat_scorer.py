@@ -1,0 +1,81 @@
+"""Scores by a chat model: how probable its yes is. Ours; VLFM compares image and text."""
+
+from typing import Any
+
+from pydantic import Field
+
+from hypernav.core.chat import Question
+from hypernav.core.components.protocols import ChatModel
+from hypernav.core.config import RoomConfig
+from hypernav.core.goal import Goal
+from hypernav.core.observation import Observation
+from hypernav.core.trace import ExchangeLog
+from hypernav.perception.exchanges import exchange_of
+
+_PROMPT = (
+    "You look for a {goal} in a building. Is the place in this picture one from which a {goal} is "
+    "likely close by? Answer yes or no."
+)
+
+
+class ChatScorerConfig(RoomConfig):
+    """The question. All of it is ours.
+
+    Attributes:
+        prompt: Text of the question; ``{goal}`` is filled in.
+        unsure: Score of an answer that is neither yes nor no.
+    """
+
+    prompt: str = _PROMPT
+    unsure: float = Field(default=0.5, ge=0.0, le=1.0)
+
+
+class ChatScorer:
+    """Asks whether the goal is likely near, and takes the probability of yes for the score.
+
+    A model that tells no probabilities gives 1 or 0.
+    """
+
+    def __init__(
+        self, chat: ChatModel, log: ExchangeLog, config: ChatScorerConfig | None = None
+    ) -> None:
+        """Create the scorer.
+
+        Args:
+            chat: Chat model to ask, once a step.
+            log: Log of all questions and answers, for the trace.
+            config: Configuration of the question.
+        """
+        self._chat = chat
+        self._log = log
+        self._config = config or ChatScorerConfig()
+        self._unsure = 0
+
+    def take_report(self) -> dict[str, Any]:
+        """Number of answers that were neither yes nor no since the last call."""
+        report, self._unsure = {"unsure_scores": self._unsure}, 0
+        return report
+
+    def score(self, observation: Observation, goal: Goal) -> float:
+        """Probability of yes, 0 to 1.
+
+        Raises:
+            ModelUnavailableError: The model did not answer within the configured patience.
+        """
+        question = Question(
+            kind="score view",
+            text=goal.named_in(self._config.prompt),
+            images=(observation.rgb,),
+            allowed=("yes", "no"),
+            max_tokens=8,
+        )
+        answer = self._chat.ask(question)
+        remarks = []
+        if answer.fault is not None:
+            self._unsure += 1
+            score = self._config.unsure
+            remarks = [f"{answer.detail}; scored {score:g}"]
+        else:
+            score = answer.probabilities.get("yes", float(answer.value == "yes"))
+        self._log.record(exchange_of(question, answer, remarks=remarks))
+        return score

@@ -1,0 +1,165 @@
+"""Exploration of the frontier around which what was seen fits the goal best (VLFM).
+
+Source: Yokoyama et al., "VLFM: Vision-Language Frontier Maps for Zero-Shot Semantic Navigation",
+2024, and its released code.
+"""
+
+import math
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+from pydantic import Field
+
+from hypernav.core.components.protocols import SceneScorer
+from hypernav.core.config import RoomConfig
+from hypernav.core.destination import Destination
+from hypernav.core.embodiment import Embodiment
+from hypernav.core.geometry.grid import Cell, OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
+from hypernav.core.observation import Observation
+from hypernav.core.trace import Exchange, ExchangeLog
+from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.frontiers import Frontier, find_frontiers
+from hypernav.mapping.values.value_map import ValueMap, ValueMapConfig
+
+
+class ValueFrontierConfig(RoomConfig):
+    """Choice of a frontier by the value map. Values are those of VLFM's code unless said ours.
+
+    Attributes:
+        map: Weights of the views in the value map.
+        near_m: Distance from a frontier's destination, metres, within which values count, and
+            within which a frontier is the one of the step before.
+        stay_margin: Amount by which the value of the present frontier may fall from one step to the
+            next before the best is gone to.
+        least_pocket_m2: Area below which unknown floor in the middle of known floor counts as
+            explored, square metres.
+        visited_radius_m: Distance from a destination that was reached or given up, metres, within
+            which frontiers are passed over; ours: the original goes on for ever.
+    """
+
+    map: ValueMapConfig = ValueMapConfig()
+    near_m: float = Field(default=0.5, gt=0.0, le=10.0)
+    stay_margin: float = Field(default=0.01, ge=0.0, le=1.0)
+    least_pocket_m2: float = Field(default=1.5, ge=0.0, le=100.0)
+    visited_radius_m: float = Field(default=0.5, ge=0.0, le=100.0)
+
+
+class ValueFrontierExplorer:
+    """Scores every view, and at every step goes to the frontier with the best values around it.
+
+    Map, frontiers' reach, planner and arrival are those of all agents of this package (ours: the
+    original drives by a learned policy).
+    """
+
+    def __init__(
+        self,
+        scorer: SceneScorer,
+        log: ExchangeLog,
+        embodiment: Embodiment,
+        mapping: MappingConfig,
+        clearances_m: tuple[float, ...],
+        config: ValueFrontierConfig | None = None,
+    ) -> None:
+        """Create it.
+
+        Args:
+            scorer: Scorer of the views.
+            log: Log of all choices, for the trace.
+            embodiment: Range of the camera.
+            mapping: Cells of the map, length of the shortest frontier.
+            clearances_m: Distances of destinations from obstacles, in the order to try, metres.
+            config: Choice of a frontier.
+        """
+        self._scorer = scorer
+        self._log = log
+        self._camera = embodiment.camera
+        self._mapping = mapping
+        self._clearances_m = clearances_m
+        self._config = config or ValueFrontierConfig()
+        self.reset(Goal("nothing yet"))
+
+    def reset(self, goal: Goal) -> None:
+        """Forget all visits and values."""
+        self._goal = goal
+        self._visited: list[tuple[float, float]] = []
+        self._latest: tuple[tuple[float, float], float] | None = None
+        self.value_map = ValueMap(
+            self._config.map, self._camera, cell_size_m=self._mapping.cell_size_m
+        )
+
+    def remember_visit(self, x: float, y: float) -> None:
+        """Note a destination that was reached or given up."""
+        self._visited.append((x, y))
+
+    def watch(self, observation: Observation, grid: OccupancyGrid) -> None:
+        """Score the view and fuse the score into the value map.
+
+        Raises:
+            ModelUnavailableError: The scorer's model did not answer.
+        """
+        self.value_map.integrate(observation, self._scorer.score(observation, self._goal))
+
+    def next_destination(
+        self, grid: OccupancyGrid, robot: Pose2, trajectory: Sequence[tuple[float, float]]
+    ) -> Destination | None:
+        """The frontier of the step before, as long as its value holds; else the best one."""
+        known = without_pockets(grid, self._config.least_pocket_m2)
+        for clearance_m in self._clearances_m:
+            frontiers = find_frontiers(known, robot, self._mapping, clearance_m)
+            fresh = [one.destination for one in frontiers if not self._was_visited(one)]
+            if fresh:
+                return self._best(fresh)
+        self._latest = None
+        self._record("no frontier is left that can be reached")
+        return None
+
+    def _best(self, positions: list[tuple[float, float]]) -> Destination:
+        points = np.array(positions)
+        scores = self.value_map.median_near(points, self._config.near_m)
+        chosen, why = int(scores.argmax()), "the best of"
+        if self._latest is not None:
+            before, score_before = self._latest
+            away = np.hypot(*(points - before).T)
+            nearest = int(away.argmin())
+            is_same = away[nearest] <= self._config.near_m
+            if is_same and scores[nearest] + self._config.stay_margin > score_before:
+                chosen, why = nearest, "as in the step before, of"
+        x, y = positions[chosen]
+        score = float(scores[chosen])
+        moved = self._latest is None or self._latest[0] != (x, y)
+        self._latest = (x, y), score
+        reason = f"frontier with value {score:.2f}, {why} {len(positions)}"
+        if moved:
+            self._record(reason)
+        return Destination(x, y, reason=reason, most_steps=1)
+
+    def _record(self, answer: str) -> None:
+        self._log.record(
+            Exchange(
+                kind="choose frontier",
+                asked="value map",
+                question="Around which frontier did views fit the goal best?",
+                answer=answer,
+            )
+        )
+
+    def _was_visited(self, frontier: Frontier) -> bool:
+        return any(
+            math.dist(frontier.destination, position) < self._config.visited_radius_m
+            for position in self._visited
+        )
+
+
+def without_pockets(grid: OccupancyGrid, least_m2: float) -> OccupancyGrid:
+    """A copy of the map in which small unknown areas amid the known ones are free."""
+    grid = grid.cropped()
+    unknown = (grid.cells == Cell.UNKNOWN).view(np.uint8)
+    _, parts = cv2.connectedComponents(unknown, connectivity=4)
+    least_cells = least_m2 / grid.resolution_m**2
+    is_pocket = np.bincount(parts.ravel()) < least_cells
+    is_pocket[0] = False  # what is known
+    cells = np.where(is_pocket[parts], np.uint8(Cell.FREE), grid.cells)
+    return OccupancyGrid(cells, grid.resolution_m, grid.origin)
