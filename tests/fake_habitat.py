@@ -18,6 +18,7 @@ from hypernav.worlds.navmesh.goal_paths import GoalPaths
 from hypernav.worlds.navmesh.navmesh import Navmesh
 from hypernav.worlds.scans.layout import ScanFiles
 from hypernav.worlds.scans.loading import open_scene
+from hypernav.worlds.scenes.scene import Scene
 
 
 class SensorType(Enum):
@@ -71,13 +72,17 @@ class MultiGoalShortestPath(ShortestPath):
 class PathFinder:
     """habitat-sim's path finder over one mesh."""
 
-    def __init__(self, navmesh: Navmesh | None) -> None:
-        self._mesh: Any = navmesh
+    def __init__(self) -> None:
+        self._mesh: Any = None
         self._rng = np.random.default_rng(0)
 
     @property
     def is_loaded(self) -> bool:
         return self._mesh is not None
+
+    def load_nav_mesh(self, path: str) -> bool:
+        self._mesh = Navmesh.load(Path(path))
+        return True
 
     @property
     def num_islands(self) -> int:
@@ -134,13 +139,10 @@ class Simulator:
     def __init__(self, configuration: Configuration) -> None:
         path = Path(configuration.sim_cfg.scene_id)
         scene = open_scene(path)
-        files = ScanFiles.of(path)
-        mesh = None if files is None or files.navmesh is None else Navmesh.load(files.navmesh)
-        self.pathfinder = PathFinder(mesh)
+        # The real one has a mesh already, but one that it may have computed for another robot.
+        self.pathfinder = PathFinder()
         self._renderer = CpuRenderer(scene, RenderConfig(threads=1))
-        self._numbers = np.array(
-            [0, *(int(i.name.rpartition("_")[2]) for i in scene.instances[1:])], dtype=np.uint32
-        )
+        self._numbers = np.array(_annotated(path, scene), dtype=np.uint32)
         self._sensors = configuration.agents[0].sensor_specifications
         self._agent = _Agent()
         self.is_closed = False
@@ -179,6 +181,14 @@ class Simulator:
         middle = np.array(self._agent.state.position) + offset
         columns = [_in_scene(right), _in_scene(-up), _in_scene(-back)]
         return Transform(np.column_stack(columns), _in_scene(middle))
+
+
+def _annotated(path: Path, scene: Scene) -> list[int]:
+    """habitat-sim's number of every instance: that of its line in the semantic text."""
+    if ScanFiles.of(path) is not None:
+        return [0, *(int(instance.name.rpartition("_")[2]) for instance in scene.instances[1:])]
+    lines = path.with_suffix(".semantic.txt").read_text().splitlines()[1:]
+    return [int(line.split(",")[0]) for line in lines]
 
 
 def _turned(quaternion: tuple[float, ...], vector: tuple[float, ...]) -> np.ndarray:

@@ -4,12 +4,14 @@ import pytest
 
 from box_houses import box_house
 from hypernav.build.scenes import build_scene
+from hypernav.cli import houses
 from hypernav.cli.main import main
 from hypernav.core.goal import Goal
 from hypernav.datasets.habitat_files import read_episodes
 from hypernav.houses.building import house
 from hypernav.houses.episodes import episode_cache
 from hypernav.houses.export import page
+from hypernav.houses.export.habitat_data import HabitatData
 from hypernav.houses.generator import generate
 from hypernav.houses.near_misses import near_misses
 
@@ -127,6 +129,39 @@ def test_a_house_is_exported_and_opens_again(tmp_path, monkeypatch, capsys):
     assert f"--scene {glb}" in said
     assert "scene_dataset_config.json" in said
     assert len(build_scene(str(glb)).instances) > 40
+
+
+def test_a_split_is_exported_with_its_episodes(box_houses, tmp_path, monkeypatch, capsys):
+    asked = {}
+
+    def export(dataset, split, root, *, progress):
+        asked.update(dataset=dataset, split=split, root=root)
+        return HabitatData(root, split)
+
+    monkeypatch.setattr(houses, "export_split", export)
+    assert hypernav("houses", "export", "houses-val#1000:1002", "--out", tmp_path / "data") == 0
+    assert {e.scene_id for e in asked["dataset"].episodes} == {"houses:1000", "houses:1001"}
+    assert (asked["split"], asked["root"]) == ("houses-val", tmp_path / "data")
+    said = capsys.readouterr().err
+    for words in ("data_path=", "scenes_dir=", "scene_dataset=", "hypernav eval habitat:"):
+        assert words in said
+
+
+@pytest.mark.parametrize(
+    ("what", "words"),
+    [
+        ("houses-vall", "did you mean 'houses-val'"),
+        ("houses-val#5:9", "houses-val has the houses 1000:1036"),
+        ("houses-val#", "nothing follows the #"),
+        ("houses-val#all", "expected house numbers"),
+    ],
+)
+def test_a_split_that_does_not_exist_is_not_exported(what, words, tmp_path, capsys):
+    assert hypernav("houses", "export", what, "--out", tmp_path / "data") == 2
+    said = capsys.readouterr().err
+    assert words in said
+    assert said.count("\n") == 1
+    assert not (tmp_path / "data").exists()
 
 
 def test_a_house_is_shown_on_a_page(tmp_path, monkeypatch, capsys):

@@ -11,6 +11,7 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel
 from hypernav.houses.building import BUILTIN_HOUSE, house
+from hypernav.houses.export.dataset_config import write_dataset_config
 from hypernav.houses.export.descriptions import describe
 from hypernav.houses.export.files import ExportedBuilding, export_building
 from hypernav.houses.export.page import building_page
@@ -97,12 +98,13 @@ def test_descriptions_read_well():
 
 
 def test_habitat_finds_its_semantics(exported: ExportedBuilding, built: Scene):
-    config = json.loads(exported.dataset_config.read_text())
+    config = json.loads(write_dataset_config(exported.glb.parent).read_text())
     stage = config["stages"]["default_attributes"]
     assert config["stages"]["paths"][".glb"] == [exported.glb.name]
     for key, path in (
         ("semantic_asset", exported.semantic_glb),
         ("semantic_descriptor_filename", exported.semantic_txt),
+        ("nav_asset", exported.navmesh),
     ):
         name = stage[key].replace("%%CONFIG_NAME_AS_ASSET_FILENAME%%", exported.glb.stem)
         assert name == path.name

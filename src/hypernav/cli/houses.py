@@ -13,11 +13,13 @@ from hypernav.cli.houses_options import Episodes, Export, Show, Splits
 from hypernav.cli.terminal import Terminal
 from hypernav.core.errors import ConfigError, EpisodeError
 from hypernav.core.whole_numbers import is_whole_number
-from hypernav.houses.building import Building
+from hypernav.houses.building import NOUNS, Building
 from hypernav.houses.episodes.difficulty import Difficulty, difficulty
 from hypernav.houses.episodes.split_files import is_file_name, write_split
-from hypernav.houses.episodes.splits import SPLITS, load_split, split_named
+from hypernav.houses.episodes.splits import SPLITS, load_split, numbers_of, split_named
+from hypernav.houses.export.dataset_config import write_dataset_config
 from hypernav.houses.export.files import export_building
+from hypernav.houses.export.habitat_data import export_split
 from hypernav.houses.export.page import building_page
 
 
@@ -72,17 +74,57 @@ def _splits() -> None:
 
 
 def _export(options: Export) -> None:
-    building = building_of(options.building)
+    split, hash_sign, part = options.what.partition("#")
+    if split.partition("-")[0] in NOUNS:
+        if hash_sign and not part:
+            raise EpisodeError(f"{split}#: nothing follows the #; say which buildings")
+        _export_split(options, split_named(split).name, part)
+    else:
+        _export_building(options)
+
+
+def _export_split(options: Export, split: str, part: str) -> None:
+    numbers = numbers_of(split, part) if part else None
+    root = Path("runs") / split if options.out is None else options.out
+    check_folder(root)
+    console = Terminal(quiet=options.quiet)
+    with _progress(console) as bar:
+        task = bar.add_task("measuring buildings", total=None)
+        dataset = load_split(
+            split,
+            numbers=numbers,
+            progress=lambda done, total: bar.update(task, completed=done, total=total),
+        )
+        task = bar.add_task("writing buildings", total=None)
+        data = export_split(
+            dataset,
+            split,
+            root,
+            progress=lambda done, total: bar.update(task, completed=done, total=total),
+        )
+    console.print(
+        f"{len(dataset.episodes)} episodes of {split} in {root}; for habitat-lab:\n"
+        f"  habitat.dataset.data_path={data.episodes}\n"
+        f"  habitat.dataset.scenes_dir={data.scenes}\n"
+        f"  habitat.simulator.scene_dataset={data.dataset_config}\n"
+        f"  try: hypernav eval habitat:{data.episodes}",
+        soft_wrap=True,
+    )
+
+
+def _export_building(options: Export) -> None:
+    building = building_of(options.what)
     folder = _folder_for(building) if options.out is None else options.out
     check_folder(folder)
     console = Terminal(quiet=options.quiet)
     with console.status(f"building and writing {building.noun} {building.number} …"):
         files = export_building(building, folder)
+        dataset_config = write_dataset_config(folder)
     console.print(f"{building.noun} {building.number} in {folder}:", soft_wrap=True)
     for path, what in (
         (files.glb, f"the {building.noun}; opens in Blender, web viewers and hypernav"),
         (files.objects, "names and categories of its nodes"),
-        (files.dataset_config, "for Habitat's scene_dataset_config_file"),
+        (dataset_config, "for Habitat's scene_dataset_config_file"),
         (files.semantic_glb, "its instances in colours, for Habitat's semantic sensor"),
         (files.semantic_txt, "the instances of these colours"),
         (files.navmesh, "where Habitat's robot can stand"),

@@ -31,12 +31,17 @@ class Splits:
 
 @dataclass(frozen=True)
 class Export:
-    """Write a building as GLB with objects.json, and with the files that Habitat needs."""
+    """Write a building as GLB with the files that Habitat needs, or a split as Habitat's data.
 
-    building: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="ID")]
-    """Number of a house, for example 1234; or offices:N, shops:N."""
+    A split is written with its episodes, as one folder that Habitat takes as it is.
+    """
+
+    what: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="ID|SPLIT")]
+    """Number of a house, for example 1234; or offices:N, shops:N; or houses-val, or some buildings
+    of a split: houses-val#1000:1004."""
     out: Path | None = None
-    """Folder to write to; runs/house-ID, runs/office-ID … by default."""
+    """Folder to write to; runs/house-ID, runs/office-ID … by default. Habitat's data folder for a
+    split; runs/SPLIT by default."""
     quiet: bool = False
     """Print errors only."""
 

@@ -7,6 +7,8 @@ from hypernav.core.errors import EpisodeError
 from hypernav.datasets.benchmarks import Benchmark
 from hypernav.datasets.habitat_files import episode_files
 
+SCENES_FOLDER = "scene_datasets"
+"""Folder of all scenes below Habitat's folder of data."""
 _SCENE_SUFFIXES = (".basis.glb", ".glb")
 """Suffixes of a scene in the order of preference; Habitat draws the compressed file."""
 
@@ -73,7 +75,7 @@ def split_of(benchmark: Benchmark, folder: Path, wanted: str = "") -> SplitFolde
 
 def scene_folders(benchmark: Benchmark, folder: Path) -> list[Path]:
     """The folders of a benchmark's scenes that are there, the preferred one first."""
-    bases = (folder / "scene_datasets", folder / "versioned_data", folder)
+    bases = (folder / SCENES_FOLDER, folder / "versioned_data", folder)
     return [base / name for base in bases for name in benchmark.scenes if (base / name).is_dir()]
 
 
@@ -91,7 +93,7 @@ def scene_below(benchmark: Benchmark, folder: Path, scene_id: str) -> Path | Non
     named = PurePosixPath(scene_id)
     if named.is_absolute() or ".." in named.parts:
         return None
-    exact = [folder / "scene_datasets" / named, folder / named]
+    exact = [folder / SCENES_FOLDER / named, folder / named]
     releases = [base.joinpath(*named.parts[1:]) for base in scene_folders(benchmark, folder)]
     for path in (*exact, *releases):
         stem = path.name.removesuffix(".glb").removesuffix(".basis")

@@ -21,11 +21,11 @@ from hypernav.core.errors import EpisodeError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.whole_numbers import is_whole_number
-from hypernav.datasets.benchmark_files import scene_below, split_of
+from hypernav.datasets.benchmark_files import SCENES_FOLDER, scene_below, split_of
 from hypernav.datasets.benchmarks import BENCHMARKS, Benchmark
 from hypernav.datasets.habitat_episodes import episodes_of
 from hypernav.datasets.habitat_files import episode_files, read_episodes
-from hypernav.houses.episodes.splits import SPLITS, load_split
+from hypernav.houses.episodes.splits import SPLITS, load_split, numbers_of
 from hypernav.worlds.simulation import SimulatedWorld, SimulationConfig
 from hypernav.worlds.surface.starts import random_start
 
@@ -70,7 +70,7 @@ DataSource = Callable[[DatasetRequest], list[Episode]]
 
 def split_episodes(split: str, request: DatasetRequest) -> list[Episode]:
     """The episodes of a split of generated buildings."""
-    numbers = None if not request.part else _building_numbers(split, request.part)
+    numbers = None if not request.part else numbers_of(split, request.part)
     return episodes_of(load_split(split, numbers=numbers, progress=request.progress))
 
 
@@ -112,6 +112,8 @@ def habitat_episodes(request: DatasetRequest) -> list[Episode]:
     """The episodes of a file in Habitat's ObjectNav format, or of a split's folder.
 
     A scene id is a path below the folder of scenes, or a name that ``hypernav find --scene`` knows.
+    Unless somebody names this folder, it is that of the file, or ``scene_datasets`` somewhere above
+    it, where Habitat's data lie.
     """
     path = Path(request.argument)
     if request.part:
@@ -119,8 +121,11 @@ def habitat_episodes(request: DatasetRequest) -> list[Episode]:
             f"habitat:{path}#{request.part}: nothing follows the file's name; choose episodes with "
             "--episodes, --scenes and --goals"
         )
-    folder = request.scenes_dir or (path if path.is_dir() else path.parent)
-    return _episodes_in(path, request, partial(_scene_below, folder))
+    if request.scenes_dir is not None:
+        return _episodes_in(path, request, partial(_scene_below, [request.scenes_dir]))
+    own = path if path.is_dir() else path.parent
+    folders = [own, *(above / SCENES_FOLDER for above in own.resolve().parents)]
+    return _episodes_in(path, request, partial(_scene_below, folders))
 
 
 def benchmark_episodes(name: str, request: DatasetRequest) -> list[Episode]:
@@ -152,30 +157,21 @@ def _episodes_in(
 
 def _scene_of(benchmark: Benchmark, folder: Path, scene_id: str) -> str:
     """The file of a benchmark's scene, or where it is missing: few need all of them."""
-    return str(scene_below(benchmark, folder, scene_id) or folder / "scene_datasets" / scene_id)
+    return str(scene_below(benchmark, folder, scene_id) or folder / SCENES_FOLDER / scene_id)
 
 
-def _scene_below(folder: Path, scene_id: str) -> str:
-    """The scene that a scene id of an episode file names."""
+def _scene_below(folders: list[Path], scene_id: str) -> str:
+    """The scene that a scene id of an episode file names, in the first folder that has it."""
     if SCENES.knows(scene_id.partition(":")[0]):
         return scene_id
-    path = folder / scene_id
-    if not path.is_file():
-        raise EpisodeError(
-            f"there is no scene {path}; scene ids of the file are paths below the folder of the "
-            "file, or below --scenes-dir FOLDER"
-        )
-    return str(path)
-
-
-def _building_numbers(split: str, part: str) -> range:
-    first, colon, end = part.partition(":")
-    if not is_whole_number(first) or (colon and not is_whole_number(end)):
-        raise EpisodeError(
-            f"{split}#{part:.40}: expected house numbers, for example {split}#3000:3004 (END is "
-            f"not included) or {split}#3000"
-        )
-    return range(int(first), int(end) if colon else int(first) + 1)
+    for folder in folders:
+        if (folder / scene_id).is_file():
+            return str(folder / scene_id)
+    raise EpisodeError(
+        f"there is no scene {folders[0] / scene_id}; scene ids of the file are paths below the "
+        f"folder of the file, below {SCENES_FOLDER} in a folder above it, or below --scenes-dir "
+        "FOLDER"
+    )
 
 
 DATA_SOURCES: Registry[DataSource] = Registry(

@@ -43,25 +43,31 @@ def write_split(
         if progress is not None:
             progress(done, len(scenes))
         scene = cached_building(Building.named(scene_id), cache)
-        part = with_view_points(_of_scene(dataset, scene_id), scene)
+        part = with_view_points(of_scene(dataset, scene_id), scene)
         if is_file_name(out):
             whole.goals_by_category.update(part.goals_by_category)
         else:
-            _write(part, out / "content" / f"{scene_id.replace(':', '-')}.json.gz")
+            write(part, out / "content" / f"{scene_id.replace(':', '-')}.json.gz")
     if is_file_name(out):
-        _write(whole, out)
+        write(whole, out)
     else:
-        _write(whole.model_copy(update={"episodes": []}), out / f"{out.name}.json.gz")
+        write(whole.model_copy(update={"episodes": []}), out / f"{out.name}.json.gz")
 
 
-def _of_scene(dataset: EpisodeDataset, scene_id: str) -> EpisodeDataset:
+def of_scene(dataset: EpisodeDataset, scene_id: str) -> EpisodeDataset:
+    """The episodes of one scene, with their goals."""
     episodes = [episode for episode in dataset.episodes if episode.scene_id == scene_id]
     keys = dict.fromkeys(episode.goals_key() for episode in episodes)
     goals = {key: dataset.goals_by_category[key] for key in keys}
     return dataset.model_copy(update={"episodes": episodes, "goals_by_category": goals})
 
 
-def _write(dataset: EpisodeDataset, path: Path) -> None:
+def write(dataset: EpisodeDataset, path: Path) -> None:
+    """Write a file of a split.
+
+    Raises:
+        EpisodeError: It cannot be written.
+    """
     try:
         write_episodes(dataset, path)
     except OSError as error:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from hypernav.core.errors import EpisodeError
+from hypernav.core.whole_numbers import is_whole_number
 from hypernav.datasets.habitat_format import EpisodeDataset, ObjectNavEpisode
 from hypernav.houses.building import Building
 from hypernav.houses.episodes.episode_cache import cached_episodes
@@ -151,6 +152,25 @@ def split_named(name: str) -> BuildingSplit:
         hint = f"did you mean '{near[0]}'?" if near else f"there are {', '.join(SPLITS)}"
         raise EpisodeError(f"unknown split '{name}'; {hint}")
     return SPLITS[name]
+
+
+def numbers_of(split: str, part: str) -> range:
+    """The buildings that a part of a split means, as in ``houses-train#3000:3004``.
+
+    Args:
+        split: Name of the split.
+        part: ``FIRST:END``, or one number.
+
+    Raises:
+        EpisodeError: The text is neither.
+    """
+    first, colon, end = part.partition(":")
+    if not is_whole_number(first) or (colon and not is_whole_number(end)):
+        raise EpisodeError(
+            f"{split}#{part:.40}: expected house numbers, for example {split}#3000:3004 (END is "
+            f"not included) or {split}#3000"
+        )
+    return range(int(first), int(end) if colon else int(first) + 1)
 
 
 def _overlap(a: range, b: range) -> bool:

@@ -23,6 +23,12 @@ from hypernav.worlds.scenes.loading import OBJECTS_FILE
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.walkable import WalkableGrid
 
+FIRST_ANNOTATION = 1
+"""Number of the first instance in the semantics, where 0 means nothing."""
+
+HABITAT_ROBOT = BodyConfig(height_m=0.88)
+"""The default robot as Habitat is configured for it; its Recast makes 1.0 m of this height."""
+
 
 @dataclass(frozen=True)
 class ExportedBuilding:
@@ -31,7 +37,6 @@ class ExportedBuilding:
     Attributes:
         glb: Building as binary glTF (y up).
         objects: Metadata of its nodes.
-        dataset_config: File for Habitat's ``scene_dataset_config_file``.
         semantic_glb: Building in colours that identify its instances.
         semantic_txt: Instance of every colour.
         navmesh: Where the robot can stand, for Habitat.
@@ -39,7 +44,6 @@ class ExportedBuilding:
 
     glb: Path
     objects: Path
-    dataset_config: Path
     semantic_glb: Path
     semantic_txt: Path
     navmesh: Path
@@ -49,9 +53,9 @@ def export_building(building: Building, out_dir: Path) -> ExportedBuilding:
     """Write a building to a folder.
 
     ``house_N.glb`` and ``objects.json`` open with `hypernav.worlds.load_scene`; the rest is for
-    Habitat: ``hypernav.scene_dataset_config.json``, the semantics in the form of HM3D's
-    (``house_N.semantic.glb`` with vertex colours, ``house_N.semantic.txt``), and the walkable
-    surface of the default robot, ``house_N.navmesh``.
+    Habitat: the semantics in the form of HM3D's (``house_N.semantic.glb`` with vertex colours,
+    ``house_N.semantic.txt``), and the walkable surface of the default robot, ``house_N.navmesh``.
+    `hypernav.houses.export.dataset_config` tells it about them.
 
     Args:
         building: The building.
@@ -64,7 +68,6 @@ def export_building(building: Building, out_dir: Path) -> ExportedBuilding:
     files = ExportedBuilding(
         out_dir / f"{name}.glb",
         out_dir / OBJECTS_FILE,
-        out_dir / "hypernav.scene_dataset_config.json",
         out_dir / f"{name}.semantic.glb",
         out_dir / f"{name}.semantic.txt",
         out_dir / f"{name}.navmesh",
@@ -79,8 +82,7 @@ def export_building(building: Building, out_dir: Path) -> ExportedBuilding:
         write_semantics(house, colors, files.semantic_glb)
         files.semantic_txt.write_text(_semantic_lines(house, colors, rooms))
         walkable = WalkableGrid.from_scene(scene, BodyConfig())
-        files.navmesh.write_bytes(navmesh_bytes(mesh_from_grid(walkable), BodyConfig()))
-        files.dataset_config.write_text(json.dumps(_dataset_config(files), indent=2) + "\n")
+        files.navmesh.write_bytes(navmesh_bytes(mesh_from_grid(walkable), HABITAT_ROBOT))
     except OSError as error:
         raise SceneError(f"{out_dir}: cannot be written ({error.strerror or error})") from error
     return files
@@ -135,33 +137,10 @@ def _colors(count: int) -> UInt8[np.ndarray, "instances 3"]:
 def _semantic_lines(
     house: CompactScene, colors: UInt8[np.ndarray, "instances 3"], rooms: list[str]
 ) -> str:
-    """Lines of HM3D's semantic file: instance (from 1 on), colour, category, room."""
+    """Lines of HM3D's semantic file: instance, colour, category, room."""
     lines = ["HM3D Semantic Annotations"]
     for number, (name, category) in enumerate(zip(house.rooms, house.categories, strict=True)):
         hex_code = "".join(f"{c:02X}" for c in colors[number])
         room = rooms.index(name) if name in rooms else len(rooms)
-        lines.append(f'{number + 1},{hex_code},"{category}",{room}')
+        lines.append(f'{number + FIRST_ANNOTATION},{hex_code},"{category}",{room}')
     return "\n".join(lines) + "\n"
-
-
-def _dataset_config(files: ExportedBuilding) -> dict[str, Any]:
-    return {
-        "stages": {
-            "default_attributes": {
-                "shader_type": "flat",
-                "up": [0, 1, 0],
-                "front": [0, 0, -1],
-                "origin": [0, 0, 0],
-                "semantic_up": [0, 1, 0],
-                "semantic_front": [0, 0, -1],
-                "semantic_asset": "%%CONFIG_NAME_AS_ASSET_FILENAME%%.semantic.glb",
-                "semantic_descriptor_filename": "%%CONFIG_NAME_AS_ASSET_FILENAME%%.semantic.txt",
-                "has_semantic_textures": False,
-            },
-            "paths": {".glb": [files.glb.name]},
-        },
-        "scene_instances": {
-            "default_attributes": {"default_lighting": "no_lights"},
-            "paths": {".json": []},
-        },
-    }

@@ -1,7 +1,8 @@
 """habitat-sim's images of a scene, as a renderer of ours.
 
 Written against the documented calls of habitat-sim 0.2.2 to 0.3.3: ``Simulator``,
-``get_agent(0).set_state``, ``get_sensor_observations`` and ``pathfinder`` are all that is used.
+``get_agent(0).set_state``, ``get_sensor_observations`` and ``pathfinder`` (of which here
+``load_nav_mesh``) are all that is used.
 Poses of the scene, z up, become Habitat's, y up, here and in `path_finder`, and nowhere else.
 """
 
@@ -19,6 +20,7 @@ from hypernav.core.errors import MissingExtraError, SceneError
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.world import RenderedView
+from hypernav.worlds.scenes.loading import OBJECTS_FILE
 from hypernav.worlds.scenes.scene import Scene
 
 _OPTICAL_TO_GL = np.diag([1.0, -1.0, -1.0])
@@ -27,6 +29,7 @@ _DATASET_CONFIGS = (
     "hm3d_annotated_basis.scene_dataset_config.json",
     "hm3d_basis.scene_dataset_config.json",
     "mp3d.scene_dataset_config.json",
+    "hypernav.scene_dataset_config.json",
 )
 
 
@@ -76,10 +79,15 @@ class HabitatRenderer:
         except (RuntimeError, ValueError, OSError) as error:
             raise SceneError(f"{mesh}: habitat-sim can't open it ({error})") from error
         self.path_finder: Any = self._simulator.pathfinder
+        # Where the settings in the file aren't those of its robot, habitat-sim has computed a mesh
+        # of its own; the published episodes belong to the file.
+        file = scene.navmesh or mesh.with_suffix(".navmesh")
+        if file.is_file():
+            self.path_finder.load_nav_mesh(str(file))
         if not self.path_finder.is_loaded:
             self.close()
             raise SceneError(f"{mesh}: habitat-sim found no navigation mesh beside it")
-        self._instances = _instance_numbers(scene)
+        self._instances = _instance_numbers(scene, mesh)
 
     def render(self, camera: PinholeCamera, camera_to_scene: Transform) -> RenderedView:
         """Colour, depth and instances as habitat-sim draws them.
@@ -176,8 +184,10 @@ def _dataset_config(mesh: Path) -> Path | None:
     return None
 
 
-def _instance_numbers(scene: Scene) -> Int32[np.ndarray, "numbers"]:
+def _instance_numbers(scene: Scene, mesh: Path) -> Int32[np.ndarray, "numbers"]:
     """Our number of every annotated instance, by habitat-sim's; 0 is the building."""
+    if (mesh.parent / OBJECTS_FILE).is_file():  # an export of ours, annotated from 1 on
+        return np.arange(-1, len(scene.instances), dtype=np.int32).clip(min=0)
     numbers = {0: 0}
     for instance in scene.instances[1:]:
         annotated = instance.name.rpartition("_")[2]

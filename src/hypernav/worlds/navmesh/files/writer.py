@@ -21,6 +21,9 @@ from hypernav.worlds.navmesh.files.polygon_mesh import PolygonMesh
 from hypernav.worlds.navmesh.files.search_tree import search_tree
 
 _LINK_BYTES = 12
+_CELL_HEIGHT_M, _CLIMB_M, _SLOPE_DEG = 0.2, 0.2, 45.0
+"""What habitat-sim computes its meshes with (``NavMeshSettings::setDefaults``)."""
+
 _EDGE_FLAGS = (0b000001, 0b000100, 0b010000)
 """Flags of a detail triangle's edges that lie on the boundary of its polygon."""
 
@@ -30,9 +33,13 @@ def navmesh_bytes(
 ) -> bytes:
     """The content of a file that habitat-sim takes as computed by itself.
 
+    habitat-sim throws a mesh away and computes its own if the settings of the file differ in
+    anything from those that it would compute with. So the file states these, whatever the mesh was
+    made with: its defaults, with the radius and the height of its robot.
+
     Args:
         mesh: Polygons on which the middle of the robot may be.
-        body: Robot that the mesh is for.
+        body: Robot as Habitat is configured for it; radius and height have to be the same there.
         cell_m: Accuracy of the mesh, metres.
         version: Version of the format, 1 or 2.
     """
@@ -52,12 +59,11 @@ def navmesh_bytes(
 
 
 def _settings(body: BodyConfig, cell_m: float) -> np.ndarray:
-    """What the mesh was computed with; about regions and samples habitat-sim's own values."""
+    """The settings that habitat-sim would compute a mesh for this robot with."""
     settings = np.zeros((), SETTINGS)
-    settings["cell_size"] = settings["cell_height"] = cell_m
+    settings["cell_size"], settings["cell_height"] = cell_m, _CELL_HEIGHT_M
     settings["agent_height"], settings["agent_radius"] = body.height_m, body.radius_m
-    settings["agent_max_climb"] = body.max_step_m
-    settings["agent_max_slope"] = body.max_slope_deg
+    settings["agent_max_climb"], settings["agent_max_slope"] = _CLIMB_M, _SLOPE_DEG
     settings["region_min_size"] = settings["region_merge_size"] = 20.0
     settings["edge_max_len"], settings["edge_max_error"] = 12.0, 1.3
     settings["verts_per_poly"] = POLYGON["vertices"].shape[0]

@@ -1,0 +1,143 @@
+"""A split of buildings as one folder of data, which Habitat takes as it is.
+
+The folder is laid out as habitat-lab's ``data``::
+
+    scene_datasets/hypernav/hypernav.scene_dataset_config.json
+    scene_datasets/hypernav/house_1000/house_1000.glb, .navmesh, .semantic.glb, .semantic.txt
+    datasets/objectnav/hypernav/houses-val/houses-val.json.gz
+    datasets/objectnav/hypernav/houses-val/content/house_1000.json.gz
+
+The view points of the files decide, in Habitat as in this package. They are those of the scene, one
+on each cell (5 cm) that counts. ``info.geodesic_distance`` is the shortest path to them on the
+navigation mesh beside the scene, as Habitat measures it.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from hypernav.core.errors import EpisodeError
+from hypernav.datasets.benchmark_files import SCENES_FOLDER
+from hypernav.datasets.habitat_episodes import episodes_of
+from hypernav.datasets.habitat_format import EpisodeDataset, ObjectGoal, ObjectNavEpisode
+from hypernav.houses.building import Building
+from hypernav.houses.episodes.house_episodes import with_view_points
+from hypernav.houses.episodes.split_files import of_scene, write
+from hypernav.houses.export.dataset_config import DATASET_CONFIG, write_dataset_config
+from hypernav.houses.export.files import FIRST_ANNOTATION, export_building
+from hypernav.houses.house_cache import cached_building
+from hypernav.worlds.navmesh.surface import NavmeshSurface
+
+_NAME = "hypernav"
+"""Name of the buildings among Habitat's sets of scenes."""
+_DIGITS = 4
+
+
+@dataclass(frozen=True)
+class HabitatData:
+    """Where the parts of an exported split lie.
+
+    Attributes:
+        root: Folder of all data, Habitat's ``data``.
+        split: Name of the split.
+    """
+
+    root: Path
+    split: str
+
+    @property
+    def scenes(self) -> Path:
+        """Folder of all sets of scenes: habitat-lab's ``habitat.dataset.scenes_dir``."""
+        return self.root / SCENES_FOLDER
+
+    @property
+    def dataset_config(self) -> Path:
+        """The scene-dataset configuration."""
+        return self.scenes / _NAME / DATASET_CONFIG
+
+    @property
+    def episodes(self) -> Path:
+        """The split's file: habitat-lab's ``habitat.dataset.data_path``."""
+        folder = self.root / "datasets" / "objectnav" / _NAME / self.split
+        return folder / f"{self.split}.json.gz"
+
+
+def export_split(
+    dataset: EpisodeDataset,
+    split: str,
+    root: Path,
+    *,
+    cache: Path | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> HabitatData:
+    """Write buildings and episodes of a split. Several splits may share a folder.
+
+    Args:
+        dataset: What `hypernav.houses.episodes.splits.load_split` gave.
+        split: Name of the split.
+        root: Folder to write to; made if it is missing. Episodes name the configuration of their
+            scenes by this path, as habitat-lab wants it: absolute, or from where Habitat will run.
+        cache: Cache folder of the buildings; the platform's own if None.
+        progress: Is told how many buildings of how many are done.
+
+    Raises:
+        SceneError: A building cannot be written.
+        EpisodeError: The episodes cannot be written.
+    """
+    data = HabitatData(root, split)
+    write(dataset.model_copy(update={"episodes": [], "goals_by_category": {}}), data.episodes)
+    scene_ids = list(dict.fromkeys(episode.scene_id for episode in dataset.episodes))
+    for done, scene_id in enumerate(scene_ids):
+        if progress is not None:
+            progress(done, len(scene_ids))
+        building = Building.named(scene_id)
+        stem = building.file_stem
+        files = export_building(building, data.scenes / _NAME / stem)
+        part = with_view_points(of_scene(dataset, scene_id), cached_building(building, cache))
+        part = _of_file(part, files.glb.relative_to(data.scenes).as_posix(), data.dataset_config)
+        part = _measured(part, NavmeshSurface.load(files.navmesh))
+        write(part, data.episodes.parent / "content" / f"{stem}.json.gz")
+    write_dataset_config(data.scenes / _NAME)
+    return data
+
+
+def _of_file(dataset: EpisodeDataset, scene_id: str, config: Path) -> EpisodeDataset:
+    """The episodes of one building, about the file that it was written to and its semantics."""
+    update = {"scene_id": scene_id, "scene_dataset_config": config.as_posix()}
+    goals: dict[str, list[ObjectGoal]] = {}
+    episodes: list[ObjectNavEpisode] = []
+    for episode in dataset.episodes:
+        renamed = episode.model_copy(update=update | {"info": _annotated(episode.info or {})})
+        if renamed.goals_key() not in goals:
+            goals[renamed.goals_key()] = [
+                goal.model_copy(update={"object_id": int(goal.object_id) + FIRST_ANNOTATION})
+                for goal in dataset.goals_by_category[episode.goals_key()]
+            ]
+        episodes.append(renamed)
+    return dataset.model_copy(update={"episodes": episodes, "goals_by_category": goals})
+
+
+def _annotated(info: dict[str, Any]) -> dict[str, Any]:
+    """What a file says about an episode, with the numbers of objects in the semantics."""
+    others = info["near_miss_object_ids"]
+    return info | {
+        "closest_goal_object_id": info["closest_goal_object_id"] + FIRST_ANNOTATION,
+        "near_miss_object_ids": [number + FIRST_ANNOTATION for number in others],
+    }
+
+
+def _measured(dataset: EpisodeDataset, surface: NavmeshSurface) -> EpisodeDataset:
+    """The episodes with start distances of their view points on a navigation mesh."""
+    fields = {}
+    episodes: list[ObjectNavEpisode] = []
+    for entry, episode in zip(dataset.episodes, episodes_of(dataset), strict=True):
+        assert episode.view_points is not None
+        if entry.goals_key() not in fields:
+            fields[entry.goals_key()] = surface.goal_field(episode.view_points)
+        length = fields[entry.goals_key()].distance(*episode.start.xy, episode.start_z)
+        if length == float("inf"):
+            raise EpisodeError(f"{entry.scene_id}: no path on its mesh leads to {episode.goal}")
+        info = (entry.info or {}) | {"geodesic_distance": round(length, _DIGITS)}
+        episodes.append(entry.model_copy(update={"info": info}))
+    return dataset.model_copy(update={"episodes": episodes})
