@@ -128,7 +128,11 @@ class BuiltAgent:
 
 
 def build_agent(
-    config: HyPerNavConfig, specs: ComponentSpecs | None = None, *, record: Path | None = None
+    config: HyPerNavConfig,
+    specs: ComponentSpecs | None = None,
+    *,
+    record: Path | None = None,
+    resume: bool = False,
 ) -> BuiltAgent:
     """Put an agent together.
 
@@ -136,6 +140,7 @@ def build_agent(
         config: Configuration of everything.
         specs: Specifications of the components; without a model by default.
         record: File for every exchange with the chat model; None records nothing.
+        resume: Whether questions that this file holds already are answered from it.
 
     Raises:
         ConfigError: Components that do not exist, or do not go together.
@@ -146,7 +151,7 @@ def build_agent(
     """
     chosen = choose_components(specs or ComponentSpecs(), presence=config.presence.enabled)
     log, ledger, truth = ExchangeLog(), Ledger(), EpisodeTruth()
-    chat, recording = wrap_chat(chosen.vlm, config.chat, ledger, record)
+    chat, recording = wrap_chat(chosen.vlm, config.chat, ledger, record, resume=resume)
     # A reasoner that is asked while the robot drives to its last answer needs its own log.
     asks_map = chosen.chooses_blocks and _asks_chat(chosen.reasoner)
     ahead = config.prefetch.enabled and asks_map and not chosen.is_whole_agent

@@ -8,13 +8,26 @@ from hypernav.core.errors import ConfigError
 from hypernav.models.chat.config import ChatConfig
 from hypernav.models.chat.ledger import Ledger, LedgerChat
 from hypernav.models.chat.recording import RecordingChat
+from hypernav.models.chat.resuming import ResumingChat
 from hypernav.models.chat.vlm_spec import VlmSpec, open_chat, parse_vlm_spec
 
 
 def wrap_chat(
-    vlm: str | None, config: ChatConfig, ledger: Ledger, record: Path | None
-) -> tuple[ChatModel | None, RecordingChat | None]:
+    vlm: str | None,
+    config: ChatConfig,
+    ledger: Ledger,
+    record: Path | None,
+    *,
+    resume: bool = False,
+) -> tuple[ChatModel | None, RecordingChat | ResumingChat | None]:
     """The chat model with its ledger, and the recording if there is one.
+
+    Args:
+        vlm: Specification of the model; None has none.
+        config: Connection, retries and sampling.
+        ledger: Ledger of the questions.
+        record: File of the recording; None records nothing.
+        resume: Whether to answer from that file what it holds already.
 
     Raises:
         ConfigError: There is nothing to record.
@@ -33,7 +46,7 @@ def wrap_chat(
         )
     chat, recording = open_chat(spec, config), None
     if record is not None:
-        chat = recording = RecordingChat(chat, record)
+        chat = recording = ResumingChat(chat, record) if resume else RecordingChat(chat, record)
     return LedgerChat(chat, ledger), recording
 
 

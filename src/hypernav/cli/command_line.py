@@ -26,6 +26,7 @@ COMMANDS = {
     "report": "Write a page, a CSV file and LaTeX tables about one or more evaluations.",
     "doctor": "Examine a vision-language model, or the data of benchmarks, and say what to change.",
     "compare": "Compare the simulator with habitat-sim, pose by pose, in a scene of your own.",
+    "serve": "Take the observations of robots over the network, and answer each with an action.",
     "houses": "Generated buildings: pages about them, files for other programs, splits, episodes.",
 }
 _BOX = re.compile(r"[\u2500-\u257f]+|(?<!\S)-{3,}(?!\S)")

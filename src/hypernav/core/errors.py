@@ -125,7 +125,10 @@ class CrashError(HyPerNavError):
 
 
 class RunFolderError(HyPerNavError):
-    """The folder of an evaluation is in use, damaged, not writable, or belongs to another run."""
+    """The folder of a run is in use, damaged, not writable, or belongs to another run.
+
+    An evaluation has such a folder, and so has the server of robots.
+    """
 
 
 class RecordingError(HyPerNavError):
@@ -136,5 +139,20 @@ class WireError(HyPerNavError):
     """A message between a robot and its server does not follow the contract."""
 
 
-class StateError(HyPerNavError):
-    """The state folder of a server is in use, damaged, or cannot be written."""
+class RequestRefusedError(HyPerNavError):
+    """A robot's server refuses a request.
+
+    Attributes:
+        error: Kind of the refusal, one word (`hypernav.robot.wire.messages.ErrorBody`).
+        status: HTTP status that goes with it.
+        expected: Sequence number that is expected, where a number was refused.
+    """
+
+    def __init__(
+        self, message: str, *, error: str, status: int, expected: int | None = None
+    ) -> None:
+        """Say what is refused and why."""
+        super().__init__(message)
+        self.error = error
+        self.status = status
+        self.expected = expected

@@ -24,11 +24,11 @@ from typing import Any
 from pydantic import ValidationError
 
 from hypernav.core.errors import RunFolderError
+from hypernav.core.files.folder_lock import FolderLock
 from hypernav.core.files.json_text import parse_json
 from hypernav.core.files.reading import read_file
 from hypernav.evaluation.record import EpisodeKey, EpisodeRecord
 from hypernav.evaluation.store.append_only import append_line, write_whole
-from hypernav.evaluation.store.folder_lock import FolderLock
 from hypernav.evaluation.store.session import Session
 
 RUN_FILE = "run.json"

@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from hypernav.evaluation.store.folder_lock import FolderLock
+from hypernav.core.files.folder_lock import FolderLock
 from hypernav.evaluation.store.run_store import keep_configuration
 
 

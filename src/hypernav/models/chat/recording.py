@@ -84,8 +84,13 @@ class _Exchange(_Line):
 class RecordingChat:
     """A chat model whose exchanges are written to a file, each at once. Thread-safe."""
 
-    def __init__(self, model: ChatModel, path: Path | str) -> None:
+    def __init__(self, model: ChatModel, path: Path | str, *, append: bool = False) -> None:
         """Begin a recording.
+
+        Args:
+            model: Model that is asked.
+            path: File of the recording.
+            append: Whether to go on with a file that exists already.
 
         Raises:
             RecordingError: The file exists already, or cannot be written.
@@ -94,11 +99,11 @@ class RecordingChat:
         self.path = Path(path)
         self._lock = threading.Lock()
         self._name = ""
-        if self.path.exists():
+        if self.path.exists() and not append:
             raise RecordingError(f"{self.path} exists already; delete it or record to another file")
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
-            self._file = self.path.open("x", encoding="utf-8")
+            self._file = self.path.open("a" if append else "x", encoding="utf-8")
         except OSError as error:
             raise RecordingError(f"cannot record to {self.path}: {error.strerror}") from error
 
@@ -173,11 +178,22 @@ class ReplayChat:
             RecordingError: The question is not in the recording, or was asked fewer times.
             ModelUnavailableError: The recorded model was unavailable.
         """
-        asked = _RecordedQuestion.of(question)
+        answer = self.take(question)
+        if answer is None:
+            raise RecordingError(self._missing(_RecordedQuestion.of(question)))
+        return answer
+
+    def take(self, question: Question) -> Answer | None:
+        """The recorded answer, or None if the recording holds none any more.
+
+        Raises:
+            ModelUnavailableError: The recorded model was unavailable.
+        """
+        key = _RecordedQuestion.of(question).key
         with self._lock:
-            answers = self._answers.get(asked.key)
+            answers = self._answers.get(key)
             if not answers:
-                raise RecordingError(self._missing(asked))
+                return None
             answer = answers.popleft()
         if answer.unavailable:
             raise ModelUnavailableError(answer.unavailable)

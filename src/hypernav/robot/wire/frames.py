@@ -24,6 +24,7 @@ from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.observation import LabelledPixels, Observation
 from hypernav.robot.wire.messages import (
+    MAP_REACH_M,
     ColourPart,
     DepthPart,
     LabelsPart,
@@ -147,13 +148,19 @@ def decode_observation(
         camera_to_base: Pose of the camera on the robot, unless the observation has its own.
 
     Raises:
-        WireError: An image is broken, or of another size or format than announced.
+        WireError: An image is broken, or of another size or format than announced; or the robot is
+            said to be farther away than a map reaches.
     """
     header = packed.header
     base_to_map = header.base_to_map
+    x, y, _ = base_to_map.translation
+    if max(abs(x), abs(y)) > MAP_REACH_M:
+        raise WireError(
+            f"the robot would be at ({x:.1f}, {y:.1f}) m, but a map reaches {MAP_REACH_M:g} m from "
+            "its origin; is a pose wrong, or must odom_to_map move the origin to where it starts?"
+        )
     if header.camera_to_base is not None:
         camera_to_base = Transform.from_matrix(np.array(header.camera_to_base))
-    x, y, _ = base_to_map.translation
     return Observation(
         rgb=_decoded_colour(packed, camera),
         depth=_decoded_depth(packed, camera),

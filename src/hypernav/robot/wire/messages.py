@@ -20,9 +20,10 @@ What the numbers mean:
   follows on its own. The next number is refused for so long (``error="pending"``).
 
 Stop always wins: from the moment of ``POST /v1/searches/ID/stop`` every observation of any number,
-a pending one included, is answered by ``STOP``, ``done`` and the ending ``stopped``, for good.
-After any other end a new number is refused (``error="ended"``). ``POST /v1/searches/ID/close`` ends
-a search that nobody needs any more and frees its memory; what is on disk can still be read.
+a pending one included, is answered by ``STOP``, ``done`` and the ending ``stopped``, for good; over
+the WebSocket this reply is also pushed at once. ``POST /v1/searches/ID/close`` does the same for a
+search that nobody needs any more. After any other end every observation but a repetition of the
+last is answered by ``STOP``, ``done`` and the ending. None of these changes anything any more.
 
 Everything is in metres, radians and seconds, frames as in REP 103 and 105: base x forward, y left,
 z up; camera x right, y down, z forward; rotations counter-clockwise. Models are frozen; unknown
@@ -49,6 +50,8 @@ SEARCHES = "/v1/searches"
 """Path of all searches; that of one is ``SEARCHES/ID``."""
 FARTHEST_M = 500.0
 """Largest coordinate of a pose, metres."""
+MAP_REACH_M = 150.0
+"""Largest coordinate of a robot in the ``map`` frame, metres: maps must fit into memory."""
 LONGEST_WAIT_S = 30.0
 """Longest time that the server keeps a request waiting, seconds."""
 
@@ -369,6 +372,16 @@ class Status(Message):
     detail: str = ""
 
 
+class Health(Message):
+    """That the server is there.
+
+    Attributes:
+        version: Version of hypernav on the server.
+    """
+
+    version: str
+
+
 class StopRequest(Message):
     """The stop button.
 
@@ -383,7 +396,7 @@ class ErrorBody(Message):
     """The body of every refusal, whatever its HTTP status.
 
     Attributes:
-        error: Kind of the refusal, one word: "sequence", "pending", "ended", "invalid", "unknown",
+        error: Kind of the refusal, one word: "sequence", "pending", "invalid", "unknown",
             "too-large", "busy", "unauthorised", "forbidden", "storage", "internal", …
         message: What was expected, what was found and what to do, for people.
         expected: Sequence number that is expected, where a number was refused.

@@ -17,9 +17,15 @@ LOCK_NAME = ".lock"
 class FolderLock:
     """Lock of a folder, held while the ``with`` block runs."""
 
-    def __init__(self, folder: Path) -> None:
-        """Name the folder; it is created, if missing, when the lock is taken."""
+    def __init__(self, folder: Path, *, option: str = "--out") -> None:
+        """Name the folder; it is created, if missing, when the lock is taken.
+
+        Args:
+            folder: The folder.
+            option: Option that chooses another one, for the message.
+        """
         self._path = folder / LOCK_NAME
+        self._option = option
         self._file: int | None = None
 
     def __enter__(self) -> "FolderLock":
@@ -41,7 +47,7 @@ class FolderLock:
             os.close(file)
             raise RunFolderError(
                 f"{folder} is in use by another run ({owner or 'owner unknown'}); wait "
-                "for it, stop it, or choose another --out"
+                f"for it, stop it, or choose another {self._option}"
             )
         os.ftruncate(file, 0)
         os.write(file, f"process {os.getpid()} on {socket.gethostname()}\n".encode())

@@ -1,0 +1,75 @@
+"""The command `hypernav serve`: take the observations of robots, and say where to go."""
+
+import dataclasses
+import logging
+import sys
+
+from rich.markup import escape
+
+from hypernav.build.choosing import choose_components
+from hypernav.cli.guards.outputs import check_folder
+from hypernav.cli.guards.statuses import ExitStatus
+from hypernav.cli.serve_options import Options
+from hypernav.cli.terminal import Terminal
+from hypernav.core.components.extras import require
+from hypernav.core.config import check_option
+from hypernav.core.errors import ConfigError
+
+_MODULES = ("fastapi", "uvicorn", "websockets")
+
+
+def run(options: Options) -> int:
+    """Run the command until it is interrupted.
+
+    Raises:
+        ConfigError: An option, the address or the token cannot be used.
+        MissingExtraError: The packages of a server are not installed.
+        OutputError: The folder cannot be written.
+        RunFolderError: Another server uses it.
+    """
+    for module in _MODULES:
+        require(module, extra="robot")
+    from hypernav.build.presets import HyPerNavConfig
+    from hypernav.robot.server.agents import AgentPlan
+    from hypernav.robot.server.guard import Access
+    from hypernav.robot.server.limits import ServerLimits
+    from hypernav.robot.server.serving import check_access, read_token, serve
+    from hypernav.robot.wire.messages import OpenSearch
+
+    check_option("--port", options.port, (0, 65_535), "ports are whole numbers")
+    check_option("--max-searches", options.max_searches, (1, 1000), "each takes a thread")
+    if options.who.record is not None:
+        raise ConfigError("--record: a server records the exchanges of every search in --state")
+    token = None if options.token_file is None else read_token(options.token_file)
+    access = Access(options.host, token)
+    check_access(access)
+    check_folder(options.state)
+
+    def plan(request: OpenSearch) -> AgentPlan:
+        who = dataclasses.replace(
+            options.who,
+            preset=request.preset or options.who.preset,
+            agent=request.agent or options.who.agent,
+        )
+        config = who.resolve(request.robot)
+        # What a robot is, the robot itself knows best.
+        values = config.model_dump() | {"embodiment": request.robot.model_dump()}
+        return AgentPlan(HyPerNavConfig.model_validate(values), who.specs)
+
+    chosen = choose_components(options.who.specs, presence=options.who.resolve().presence.enabled)
+    console = Terminal(quiet=False)
+    logging.basicConfig(
+        stream=sys.stderr, level=logging.WARNING, format="%(levelname)s %(message)s"
+    )
+
+    def say(url: str) -> None:
+        detector = "its own" if chosen.detector is None else chosen.detector.spec
+        console.print(
+            f"serving at {escape(url)}, detector {escape(detector)}, searches in "
+            f"{escape(str(options.state))}; Ctrl-C ends it, and searches go on at the next start",
+            soft_wrap=True,
+        )
+
+    limits = ServerLimits(searches=options.max_searches)
+    serve(access, options.port, options.state, plan, limits, on_start=say)
+    return ExitStatus.SUCCESS

@@ -1,0 +1,73 @@
+"""Agents for searches: each search has one of its own, built for its robot."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import cast
+
+from hypernav.build.agents import BuiltAgent, build_agent
+from hypernav.build.component_specs import ComponentSpecs
+from hypernav.build.presets import HyPerNavConfig
+from hypernav.core.components.protocols import Agent, ExplainsItself
+from hypernav.core.errors import ConfigError
+from hypernav.core.goal import Goal
+from hypernav.robot.server.state.journal import MODEL_FILE
+from hypernav.robot.wire.messages import OpenSearch
+
+
+@dataclass(frozen=True)
+class AgentPlan:
+    """What an agent is built from.
+
+    Attributes:
+        config: Configuration of everything, with the robot of the search.
+        specs: Specifications of the components.
+    """
+
+    config: HyPerNavConfig
+    specs: ComponentSpecs
+
+    def build(self, goal: Goal, folder: Path) -> BuiltAgent:
+        """Build the agent and give it its goal.
+
+        Args:
+            goal: What to find.
+            folder: Folder of the search. Questions that its recording holds are answered from it.
+
+        Raises:
+            ConfigError: The components do not go together, or the agent does not explain itself.
+            GoalError: The goal can never be found.
+            HyPerNavError: A component cannot be built.
+        """
+        vlm = self.specs.vlm
+        asks = vlm is not None and not vlm.startswith("replay:")
+        built = build_agent(
+            self.config, self.specs, record=folder / MODEL_FILE if asks else None, resume=True
+        )
+        try:
+            built.check_goal(goal)
+            built.agent.reset(goal)
+            explained(built.agent)
+        except BaseException:
+            built.close()
+            raise
+        return built
+
+
+def explained(agent: Agent) -> ExplainsItself:
+    """The agent, for its trace and map.
+
+    Raises:
+        ConfigError: It has none.
+    """
+    # `isinstance` would ask for a first step that has not been taken yet.
+    if not (hasattr(type(agent), "last_step") and hasattr(type(agent), "grid")):
+        raise ConfigError(
+            f"the agent {type(agent).__name__} does not explain itself; a server needs its "
+            "last_step and grid (hypernav.core.components.protocols.ExplainsItself)"
+        )
+    return cast(ExplainsItself, agent)
+
+
+PlanAgent = Callable[[OpenSearch], AgentPlan]
+"""How a server chooses the agent of a request: by its own options, and the robot's."""

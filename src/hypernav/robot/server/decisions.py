@@ -1,0 +1,145 @@
+"""The decisions of one search: an agent and its journal, and nothing of the network."""
+
+import logging
+from collections.abc import Callable
+
+import numpy as np
+
+from hypernav.build.agents import BuiltAgent
+from hypernav.core.actions import Action
+from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.observation import Observation
+from hypernav.core.trace import Ending, StepTrace
+from hypernav.robot.server.agents import explained
+from hypernav.robot.server.state.journal import Journal, StepRecord
+from hypernav.robot.wire.frames import PackedObservation, decode_observation, unpack_observation
+from hypernav.robot.wire.messages import ObservationFacts, Reply, SearchEnding
+
+_LOG = logging.getLogger(__name__)
+_CLEARANCE_M = 3.0
+_BLOCKED = "the robot says that it was blocked"
+_ENDINGS = {Ending.FOUND: SearchEnding.FOUND, Ending.GAVE_UP: SearchEnding.GAVE_UP}
+
+
+class Decisions:
+    """Takes the observations of one search in order; for one thread.
+
+    Attributes:
+        grid: Map after the last decision, a copy; None before the first.
+    """
+
+    def __init__(self, journal: Journal, built: BuiltAgent) -> None:
+        """Begin with an agent that has its goal and has seen nothing.
+
+        Args:
+            journal: Journal of the search.
+            built: Agent of the search.
+
+        Raises:
+            ConfigError: The agent does not explain itself.
+        """
+        self.grid: OccupancyGrid | None = None
+        self._journal = journal
+        self._built = built
+        self._agent = explained(built.agent)
+        self._request = journal.record.request
+        self._camera = self._request.camera
+        self._camera_to_base = self._request.embodiment.camera.camera_to_base
+
+    def decode(self, packed: PackedObservation) -> Observation:
+        """The observation as the agent takes it; nothing else changes.
+
+        Raises:
+            WireError: It is broken.
+        """
+        return decode_observation(packed, self._camera, self._camera_to_base)
+
+    def decide(self, facts: ObservationFacts, observation: Observation) -> StepRecord:
+        """Decide about the next observation.
+
+        Raises:
+            ModelUnavailableError: A model did not answer.
+            ModelSetupError: A model can never answer.
+            HyPerNavError: The agent cannot go on.
+        """
+        if facts.sequence >= self._request.max_steps:
+            return StepRecord(reply=_out_of_steps(facts.sequence), trace=None)
+        trace = self._act(observation)
+        if facts.blocked:
+            trace = trace.model_copy(update={"events": [*trace.events, _BLOCKED]})
+        reply = _reply(facts.sequence, trace, self._agent.grid)
+        return StepRecord(reply=reply, trace=trace)
+
+    def repeat(self, is_wanted: Callable[[], bool]) -> None:
+        """Let the agent see again all that was decided, after a restart.
+
+        Args:
+            is_wanted: Says whether to go on.
+
+        Raises:
+            HyPerNavError: The agent cannot repeat it.
+        """
+        for number in range(self._journal.step_count):
+            if not is_wanted():
+                return
+            recorded = self._journal.step(number)
+            if recorded.trace is None:
+                continue
+            packed = unpack_observation(self._journal.observation(number))
+            trace = self._act(self.decode(packed))
+            if trace.action != recorded.trace.action:
+                _LOG.warning(
+                    "search %s, step %d: the action was %s, and would be %s today",
+                    self._journal.record.id,
+                    number,
+                    recorded.trace.action,
+                    trace.action,
+                )
+
+    def close(self) -> None:
+        """Release what the agent holds."""
+        self._built.close()
+
+    def _act(self, observation: Observation) -> StepTrace:
+        self._built.agent.act(observation)
+        self.grid = self._agent.grid.cropped().copy()
+        return self._agent.last_step
+
+
+def _reply(sequence: int, trace: StepTrace, grid: OccupancyGrid) -> Reply:
+    ending = None if trace.ending is None else _ENDINGS[trace.ending]
+    return Reply(
+        sequence=sequence,
+        action=Action.STOP if trace.action is None else trace.action,
+        destination=trace.destination,
+        path=tuple(trace.path),
+        clearance_m=_clearance_m(grid, trace.pose[0], trace.pose[1]),
+        mode=trace.mode,
+        reason=trace.reason,
+        done=ending is not None,
+        ending=ending,
+    )
+
+
+def _out_of_steps(sequence: int) -> Reply:
+    return Reply(
+        sequence=sequence,
+        action=Action.STOP,
+        reason=f"the limit of {sequence} steps is reached",
+        done=True,
+        ending=SearchEnding.GAVE_UP,
+    )
+
+
+def _clearance_m(grid: OccupancyGrid, x: float, y: float) -> float | None:
+    """Distance to the middle of the nearest occupied cell within reach, metres."""
+    row, column = grid.cell_of(x, y)
+    reach = int(_CLEARANCE_M / grid.resolution_m)
+    bottom, left = max(row - reach, 0), max(column - reach, 0)
+    window = grid.cells[bottom : max(row + reach + 1, 0), left : max(column + reach + 1, 0)]
+    rows, columns = np.nonzero(OccupancyGrid(window, grid.resolution_m, grid.origin).occupied)
+    if rows.size == 0:
+        return None
+    centres = grid.centres_of(np.stack([rows + bottom, columns + left], axis=1))
+    nearest = float(np.hypot(*(centres - np.array([x, y])).T).min())
+    return round(nearest, 3) if nearest <= _CLEARANCE_M else None

@@ -1,0 +1,251 @@
+"""The guard before everything: who may come in, how often, and with how much.
+
+It is plain ASGI, so that it sees a request before anything of it is read or parsed.
+"""
+
+import asyncio
+import hmac
+import ipaddress
+import time
+from collections import OrderedDict
+from dataclasses import dataclass
+from urllib.parse import urlsplit
+
+from starlette.datastructures import Headers
+from starlette.responses import JSONResponse
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from hypernav.core.errors import RequestRefusedError
+from hypernav.robot.server.limits import ServerLimits
+from hypernav.robot.wire.frames import MOST_BODY_BYTES
+from hypernav.robot.wire.messages import ErrorBody
+
+API = "/v1"
+_OBSERVATIONS = "/observations"
+_MOST_JSON_BYTES = 64_000
+_MOST_ADDRESSES = 1000
+_POLICY_VIOLATION = 1008
+
+
+@dataclass(frozen=True)
+class Access:
+    """Who may come in.
+
+    Attributes:
+        host: Address that the server is bound to.
+        token: Token that every request must carry; None asks for none.
+    """
+
+    host: str
+    token: str | None = None
+
+    @property
+    def is_local(self) -> bool:
+        """Whether only programs of this machine reach the server."""
+        return _is_loopback(self.host)
+
+
+class Allowances:
+    """How many more requests each address may make: a bucket each that fills steadily."""
+
+    def __init__(self, limits: ServerLimits) -> None:
+        """Begin with full buckets."""
+        self._limits = limits
+        self._buckets: OrderedDict[str, tuple[float, float]] = OrderedDict()
+
+    def take(self, address: str) -> None:
+        """Account for one request.
+
+        Raises:
+            RequestRefusedError: The bucket is empty.
+        """
+        rate, burst = self._limits.requests_per_s, float(self._limits.burst)
+        now = time.monotonic()
+        left, before = self._buckets.pop(address, (burst, now))
+        left = min(left + (now - before) * rate, burst)
+        self._buckets[address] = (max(left - 1.0, 0.0), now)
+        while len(self._buckets) > _MOST_ADDRESSES:
+            self._buckets.popitem(last=False)
+        if left < 1.0:
+            raise RequestRefusedError(
+                f"more than {rate:g} requests a second come from this address; send fewer",
+                error="busy",
+                status=429,
+            )
+
+
+class Guard:
+    """Middleware that refuses what must not come in, and hands over whole bodies only."""
+
+    def __init__(
+        self, app: ASGIApp, access: Access, limits: ServerLimits, allowances: Allowances
+    ) -> None:
+        """Stand before an application.
+
+        Args:
+            app: Application.
+            access: Who may come in.
+            limits: Limits of the server.
+            allowances: Requests that each address may still make.
+        """
+        self._app = app
+        self._access = access
+        self._limits = limits
+        self._allowances = allowances
+        self._at_once = 0
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Let a request through, or refuse it."""
+        if scope["type"] == "lifespan":
+            await self._app(scope, receive, send)
+            return
+        self._at_once += 1
+        try:
+            self._check(scope)
+            if scope["type"] == "http":
+                receive = _giving(await self._body(scope, receive), receive)
+        except RequestRefusedError as refused:
+            await _refuse(refused, scope, receive, send)
+            return
+        else:
+            await self._app(scope, receive, send)
+        finally:
+            self._at_once -= 1
+
+    def _check(self, scope: Scope) -> None:
+        client = scope.get("client")
+        self._allowances.take(client[0] if client else "")
+        if self._at_once > self._limits.requests_at_once:
+            raise RequestRefusedError(
+                f"{self._limits.requests_at_once} requests are under way, as many as there may be; "
+                "try again",
+                error="busy",
+                status=429,
+            )
+        headers = Headers(scope=scope)
+        self._check_origin(headers)
+        if scope["path"].startswith(API):
+            self._check_token(headers)
+
+    def _check_origin(self, headers: Headers) -> None:
+        """Keep out pages of other sites, which a browser on this machine may show."""
+        host = headers.get("host", "")
+        if self._access.is_local and not _is_loopback(_name_of(host)):
+            raise RequestRefusedError(
+                f"this server answers to localhost only, not to the host {host[:80]!a}",
+                error="forbidden",
+                status=403,
+            )
+        origin = headers.get("origin")
+        if origin is not None and _netloc_of(origin) != host:
+            raise RequestRefusedError(
+                f"pages of other sites may not use this server, got the origin {origin[:80]!a}",
+                error="forbidden",
+                status=403,
+            )
+
+    def _check_token(self, headers: Headers) -> None:
+        if self._access.token is None:
+            return
+        scheme, _, given = headers.get("authorization", "").partition(" ")
+        expected = self._access.token.encode()
+        # The comparison takes as long whatever is wrong with the token.
+        is_right = hmac.compare_digest(given.strip().encode(), expected)
+        if scheme.lower() != "bearer" or not is_right:
+            raise RequestRefusedError(
+                "expected the server's token in the header 'Authorization: Bearer TOKEN'",
+                error="unauthorised",
+                status=401,
+            )
+
+    async def _body(self, scope: Scope, receive: Receive) -> bytes:
+        """The whole body, of limited size and in limited time."""
+        most = MOST_BODY_BYTES if scope["path"].endswith(_OBSERVATIONS) else _MOST_JSON_BYTES
+        announced = Headers(scope=scope).get("content-length", "0")
+        if announced.isdecimal() and int(announced) > most:
+            raise _too_large(most)
+        body = bytearray()
+        try:
+            async with asyncio.timeout(self._limits.body_s):
+                while True:
+                    message = await receive()
+                    if message["type"] == "http.disconnect":
+                        raise RequestRefusedError(
+                            "the connection ended within the body", error="invalid", status=400
+                        )
+                    body += message.get("body", b"")
+                    if len(body) > most:
+                        raise _too_large(most)
+                    if not message.get("more_body", False):
+                        return bytes(body)
+        except TimeoutError:
+            raise RequestRefusedError(
+                f"the body did not arrive within {self._limits.body_s:g} s",
+                error="too-slow",
+                status=408,
+            ) from None
+
+
+def refusal(error: str, message: str, status: int, expected: int | None = None) -> JSONResponse:
+    """The response of every refusal."""
+    body = ErrorBody(error=error, message=message, expected=expected)
+    headers = {"www-authenticate": "Bearer"} if status == 401 else {}
+    if status == 429:
+        headers["retry-after"] = "1"
+    return JSONResponse(body.model_dump(mode="json"), status, headers=headers)
+
+
+def _giving(body: bytes, receive: Receive) -> Receive:
+    """A receive function that gives the body, and after that what comes."""
+    is_given = False
+
+    async def give() -> Message:
+        nonlocal is_given
+        if is_given:
+            return await receive()
+        is_given = True
+        return {"type": "http.request", "body": body, "more_body": False}
+
+    return give
+
+
+async def _refuse(refused: RequestRefusedError, scope: Scope, receive: Receive, send: Send) -> None:
+    if scope["type"] == "websocket":
+        # Closing before accepting: the client's handshake is answered by 403.
+        await send({"type": "websocket.close", "code": _POLICY_VIOLATION})
+        return
+    response = refusal(refused.error, str(refused), refused.status, refused.expected)
+    response.headers["connection"] = "close"
+    await response(scope, receive, send)
+
+
+def _too_large(most: int) -> RequestRefusedError:
+    return RequestRefusedError(
+        f"the body has more than {most:,} bytes, which is all that is read here",
+        error="too-large",
+        status=413,
+    )
+
+
+def _is_loopback(host: str) -> bool:
+    if host == "localhost":
+        return True
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return False
+
+
+def _netloc_of(origin: str) -> str:
+    try:
+        return urlsplit(origin).netloc
+    except ValueError:
+        return ""
+
+
+def _name_of(host: str) -> str:
+    """The host of ``host:port``, without the brackets of IPv6."""
+    try:
+        return urlsplit(f"//{host}").hostname or ""
+    except ValueError:
+        return ""

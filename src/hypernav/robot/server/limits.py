@@ -1,0 +1,27 @@
+"""Limits of the server, so that no request takes more memory or time than there is."""
+
+from pydantic import Field
+
+from hypernav.core.config import RoomConfig
+
+
+class ServerLimits(RoomConfig):
+    """What a server puts up with.
+
+    Attributes:
+        searches: Searches under way at once, each with a thread and a map.
+        kept: Searches in the state folder, finished ones included.
+        pixels: Pixels of a camera image.
+        requests_per_s: Requests and messages of one address a second, on average.
+        burst: Requests of one address at once, after a pause.
+        requests_at_once: Requests that are worked on at once.
+        body_s: Time for the body of a request to arrive, seconds.
+    """
+
+    searches: int = Field(default=8, ge=1, le=1000)
+    kept: int = Field(default=10_000, ge=1, le=1_000_000)
+    pixels: int = Field(default=2_100_000, ge=64, le=10_000_000)
+    requests_per_s: float = Field(default=200.0, gt=0.0, le=1e6)
+    burst: int = Field(default=400, ge=1, le=1_000_000)
+    requests_at_once: int = Field(default=64, ge=1, le=10_000)
+    body_s: float = Field(default=30.0, gt=0.0, le=3600.0)

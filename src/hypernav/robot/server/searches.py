@@ -1,0 +1,173 @@
+"""All searches of a server, in memory and on disk."""
+
+import logging
+import secrets
+import shutil
+import threading
+import time
+from contextlib import ExitStack
+from importlib.metadata import version
+from pathlib import Path
+from types import TracebackType
+
+from hypernav.core.errors import HyPerNavError, RequestRefusedError, RunFolderError
+from hypernav.core.files.folder_lock import FolderLock
+from hypernav.core.goal import Goal
+from hypernav.robot.server.agents import AgentPlan, PlanAgent
+from hypernav.robot.server.decisions import Decisions
+from hypernav.robot.server.limits import ServerLimits
+from hypernav.robot.server.search import Search
+from hypernav.robot.server.state.journal import Journal, SearchRecord
+from hypernav.robot.wire.messages import OpenSearch
+
+_LOG = logging.getLogger(__name__)
+
+
+class Searches:
+    """The searches in a state folder, which one server at a time may use.
+
+    Searches that were under way when the last server ended are taken up again.
+    """
+
+    def __init__(self, state: Path, plan: PlanAgent, limits: ServerLimits) -> None:
+        """Name the folder; the ``with`` block opens it.
+
+        Args:
+            state: Folder of all searches.
+            plan: Chooses what the agent of a request is built from.
+            limits: Limits of the server.
+        """
+        self._folder = state / "searches"
+        self._open = ExitStack()
+        self._folder_lock = FolderLock(state, option="--state")
+        self._plan = plan
+        self._limits = limits
+        self._lock = threading.Lock()
+        self._searches: dict[str, Search] = {}
+        self._keys: dict[str, str] = {}
+
+    def __enter__(self) -> "Searches":
+        """Take the folder, and take up what was not finished.
+
+        Raises:
+            RunFolderError: Another server uses it, or it cannot be written.
+        """
+        self._open.enter_context(self._folder_lock)
+        try:
+            self._folder.mkdir(exist_ok=True)
+        except OSError as error:
+            raise RunFolderError(f"{self._folder} cannot be made: {error.strerror}") from error
+        for folder in sorted(self._folder.iterdir()):
+            self._load(folder)
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Let go of all searches; those that are not over can be taken up again."""
+        for search in self.all():
+            search.halt()
+        self._open.close()
+
+    def open(self, request: OpenSearch) -> Search:
+        """Begin a search, or return that of the same key.
+
+        Raises:
+            RequestRefusedError: Images are too large, or there are too many searches.
+            HyPerNavError: No such agent can be built, or the goal can never be found.
+        """
+        with self._lock:
+            if request.key is not None and request.key in self._keys:
+                return self._searches[self._keys[request.key]]
+            self._check_room(request)
+            name = secrets.token_hex(16)
+            folder = self._folder / name
+            try:
+                search = self._begun(name, folder, request)
+            except HyPerNavError:
+                shutil.rmtree(folder, ignore_errors=True)
+                raise
+            self._add(search)
+        return search
+
+    def find(self, name: str) -> Search:
+        """A search by its name.
+
+        Raises:
+            RequestRefusedError: There is none of this name.
+        """
+        search = self._searches.get(name)
+        if search is None:
+            raise RequestRefusedError(f"there is no search {name}", error="unknown", status=404)
+        return search
+
+    def all(self) -> list[Search]:
+        """All searches, the latest first."""
+        found = list(self._searches.values())
+        return sorted(found, key=lambda search: search.record.opened_s, reverse=True)
+
+    def _begun(self, name: str, folder: Path, request: OpenSearch) -> Search:
+        plan, goal = self._plan(request), Goal(request.goal)
+        built = plan.build(goal, folder)
+        record = SearchRecord(
+            id=name,
+            opened_s=time.time(),
+            version=version("hypernav"),
+            words=f"detector {built.detector_words}, reasoner {built.reasoner_words}",
+            request=request,
+            specs=plan.specs,
+            config=plan.config,
+        )
+        journal = Journal.create(folder, record)
+        search = Search(journal)
+        search.go_on(Decisions(journal, built))
+        return search
+
+    def _load(self, folder: Path) -> None:
+        """Take up a search of an earlier server; one that is damaged is left alone."""
+        try:
+            journal = Journal(folder)
+            search = Search(journal)
+            if not search.is_over:
+                # As it was opened, whatever the server's options are today.
+                plan = AgentPlan(journal.record.config, journal.record.specs)
+                built = plan.build(Goal(journal.record.request.goal), folder)
+                search.go_on(Decisions(journal, built))
+        except HyPerNavError as error:
+            _LOG.error("the search in %s cannot be taken up: %s", folder.name, error)
+            return
+        self._add(search)
+
+    def _add(self, search: Search) -> None:
+        self._searches[search.record.id] = search
+        if search.record.request.key is not None:
+            self._keys[search.record.request.key] = search.record.id
+
+    def _check_room(self, request: OpenSearch) -> None:
+        limits, camera = self._limits, request.embodiment.camera
+        pixels = camera.width * camera.height
+        if pixels > limits.pixels:
+            raise RequestRefusedError(
+                f"images of {camera.width} × {camera.height} pixels are {pixels:,} pixels, at most "
+                f"{limits.pixels:,} are taken; send smaller ones",
+                error="too-large",
+                status=422,
+            )
+        under_way = [search for search in self._searches.values() if not search.is_over]
+        if len(under_way) >= limits.searches:
+            raise RequestRefusedError(
+                f"{len(under_way)} searches are under way, as many as there may be; stop or close "
+                f"one: {', '.join(search.record.id for search in under_way[:3])}, …",
+                error="busy",
+                status=429,
+            )
+        if len(self._searches) >= limits.kept:
+            raise RequestRefusedError(
+                f"the server keeps {limits.kept:,} searches, as many as it may; its operator can "
+                "move old folders out of --state",
+                error="busy",
+                status=429,
+            )

@@ -1,0 +1,114 @@
+"""Running the server: its socket, its token, its end."""
+
+import socket
+from collections.abc import Callable
+from pathlib import Path
+
+import uvicorn
+
+from hypernav.core.errors import ConfigError
+from hypernav.core.files.reading import read_file
+from hypernav.robot.server.agents import PlanAgent
+from hypernav.robot.server.app import make_app
+from hypernav.robot.server.guard import Access
+from hypernav.robot.server.limits import ServerLimits
+from hypernav.robot.server.searches import Searches
+from hypernav.robot.wire.frames import MOST_BODY_BYTES
+
+_LEAST_TOKEN = 16
+_MOST_TOKEN_BYTES = 1000
+_PATIENCE_S = 2
+
+
+def read_token(path: Path) -> str:
+    """The token in a file.
+
+    Raises:
+        ConfigError: The file cannot be read, others can read it, or it holds no good token.
+    """
+    try:
+        text = read_file(path, most=_MOST_TOKEN_BYTES).decode("ascii").strip()
+        mode = path.stat().st_mode
+    except OSError as error:
+        raise ConfigError(f"--token-file {path}: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise ConfigError(f"--token-file {path}: a token is plain ASCII text") from error
+    if mode & 0o077:
+        raise ConfigError(f"--token-file {path}: others can read it; chmod 600 {path}")
+    if len(text) < _LEAST_TOKEN or not text.isprintable() or " " in text:
+        raise ConfigError(
+            f"--token-file {path}: expected one word of at least {_LEAST_TOKEN} characters; make "
+            f"one with: openssl rand -hex 32 > {path}"
+        )
+    return text
+
+
+def check_access(access: Access) -> None:
+    """Refuse to let a network in without a token.
+
+    Raises:
+        ConfigError: The address is not local, and there is no token.
+    """
+    if not access.is_local and access.token is None:
+        raise ConfigError(
+            f"--host {access.host} lets the network in; give --token-file FILE with a secret that "
+            "robots must know, or use --host 127.0.0.1"
+        )
+
+
+def serve(
+    access: Access,
+    port: int,
+    state: Path,
+    plan: PlanAgent,
+    limits: ServerLimits,
+    *,
+    on_start: Callable[[str], object],
+) -> None:
+    """Serve until SIGINT or SIGTERM, whose signal is raised again at the end.
+
+    Args:
+        access: Who may come in.
+        port: Port; 0 takes a free one.
+        state: Folder of all searches.
+        plan: Chooses what the agent of a request is built from.
+        limits: Limits of the server.
+        on_start: Function that is told the server's URL once it answers.
+
+    Raises:
+        ConfigError: The address cannot be used.
+        RunFolderError: Another server uses the folder, or it cannot be written.
+    """
+    check_access(access)
+    with _listening(access.host, port) as listener, Searches(state, plan, limits) as searches:
+        config = uvicorn.Config(
+            make_app(searches, access, limits),
+            ws="websockets-sansio",
+            ws_max_size=MOST_BODY_BYTES,
+            ws_per_message_deflate=False,
+            log_config=None,
+            access_log=False,
+            server_header=False,
+            lifespan="off",
+            timeout_graceful_shutdown=_PATIENCE_S,
+        )
+        host = f"[{access.host}]" if ":" in access.host else access.host
+        on_start(f"http://{host}:{listener.getsockname()[1]}")
+        uvicorn.Server(config).run(sockets=[listener])
+
+
+def _listening(host: str, port: int) -> socket.socket:
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    # Named as TCP, so that asyncio switches Nagle's algorithm off: it costs 40 ms an answer.
+    listener = socket.socket(family, socket.SOCK_STREAM, socket.IPPROTO_TCP)
+    try:
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.bind((host, port))
+        listener.listen(100)
+    except OSError as error:
+        listener.close()
+        raise ConfigError(
+            f"cannot listen on {host}, port {port}: {error.strerror or error}; choose another "
+            "--port or --host"
+        ) from error
+    return listener

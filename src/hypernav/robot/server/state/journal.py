@@ -1,0 +1,213 @@
+"""The journal of one search: all that is needed to begin it again where it was.
+
+A search is a function of its observations and of the model's answers. So both are written down as
+they come, each observation before it is worked on, each decision before the robot hears of it, and
+a restarted server gives the same observations to a new agent, with the recorded answers. Nothing of
+an agent's memory needs a format of its own, and no question is paid twice.
+
+The folder of a search holds:
+
+- ``search.json``: the request, and the configuration of the agent.
+- ``observations.bin``: the observations as they were received (`AppendOnlyFile`).
+- ``steps.bin``: one `StepRecord` as JSON for every decision.
+- ``model.jsonl``: the exchanges with the model (`hypernav.models.chat.recording`).
+- ``end.json``: how the search ended, once it has; ``map.pgm`` and ``map.yaml`` with it.
+"""
+
+import json
+import os
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+from hypernav.build.component_specs import ComponentSpecs
+from hypernav.build.presets import HyPerNavConfig
+from hypernav.core.errors import HyPerNavError, RunFolderError
+from hypernav.core.files.reading import read_file
+from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.trace import StepTrace
+from hypernav.mapping.ros_map import load_ros_map, save_ros_map
+from hypernav.robot.server.state.append_only import AppendOnlyFile
+from hypernav.robot.wire.messages import Message, OpenSearch, Reply, SearchEnding, SearchId
+
+MODEL_FILE = "model.jsonl"
+_MAP_FILE = "map.yaml"
+_MOST_BYTES = 20_000_000
+
+_Model = TypeVar("_Model", bound=BaseModel)
+
+
+class SearchRecord(Message):
+    """What a search was opened with.
+
+    Attributes:
+        id: Name of the search.
+        opened_s: Time of opening, seconds since 1970.
+        version: Version of hypernav that opened it.
+        words: Detector and reasoner, for people.
+        request: The robot's request.
+        specs: Specifications of the agent's components.
+        config: Configuration of the agent.
+    """
+
+    id: SearchId
+    opened_s: float
+    version: str
+    words: str
+    request: OpenSearch
+    specs: ComponentSpecs
+    config: HyPerNavConfig
+
+
+class StepRecord(Message):
+    """One decision.
+
+    Attributes:
+        reply: What the robot was told.
+        trace: What the agent knew and decided; None for an end by the step limit.
+    """
+
+    reply: Reply
+    trace: StepTrace | None
+
+
+class EndRecord(Message):
+    """The end of a search.
+
+    Attributes:
+        ending: How it ended.
+        detail: Why, for people.
+    """
+
+    ending: SearchEnding
+    detail: str = ""
+
+
+class Journal:
+    """The folder of one search. Not thread-safe, but for `write_end`."""
+
+    def __init__(self, folder: Path, *, to_read: bool = False) -> None:
+        """Open the folder of a search; see `create` for a new one.
+
+        Args:
+            folder: The folder.
+            to_read: Whether to leave everything as it is.
+
+        Raises:
+            RunFolderError: It is damaged, or cannot be written.
+        """
+        self.folder = folder
+        self.record = _read(folder / "search.json", SearchRecord)
+        self._observations = AppendOnlyFile(folder / "observations.bin", to_read=to_read)
+        self._steps = AppendOnlyFile(folder / "steps.bin", to_read=to_read)
+        if not to_read:
+            # After a loss of power a decision may be on the disk, and its observation not.
+            self._steps.cut(len(self._observations))
+
+    @staticmethod
+    def create(folder: Path, record: SearchRecord) -> "Journal":
+        """Make the folder of a new search.
+
+        Raises:
+            RunFolderError: It cannot be written.
+        """
+        try:
+            folder.mkdir(mode=0o700, exist_ok=True)
+        except OSError as error:
+            raise RunFolderError(f"{folder} cannot be made: {error.strerror}") from error
+        _write_whole(folder / "search.json", record)
+        return Journal(folder)
+
+    @property
+    def end(self) -> EndRecord | None:
+        """How the search ended; None as long as it goes on."""
+        path = self.folder / "end.json"
+        return _read(path, EndRecord) if path.exists() else None
+
+    @property
+    def observation_count(self) -> int:
+        """Number of observations."""
+        return len(self._observations)
+
+    @property
+    def step_count(self) -> int:
+        """Number of decisions: that of the observations, or one less."""
+        return len(self._steps)
+
+    def observation(self, number: int) -> bytes:
+        """An observation as it was received."""
+        return self._observations.read(number)
+
+    def step(self, number: int) -> StepRecord:
+        """A decision."""
+        return StepRecord.model_validate_json(self._steps.read(number))
+
+    def trace_lines(self, since: int) -> Iterator[str]:
+        """The traces of the decisions as JSON, from a number on."""
+        for number in range(since, len(self._steps)):
+            trace = json.loads(self._steps.read(number))["trace"]
+            if trace is not None:
+                yield json.dumps(trace, ensure_ascii=False) + "\n"
+
+    def add_observation(self, body: bytes) -> None:
+        """Write down an observation before it is worked on.
+
+        Raises:
+            RunFolderError: It cannot be written; the journal is as before.
+        """
+        self._observations.append(body, sync=False)
+
+    def add_step(self, step: StepRecord) -> None:
+        """Write down a decision, and wait until it and its observation are on the disk.
+
+        Raises:
+            RunFolderError: It cannot be written.
+        """
+        self._observations.sync()
+        self._steps.append(step.model_dump_json().encode(), sync=True)
+
+    def write_end(self, end: EndRecord, grid: OccupancyGrid | None) -> None:
+        """Write down the end of the search, and its map.
+
+        Raises:
+            RunFolderError: It cannot be written.
+        """
+        _write_whole(self.folder / "end.json", end)
+        if grid is not None:
+            with suppress(OSError):  # the end is what counts
+                save_ros_map(grid, self.folder)
+
+    def read_map(self) -> OccupancyGrid | None:
+        """The map of a search that has ended; None if there is none."""
+        path = self.folder / _MAP_FILE
+        return load_ros_map(path) if path.exists() else None
+
+    def close(self) -> None:
+        """Close the files."""
+        self._observations.close()
+        self._steps.close()
+
+
+def _read(path: Path, model: type[_Model]) -> _Model:
+    try:
+        return model.model_validate_json(read_file(path, most=_MOST_BYTES))
+    except OSError as error:
+        raise RunFolderError(f"cannot read {path}: {error.strerror}") from error
+    except (ValidationError, HyPerNavError) as error:
+        raise RunFolderError(f"{path} was damaged: {' '.join(str(error).split())[:200]}") from error
+
+
+def _write_whole(path: Path, content: BaseModel) -> None:
+    """Replace a file in one step, and wait for the disk."""
+    fresh = path.with_name(f".{path.name}.new")
+    try:
+        with fresh.open("wb") as file:
+            file.write(content.model_dump_json(indent=1).encode())
+            file.flush()
+            os.fsync(file.fileno())
+        fresh.replace(path)
+    except OSError as error:
+        raise RunFolderError(f"{path} cannot be written: {error.strerror}") from error

@@ -1,0 +1,40 @@
+"""A thread that does one job after the other and holds up nobody, not even the program's end."""
+
+import queue
+import threading
+from collections.abc import Callable
+
+Job = Callable[[], object]
+
+
+class Worker:
+    """One thread for one search, so that no robot waits for another.
+
+    Compiled kernels, image decoding and questions to a model all release Python's lock. The thread
+    is a daemon: a model that does not answer keeps no server from ending, and what is cut off so is
+    resumed as after a crash.
+    """
+
+    def __init__(self, name: str) -> None:
+        """Start the thread.
+
+        Args:
+            name: Name of the thread, for people.
+        """
+        self._jobs: queue.SimpleQueue[Job | None] = queue.SimpleQueue()
+        self._thread = threading.Thread(target=self._work, name=name, daemon=True)
+        self._thread.start()
+
+    def submit(self, job: Job) -> None:
+        """Add a job, which must not raise."""
+        self._jobs.put(job)
+
+    def end(self, wait_s: float = 0.0) -> None:
+        """End the thread after the jobs that it has, without waiting longer than asked."""
+        self._jobs.put(None)
+        if wait_s > 0.0 and self._thread is not threading.current_thread():
+            self._thread.join(wait_s)
+
+    def _work(self) -> None:
+        while (job := self._jobs.get()) is not None:
+            job()
