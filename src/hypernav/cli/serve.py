@@ -14,6 +14,7 @@ from hypernav.cli.terminal import Terminal
 from hypernav.core.components.extras import require
 from hypernav.core.config import check_option
 from hypernav.core.errors import ConfigError
+from hypernav.evaluation.kernel_warmup import warm_up_in_background
 
 _MODULES = ("fastapi", "uvicorn", "websockets")
 
@@ -71,5 +72,6 @@ def run(options: Options) -> int:
         )
 
     limits = ServerLimits(searches=options.max_searches)
-    serve(access, options.port, options.state, plan, limits, on_start=say)
+    with warm_up_in_background(console.print):
+        serve(access, options.port, options.state, plan, limits, on_start=say)
     return ExitStatus.SUCCESS

@@ -3,12 +3,11 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import cast
 
 from hypernav.build.agents import BuiltAgent, build_agent
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.presets import HyPerNavConfig
-from hypernav.core.components.protocols import Agent, ExplainsItself
+from hypernav.core.components.protocols import Agent
 from hypernav.core.errors import ConfigError
 from hypernav.core.goal import Goal
 from hypernav.robot.server.state.journal import MODEL_FILE
@@ -45,17 +44,17 @@ class AgentPlan:
             self.config, self.specs, record=folder / MODEL_FILE if asks else None, resume=True
         )
         try:
+            _check_explains(built.agent)
             built.check_goal(goal)
             built.agent.reset(goal)
-            explained(built.agent)
         except BaseException:
             built.close()
             raise
         return built
 
 
-def explained(agent: Agent) -> ExplainsItself:
-    """The agent, for its trace and map.
+def _check_explains(agent: Agent) -> None:
+    """Refuse an agent without trace and map.
 
     Raises:
         ConfigError: It has none.
@@ -66,7 +65,6 @@ def explained(agent: Agent) -> ExplainsItself:
             f"the agent {type(agent).__name__} does not explain itself; a server needs its "
             "last_step and grid (hypernav.core.components.protocols.ExplainsItself)"
         )
-    return cast(ExplainsItself, agent)
 
 
 PlanAgent = Callable[[OpenSearch], AgentPlan]

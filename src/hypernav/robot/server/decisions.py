@@ -2,15 +2,16 @@
 
 import logging
 from collections.abc import Callable
+from typing import cast
 
 import numpy as np
 
 from hypernav.build.agents import BuiltAgent
 from hypernav.core.actions import Action
+from hypernav.core.components.protocols import ExplainsItself
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending, StepTrace
-from hypernav.robot.server.agents import explained
 from hypernav.robot.server.state.journal import Journal, StepRecord
 from hypernav.robot.wire.frames import PackedObservation, decode_observation, unpack_observation
 from hypernav.robot.wire.messages import ObservationFacts, Reply, SearchEnding
@@ -33,15 +34,12 @@ class Decisions:
 
         Args:
             journal: Journal of the search.
-            built: Agent of the search.
-
-        Raises:
-            ConfigError: The agent does not explain itself.
+            built: Agent of the search, which explains itself.
         """
         self.grid: OccupancyGrid | None = None
         self._journal = journal
         self._built = built
-        self._agent = explained(built.agent)
+        self._agent = cast(ExplainsItself, built.agent)
         self._request = journal.record.request
         self._camera = self._request.camera
         self._camera_to_base = self._request.embodiment.camera.camera_to_base

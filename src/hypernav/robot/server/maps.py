@@ -31,7 +31,7 @@ def map_server_file(grid: OccupancyGrid, name: str) -> bytes:
 def occupancy_grid(grid: OccupancyGrid) -> dict[str, object]:
     """The map with the fields of ``nav_msgs/OccupancyGrid``: -1 unknown, 0 free, 100 occupied."""
     rows, columns = grid.cells.shape
-    x, y = grid.origin
+    x, y = (round(value, 6) for value in grid.origin)
     return {
         "header": {"frame_id": "map"},
         "info": {

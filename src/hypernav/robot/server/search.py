@@ -334,4 +334,5 @@ def _ends(turn: Turn) -> bool:
 
 def _extent(grid: OccupancyGrid) -> MapExtent:
     rows, columns = grid.cells.shape
-    return MapExtent(rows=rows, columns=columns, resolution_m=grid.resolution_m, origin=grid.origin)
+    x, y = (round(value, 6) for value in grid.origin)
+    return MapExtent(rows=rows, columns=columns, resolution_m=grid.resolution_m, origin=(x, y))

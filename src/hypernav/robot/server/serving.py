@@ -5,6 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import uvicorn
+from fastapi import FastAPI
 
 from hypernav.core.errors import ConfigError
 from hypernav.core.files.reading import read_file
@@ -80,24 +81,39 @@ def serve(
         RunFolderError: Another server uses the folder, or it cannot be written.
     """
     check_access(access)
-    with _listening(access.host, port) as listener, Searches(state, plan, limits) as searches:
-        config = uvicorn.Config(
-            make_app(searches, access, limits),
-            ws="websockets-sansio",
-            ws_max_size=MOST_BODY_BYTES,
-            ws_per_message_deflate=False,
-            log_config=None,
-            access_log=False,
-            server_header=False,
-            lifespan="off",
-            timeout_graceful_shutdown=_PATIENCE_S,
-        )
+    with listening(access.host, port) as listener, Searches(state, plan, limits) as searches:
+        config = server_config(make_app(searches, access, limits))
         host = f"[{access.host}]" if ":" in access.host else access.host
         on_start(f"http://{host}:{listener.getsockname()[1]}")
         uvicorn.Server(config).run(sockets=[listener])
 
 
-def _listening(host: str, port: int) -> socket.socket:
+def server_config(app: FastAPI) -> uvicorn.Config:
+    """How uvicorn runs the application."""
+    return uvicorn.Config(
+        app,
+        ws="websockets-sansio",
+        ws_max_size=MOST_BODY_BYTES,
+        ws_per_message_deflate=False,  # images do not get any smaller
+        log_config=None,
+        access_log=False,
+        server_header=False,
+        proxy_headers=False,  # nobody may say that it comes from elsewhere
+        lifespan="off",
+        timeout_graceful_shutdown=_PATIENCE_S,
+    )
+
+
+def listening(host: str, port: int) -> socket.socket:
+    """A socket that listens.
+
+    Args:
+        host: Address.
+        port: Port; 0 takes a free one.
+
+    Raises:
+        ConfigError: The address cannot be used.
+    """
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     # Named as TCP, so that asyncio switches Nagle's algorithm off: it costs 40 ms an answer.
     listener = socket.socket(family, socket.SOCK_STREAM, socket.IPPROTO_TCP)

@@ -35,7 +35,7 @@ from enum import StrEnum
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 from hypernav.core.actions import Action
 from hypernav.core.config import MOST_STEPS
@@ -151,6 +151,16 @@ class OpenSearch(Message):
     max_steps: int = Field(default=500, ge=1, le=MOST_STEPS)
     deadline_s: float = Field(default=1.0, ge=0.05, le=LONGEST_WAIT_S)
     key: Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{8,64}$")] | None = None
+
+    @model_validator(mode="after")
+    def _field_of_view_is_possible(self) -> "OpenSearch":
+        hfov_deg = math.degrees(self.camera.hfov)
+        if not 1.0 <= hfov_deg <= 170.0:
+            raise ValueError(
+                f"the intrinsics mean a horizontal field of view of {hfov_deg:.1f} degrees, "
+                "expected hfov_deg from 1 to 170"
+            )
+        return self
 
     @property
     def camera(self) -> PinholeCamera:

@@ -1,0 +1,200 @@
+"""Who may come in, and with how much."""
+
+import os
+import socket
+
+import pytest
+
+from hypernav.core.errors import ConfigError
+from hypernav.robot.server.guard import Access
+from hypernav.robot.server.limits import ServerLimits
+from hypernav.robot.server.serving import check_access, listening, read_token
+from hypernav.robot.wire.frames import MOST_BODY_BYTES
+from servers.robots import TOKEN, RobotLink, body_of, robot_server
+
+
+@pytest.mark.parametrize(
+    "header",
+    [None, "", "Bearer", "Bearer ", f"Basic {TOKEN}", f"Bearer {TOKEN}x", f"Bearer {TOKEN[:-1]}"],
+)
+def test_every_request_needs_the_token(tmp_path, header, caplog):
+    with robot_server(tmp_path, token=TOKEN) as link:
+        assert link.call("GET", "/v1/health").status == 200
+        stranger = RobotLink(link.port)
+        headers = {} if header is None else {"authorization": header}
+        for path in ("/v1/health", "/v1/searches", "/v1/openapi.json", "/v1/nothing"):
+            answer = stranger.call("GET", path, headers=headers)
+            assert answer.status == 401
+            assert answer.headers["www-authenticate"] == "Bearer"
+            assert TOKEN not in answer.content.decode()
+        assert stranger.call("POST", "/v1/searches", {"goal": "bed"}, headers=headers).status == 401
+    assert TOKEN not in caplog.text
+
+
+@pytest.mark.parametrize(
+    ("headers", "status"),
+    [
+        ({"host": "evil.example"}, 403),
+        ({"host": "evil.example:8765"}, 403),
+        ({"host": "["}, 403),
+        ({"origin": "http://evil.example"}, 403),
+        ({"origin": "null"}, 403),
+        ({"host": "localhost:1", "origin": "http://localhost:1"}, 200),
+        ({"host": "127.0.0.1:1"}, 200),
+        ({"host": "[::1]:1"}, 200),
+    ],
+)
+def test_pages_of_other_sites_are_kept_out(link, headers, status):
+    assert link.call("GET", "/v1/health", headers=headers).status == status
+
+
+def test_bodies_are_limited_before_they_are_read(link):
+    search = link.open()
+    for size in (MOST_BODY_BYTES + 1, 10**15):
+        headers = {"content-length": str(size)}
+        assert link.call("POST", f"{search}/observations", b"x", headers=headers).status == 413
+    assert link.call("POST", "/v1/searches", b"[" * 70_000).status == 413
+
+
+def test_a_body_without_a_length_is_limited_as_well(link):
+    search = link.open()
+    with socket.create_connection(("127.0.0.1", link.port)) as connection:
+        request = f"POST {search}/stop HTTP/1.1\r\nhost: localhost\r\n"
+        connection.sendall(request.encode() + b"transfer-encoding: chunked\r\n\r\n")
+        chunk = b"1000\r\n" + b" " * 0x1000 + b"\r\n"
+        try:
+            for _ in range(100):
+                connection.sendall(chunk)
+        except OSError:
+            pass  # it has hung up
+        try:
+            said = connection.recv(1000)
+        except OSError:
+            said = b""
+    assert said == b"" or b" 413 " in said
+    assert link.call("GET", search).json["state"] == "waiting"
+
+
+def test_a_body_that_never_comes_is_not_waited_for(tmp_path):
+    with robot_server(tmp_path, limits=ServerLimits(body_s=0.1)) as link:
+        headers = {"content-length": "100"}
+        assert link.call("POST", "/v1/searches", b"{", headers=headers).status == 408
+
+
+def test_too_many_requests_are_told_to_wait(tmp_path):
+    with robot_server(tmp_path, limits=ServerLimits(requests_per_s=0.001, burst=3)) as link:
+        statuses = [link.call("GET", "/v1/health").status for _ in range(5)]
+        assert statuses == [200, 200, 200, 429, 429]
+        assert link.call("GET", "/v1/health").headers["retry-after"] == "1"
+
+
+def test_searches_are_limited(tmp_path):
+    with robot_server(tmp_path, limits=ServerLimits(searches=2)) as link:
+        first, _ = link.open(), link.open()
+        refused = link.call("POST", "/v1/searches", {"goal": "bed"})
+        assert refused.status == 429
+        assert first.rpartition("/")[2] in refused.json["message"]
+        link.call("POST", f"{first}/close")
+        link.open()
+
+
+@pytest.mark.parametrize(
+    ("request_body", "words"),
+    [
+        (b"", "body"),
+        (b"{", "body"),
+        (b"[" * 60_000, "body"),
+        ({}, "goal"),
+        ({"goal": ""}, "goal"),
+        ({"goal": "\u0007"}, "control character"),
+        ({"goal": "bed", "speed": 3}, "speed"),
+        ({"goal": "bed", "agent": "os:system"}, "agent"),
+        ({"goal": "bed", "agent": "no-such-agent"}, "no-such-agent"),
+        ({"goal": "bed", "embodiment": {"body": {"radius_m": -1}}}, "radius_m"),
+        ({"goal": "bed", "embodiment": {"camera": {"width": 8000, "height": 600}}}, "pixels"),
+        ({"goal": "bed", "embodiment": {"body": {"height_m": 0.1}}}, "height_m"),
+        ({"goal": "bed", "intrinsics": {"fx": 0, "fy": 1, "cx": 0, "cy": 0}}, "fx"),
+        ({"goal": "bed", "intrinsics": {"fx": 2, "fy": 2, "cx": 300, "cy": 0}}, "hfov_deg"),
+    ],
+)
+def test_a_search_that_cannot_be_says_why(link, request_body, words):
+    answer = link.call("POST", "/v1/searches", request_body)
+    assert answer.status == 422, answer.content
+    assert words in answer.json["message"]
+    assert link.call("GET", "/v1/searches").json == []
+
+
+@pytest.mark.parametrize(
+    ("path", "status"),
+    [
+        ("/v1/searches/..%2f..%2fetc", 404),
+        ("/v1/searches/../../etc/passwd", 404),
+        ("/v1/searches/%00", 422),
+        ("/v1/searches/" + "0" * 32, 404),
+        ("/v1/searches/" + "0" * 31, 422),
+        ("/v1/searches/" + "A" * 32, 422),
+        ("/v1/searches/" + "0" * 32 + "/map.png", 404),
+        ("/v1/searches/" + "0" * 32 + "/replies/-1", 422),
+        ("/etc/passwd", 404),
+        ("/docs", 404),
+    ],
+)
+def test_a_path_is_a_name_or_nothing(link, path, status):
+    answer = link.call("GET", path)
+    assert answer.status == status
+    assert answer.json["message"]
+
+
+def test_nothing_to_show_is_said(link):
+    search = link.open()
+    for path in ("map.png", "map.json", "map.yaml", "map.pgm", "image"):
+        assert link.call("GET", f"{search}/{path}").status == 404
+    assert link.call("GET", f"{search}/trace").content == b""
+    assert link.call("DELETE", search).status == 405
+
+
+def test_a_robot_far_from_its_map_is_refused(link):
+    search = link.open()
+    answer = link.observe(search, body_of(0, odom_to_map={"x": 400.0}))
+    assert answer.status == 422
+    assert "400.0" in answer.json["message"]
+
+
+def test_a_network_needs_a_token():
+    with pytest.raises(ConfigError, match="--token-file"):
+        check_access(Access("0.0.0.0"))
+    check_access(Access("0.0.0.0", TOKEN))
+    for host in ("127.0.0.1", "::1", "localhost", "127.3.2.1"):
+        check_access(Access(host))
+
+
+def test_a_token_file_is_for_its_owner_only(tmp_path):
+    path = tmp_path / "token"
+    path.write_text(TOKEN + "\n")
+    path.chmod(0o600)
+    assert read_token(path) == TOKEN
+    path.chmod(0o644)
+    with pytest.raises(ConfigError, match="others can read it"):
+        read_token(path)
+
+
+@pytest.mark.parametrize("content", [b"", b"short", b"two words of a token", b"\xff" * 20])
+def test_a_token_is_one_long_word(tmp_path, content):
+    path = tmp_path / "token"
+    path.touch(0o600)
+    path.write_bytes(content)
+    with pytest.raises(ConfigError, match="--token-file"):
+        read_token(path)
+
+
+def test_a_token_file_must_be_there(tmp_path):
+    for path in (tmp_path / "none", tmp_path, tmp_path / os.devnull.lstrip("/")):
+        with pytest.raises(ConfigError, match="--token-file"):
+            read_token(path)
+
+
+def test_a_port_in_use_is_said():
+    with listening("127.0.0.1", 0) as first:
+        port = first.getsockname()[1]
+        with pytest.raises(ConfigError, match="choose another --port"):
+            listening("127.0.0.1", port)

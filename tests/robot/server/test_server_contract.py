@@ -1,0 +1,200 @@
+"""Laws of the contract: who is answered what, whatever comes, in whatever order, however often."""
+
+import threading
+import time
+
+import pytest
+
+from hypernav.core.actions import Action
+from hypernav.core.errors import ModelUnavailableError
+from hypernav.evaluation.checks.box_room import BoxRoom
+from servers.robots import body_of, drive, real_plan, robot_server
+
+
+def test_a_search_drives_to_its_goal(tmp_path):
+    with robot_server(tmp_path, real_plan) as link:
+        search, room = link.open(), BoxRoom()
+        replies = drive(link, search, room)
+        status = link.call("GET", search).json
+        lines = link.call("GET", f"{search}/trace").content.decode().splitlines()
+    assert replies[-1]["action"] == Action.STOP
+    assert replies[-1]["ending"] == status["ending"] == "found"
+    assert room.pose.x > 2.0
+    assert [reply["sequence"] for reply in replies] == list(range(len(lines)))
+    assert status["state"] == "ended"
+    assert status["map"]["rows"] > 10
+
+
+def test_the_agent_decides_as_it_would_without_a_network(tmp_path):
+    from hypernav.build.agents import build_agent
+    from hypernav.core.goal import Goal
+    from hypernav.robot.wire.frames import decode_observation, unpack_observation
+    from hypernav.robot.wire.messages import OpenSearch
+
+    request = OpenSearch(goal="door", embodiment=BoxRoom().embodiment)
+    plan, room, lens = real_plan(request), BoxRoom(), request.embodiment.camera
+    agent = build_agent(plan.config, plan.specs).agent
+    agent.reset(Goal("door"))
+    actions = []
+    while not actions or actions[-1] not in (Action.STOP, None):
+        packed = unpack_observation(body_of(0, room))
+        seen = decode_observation(packed, lens.intrinsics, lens.camera_to_base)
+        actions.append(agent.act(seen))
+        room.step(actions[-1] or Action.STOP)
+    with robot_server(tmp_path, real_plan) as link:
+        replies = drive(link, link.open(), BoxRoom())
+    assert [reply["action"] for reply in replies] == actions
+
+
+def test_a_repetition_gets_the_same_answer_and_changes_nothing(link, script):
+    search, body = link.open(), body_of(0)
+    first = link.observe(search, body)
+    version = link.call("GET", search).json["version"]
+    other = body_of(0, BoxRoom(labels=False), base_to_odom={"x": 1.0})
+    for again in (body, other):
+        assert link.observe(search, again).content == first.content
+    assert script.seen == 1
+    assert link.call("GET", search).json["version"] == version
+    assert link.call("GET", f"{search}/replies/0").content == first.content
+
+
+@pytest.mark.parametrize("sequence", [0, 3, 999_999])
+def test_another_number_is_refused_with_the_expected_one(link, sequence):
+    search = link.open()
+    for number in (0, 1):
+        link.observe(search, body_of(number))
+    answer = link.observe(search, body_of(sequence))
+    assert answer.status == 409
+    assert answer.json["error"] == "sequence"
+    assert answer.json["expected"] == 2
+    assert link.observe(search, body_of(2)).status == 200
+
+
+def test_a_slow_decision_is_held_and_comes(link, script):
+    script.gate.clear()
+    search = link.open(deadline_s=0.05)
+    assert link.observe(search, body_of(0)).json["hold"]
+    assert link.observe(search, body_of(0)).json["hold"]
+    assert link.call("GET", search).json["state"] == "deciding"
+    refused = link.observe(search, body_of(1))
+    assert (refused.status, refused.json["error"], refused.json["expected"]) == (409, "pending", 0)
+    script.gate.set()
+    assert link.answer(search, 0)["action"] == Action.MOVE_FORWARD
+    assert script.seen == 1
+
+
+def test_an_answer_is_not_older_than_its_question(link):
+    search = link.open()
+    answer = link.call("GET", f"{search}/replies/0")
+    assert (answer.status, answer.json["expected"]) == (409, 0)
+
+
+def test_a_broken_observation_does_not_count(link, script):
+    search, body = link.open(), body_of(0, BoxRoom(labels=False))
+    broken = body[:-400] + bytes(400)
+    answer = link.observe(search, broken)
+    assert answer.status == 422
+    assert "broken" in answer.json["message"]
+    assert link.call("GET", search).json["next_sequence"] == 0
+    assert link.observe(search, body).status == 200
+    assert script.seen == 1
+
+
+def test_stop_answers_what_is_pending_and_all_that_comes(link, script):
+    script.gate.clear()
+    search = link.open(deadline_s=20.0)
+    answers = []
+    waiting = threading.Thread(target=lambda: answers.append(link.observe(search, body_of(0))))
+    waiting.start()
+    while script.seen == 0:
+        time.sleep(0.01)
+    stopped = link.call("POST", f"{search}/stop", {"reason": "red button"})
+    waiting.join()
+    script.gate.set()
+    assert stopped.json["ending"] == "stopped"
+    for number in (0, 1, 7):
+        answers.append(link.observe(search, body_of(number)))
+    for answer in answers:
+        assert answer.status == 200
+        assert answer.json["action"] == Action.STOP
+        assert (answer.json["done"], answer.json["ending"]) == (True, "stopped")
+    assert link.call("GET", search).json["detail"] == "red button"
+    assert link.call("POST", f"{search}/close").json["ending"] == "stopped"
+
+
+def test_a_search_over_is_answered_by_stop(link, script):
+    script.length = 1
+    search = link.open()
+    link.observe(search, body_of(0))
+    last = link.observe(search, body_of(1))
+    assert last.json["ending"] == "found"
+    assert link.observe(search, body_of(1)).content == last.content
+    later = link.observe(search, body_of(2))
+    assert (later.json["action"], later.json["ending"]) == (Action.STOP, "found")
+    assert script.seen == 2
+
+
+def test_the_step_limit_ends_a_search(link, script):
+    search = link.open(max_steps=2)
+    endings = [link.observe(search, body_of(number)).json["ending"] for number in range(3)]
+    assert endings == [None, None, "gave up"]
+    assert script.seen == 2
+    assert len(link.call("GET", f"{search}/trace").content.splitlines()) == 2
+
+
+def test_a_model_that_is_gone_ends_the_search_and_says_so(link, script):
+    script.error = ModelUnavailableError("no answer for 120 s")
+    search = link.open()
+    answer = link.observe(search, body_of(0)).json
+    assert (answer["action"], answer["ending"]) == (Action.STOP, "model unavailable")
+    assert answer["reason"] == "no answer for 120 s"
+
+
+def test_an_error_of_ours_stops_the_robot_and_tells_no_secrets(link, script, caplog):
+    script.error = ZeroDivisionError("inner workings")
+    search = link.open()
+    answer = link.observe(search, body_of(0))
+    assert (answer.json["action"], answer.json["ending"]) == (Action.STOP, "failed")
+    assert b"inner workings" not in answer.content + link.call("GET", search).content
+    assert "inner workings" in caplog.text
+    caplog.clear()
+
+
+def test_opening_again_with_a_key_gives_the_same_search(link):
+    first, again = link.open(key="robot-7-tuesday"), link.open(key="robot-7-tuesday")
+    assert first == again
+    assert link.open() != first
+
+
+def test_the_status_waits_for_news(link):
+    search = link.open()
+    version = link.call("GET", search).json["version"]
+    news = []
+    path = f"{search}?after={version}&wait_s=20"
+    waiting = threading.Thread(target=lambda: news.append(link.call("GET", path).json))
+    waiting.start()
+    link.observe(search, body_of(0))
+    waiting.join(timeout=15.0)
+    assert news[0]["version"] > version
+    unchanged = link.call("GET", f"{search}?after=1000000&wait_s=0.05").json
+    assert unchanged["next_sequence"] == 1
+
+
+def test_what_a_robot_says_about_being_blocked_is_in_the_trace(link):
+    search = link.open()
+    link.observe(search, body_of(0, blocked=True))
+    trace = link.call("GET", f"{search}/trace").json
+    assert any("blocked" in event for event in trace["events"])
+
+
+def test_robots_do_not_wait_for_each_other(tmp_path, script):
+    script.gate.clear()
+    with robot_server(tmp_path) as link:
+        slow = link.open(deadline_s=0.05)
+        assert link.observe(slow, body_of(0)).json["hold"]
+        link.call("POST", f"{slow}/stop", {})
+        others = [link.open(deadline_s=0.05) for _ in range(4)]
+        assert all(link.observe(other, body_of(0)).json["hold"] for other in others)
+        script.gate.set()
+        for other in others:
+            assert link.answer(other, 0)["action"] == Action.MOVE_FORWARD
