@@ -1,12 +1,14 @@
-"""Time the loading of a large scan: triangles, textures and instances, first and from the cache.
+"""Time a large scan: loading, opening a world over it, and drawing it, first and from the cache.
 
 The scan is the house of two storeys of the tests, cut into a million triangles, with textures of
-4096². It is written to a temporary folder, in the layout of HM3D.
+4096². It is written to a temporary folder, in the layout of HM3D. Each time is that of a process of
+its own. Drawing is compared with small_house, image by image in turns.
 
     python benchmarks/scan_loading.py
     python benchmarks/scan_loading.py --basis      # textures in Basis Universal, extra hm3d
 """
 
+import multiprocessing
 import resource
 import sys
 import tempfile
@@ -22,17 +24,22 @@ import tyro
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
+from render import CAMERA, TEST_DATA, standing_views
+
 from gltf_writer import GltfWriter
 from hypernav.datasets.benchmarks import BENCHMARKS
+from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.scans.layout import ScanFiles
 from hypernav.worlds.scans.loading import load_scan
 from hypernav.worlds.scans.scan_cache import cached_scan
+from hypernav.worlds.scenes.loading import load_scene
 from hypernav.worlds.simulation import SimulatedWorld
 from scan_writers.basis_bytes import ktx2
 from scan_writers.buildings import two_storeys
 from scan_writers.scans import color_of, mesh_of, semantic_lines
 
 TEXTURES, SIDE = 8, 4096
+VIEWS, TURNS = 20, 5
 HOUSE = two_storeys()
 _Result = TypeVar("_Result")
 
@@ -48,17 +55,59 @@ class Options:
 
 
 def main(options: Options) -> None:
-    """Write a scan, and load it twice."""
+    """Write a scan, open it twice, and draw it."""
     with tempfile.TemporaryDirectory() as folder:
-        files = ScanFiles.of(write(options, Path(folder) / "00802-wcojb4TFT35"))
-        assert files is not None
-        cache = Path(folder) / "cache"
-        for name in ("first", "cached"):
-            scene = timed(name, lambda: cached_scan(files, load_scan, folder=cache))
-        print(f"{len(scene.faces):,} triangles, {len(scene.instances)} instances")
-        robot = BENCHMARKS["hm3d"].embodiment
-        timed("world", lambda: SimulatedWorld(scene, embodiment=robot))
-        print(f"{resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6:.2f} GB at most")
+        path = write(options, Path(folder) / "00802-wcojb4TFT35")
+        # Kernels are loaded before, and compiled if need be.
+        for name in ("kernels", "first", "from the cache"):
+            print(f"{name}:")
+            in_a_process(open_world, path, Path(folder) / f"cache{name == 'kernels'}")
+        print("drawing:")
+        in_a_process(draw, path, Path(folder) / "cacheFalse")
+
+
+def in_a_process(work: Callable[[Path, Path], object], path: Path, cache: Path) -> None:
+    """Do some work in a process of its own."""
+    process = multiprocessing.get_context("spawn").Process(target=work, args=(path, cache))
+    process.start()
+    process.join()
+
+
+def open_world(path: Path, cache: Path) -> SimulatedWorld:
+    """Open the scan and a world over it."""
+    files = ScanFiles.of(path)
+    assert files is not None
+    scene = timed("  scene", lambda: cached_scan(files, load_scan, folder=cache))
+    robot = BENCHMARKS["hm3d"].embodiment
+    world = timed("  world", lambda: SimulatedWorld(scene, embodiment=robot))
+    print(f"  {len(scene.faces):,} triangles, {len(scene.instances)} instances")
+    tell_memory()
+    return world
+
+
+def draw(path: Path, cache: Path) -> None:
+    """Draw views of the scan and of small_house in turns."""
+    scan = open_world(path, cache).scene
+    tell_memory()
+    small_house = load_scene(TEST_DATA / "scenes" / "small_house" / "scene.glb")
+    drawn = [(CpuRenderer(scene), standing_views(scene, VIEWS)) for scene in (scan, small_house)]
+    seconds: list[list[float]] = [[], []]
+    for turn in range(TURNS + 1):
+        for (renderer, views), own in zip(drawn, seconds, strict=True):
+            for view in views:
+                begin = time.perf_counter()
+                renderer.render(CAMERA, view)
+                if turn > 0:
+                    own.append(time.perf_counter() - begin)
+    scan_ms, small_house_ms = (1e3 * float(np.median(own)) for own in seconds)
+    ratio = scan_ms / small_house_ms
+    print(f"  {scan_ms:.1f} ms an image, small_house {small_house_ms:.1f} ms: {ratio:.2f} times")
+    tell_memory()
+
+
+def tell_memory() -> None:
+    """Print the most memory that this process has had."""
+    print(f"  {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6:.2f} GB at most")
 
 
 def timed(name: str, work: Callable[[], _Result]) -> _Result:

@@ -21,6 +21,21 @@ def test_the_warm_up_runs_an_agent():
     warm_up()
 
 
+def test_it_leaves_no_kernel_of_navigation_meshes_to_be_compiled():
+    script = (
+        "from numba.extending import is_jitted\n"
+        "from hypernav.evaluation.kernel_warmup import _walk_on_mesh\n"
+        "from hypernav.worlds.navmesh import goal_paths, navmesh\n"
+        "_walk_on_mesh()\n"
+        "for kernel in [*vars(navmesh).values(), *vars(goal_paths).values()]:\n"
+        "    if is_jitted(kernel) and not kernel.signatures: print(kernel.__name__)"
+    )
+    ended = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
+    assert ended.stdout.split() == ["wall_distance"]  # which no search asks for
+
+
 def test_a_machine_that_has_compiled_is_told_nothing_and_starts_no_process(monkeypatch):
     monkeypatch.setattr(module, "is_compiled", lambda: True)
     monkeypatch.setattr(subprocess, "Popen", None)

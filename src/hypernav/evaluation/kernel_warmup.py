@@ -2,9 +2,10 @@
 
 Numba compiles a kernel on its first call, once on a machine, and keeps it on disk. It holds
 Python's global lock meanwhile, so only another process can compile at the same time. While this
-process builds the world and its walkable surface, the warm-up process draws one triangle and lets
-an agent search an empty room. So it compiles the kernels of drawing, mapping and planning, about
-half of all, in the order in which this process needs them.
+process builds the world and its walkable surface, the warm-up process draws one triangle, lets
+an agent search an empty room and walks on a navigation mesh. So it compiles the kernels of drawing,
+mapping and planning, about half of all, in the order in which this process needs them, and then
+those of scans, which are for the next run if this one has no scan.
 """
 
 import os
@@ -25,8 +26,14 @@ from hypernav.core.goal import Goal
 from hypernav.evaluation.checks.box_room import DOOR, BoxRoom
 from hypernav.mapping import integrate_kernels
 from hypernav.worlds.drawing.renderer import CpuRenderer
+from hypernav.worlds.navmesh.files.reader import navmesh_of
+from hypernav.worlds.navmesh.files.writer import navmesh_bytes
+from hypernav.worlds.navmesh.meshing.from_grid import mesh_from_grid
+from hypernav.worlds.navmesh.navmesh import Navmesh
+from hypernav.worlds.navmesh.surface import NavmeshSurface
 from hypernav.worlds.scenes.scene import Material
 from hypernav.worlds.scenes.scene_assembly import MeshPart, SceneObject, assemble
+from hypernav.worlds.surface.walkable import WalkableGrid
 
 FIRST_RUN = "first run: compiling for this machine, once, takes a quarter of a minute or more …"
 
@@ -76,9 +83,10 @@ def warm_up_in_background(say: Callable[[str], object]) -> Iterator[None]:
 
 
 def warm_up() -> None:
-    """Draw, then search."""
+    """Draw, then search, then walk on a mesh."""
     _draw_tile()
     _search_room()
+    _walk_on_mesh()
 
 
 def _draw_tile() -> None:
@@ -103,6 +111,18 @@ def _search_room() -> None:
             if action is None:
                 break
             room.step(action)
+
+
+def _walk_on_mesh() -> None:
+    """Step, slide and find paths on the navigation mesh of an empty room."""
+    room = mesh_from_grid(WalkableGrid.from_mask(np.ones((40, 40), dtype=bool)))
+    surface = NavmeshSurface(Navmesh(navmesh_of(navmesh_bytes(room, Embodiment().body))))
+    x, y = surface.random_point(np.random.default_rng(0))
+    here = surface.nearest_standable(x, y)
+    surface.move(here, 0.25, 0.0)
+    surface.move(here, 0.25, 0.0, sliding=True)
+    surface.distance(here, surface.nearest_standable(1.0, 1.0))
+    surface.goal_field(np.array([here])).distance(1.0, 1.0)
 
 
 if __name__ == "__main__":

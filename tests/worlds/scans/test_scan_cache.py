@@ -6,6 +6,10 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
+from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.worlds.drawing import rasterizer, textures
+from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.worlds.scans.layout import ScanFiles
 from hypernav.worlds.scans.loading import load_scan
 from hypernav.worlds.scans.scan_cache import cached_scan
@@ -40,7 +44,7 @@ def assert_same(found: Scene, expected: Scene) -> None:
         if isinstance(theirs, np.ndarray):
             assert np.array_equal(ours, theirs)
             assert ours.dtype == theirs.dtype
-        elif field.name != "materials":
+        elif field.name not in ("materials", "cache"):
             assert ours == theirs
     for ours, theirs in zip(found.materials, expected.materials, strict=True):
         assert (ours.name, ours.color, ours.wrap, ours.unlit) == (
@@ -88,6 +92,37 @@ def test_a_broken_cache_is_written_again(files, tmp_path, name, damage, caplog):
         assert_same(found, load_scan(files))
     assert load.count == 1
     assert "is written again" in caplog.text
+
+
+def drawn(scene: Scene) -> np.ndarray:
+    camera = PinholeCamera.from_hfov(64, 48, 79.0)
+    renderer = CpuRenderer(scene, RenderConfig(threads=1))
+    pose = Pose2(1.5, 1.5, 0.7).to_transform() @ optical_to_base(0.88)
+    rgb = renderer.render(camera, pose).rgb
+    renderer.close()
+    return rgb
+
+
+def test_what_drawing_needs_is_kept_with_the_scan(files, tmp_path, monkeypatch):
+    fresh = drawn(load_scan(files))
+    assert len(np.unique(fresh)) > 3
+    for _ in range(2):
+        found = cached_scan(files, load_scan, folder=tmp_path / "cache", least_bytes=0)
+        assert np.array_equal(drawn(found), fresh)
+        monkeypatch.setattr(textures, "collect_textures", None)
+        monkeypatch.setattr(rasterizer, "_along_a_curve", None)
+
+
+def test_and_is_made_anew_for_another_scan_and_where_it_is_broken(files, tmp_path):
+    fresh = drawn(load_scan(files))
+    drawn(cached_scan(files, load_scan, folder=tmp_path / "cache", least_bytes=0))
+    for path in (tmp_path / "cache").rglob("te*.npy"):
+        path.write_bytes(path.read_bytes()[:-4])
+    found = cached_scan(files, load_scan, folder=tmp_path / "cache", least_bytes=0)
+    assert np.array_equal(drawn(found), fresh)
+    os.utime(files.mesh, (1, 1))
+    other = cached_scan(files, load_scan, folder=tmp_path / "cache", least_bytes=0)
+    assert other.cache != found.cache
 
 
 def test_without_a_folder_to_write_to_nothing_is_kept(files, tmp_path):

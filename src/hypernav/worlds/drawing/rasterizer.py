@@ -1,8 +1,12 @@
 """Rasterizer of a scene: the nearest triangle in every pixel of an image."""
 
+from functools import lru_cache
+from pathlib import Path
+
 import numpy as np
 from jaxtyping import Float32, Float64, Int32, Int64
 
+from hypernav.core.files.kept_arrays import digest_of, kept_arrays
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.worlds.drawing.raster_kernels import draw_triangles, find_visible
 from hypernav.worlds.scenes.scene import Scene
@@ -25,17 +29,10 @@ class Rasterizer:
         Args:
             scene: Scene to rasterize.
         """
-        corners = scene.vertices[scene.faces]
-        self._faces = _along_a_curve(corners).astype(np.int32)
-        self._corners = np.ascontiguousarray(corners[self._faces], dtype=np.float32)
-        starts = np.arange(0, len(self._corners), _GROUP)
-        self._boxes = np.stack(
-            [
-                np.minimum.reduceat(self._corners.min(axis=1), starts),
-                np.maximum.reduceat(self._corners.max(axis=1), starts),
-            ],
-            axis=1,
-        )
+        sorted_once = kept_arrays(scene.cache, f"triangles-{_version()}", lambda: _sorted(scene))
+        self._faces = sorted_once["faces"]
+        self._corners = sorted_once["corners"]
+        self._boxes = sorted_once["boxes"]
 
     def faces(
         self, camera: PinholeCamera, camera_rows: Float64[np.ndarray, "4 3"], rows: slice
@@ -61,6 +58,22 @@ class Rasterizer:
             self._corners, groups, _GROUP, camera_rows, cx, cy, rows.start, shown, nearness
         )
         return np.where(shown >= 0, self._faces[shown], np.int32(-1))
+
+
+@lru_cache(maxsize=1)
+def _version() -> str:
+    return digest_of([Path(__file__)])
+
+
+def _sorted(scene: Scene) -> dict[str, np.ndarray]:
+    """Triangles along a curve, their corners, and the boxes of their groups."""
+    corners = scene.vertices[scene.faces]
+    faces = _along_a_curve(corners).astype(np.int32)
+    corners = np.ascontiguousarray(corners[faces], dtype=np.float32)
+    starts = np.arange(0, len(corners), _GROUP)
+    low = np.minimum.reduceat(corners.min(axis=1), starts)
+    high = np.maximum.reduceat(corners.max(axis=1), starts)
+    return {"faces": faces, "corners": corners, "boxes": np.stack([low, high], axis=1)}
 
 
 def _along_a_curve(

@@ -19,7 +19,7 @@ from hypernav.worlds.drawing.geometry_kernels import POINT, SURFACE_COLUMNS, loc
 from hypernav.worlds.drawing.light_grid import LightGrid
 from hypernav.worlds.drawing.light_kernels import TONE_STEPS, light
 from hypernav.worlds.drawing.rays import RayCaster
-from hypernav.worlds.drawing.textures import collect_textures, linear_to_srgb
+from hypernav.worlds.drawing.textures import linear_to_srgb, textures_of
 from hypernav.worlds.scenes.scene import Scene
 
 _MAX_LAYERS = 8
@@ -118,9 +118,11 @@ class Shader:
         self._caster = caster
         self._geometry = _Geometry.of(scene)
         self._materials = _Materials.of(scene)
-        self._textures = collect_textures(scene.materials, texture_budget_mb)
+        self._textures = textures_of(scene, texture_budget_mb)
         self._has_holes = any(material.opaque is not None for material in scene.materials)
-        corners = scene.vertices[scene.faces.ravel()].astype(np.float64)
+        used = np.zeros(len(scene.vertices), dtype=bool)
+        used[scene.faces.ravel()] = True
+        corners = scene.vertices[used].astype(np.float64)
         self._grid = LightGrid(
             corners.min(axis=0), corners.max(axis=0), light_cell_m, caster.distances
         )

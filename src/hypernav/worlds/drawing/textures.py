@@ -8,14 +8,18 @@ numbers: a distant black and white checkerboard has the brightness of the real t
 import math
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
+from functools import lru_cache, partial
+from pathlib import Path
 from typing import NamedTuple
 
 import cv2
 import numpy as np
 from jaxtyping import Bool, Float32, Int32, Int64, UInt8, UInt32
 
+from hypernav.core.files.kept_arrays import digest_of, kept_arrays
+from hypernav.worlds.drawing import texture_kernels
 from hypernav.worlds.drawing.texture_kernels import encode, halve
-from hypernav.worlds.scenes.scene import Material
+from hypernav.worlds.scenes.scene import Material, Scene
 
 _CODES = np.arange(256) / 255.0
 SRGB_TO_LINEAR: Float32[np.ndarray, "256"] = np.where(
@@ -53,6 +57,20 @@ class TextureSet(NamedTuple):
     level_count: Int32[np.ndarray, "textures"]
 
 
+def textures_of(scene: Scene, budget_mb: float) -> TextureSet:
+    """The mip maps of a scene's textures, as of `collect_textures`; they are kept in its cache."""
+    name = f"textures-{_version()}-{budget_mb:g}"
+    arrays = kept_arrays(
+        scene.cache, name, lambda: collect_textures(scene.materials, budget_mb)._asdict()
+    )
+    return TextureSet(**arrays)
+
+
+@lru_cache(maxsize=1)
+def _version() -> str:
+    return digest_of([Path(__file__), Path(texture_kernels.__file__)])
+
+
 def collect_textures(materials: Sequence[Material], budget_mb: float) -> TextureSet:
     """Build the mip maps of all materials' textures.
 
@@ -75,9 +93,24 @@ def collect_textures(materials: Sequence[Material], budget_mb: float) -> Texture
             of_material[index] = numbers[key]
     sizes = [_sizes(source) for source in sources]
     _fit_to_budget(sizes, int(budget_mb * 1e6 / 4))
+    levels = _places(sizes)
+    counts = np.array([len(own) for own in sizes] or [1], dtype=np.int32)
+    texels = np.zeros(max(sum(width * height for own in sizes for width, height in own), 1), "<u4")
     with ThreadPoolExecutor() as pool:
-        pyramids = list(pool.map(_pyramid, sources, (len(levels) for levels in sizes)))
-    return _pack(pyramids, of_material)
+        list(pool.map(partial(_fill, texels), sources, levels, counts.tolist()))
+    return TextureSet(of_material, texels.astype(np.uint32, copy=False), levels, counts)
+
+
+def _places(textures: list[list[tuple[int, int]]]) -> Int64[np.ndarray, "textures levels 3"]:
+    """First texel, width and height of every texture and level."""
+    depth = max((len(sizes) for sizes in textures), default=1)
+    table = np.zeros((max(len(textures), 1), depth, 3), dtype=np.int64)
+    start = 0
+    for number, sizes in enumerate(textures):
+        for level, (width, height) in enumerate(sizes):
+            table[number, level] = (start, width, height)
+            start += width * height
+    return table
 
 
 def _sizes(material: Material) -> list[tuple[int, int]]:
@@ -91,15 +124,20 @@ def _sizes(material: Material) -> list[tuple[int, int]]:
     return sizes
 
 
-def _pyramid(material: Material, count: int) -> list[UInt32[np.ndarray, "height width"]]:
-    """One texture in its smallest sizes, finest first."""
+def _fill(
+    texels: UInt32[np.ndarray, " texels"],
+    material: Material,
+    places: Int64[np.ndarray, "levels 3"],
+    count: int,
+) -> None:
+    """Fill in one texture in its smallest sizes, finest first; so many of them."""
     assert material.texture is not None
     sizes = _sizes(material)
     left_out = len(sizes) - count
-    levels: list[UInt32[np.ndarray, "height width"]] = []
+    levels = [texels[first : first + w * h].reshape(h, w) for first, w, h in places.tolist()]
     if left_out == 0:
         opaque = 1 if material.opaque is None else material.opaque
-        levels.append(_packed(material.texture, np.uint8(255) * opaque))
+        _pack(material.texture, np.uint8(255) * opaque, levels[0])
     light = opacity = np.empty(0, np.float32)
     for number, size in enumerate(sizes[1:], start=1):
         if number == 1:
@@ -107,8 +145,8 @@ def _pyramid(material: Material, count: int) -> list[UInt32[np.ndarray, "height 
         else:
             light, opacity = _halved(light, size), _halved(opacity, size)
         if number >= left_out:
-            levels.append(_coded(light, None if material.opaque is None else opacity))
-    return levels
+            hidden = None if material.opaque is None else opacity
+            _code(light, hidden, levels[number - left_out])
 
 
 def _first_halving(
@@ -147,16 +185,18 @@ def _halved(values: np.ndarray, size: tuple[int, int]) -> np.ndarray:
     return halved.reshape(size[1], size[0], *values.shape[2:])
 
 
-def _coded(
+def _code(
     light: Float32[np.ndarray, "height width 3"],
     opacity: Float32[np.ndarray, "height width"] | None,
-) -> UInt32[np.ndarray, "height width"]:
-    """A level in the form of texels; its light and opacity, which is None where all is opaque."""
+    level: UInt32[np.ndarray, "height width"],
+) -> None:
+    """Fill in a level by its light and opacity, which is None where all is opaque."""
     if opacity is not None:
-        return _packed(_encode(light, opacity), np.rint(opacity * 255.0))
+        _pack(_encode(light, opacity), np.rint(opacity * 255.0), level)
+        return
     codes = np.empty(light.shape, np.uint8)
     encode(light, _LINEAR_TO_CODE, codes)
-    return _packed(codes, np.uint8(255))
+    _pack(codes, np.uint8(255), level)
 
 
 def _encode(
@@ -172,14 +212,15 @@ def _encode(
     return codes
 
 
-def _packed(
-    codes: UInt8[np.ndarray, "height width 3"], opacity: np.ndarray | np.uint8
-) -> UInt32[np.ndarray, "height width"]:
-    """Colours with their opacity, 0 to 255."""
-    rgba = np.empty((*codes.shape[:2], 4), dtype=np.uint8)
+def _pack(
+    codes: UInt8[np.ndarray, "height width 3"],
+    opacity: np.ndarray | np.uint8,
+    level: UInt32[np.ndarray, "height width"],
+) -> None:
+    """Fill in colours with their opacity, 0 to 255."""
+    rgba = level.view(np.uint8).reshape(*level.shape, 4)
     rgba[..., :3] = codes
     rgba[..., 3] = opacity
-    return rgba.view("<u4")[..., 0].astype(np.uint32, copy=False)
 
 
 def _fit_to_budget(textures: list[list[tuple[int, int]]], budget_texels: int) -> None:
@@ -190,18 +231,3 @@ def _fit_to_budget(textures: list[list[tuple[int, int]]], budget_texels: int) ->
         if len(largest) == 1:
             return
         total -= math.prod(largest.pop(0))
-
-
-def _pack(pyramids: list[list[np.ndarray]], of_material: Int32[np.ndarray, "m"]) -> TextureSet:
-    depth = max((len(levels) for levels in pyramids), default=1)
-    table = np.zeros((max(len(pyramids), 1), depth, 3), dtype=np.int64)
-    counts = np.ones(max(len(pyramids), 1), dtype=np.int32)
-    start = 0
-    for number, levels in enumerate(pyramids):
-        counts[number] = len(levels)
-        for index, level in enumerate(levels):
-            table[number, index] = (start, level.shape[1], level.shape[0])
-            start += level.size
-    flat = [level.ravel() for levels in pyramids for level in levels]
-    texels = np.concatenate(flat) if flat else np.zeros(1, dtype=np.uint32)
-    return TextureSet(of_material, texels, table, counts)

@@ -1,18 +1,16 @@
 """Cache of scans on disk: triangles, instances and decoded textures, so that they open at once.
 
-A folder holds one scan. It is written beside its place and then renamed, so that nobody ever sees
-an incomplete one. Textures are mapped into memory and read when they are needed. A folder that is
-broken is written again; without a writable cache nothing is kept.
+A folder holds one scan, and what others compute from it (`Scene.cache`). Textures are mapped into
+memory and read when they are needed. A folder that is broken is written again; without a writable
+cache nothing is kept.
 """
 
 import hashlib
 import json
 import logging
-import shutil
-import tempfile
 import zipfile
 from collections.abc import Callable
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -20,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from hypernav.core.files.cache_folder import cache_folder
+from hypernav.core.files.kept_arrays import digest_of, keep, mapped_array
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.world import Instance
 from hypernav.worlds.scans.layout import ScanFiles
@@ -59,8 +58,8 @@ def cached_scan(
     except _BROKEN as error:
         _LOGGER.warning("%s is broken (%s) and is written again", home, error)
     scene = load(files)
-    _try_write(home, scene)
-    return scene
+    keep(home, lambda fresh: _write(fresh, scene))
+    return replace(scene, cache=home) if home.is_dir() else scene
 
 
 def _key(files: ScanFiles) -> str:
@@ -76,19 +75,19 @@ def _key(files: ScanFiles) -> str:
 
 @lru_cache(maxsize=1)
 def _reader_version() -> str:
-    digest = hashlib.sha256()
     here = Path(__file__).parents[1]
-    for room in ("scans", "scenes"):
-        for source in sorted((here / room).glob("*.py")):
-            digest.update(source.read_bytes())
-    return digest.hexdigest()
+    return digest_of(source for room in ("scans", "scenes") for source in _sources(here / room))
+
+
+def _sources(folder: Path) -> list[Path]:
+    return sorted(folder.glob("*.py"))
 
 
 def _read(home: Path, files: ScanFiles) -> Scene:
     with (home / "scan.npz").open("rb") as file, np.load(file, allow_pickle=False) as stored:
         about = json.loads(stored["about"].tobytes())
         arrays = {name: stored[name] for name in _ARRAYS}
-    images = [_mapped(home / f"{number}.npy") for number in range(about["images"])]
+    images = [mapped_array(home / f"{number}.npy") for number in range(about["images"])]
     return Scene(
         name=about["name"],
         **arrays,
@@ -97,16 +96,8 @@ def _read(home: Path, files: ScanFiles) -> Scene:
         instances=tuple(_instance(one) for one in about["instances"]),
         unlit=True,
         navmesh=files.navmesh,
+        cache=home,
     )
-
-
-def _mapped(path: Path) -> np.ndarray:
-    """An array whose bytes stay on the disk until they are looked at."""
-    with path.open("rb") as file:
-        np.lib.format.read_magic(file)
-        shape, _, dtype = np.lib.format.read_array_header_1_0(file)
-        begin = file.tell()
-    return np.asarray(np.memmap(path, dtype, mode="c", offset=begin, shape=shape))
 
 
 def _material(stored: dict[str, Any], images: list[Any]) -> Material:
@@ -127,19 +118,7 @@ def _instance(stored: dict[str, Any]) -> Instance:
     return Instance(stored["id"], stored["name"], label, low, high)
 
 
-def _try_write(home: Path, scene: Scene) -> None:
-    try:
-        home.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=home.parent, prefix=".new-") as fresh:
-            _write(Path(fresh) / home.name, scene)
-            shutil.rmtree(home, ignore_errors=True)
-            (Path(fresh) / home.name).rename(home)
-    except OSError as error:
-        _LOGGER.info("%s could not be written (%s)", home, error)
-
-
 def _write(home: Path, scene: Scene) -> None:
-    home.mkdir()
     images: dict[int, int] = {}
     materials = []
     for material in scene.materials:

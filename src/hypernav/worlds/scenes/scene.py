@@ -60,6 +60,8 @@ class Scene:
         unlit: Whether light is already in the textures, as in scans.
         navmesh: File of the surface to stand on that comes with the scene; None where it has to be
             computed from the triangles.
+        cache: Folder that stands for exactly these triangles and materials, in which what is
+            computed from them is kept; None keeps nothing.
     """
 
     name: str
@@ -74,3 +76,4 @@ class Scene:
     instances: tuple[Instance, ...]
     unlit: bool = False
     navmesh: Path | None = None
+    cache: Path | None = None

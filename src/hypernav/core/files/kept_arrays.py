@@ -1,0 +1,89 @@
+"""Arrays that are computed once and kept in the cache, mapped into memory when they are needed.
+
+They lie in a folder of their own, which is written beside its place and then renamed, so that
+nobody ever sees an incomplete one. What is broken is computed and written again; without a
+writable cache nothing is kept.
+"""
+
+import hashlib
+import logging
+import shutil
+import tempfile
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+
+import numpy as np
+
+_LOGGER = logging.getLogger(__name__)
+
+
+def kept_arrays(
+    folder: Path | None, name: str, compute: Callable[[], Mapping[str, np.ndarray]]
+) -> Mapping[str, np.ndarray]:
+    """Arrays from the cache if they are there; otherwise computed and kept.
+
+    Args:
+        folder: Folder of what they are computed from; None keeps nothing.
+        name: Name of the arrays. It has to change with everything that they depend on and that the
+            folder does not stand for, such as the code that computes them (`digest_of`).
+        compute: Function that computes them; always the same names.
+    """
+    if folder is None:
+        return compute()
+    home = folder / name
+    try:
+        if home.is_dir():
+            return {path.stem: mapped_array(path) for path in sorted(home.glob("*.npy"))}
+    except (OSError, ValueError) as error:
+        _LOGGER.warning("%s is broken (%s) and is written again", home, error)
+    arrays = compute()
+    keep(home, lambda fresh: _save(fresh, arrays))
+    return arrays
+
+
+def keep(home: Path, write: Callable[[Path], object]) -> None:
+    """Write a folder completely or not at all; an error is logged.
+
+    Args:
+        home: The folder; what it held before is replaced.
+        write: Function that writes the files into a folder of another name, which exists.
+    """
+    try:
+        home.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=home.parent, prefix=".new-") as parent:
+            fresh = Path(parent) / home.name
+            fresh.mkdir()
+            write(fresh)
+            shutil.rmtree(home, ignore_errors=True)
+            fresh.rename(home)
+    except OSError as error:
+        _LOGGER.info("%s could not be written (%s)", home, error)
+
+
+def mapped_array(path: Path) -> np.ndarray:
+    """An array whose bytes stay on the disk until they are looked at; changes stay in memory.
+
+    Raises:
+        OSError: The file cannot be read.
+        ValueError: It holds no array, or only a part of one.
+    """
+    with path.open("rb") as file:
+        np.lib.format.read_magic(file)
+        shape, _, dtype = np.lib.format.read_array_header_1_0(file)
+        begin = file.tell()
+    if 0 in shape:
+        return np.empty(shape, dtype)
+    return np.asarray(np.memmap(path, dtype, mode="c", offset=begin, shape=shape))
+
+
+def digest_of(sources: Iterable[Path]) -> str:
+    """A short name that changes with the content of source files."""
+    digest = hashlib.sha256()
+    for source in sources:
+        digest.update(source.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _save(folder: Path, arrays: Mapping[str, np.ndarray]) -> None:
+    for name, array in arrays.items():
+        np.save(folder / f"{name}.npy", array)
