@@ -1,6 +1,7 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from box_scenes import room_boxes, scene_of
@@ -151,6 +152,22 @@ def test_the_endurance_limit_ends_a_destination():
     limits = {"endurance_steps": 3, "give_up_when_stuck": False, "drop_explored": False}
     steps, _ = run(search(search=limits), "piano")
     assert "endurance exceeded" in {event for step in steps for event in step.events}
+
+
+def bed_gap_m(x, **options):
+    """Distance from the bed, metres, of a robot that set out at ``(x, 3)`` and stopped there."""
+    steps, _ = run(search(search=options), "bed", Pose2(x, 3.0, 0.0))
+    robot = np.array([x, 3.0]) + steps[-1].pose[:2]
+    corners = np.array([[7.0, 0.1], [8.9, 1.7]])
+    return float(np.linalg.norm(robot - robot.clip(*corners)))
+
+
+def test_it_stops_in_the_goal_area_and_not_half_a_step_before_it():
+    config = small_config()
+    reach_m = config.local.entry_reach_m + config.search.stop_distance_m
+    starts = (5.6, 5.7, 6.3, 6.4)
+    assert max(bed_gap_m(x) for x in starts) < reach_m
+    assert max(bed_gap_m(x, enter_fully=False) for x in starts) > reach_m
 
 
 def test_who_gets_nowhere_far_from_the_goal_explores_before_trying_again():

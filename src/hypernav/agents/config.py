@@ -61,6 +61,8 @@ class SearchConfig(RoomConfig):
             as a wall, goes on to another position at it.
         enter_in_sight: Whether to enter the goal area where the map shows nothing as high as the
             camera between there and the target, if a path leads there.
+        enter_fully: Whether to take one more step, into the goal area, where the robot would end up
+            before it because a step is longer than what is left.
         pursue_far_sightings: Whether to go towards a goal that was seen beyond the range of depth:
             to where that range ended, also through the unknown, before all else that is unexplored.
     """
@@ -85,6 +87,7 @@ class SearchConfig(RoomConfig):
     face_target: bool = True
     see_before_stop: bool = True
     enter_in_sight: bool = True
+    enter_fully: bool = True
     pursue_far_sightings: bool = True
 
     def paced(self, motion: MotionConfig) -> "SearchConfig":

@@ -214,6 +214,7 @@ def preset(name: PresetName) -> HyPerNavConfig:
             face_target=False,
             see_before_stop=False,
             enter_in_sight=False,
+            enter_fully=False,
             pursue_far_sightings=False,
         ),
         grounding=VlmDetectorConfig(right_articles=False, score_crops=0, min_score=0.0),

@@ -125,7 +125,8 @@ class Planner:
             for clearance_m in self._clearances_m
         )
         first = next(options)
-        if first[1] is None or first[1].is_sure or not self._config.prefer_known:
+        is_sure = first[1] is not None and first[1].is_sure
+        if is_sure or not self._config.prefer_known:
             yield first
             yield from options
         else:

@@ -133,6 +133,15 @@ def test_the_robot_enters_near_what_was_seen(robot, reach_m):
     np.testing.assert_allclose(entered.centre, area.centre, atol=1e-9)
 
 
+def test_the_inner_entry_points_are_those_nearest_to_what_was_seen():
+    area = looked_at(thing_before_wall(thing_m=2.0, wall_m=2.05))
+    points, inner = area.entry_points, area.inner_entry_points
+    gaps = np.linalg.norm(points[:, None] - area.seen_points[None], axis=2).min(axis=1)
+    is_inner = (points[:, None] == inner[None]).all(axis=2).any(axis=1)
+    assert 0 < len(inner) < len(points)
+    assert gaps[is_inner].max() <= gaps[~is_inner].min() + 1e-9
+
+
 def test_where_the_robot_stands_is_open_though_no_image_shows_it():
     observation = thing_before_wall(thing_m=0.6, wall_m=0.65)
     assert looked_at(observation).distance_to(*observation.robot.xy) < 0.1

@@ -66,9 +66,10 @@ def test_what_is_right_beside_the_camera_lies_open():
     assert lies_open(np.array([[-0.2, 0.1]]), IMAGE).all()
 
 
-def test_floor_lies_open_where_nothing_returns():
-    nothing = replace(IMAGE, depth=np.zeros_like(IMAGE.depth))
-    assert lies_open(np.array([[30.0, 0.0]]), nothing).all()
+def test_a_column_without_any_return_shows_no_floor_and_refutes_no_object():
+    too_near = replace(IMAGE, depth=np.zeros_like(IMAGE.depth))
+    assert not lies_open(np.array([[1.0, 0.0], [30.0, 0.0]]), too_near).any()
+    assert not should_be_visible(THING, too_near)
 
 
 def test_a_box_holds_a_thing_that_is_as_wide_and_as_far_away():

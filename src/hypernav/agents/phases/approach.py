@@ -80,6 +80,9 @@ class Approach:
         if _distance_m(robot, goals[0]) > config.stop_distance_m:
             with step.clock("plan"):
                 action = self._navigator.towards(step.grid, robot, *goals)
+                if action is None and self._navigator.arrived and self._config.enter_fully:
+                    inner = target.area.inner_entry_points
+                    action = self._navigator.towards(step.grid, robot, inner)
             path = self._navigator.path
             leads_there = path is not None and path.gap_m <= config.approach_gap_m
             if path is None or not (leads_there or self.as_near_as_possible):

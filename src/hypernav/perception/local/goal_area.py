@@ -178,6 +178,12 @@ class GoalArea:
         return self._centres(self.entry)
 
     @cached_property
+    def inner_entry_points(self) -> Float64[np.ndarray, "n 2"]:
+        """Those of the entry points in the half nearer to the target, ``(x, y)``, metres."""
+        away_m = np.linalg.norm(self.entry_points - self.nearest_seen_points, axis=1)
+        return self.entry_points[away_m <= (away_m.min() + away_m.max()) / 2.0]
+
+    @cached_property
     def entry_before(self) -> Bool[np.ndarray, " n"]:
         """Which of the entry points lie between the target and a camera that saw it."""
         return self.before[self.entry]

@@ -25,6 +25,9 @@ def lies_open(
 ) -> Bool[np.ndarray, " n"]:
     """Whether an image shows positions on the floor, or something behind and above them.
 
+    A column of the image without any return shows nothing: what fills it is too near to be
+    measured, since in an open one the floor would be.
+
     Args:
         positions: Positions ``(x, y)``, ``map`` frame, metres.
         observation: Frame of the image; positions right beside its camera lie open, too.
@@ -32,7 +35,7 @@ def lies_open(
     distance, pixels = _projected(positions, 0.0, observation)
     is_open = observation.camera.contains_columns(pixels[:, 0])
     farthest = observation.depth.max(axis=0)[pixels[is_open, 0].astype(int)]
-    is_open[is_open] = (farthest == 0.0) | (farthest > distance[is_open])
+    is_open[is_open] = farthest > distance[is_open]
     beside = np.linalg.norm(positions - np.array(observation.robot.xy), axis=1) < _BESIDE_M
     return is_open | beside
 
@@ -78,7 +81,7 @@ def should_be_visible(positions: Float64[np.ndarray, "n 2"], observation: Observ
         return False
     # Nothing may stand in between: compare with the farthest return in the column.
     returns = observation.depth.max(axis=0)[pixels[good, 0].astype(int)]
-    return bool(((returns > distance[good] - 0.3) | (returns == 0)).mean() > 0.8)
+    return bool((returns > distance[good] - 0.3).mean() > 0.8)
 
 
 def seems_to_hold(
