@@ -157,7 +157,8 @@ def build_agent(
     ahead = config.prefetch.enabled and asks_map and not chosen.is_whole_agent
     map_log = ExchangeLog() if ahead else log
     # A thread that asks ahead would see more or less of it, as the model is fast or slow.
-    tells_rooms = config.geometric.trust_rooms > 0.0
+    remembers = asked_by(chosen.agent).get("sightings", False)
+    tells_rooms = config.geometric.trust_rooms > 0.0 or remembers
     tells = (asks_map or tells_rooms) and not ahead
     sightings = Sightings(tells_rooms=tells_rooms) if tells and not chosen.is_whole_agent else None
     built: dict[str, Any] = {}
@@ -224,10 +225,12 @@ def build_search(
         presence: Presence check before STOP; None trusts the goal area.
     """
     offers = _offers(config, log)
-    sightings = Sightings(tells_rooms=True) if config.geometric.trust_rooms > 0.0 else None
-    offers["sightings"] = sightings
     choice = AGENTS.find(agent)
-    role = role_in(asked_by(choice))
+    asked = asked_by(choice)
+    role, remembers = role_in(asked), asked.get("sightings", False)
+    tells_rooms = config.geometric.trust_rooms > 0.0 or remembers
+    sightings = Sightings(tells_rooms=True) if tells_rooms else None
+    offers["sightings"] = sightings
     if role:
         stand_in = ROLES[role].registry.find(ROLES[role].without_model)
         offers[role] = reasoner or _made(stand_in, role, config, offers)

@@ -19,7 +19,7 @@ class ComponentSpecs:
     All but ``vlm`` are names of `hypernav.build.registries`, or ``package.module:Name``.
 
     Attributes:
-        agent: Agent or explorer: ``hypernav``, ``frontier``, ``vlfm``, or a user's own.
+        agent: Agent or explorer: ``hypernav``, ``frontier``, a published method, or a user's own.
         vlm: Chat model: ``openai:URL[#MODEL]``, ``local:ID`` or ``replay:FILE``.
         detector: Detector of the goal.
         reasoner: Reasoner that the agent asks where to go, or what a view is worth.

@@ -3,23 +3,24 @@
 Arguments after the component's name on the command line come first, by position: ``yolox:net.onnx``
 makes ``YoloxDetector("net.onnx", ...)``. Everything else is optional and given by name:
 
-============  ====================================================================================
-name          what
-============  ====================================================================================
-config        the component's own section of the configuration
-log           `hypernav.core.trace.ExchangeLog`: what is written there is shown in the trace
-chat          `hypernav.core.components.protocols.ChatModel` of ``--vlm``; required if no default
-embodiment    `hypernav.core.embodiment.Embodiment`: what the robot is
-mapping       `hypernav.mapping.config.MappingConfig`: cells and blocks of the map
-clearances_m  how far from obstacles destinations lie, metres, in the order to try
-sightings     for agents: what was seen besides the goal; None unless a reasoner asks
-fallback      for reasoners: a reasoner that needs no model
-truth         `hypernav.core.episode_truth.EpisodeTruth`: for stand-ins, in simulation only
-reasoner      for agents: the `BlockReasoner` of ``--reasoner``
-scorer        for agents: the `SceneScorer` of ``--reasoner``
-detector      for agents: the `Detector` of ``--detector``
-segmenter     for agents: the `Segmenter` of ``--segmenter``
-============  ====================================================================================
+==============  ==================================================================================
+name            what
+==============  ==================================================================================
+config          the component's own section of the configuration
+log             `hypernav.core.trace.ExchangeLog`: what is written there is shown in the trace
+chat            `hypernav.core.components.protocols.ChatModel` of ``--vlm``; required if no default
+embodiment      `hypernav.core.embodiment.Embodiment`: what the robot is
+mapping         `hypernav.mapping.config.MappingConfig`: cells and blocks of the map
+clearances_m    how far from obstacles destinations lie, metres, in the order to try
+sightings       for agents: what was seen besides the goal; None unless it is needed
+fallback        for reasoners: a reasoner that needs no model
+truth           `hypernav.core.episode_truth.EpisodeTruth`: for stand-ins, in simulation only
+reasoner        for agents: the `BlockReasoner` of ``--reasoner``
+scorer          for agents: the `SceneScorer` of ``--reasoner``
+arrow_reasoner  for agents: the `ArrowReasoner` of ``--reasoner``
+detector        for agents: the `Detector` of ``--detector``
+segmenter       for agents: the `Segmenter` of ``--segmenter``
+==============  ==================================================================================
 
 The section of a component of another package is described by the pydantic model that annotates
 its parameter ``config``; values are set under ``own``: ``--set own.detector.threshold=0.3``.

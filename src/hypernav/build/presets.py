@@ -17,6 +17,10 @@ from hypernav.models.vision.sam import SamConfig
 from hypernav.models.vision.sam_onnx import OnnxSamConfig
 from hypernav.models.vision.yolox import YoloxConfig
 from hypernav.models.vision.zero_shot import ZeroShotConfig
+from hypernav.perception.arrows.arrow_explorer import DynavlmConfig, VlmnavConfig
+from hypernav.perception.arrows.chat_arrows import ChatArrowsConfig
+from hypernav.perception.arrows.geometric_arrows import GeometricArrowsConfig
+from hypernav.perception.arrows.pivot import PivotConfig
 from hypernav.perception.explorers.block_explorer import OverviewConfig
 from hypernav.perception.explorers.geometric_reasoner import GeometricConfig
 from hypernav.perception.explorers.map_question import VlmReasonerConfig
@@ -88,6 +92,15 @@ class HyPerNavConfig(RoomConfig):
         sam: Use of a SAM model.
         onnx_sam: Use of an exported SAM.
         noisy_detector: Error rates of detectors that stand in for a model of known quality.
+        value_frontier: VLFM's choice of a frontier.
+        truth_scorer: Errors of the stand-in that scores views by the truth.
+        similarity_scorer: Scores of views by a model that compares images with texts.
+        chat_scorer: Scores of views by a chat model.
+        vlmnav: VLMnav's arrows.
+        pivot: PIVOT's marks.
+        dynavlm: Points and memory in DyNaVLM's style.
+        geometric_arrows: Choice of arrows without a model.
+        chat_arrows: Question about arrows to a chat model.
         own: Sections of components from other packages.
     """
 
@@ -116,6 +129,11 @@ class HyPerNavConfig(RoomConfig):
     truth_scorer: TruthScorerConfig = TruthScorerConfig()
     similarity_scorer: SimilarityScorerConfig = SimilarityScorerConfig()
     chat_scorer: ChatScorerConfig = ChatScorerConfig()
+    vlmnav: VlmnavConfig = VlmnavConfig()
+    pivot: PivotConfig = PivotConfig()
+    dynavlm: DynavlmConfig = DynavlmConfig()
+    geometric_arrows: GeometricArrowsConfig = GeometricArrowsConfig()
+    chat_arrows: ChatArrowsConfig = ChatArrowsConfig()
     own: OwnConfig = OwnConfig()
 
     @model_validator(mode="after")

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from hypernav.core.components.protocols import BlockReasoner, SceneScorer
+from hypernav.core.components.protocols import ArrowReasoner, BlockReasoner, SceneScorer
 from hypernav.core.components.registry import Entry, Registry
 
 if TYPE_CHECKING:
@@ -135,6 +135,27 @@ SCORERS: Registry[Factory] = Registry(
 )
 """Scorers of views, for a value map (`hypernav.core.components.protocols.SceneScorer`)."""
 
+ARROW_REASONERS: Registry[Factory] = Registry(
+    "reasoner",
+    "hypernav.arrow_reasoners",
+    [
+        Entry(
+            "geometric",
+            "hypernav.perception.arrows.geometric_arrows:GeometricArrowReasoner",
+            words="free floor (stand-in)",
+            section="geometric_arrows",
+        ),
+        Entry(
+            "vlm",
+            "hypernav.perception.arrows.chat_arrows:ChatArrowReasoner",
+            words="{model}",
+            section="chat_arrows",
+        ),
+    ],
+)
+"""Reasoners that choose among arrows in the camera image
+(`hypernav.core.components.protocols.ArrowReasoner`)."""
+
 
 @dataclass(frozen=True)
 class Role:
@@ -155,6 +176,7 @@ class Role:
 ROLES = {
     "reasoner": Role(REASONERS, BlockReasoner, "geometric"),
     "scorer": Role(SCORERS, SceneScorer, "truth"),
+    "arrow_reasoner": Role(ARROW_REASONERS, ArrowReasoner, "geometric"),
 }
 """Roles by the names of the parameters of agents and explorers; each asks for one at most."""
 
@@ -177,6 +199,24 @@ AGENTS: Registry[Factory] = Registry(
             "hypernav.perception.values.value_frontier:ValueFrontierExplorer",
             words="VLFM's frontiers by value",
             section="value_frontier",
+        ),
+        Entry(
+            "vlmnav",
+            "hypernav.perception.arrows.arrow_explorer:vlmnav",
+            words="VLMnav's arrows",
+            section="vlmnav",
+        ),
+        Entry(
+            "pivot",
+            "hypernav.perception.arrows.pivot:PivotExplorer",
+            words="PIVOT's marks",
+            section="pivot",
+        ),
+        Entry(
+            "dynavlm-style",
+            "hypernav.perception.arrows.arrow_explorer:dynavlm_style",
+            words="points in DyNaVLM's style",
+            section="dynavlm",
         ),
     ],
 )

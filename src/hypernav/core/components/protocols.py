@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Bool
 
 from hypernav.core.actions import Action
+from hypernav.core.arrows import ArrowChoice, ArrowView
 from hypernav.core.chat import Answer, Image, Question
 from hypernav.core.destination import Destination
 from hypernav.core.geometry.boxes import Box, Detection
@@ -75,6 +76,15 @@ class BlockReasoner(Protocol):
 
     def choose(self, overview: Overview, goal: Goal, excluded: frozenset[int]) -> BlockChoice:
         """Choice of a block that is not excluded, or of none if none is worth a visit."""
+        ...
+
+
+@runtime_checkable
+class ArrowReasoner(Protocol):
+    """Chooses among moves that are drawn into the camera image."""
+
+    def choose(self, view: ArrowView, goal: Goal) -> ArrowChoice:
+        """The best moves, or none if the answer names none."""
         ...
 
 

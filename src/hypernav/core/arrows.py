@@ -1,0 +1,76 @@
+"""Arrows: moves that are drawn into the camera image with numbers, and the choice of one."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import UInt8
+
+TURN_AROUND = 0
+"""The number that turns the robot around, where it may be answered."""
+
+
+@dataclass(frozen=True)
+class Arrow:
+    """A move straight ahead in some direction, the unit of an answer about the camera image.
+
+    Attributes:
+        number: Number on the image, from 1.
+        heading: Direction from the robot's heading, radians, positive to the left.
+        length_m: Length of the move, metres.
+        end: Position ``(x, y)`` of its end, ``map`` frame, metres.
+        pixel: Image coordinates ``(u, v)`` of its mark.
+        free_m: How far the floor is free that way, metres; what the depth image shows.
+        is_explored: Whether the robot has looked there before.
+    """
+
+    number: int
+    heading: float
+    length_m: float
+    end: tuple[float, float]
+    pixel: tuple[float, float]
+    free_m: float
+    is_explored: bool
+
+
+@dataclass(frozen=True, eq=False)
+class ArrowView:
+    """Everything that a reasoner may know when it chooses an arrow.
+
+    Attributes:
+        draw: Function that draws the arrows into the camera image; not every reasoner looks at it.
+        arrows: Arrows in the order of their numbers.
+        may_turn: Whether `TURN_AROUND` may be answered.
+        wanted: Number of arrows to name at most, the best first.
+        facts: What is remembered of things seen before, a sentence each.
+    """
+
+    draw: Callable[[], UInt8[np.ndarray, "height width 3"]]
+    arrows: tuple[Arrow, ...]
+    may_turn: bool
+    wanted: int = 1
+    facts: tuple[str, ...] = ()
+
+    @cached_property
+    def image(self) -> UInt8[np.ndarray, "height width 3"]:
+        """The camera image with all arrows and their numbers."""
+        return self.draw()
+
+    def arrow(self, number: int) -> Arrow:
+        """The arrow with this number."""
+        return next(arrow for arrow in self.arrows if arrow.number == number)
+
+
+@dataclass(frozen=True)
+class ArrowChoice:
+    """Choice of the next move.
+
+    Attributes:
+        numbers: Numbers of the chosen arrows, the best first, or `TURN_AROUND` alone; empty if the
+            answer names none.
+        reason: Reason for the choice in words, for the trace.
+    """
+
+    numbers: tuple[int, ...]
+    reason: str

@@ -1,0 +1,1 @@
+"""Exploration by numbered arrows in the camera image (VLMnav, PIVOT, DyNaVLM)."""

@@ -1,0 +1,212 @@
+"""Exploration by one arrow after the other (VLMnav, and in DyNaVLM's style)."""
+
+import math
+from collections.abc import Sequence
+from functools import cache
+
+from hypernav.core.arrows import TURN_AROUND
+from hypernav.core.components.protocols import ArrowReasoner
+from hypernav.core.config import RoomConfig
+from hypernav.core.destination import Destination
+from hypernav.core.embodiment import Embodiment
+from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
+from hypernav.core.observation import Observation
+from hypernav.core.sightings import Sightings
+from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.reachable_area import ReachableArea
+from hypernav.perception.arrows.arrow_sight import ArrowConfig, ArrowSight
+from hypernav.perception.arrows.object_graph import ObjectGraph, ObjectGraphConfig
+from hypernav.perception.arrows.proposals import (
+    BiasedConfig,
+    BiasedProposer,
+    IsOpen,
+    Proposer,
+    SpatialConfig,
+    SpatialProposer,
+)
+from hypernav.show.drawing.arrows import ArrowStyle
+
+
+class VlmnavConfig(RoomConfig):
+    """VLMnav's arrows.
+
+    Attributes:
+        sight: Sight and execution of moves.
+        moves: Lengths of and angles between the arrows.
+    """
+
+    sight: ArrowConfig = ArrowConfig()
+    moves: BiasedConfig = BiasedConfig()
+
+
+class DynavlmConfig(RoomConfig):
+    """Points and memory in DyNaVLM's style, which was not published in full: all of it is ours.
+
+    Attributes:
+        sight: Sight and execution of moves.
+        points: Where the points lie.
+        graph: Memory of things.
+    """
+
+    sight: ArrowConfig = ArrowConfig()
+    points: SpatialConfig = SpatialConfig()
+    graph: ObjectGraphConfig = ObjectGraphConfig()
+
+
+class ArrowExplorer:
+    """Draws moves into the image, asks for one of them, makes it, and asks again."""
+
+    def __init__(
+        self,
+        sight: ArrowSight,
+        proposer: Proposer,
+        reasoner: ArrowReasoner,
+        mapping: MappingConfig,
+        clearance_m: float,
+        memory: ObjectGraph | None = None,
+        sightings: Sightings | None = None,
+    ) -> None:
+        """Put it together; `vlmnav` and `dynavlm_style` do.
+
+        Args:
+            sight: Images, and moves in them.
+            proposer: Proposer of the moves.
+            reasoner: Reasoner that chooses among them.
+            mapping: Cells of the map.
+            clearance_m: Distance of the ends of moves from obstacles, metres.
+            memory: Memory of things, which the reasoner is told of; None for none.
+            sightings: What was seen besides the goal, for the memory.
+        """
+        self._sight = sight
+        self._proposer = proposer
+        self._reasoner = reasoner
+        self._mapping = mapping
+        self._clearance_m = clearance_m
+        self._memory = memory
+        self._sightings = sightings
+        self.reset(Goal("nothing yet"))
+
+    def reset(self, goal: Goal) -> None:
+        """Forget everything."""
+        self._goal = goal
+        self._sight.reset()
+        if self._memory is not None:
+            self._memory.forget()
+
+    def remember_visit(self, x: float, y: float) -> None:
+        """Nothing: what was looked at is remembered, not where a move ended."""
+
+    def watch(self, observation: Observation, grid: OccupancyGrid) -> None:
+        """Keep the image, in case that a move is to be chosen."""
+        self._sight.observation = observation
+
+    def next_destination(
+        self, grid: OccupancyGrid, robot: Pose2, trajectory: Sequence[tuple[float, float]]
+    ) -> Destination:
+        """The end of the next move.
+
+        Raises:
+            ModelUnavailableError: The reasoner's model did not answer.
+        """
+        sight = self._sight
+        directions, may_turn = sight.look(), sight.may_turn
+        is_open = self._open_around(grid, robot)
+        moves = self._proposer.propose(directions, robot, is_open, may_turn=may_turn)
+        arrows = sight.marked(moves, directions)
+        if not arrows:
+            why = "no arrow fits into the image"
+            return sight.around(why) if may_turn else sight.step_ahead(why)
+        view = sight.view(arrows, may_turn=may_turn, facts=self._facts(robot))
+        choice = self._reasoner.choose(view, self._goal)
+        if not choice.numbers:
+            return sight.step_ahead(f"a step ahead: {choice.reason}")
+        if choice.numbers[0] == TURN_AROUND:
+            return sight.around(choice.reason)
+        return sight.along(view.arrow(choice.numbers[0]), choice.reason)
+
+    def _facts(self, robot: Pose2) -> tuple[str, ...]:
+        if self._memory is None or self._sightings is None:
+            return ()
+        self._memory.add_all(self._sightings.things)
+        return tuple(fact.words for fact in self._memory.retrieve(self._goal, robot))
+
+    def _open_around(self, grid: OccupancyGrid, robot: Pose2) -> IsOpen:
+        """Whether a position can be reached, found out when it is first asked."""
+
+        @cache
+        def area() -> ReachableArea:
+            return ReachableArea.of(grid, robot, self._mapping, self._clearance_m)
+
+        def is_open(x: float, y: float) -> bool:
+            reach = area()
+            row, column = reach.grid.cell_of(x, y)
+            return reach.grid.inside(row, column) and math.isfinite(reach.travel_m[row, column])
+
+        return is_open
+
+
+def vlmnav(
+    arrow_reasoner: ArrowReasoner,
+    embodiment: Embodiment,
+    mapping: MappingConfig,
+    clearances_m: tuple[float, ...],
+    config: VlmnavConfig | None = None,
+) -> ArrowExplorer:
+    """VLMnav's exploration: arrows into the unexplored, by depth.
+
+    Source: Goetting, Singh and Loquercio, "End-to-End Navigation with Vision-Language Models",
+    2024.
+
+    Args:
+        arrow_reasoner: Reasoner that chooses an arrow.
+        embodiment: Camera, step and turn of the robot.
+        mapping: Cells of the map.
+        clearances_m: Distances from obstacles, metres.
+        config: Arrows.
+    """
+    config = config or VlmnavConfig()
+    return ArrowExplorer(
+        ArrowSight(embodiment, config.sight, ArrowStyle()),
+        BiasedProposer(config.moves),
+        arrow_reasoner,
+        mapping,
+        clearances_m[0],
+    )
+
+
+def dynavlm_style(
+    arrow_reasoner: ArrowReasoner,
+    sightings: Sightings | None,
+    embodiment: Embodiment,
+    mapping: MappingConfig,
+    clearances_m: tuple[float, ...],
+    config: DynavlmConfig | None = None,
+) -> ArrowExplorer:
+    """Exploration in DyNaVLM's style: points of free space, and a memory of things.
+
+    Never a reproduction: neither code nor thresholds nor prompts of DyNaVLM were published where we
+    could read them. Things come from the detector that all agents share, so the model is asked once
+    a move, not twice.
+
+    Source: digests of "DyNaVLM", arXiv 2506.15096, 2025.
+
+    Args:
+        arrow_reasoner: Reasoner that chooses a point.
+        sightings: What was seen besides the goal.
+        embodiment: Camera, step and turn of the robot.
+        mapping: Cells of the map.
+        clearances_m: Distances from obstacles, metres.
+        config: Points and memory.
+    """
+    config = config or DynavlmConfig()
+    return ArrowExplorer(
+        ArrowSight(embodiment, config.sight, ArrowStyle(shafts=False)),
+        SpatialProposer(config.points),
+        arrow_reasoner,
+        mapping,
+        clearances_m[0],
+        ObjectGraph(config.graph),
+        sightings,
+    )

@@ -1,0 +1,133 @@
+"""A memory of things and what stands near what (as DyNaVLM is described to keep one).
+
+DyNaVLM's own thresholds and prompts were not published where we could read them: all here is ours.
+"""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from pydantic import Field
+
+from hypernav.core.config import RoomConfig
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
+from hypernav.core.labels import normalise, same_name
+from hypernav.core.sightings import SeenThing
+from hypernav.perception.rooms.room_table import room_table
+
+
+class ObjectGraphConfig(RoomConfig):
+    """What is one thing, what is near, and what is told. All values are ours.
+
+    Attributes:
+        same_within_m: Distance within which two things of one name are the same, metres.
+        near_m: Distance below which two things are near each other, metres.
+        most_facts: Number of things that are told of.
+    """
+
+    same_within_m: float = Field(default=1.0, ge=0.0, le=100.0)
+    near_m: float = Field(default=2.0, ge=0.0, le=100.0)
+    most_facts: int = Field(default=10, ge=0, le=100)
+
+
+@dataclass(frozen=True)
+class GraphFact:
+    """What is remembered of a thing, from where the robot stands.
+
+    Attributes:
+        name: Name of the thing.
+        distance_m: Distance from the robot, metres.
+        bearing: Direction from the robot's heading, radians, positive to the left.
+        near: Names of the things near it.
+    """
+
+    name: str
+    distance_m: float
+    bearing: float
+    near: tuple[str, ...]
+
+    @property
+    def words(self) -> str:
+        """The fact for a prompt: "bed, 3.2 m, 40° to the left, near nightstand"."""
+        degrees = round(math.degrees(self.bearing))
+        side = "straight ahead" if degrees == 0 else f"{abs(degrees)}° to the "
+        side += "" if degrees == 0 else ("left" if degrees > 0 else "right")
+        near = f", near {', '.join(self.near)}" if self.near else ""
+        return f"{self.name}, {self.distance_m:.1f} m, {side}{near}"
+
+
+class ObjectGraph:
+    """Things as nodes, and edges between those that are near each other."""
+
+    def __init__(self, config: ObjectGraphConfig) -> None:
+        """Begin with nothing.
+
+        Args:
+            config: What is one thing, what is near.
+        """
+        self._config = config
+        self.forget()
+
+    def forget(self) -> None:
+        """Forget all things."""
+        self._things: list[SeenThing] = []
+        self._near: list[set[int]] = []
+
+    def add(self, thing: SeenThing) -> int:
+        """The number of a thing, which is new unless one of its name is right there."""
+        for number, known in enumerate(self._things):
+            away_m = math.dist(known.position, thing.position)
+            if away_m <= self._config.same_within_m and same_name(known.label, thing.label):
+                return number
+        number = len(self._things)
+        self._things.append(thing)
+        self._near.append(set())
+        for other, known in enumerate(self._things[:-1]):
+            if math.dist(known.position, thing.position) < self._config.near_m:
+                self.relate(number, other)
+        return number
+
+    def add_all(self, things: Iterable[SeenThing]) -> None:
+        """Add things that may be known already."""
+        for thing in things:
+            self.add(thing)
+
+    def relate(self, a: int, b: int) -> None:
+        """Note that two things are near each other."""
+        self._near[a].add(b)
+        self._near[b].add(a)
+
+    def retrieve(self, goal: Goal, robot: Pose2) -> list[GraphFact]:
+        """The things that are nearest in meaning to the goal, and of equal ones the nearest."""
+        order = sorted(
+            range(len(self._things)),
+            key=lambda k: (
+                -_likeness(goal, self._things[k].label),
+                robot.distance_to(*self._things[k].position),
+            ),
+        )
+        return [self._fact(k, robot) for k in order[: self._config.most_facts]]
+
+    def _fact(self, number: int, robot: Pose2) -> GraphFact:
+        thing = self._things[number]
+        return GraphFact(
+            name=thing.label,
+            distance_m=robot.distance_to(*thing.position),
+            bearing=robot.bearing_to(*thing.position),
+            near=tuple(sorted({self._things[other].label for other in self._near[number]})),
+        )
+
+
+def _likeness(goal: Goal, name: str) -> float:
+    """How near a name is in meaning: common words first, then standing in the same rooms."""
+    common = set(normalise(goal.text).split()) & set(normalise(name).split())
+    if common:
+        return 1.0 + len(common)
+    table = room_table()
+    a, b = table.of_thing(goal.text), table.of_thing(name)
+    if a is None or b is None:
+        return 0.0
+    first, second = table.chances[a], table.chances[b]
+    return float(first @ second / (np.linalg.norm(first) * np.linalg.norm(second)))

@@ -1,0 +1,191 @@
+"""Exploration by marks that are drawn at random, and better ones around the best (PIVOT).
+
+Source: Nasiriany et al., "PIVOT: Iterative Visual Prompting Elicits Actionable Knowledge for VLMs",
+2024, as VLMnav's released code runs it for navigation.
+"""
+
+import math
+import zlib
+from collections.abc import Sequence
+from typing import Annotated
+
+import numpy as np
+from jaxtyping import Float64
+from pydantic import Field, model_validator
+
+from hypernav.core.arrows import TURN_AROUND, Arrow
+from hypernav.core.components.protocols import ArrowReasoner
+from hypernav.core.config import MOST_SEED, RoomConfig
+from hypernav.core.destination import Destination
+from hypernav.core.embodiment import Embodiment
+from hypernav.core.geometry.camera import PinholeCamera
+from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
+from hypernav.core.observation import Observation
+from hypernav.perception.arrows.arrow_sight import ArrowConfig, ArrowSight
+from hypernav.perception.arrows.proposals import FreeDirections, Move
+from hypernav.show.drawing.arrows import ArrowStyle
+
+_LINES = 1080.0
+_TRIES = 50
+"""Samples for each mark that is wanted, before there are fewer; ours."""
+
+
+_Marks = Annotated[int, Field(ge=1, le=40)]
+
+
+class PivotConfig(RoomConfig):
+    """Rounds of marks. Values are those of VLMnav's code unless said ours.
+
+    Attributes:
+        sight: Sight and execution of moves.
+        samples: Number of marks in each round.
+        best: Number of marks that are asked for in each round.
+        calls: Number of times that each round is asked; the answers are united.
+        inner: Share of the image's sides within which marks lie.
+        apart_px: Least distance between marks at an image height of 1080 pixels.
+        length_m: Length of every move, metres; depth is not asked.
+        seed: Seed of the marks; every search of one goal draws the same (ours).
+    """
+
+    sight: ArrowConfig = ArrowConfig()
+    samples: tuple[_Marks, ...] = (8, 6, 4)
+    best: tuple[_Marks, ...] = (4, 3, 2)
+    calls: int = Field(default=3, ge=1, le=20)
+    inner: float = Field(default=0.9, gt=0.0, le=1.0)
+    apart_px: float = Field(default=100.0, ge=0.0, le=1000.0)
+    length_m: float = Field(default=1.7, gt=0.0, le=20.0)
+    seed: int = Field(default=0, ge=0, le=MOST_SEED)
+
+    @model_validator(mode="after")
+    def _rounds_agree(self) -> "PivotConfig":
+        if len(self.samples) != len(self.best) or not self.samples:
+            raise ValueError(
+                "samples and best must hold a number for each round, and there must be one; got "
+                f"{len(self.samples)} and {len(self.best)}"
+            )
+        return self
+
+
+class GaussianProposer:
+    """Draws marks from a normal distribution over the image, and fits it to the best of them."""
+
+    def __init__(
+        self, camera: PinholeCamera, config: PivotConfig, rng: np.random.Generator
+    ) -> None:
+        """Begin at the middle of the image, with a quarter of its sides as deviations.
+
+        Args:
+            camera: Size of the image.
+            config: Rounds of marks.
+            rng: Generator of the marks.
+        """
+        self._rng = rng
+        self._size = np.array([camera.width, camera.height], dtype=np.float64)
+        self._apart = config.apart_px * camera.height / _LINES
+        self._rim = self._size * (1.0 - config.inner) / 2.0
+        self.mean = self._size / 2.0
+        self.deviation = self._size / 4.0
+
+    def draw(self, number: int) -> Float64[np.ndarray, "n 2"]:
+        """At most so many marks ``(u, v)`` that keep away from the edges and from each other."""
+        marks: list[Float64[np.ndarray, 2]] = []
+        for _ in range(number * _TRIES):
+            if len(marks) == number:
+                break
+            one = self._rng.normal(self.mean, self.deviation)
+            inside = (one >= self._rim).all() and (one <= self._size - self._rim).all()
+            if inside and all(np.hypot(*(one - other)) > self._apart for other in marks):
+                marks.append(one)
+        return np.array(marks).reshape(-1, 2)
+
+    def fit(self, best: Float64[np.ndarray, "n 2"]) -> None:
+        """Fit the distribution to the best marks; none leave it, one alone has no deviation."""
+        if len(best):
+            self.mean = best.mean(axis=0)
+            self.deviation = best.std(axis=0)
+
+
+class PivotExplorer:
+    """Asks for the best of random marks, draws new ones around these, and goes to the last best.
+
+    Its 10 questions a move are 9 here: the tenth, whether to stop, is the presence check that all
+    agents share.
+    """
+
+    def __init__(
+        self,
+        arrow_reasoner: ArrowReasoner,
+        embodiment: Embodiment,
+        config: PivotConfig | None = None,
+    ) -> None:
+        """Create it.
+
+        Args:
+            arrow_reasoner: Reasoner that chooses marks.
+            embodiment: Camera, step and turn of the robot.
+            config: Rounds of marks.
+        """
+        self._reasoner = arrow_reasoner
+        self._config = config or PivotConfig()
+        self._sight = ArrowSight(embodiment, self._config.sight, ArrowStyle())
+        self.reset(Goal("nothing yet"))
+
+    def reset(self, goal: Goal) -> None:
+        """Forget everything, and seed the marks anew."""
+        self._goal = goal
+        self._rng = np.random.default_rng([self._config.seed, zlib.crc32(goal.text.encode())])
+        self._sight.reset()
+
+    def remember_visit(self, x: float, y: float) -> None:
+        """Nothing: PIVOT has no memory."""
+
+    def watch(self, observation: Observation, grid: OccupancyGrid) -> None:
+        """Keep the image, in case that a move is to be chosen."""
+        self._sight.observation = observation
+
+    def next_destination(
+        self, grid: OccupancyGrid, robot: Pose2, trajectory: Sequence[tuple[float, float]]
+    ) -> Destination:
+        """The end of the next move, always as long as configured.
+
+        Raises:
+            ModelUnavailableError: The reasoner's model did not answer.
+        """
+        sight, config = self._sight, self._config
+        directions = sight.look()
+        proposer = GaussianProposer(sight.observation.camera, config, self._rng)
+        named: list[Arrow] = []
+        for samples, best in zip(config.samples, config.best, strict=True):
+            may_turn = sight.may_turn
+            arrows = self._arrows(proposer.draw(samples), directions)
+            view = sight.view(arrows, may_turn=may_turn, wanted=best)
+            numbers: dict[int, None] = {}
+            for _ in range(config.calls if arrows else 0):
+                choice = self._reasoner.choose(view, self._goal)
+                if TURN_AROUND in choice.numbers[:1]:
+                    return sight.around(choice.reason)
+                numbers |= dict.fromkeys(choice.numbers)
+            named = [view.arrow(number) for number in numbers if number != TURN_AROUND]
+            proposer.fit(np.array([arrow.pixel for arrow in named]).reshape(-1, 2))
+        if not named:
+            return sight.step_ahead("a step ahead: no mark was named in the last round")
+        angle = round(math.degrees(named[0].heading))
+        side = "left" if angle > 0 else "right"
+        reason = f"mark {named[0].number} of the last round, {abs(angle)}° to the {side}"
+        return sight.along(named[0], reason)
+
+    def _arrows(
+        self, marks: Float64[np.ndarray, "n 2"], directions: FreeDirections
+    ) -> tuple[Arrow, ...]:
+        camera = self._sight.observation.camera
+        return tuple(
+            self._sight.arrow(
+                number,
+                Move(camera.bearing_of(float(u)), self._config.length_m),
+                (float(u), float(v)),
+                directions,
+            )
+            for number, (u, v) in enumerate(marks, start=1)
+        )

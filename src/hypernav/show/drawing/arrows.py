@@ -1,0 +1,123 @@
+"""Numbered arrows on a camera image, for a model and for people."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import UInt8
+
+from hypernav.core.arrows import Arrow
+from hypernav.core.geometry.camera import PinholeCamera
+from hypernav.core.geometry.transforms import Transform
+from hypernav.show.drawing import palette, shapes
+from hypernav.show.drawing.text import draw_text, text_width
+
+_RED: palette.Rgb = (214, 32, 32)
+_LINES = 1080.0
+"""Height of the image that sizes are given for, pixels; they scale with the image."""
+_FARTHEST_FOOT = 4.0
+"""Heights of an image below it beyond which the foot of the robot counts as out of sight."""
+
+
+@dataclass(frozen=True)
+class ArrowStyle:
+    """Sizes at an image height of 1080 pixels, as VLMnav draws; ours for the disc and its number.
+
+    Attributes:
+        shafts: Whether lines are drawn from the robot's foot to the marks.
+        shaft_px: Width of these lines, pixels.
+        disc_px: Radius of the discs, pixels.
+        text_px: Height of the numbers, pixels.
+    """
+
+    shafts: bool = True
+    shaft_px: float = 5.0
+    disc_px: float = 34.0
+    text_px: float = 44.0
+
+    def radius_px(self, height: int) -> float:
+        """Radius of a disc in an image of so many rows, pixels."""
+        return max(self.disc_px * height / _LINES, 7.0)
+
+
+def draw_arrows(
+    image: UInt8[np.ndarray, "height width 3"],
+    camera: PinholeCamera,
+    camera_to_base: Transform,
+    arrows: Sequence[Arrow],
+    style: ArrowStyle,
+    *,
+    may_turn: bool = False,
+    chosen: Sequence[int] = (),
+) -> UInt8[np.ndarray, "height width 3"]:
+    """Draw a red line from the robot's foot to each mark, and a white disc with its number.
+
+    Args:
+        image: Camera image, which stays as it is.
+        camera: Intrinsics of the camera.
+        camera_to_base: Pose of the camera on the robot.
+        arrows: Arrows with their marks.
+        style: Sizes.
+        may_turn: Whether the left edge says that 0 turns around.
+        chosen: Numbers of arrows that are drawn as chosen, for people.
+
+    Returns:
+        RGB, of the size of the image.
+    """
+    drawn = image.copy()
+    scale = drawn.shape[0] / _LINES
+    foot = foot_pixel(camera, camera_to_base)
+    for arrow in arrows if style.shafts else ():
+        color = palette.CHOSEN if arrow.number in chosen else _RED
+        points = np.array([foot, arrow.pixel])
+        shapes.line(drawn, points, color, max(style.shaft_px * scale, 1.0))
+    for arrow in arrows:
+        fill = palette.CHOSEN if arrow.number in chosen else palette.PAPER
+        _draw_disc(drawn, arrow.pixel, str(arrow.number), style, scale, fill)
+    if may_turn:
+        _draw_turn(drawn, style, scale, palette.CHOSEN if 0 in chosen else palette.PAPER)
+    return drawn
+
+
+def foot_pixel(camera: PinholeCamera, camera_to_base: Transform) -> tuple[float, float]:
+    """Image coordinates of the floor under the robot, or the middle of the lower edge.
+
+    A level camera sees its own foot nowhere, not even below the image.
+    """
+    foot = camera_to_base.inverse().apply(np.zeros((1, 3)))
+    u, v = camera.project(foot)[0]
+    if not math.isfinite(v) or v > _FARTHEST_FOOT * camera.height:
+        return camera.cx, float(camera.height)
+    return float(u), float(v)
+
+
+def _draw_disc(
+    image: UInt8[np.ndarray, "_ _ 3"],
+    centre: tuple[float, float],
+    text: str,
+    style: ArrowStyle,
+    scale: float,
+    fill: palette.Rgb,
+) -> None:
+    radius = style.radius_px(image.shape[0])
+    shapes.disc(image, centre, radius, _RED)
+    shapes.disc(image, centre, radius - max(style.shaft_px * scale, 1.5), fill)
+    size = max(round(style.text_px * scale), 10)
+    draw_text(image, text, centre, size, bold=True, color=palette.INK, align=0.5)
+
+
+def _draw_turn(
+    image: UInt8[np.ndarray, "_ _ 3"], style: ArrowStyle, scale: float, fill: palette.Rgb
+) -> None:
+    """Say at the left edge that 0 turns around."""
+    radius = style.radius_px(image.shape[0])
+    middle = image.shape[0] / 2.0
+    _draw_disc(image, (radius + 4.0, middle), "0", style, scale, fill)
+    size = max(round(style.text_px * scale * 0.7), 9)
+    for row, word in enumerate(("TURN", "AROUND")):
+        width = text_width(word, size, bold=True) + 6.0
+        top = middle + radius + 4.0 + row * (size + 6.0)
+        shapes.rectangle(image, (2.0, top), (2.0 + width, top + size + 6.0), palette.PAPER)
+        at = (5.0, top + size / 2.0 + 3.0)
+        draw_text(image, word, at, size, bold=True, color=_RED)
