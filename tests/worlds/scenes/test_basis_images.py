@@ -10,6 +10,7 @@ from hypernav.worlds.scans.loading import open_scene
 from hypernav.worlds.scenes.basis_images import basis_size, decode_basis, is_basis
 from scan_writers.basis_bytes import basis, ktx2
 from scan_writers.buildings import two_storeys
+from scan_writers.encoded_images import FINE, HEIGHT, HOLES, MIPS, WIDTH, picture
 from scan_writers.scans import write_visual
 
 COLORS = np.random.default_rng(0).integers(0, 256, (2, 3, 3))
@@ -32,6 +33,30 @@ def test_an_image_is_decoded_top_row_first(write):
     assert rgba is not None
     assert np.array_equal(rgba[..., :3], np.kron(COLORS, np.ones((4, 4, 1))))
     assert (rgba[..., 3] == 255).all()
+
+
+@pytest.mark.parametrize(
+    ("content", "accuracy"),
+    [(MIPS, 12.0), (HOLES, 12.0), (FINE, 1.0)],
+    ids=["mips", "holes", "fine"],
+)
+@pytest.mark.usefixtures("_installed")
+def test_what_the_encoder_writes_is_decoded(content, accuracy):
+    assert basis_size(content) == (WIDTH, HEIGHT)
+    rgba = decode_basis(content)
+    assert rgba is not None
+    seen, right = rgba[..., :3].astype(float), picture().astype(float)
+    assert np.abs(seen - right).mean() < accuracy
+    for mirrored in (right[::-1], right[:, ::-1]):
+        assert np.abs(seen - mirrored).mean() > 30.0
+
+
+@pytest.mark.usefixtures("_installed")
+def test_holes_are_where_the_encoder_was_given_them():
+    rgba = decode_basis(HOLES)
+    assert rgba is not None
+    assert (rgba[:, : WIDTH // 2, 3] == 255).all()
+    assert (rgba[:, WIDTH // 2 :, 3] == 0).all()
 
 
 @WRITERS
