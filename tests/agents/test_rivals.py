@@ -20,7 +20,7 @@ from hypernav.worlds.surface.starts import random_start
 from small_episodes import episode_from
 from small_worlds import small_config, two_rooms
 
-RIVALS = ("vlfm", "vlmnav", "pivot", "dynavlm-style")
+RIVALS = ("vlfm", "navvlm", "vlmnav", "pivot", "dynavlm-style")
 START = Pose2(2.5, 1.0, math.pi / 2)
 
 

@@ -24,6 +24,7 @@ from hypernav.core.components.protocols import (
     Agent,
     Detector,
     Explorer,
+    Guide,
     PresenceCheck,
     SceneScorer,
     Segmenter,
@@ -94,7 +95,7 @@ class BuiltAgent:
         given_images = [
             one
             for one in self.components
-            if isinstance(one, Detector | Segmenter | SceneScorer | Agent)
+            if isinstance(one, Detector | Segmenter | SceneScorer | Guide | Agent)
         ]
         return self.chosen.vlm is not None or any(map(looks_at_colours, given_images))
 

@@ -17,6 +17,7 @@ fallback        for reasoners: a reasoner that needs no model
 truth           `hypernav.core.episode_truth.EpisodeTruth`: for stand-ins, in simulation only
 reasoner        for agents: the `BlockReasoner` of ``--reasoner``
 scorer          for agents: the `SceneScorer` of ``--reasoner``
+guide           for agents: the `Guide` of ``--reasoner``
 arrow_reasoner  for agents: the `ArrowReasoner` of ``--reasoner``
 detector        for agents: the `Detector` of ``--detector``
 segmenter       for agents: the `Segmenter` of ``--segmenter``

@@ -17,6 +17,9 @@ from hypernav.models.vision.sam import SamConfig
 from hypernav.models.vision.sam_onnx import OnnxSamConfig
 from hypernav.models.vision.yolox import YoloxConfig
 from hypernav.models.vision.zero_shot import ZeroShotConfig
+from hypernav.perception.areas.area_explorer import AreaConfig
+from hypernav.perception.areas.chat_guide import ChatGuideConfig
+from hypernav.perception.areas.truth_guide import TruthGuideConfig
 from hypernav.perception.arrows.arrow_explorer import DynavlmConfig, VlmnavConfig
 from hypernav.perception.arrows.chat_arrows import ChatArrowsConfig
 from hypernav.perception.arrows.geometric_arrows import GeometricArrowsConfig
@@ -96,6 +99,9 @@ class HyPerNavConfig(RoomConfig):
         truth_scorer: Errors of the stand-in that scores views by the truth.
         similarity_scorer: Scores of views by a model that compares images with texts.
         chat_scorer: Scores of views by a chat model.
+        navvlm: NavVLM's areas and turns.
+        truth_guide: Stand-in that says directions by the truth.
+        chat_guide: Question about directions to a chat model.
         vlmnav: VLMnav's arrows.
         pivot: PIVOT's marks.
         dynavlm: Points and memory in DyNaVLM's style.
@@ -129,6 +135,9 @@ class HyPerNavConfig(RoomConfig):
     truth_scorer: TruthScorerConfig = TruthScorerConfig()
     similarity_scorer: SimilarityScorerConfig = SimilarityScorerConfig()
     chat_scorer: ChatScorerConfig = ChatScorerConfig()
+    navvlm: AreaConfig = AreaConfig()
+    truth_guide: TruthGuideConfig = TruthGuideConfig()
+    chat_guide: ChatGuideConfig = ChatGuideConfig()
     vlmnav: VlmnavConfig = VlmnavConfig()
     pivot: PivotConfig = PivotConfig()
     dynavlm: DynavlmConfig = DynavlmConfig()

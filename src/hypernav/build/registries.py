@@ -7,7 +7,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from hypernav.core.components.protocols import ArrowReasoner, BlockReasoner, SceneScorer
+from hypernav.core.components.protocols import (
+    ArrowReasoner,
+    BlockReasoner,
+    Guide,
+    SceneScorer,
+)
 from hypernav.core.components.registry import Entry, Registry
 
 if TYPE_CHECKING:
@@ -156,6 +161,26 @@ ARROW_REASONERS: Registry[Factory] = Registry(
 """Reasoners that choose among arrows in the camera image
 (`hypernav.core.components.protocols.ArrowReasoner`)."""
 
+GUIDES: Registry[Factory] = Registry(
+    "reasoner",
+    "hypernav.guides",
+    [
+        Entry(
+            "truth",
+            "hypernav.perception.areas.truth_guide:TruthGuide",
+            words="the truth in view (stand-in)",
+            section="truth_guide",
+        ),
+        Entry(
+            "vlm",
+            "hypernav.perception.areas.chat_guide:ChatGuide",
+            words="{model}",
+            section="chat_guide",
+        ),
+    ],
+)
+"""Guides that say directions in the image (`hypernav.core.components.protocols.Guide`)."""
+
 
 @dataclass(frozen=True)
 class Role:
@@ -177,6 +202,7 @@ ROLES = {
     "reasoner": Role(REASONERS, BlockReasoner, "geometric"),
     "scorer": Role(SCORERS, SceneScorer, "truth"),
     "arrow_reasoner": Role(ARROW_REASONERS, ArrowReasoner, "geometric"),
+    "guide": Role(GUIDES, Guide, "truth"),
 }
 """Roles by the names of the parameters of agents and explorers; each asks for one at most."""
 
@@ -199,6 +225,12 @@ AGENTS: Registry[Factory] = Registry(
             "hypernav.perception.values.value_frontier:ValueFrontierExplorer",
             words="VLFM's frontiers by value",
             section="value_frontier",
+        ),
+        Entry(
+            "navvlm",
+            "hypernav.perception.areas.area_explorer:AreaExplorer",
+            words="NavVLM's areas",
+            section="navvlm",
         ),
         Entry(
             "vlmnav",

@@ -14,6 +14,7 @@ from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
+from hypernav.core.guidance import GuideChoice, GuideView
 from hypernav.core.observation import Observation
 from hypernav.core.overview import BlockChoice, Overview
 from hypernav.core.trace import StepTrace
@@ -85,6 +86,15 @@ class ArrowReasoner(Protocol):
 
     def choose(self, view: ArrowView, goal: Goal) -> ArrowChoice:
         """The best moves, or none if the answer names none."""
+        ...
+
+
+@runtime_checkable
+class Guide(Protocol):
+    """Says which part of the camera image leads to the goal, if any does."""
+
+    def direct(self, view: GuideView, goal: Goal) -> GuideChoice:
+        """The direction, or that there is none."""
         ...
 
 

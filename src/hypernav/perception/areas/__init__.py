@@ -1,0 +1,1 @@
+"""Exploration of areas that a model points to in the camera image (NavVLM)."""

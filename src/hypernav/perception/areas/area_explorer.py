@@ -1,0 +1,247 @@
+"""Exploration of the area that a model points to, or of frontiers where it points nowhere.
+
+Source: the released code of NavVLM (a demonstration of one scene that differs from its paper).
+"""
+
+import math
+from collections.abc import Sequence
+from functools import partial
+
+import cv2
+import numpy as np
+from jaxtyping import Bool, Float64, Int64, UInt8
+from pydantic import Field
+
+from hypernav.core.components.protocols import Guide
+from hypernav.core.config import RoomConfig
+from hypernav.core.destination import Destination
+from hypernav.core.embodiment import Embodiment
+from hypernav.core.geometry.depth import is_measured
+from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
+from hypernav.core.guidance import Direction, GuideView
+from hypernav.core.observation import Observation
+from hypernav.core.trace import ExchangeLog
+from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.reachable_area import ReachableArea
+from hypernav.perception.explorers.nearest_frontier import NearestFrontierExplorer
+from hypernav.show.drawing.question_map import draw_question_map
+
+_WIDTH = 640.0
+"""Width of the image that sizes in pixels are given for."""
+_CENTRES = {Direction.LEFT: 0.25, Direction.RIGHT: 0.75, Direction.STRAIGHT: 0.5}
+"""Middles of the labelled squares, as shares of the width (NavVLM's code); at half the height."""
+_JOINED_CELLS = 3
+
+
+class AreaConfig(RoomConfig):
+    """Areas and turns. Values are those of NavVLM's code unless said ours.
+
+    Attributes:
+        square_px: Side of the labelled square in an image of 640 columns.
+        arrival_m: Distance within which an area counts as reached, metres.
+        keep_steps: Number of steps that an area is gone to.
+        turns: Largest number of turns to the right, with a question after each, before the nearest
+            frontier is gone to.
+        least_cells: Number of map cells that the square must cover in one piece.
+        gap_m: Largest distance from an area to floor that the robot can reach, metres; ours.
+        visited_radius_m: Distance from an area that was reached or given up, metres, within which
+            another counts as none; ours: the original may go to and fro.
+        map_px: Side of the map's image, pixels; ours.
+    """
+
+    square_px: int = Field(default=200, ge=2, le=8192)
+    arrival_m: float = Field(default=0.8, gt=0.0, le=10.0)
+    keep_steps: int = Field(default=10, ge=1, le=10_000)
+    turns: int = Field(default=12, ge=0, le=1000)
+    least_cells: int = Field(default=6, ge=1, le=100_000)
+    gap_m: float = Field(default=1.0, ge=0.0, le=10.0)
+    visited_radius_m: float = Field(default=0.5, ge=0.0, le=100.0)
+    map_px: int = Field(default=480, ge=64, le=4096)
+
+
+class AreaExplorer:
+    """Asks which way leads to the goal, and goes to what the image shows there.
+
+    Where nothing leads there it turns and asks again; when it has turned around, it goes to the
+    nearest frontier. Map, planner and stop are those of all agents (ours: the original drives by
+    fast marching, and asks a model at every step whether to stop).
+    """
+
+    def __init__(
+        self,
+        guide: Guide,
+        log: ExchangeLog,
+        embodiment: Embodiment,
+        mapping: MappingConfig,
+        clearances_m: tuple[float, ...],
+        config: AreaConfig | None = None,
+    ) -> None:
+        """Create it.
+
+        Args:
+            guide: Guide that says directions.
+            log: Log of all choices, for the trace.
+            embodiment: Turn of the robot, range of its camera.
+            mapping: Cells of the map.
+            clearances_m: Distances of destinations from obstacles, in the order to try, metres.
+            config: Areas and turns.
+        """
+        self._guide = guide
+        self._frontier = NearestFrontierExplorer(log, mapping, clearances_m)
+        self._embodiment = embodiment
+        self._mapping = mapping
+        self._clearance_m = clearances_m[0]
+        self._config = config or AreaConfig()
+        self.reset(Goal("nothing yet"))
+
+    def reset(self, goal: Goal) -> None:
+        """Forget everything."""
+        self._goal = goal
+        self._frontier.reset(goal)
+        self._visited: list[tuple[float, float]] = []
+        self._turns = 0
+        self._observation: Observation | None = None
+        self._seen_before: UInt8[np.ndarray, "_ _ 3"] | None = None
+
+    def remember_visit(self, x: float, y: float) -> None:
+        """Note an area or frontier that was reached or given up; turns on the spot are none."""
+        if self._turns == 0:
+            self._visited.append((x, y))
+            self._frontier.remember_visit(x, y)
+
+    def watch(self, observation: Observation, grid: OccupancyGrid) -> None:
+        """Keep the image, in case that a direction is to be asked for."""
+        self._observation = observation
+
+    def next_destination(
+        self, grid: OccupancyGrid, robot: Pose2, trajectory: Sequence[tuple[float, float]]
+    ) -> Destination | None:
+        """The area that the guide points to, a turn, or the nearest frontier; None at the end.
+
+        Raises:
+            ModelUnavailableError: The guide's model did not answer.
+        """
+        seen = self._observation
+        assert seen is not None  # the search lets an explorer watch before it asks
+        past = None
+        if self._seen_before is not None:
+            past = partial(
+                _past, self._seen_before, grid.copy(), robot, list(trajectory), self._config.map_px
+            )
+        choice = self._guide.direct(GuideView(seen, self._windows(seen), past), self._goal)
+        self._seen_before = seen.rgb
+        if choice.direction is not Direction.EXPLORE:
+            position = self._area(seen, choice.direction, grid, robot)
+            if position is not None:
+                self._turns = 0
+                return Destination(
+                    *position,
+                    reason=choice.reason,
+                    holds=True,
+                    arrival_m=self._config.arrival_m,
+                    most_steps=self._config.keep_steps,
+                )
+        if self._turns < self._config.turns:
+            self._turns += 1
+            return self._turned_right(robot, choice.reason)
+        self._turns = 0
+        return self._frontier.next_destination(grid, robot, trajectory)
+
+    def _turned_right(self, robot: Pose2, reason: str) -> Destination:
+        angle = math.radians(self._embodiment.motion.turn_angle_deg)
+        return Destination(*robot.xy, reason=reason, holds=True, face=robot.yaw - angle)
+
+    def _windows(self, seen: Observation) -> dict[Direction, slice]:
+        return {direction: _square(seen, direction, self._config)[1] for direction in _CENTRES}
+
+    def _area(
+        self, seen: Observation, direction: Direction, grid: OccupancyGrid, robot: Pose2
+    ) -> tuple[float, float] | None:
+        """Reachable position nearest to what the square shows; None if there is none to go to."""
+        cells = self._cells_in(seen, direction, grid)
+        if not len(cells):
+            return None
+        reach = ReachableArea.of(grid, robot, self._mapping, self._clearance_m)
+        away = np.ones(reach.grid.cells.shape, np.uint8)
+        cells = reach.grid.cells_of(grid.centres_of(cells))
+        cells = cells[reach.grid.contains(cells)]
+        if not len(cells):
+            return None
+        away[cells[:, 0], cells[:, 1]] = 0
+        away_m = cv2.distanceTransform(away, cv2.DIST_L2, 5) * reach.grid.resolution_m
+        away_m = np.where(reach.reachable > 0, away_m, np.inf)
+        # Of what is equally near the area, what is near the robot.
+        row, column = np.unravel_index(
+            int((away_m + 1e-3 * np.minimum(reach.travel_m, 1e3)).argmin()), away_m.shape
+        )
+        position = reach.grid.centre_of(int(row), int(column))
+        if away_m[row, column] > self._config.gap_m or self._is_known(position, robot):
+            return None
+        return position
+
+    def _is_known(self, position: tuple[float, float], robot: Pose2) -> bool:
+        """Whether the robot is there, or has been."""
+        radius_m = self._config.visited_radius_m
+        here = robot.distance_to(*position) < self._config.arrival_m
+        return here or any(math.dist(position, visit) < radius_m for visit in self._visited)
+
+    def _cells_in(
+        self, seen: Observation, direction: Direction, grid: OccupancyGrid
+    ) -> Int64[np.ndarray, "n 2"]:
+        """Cells under the square, of which the largest connected piece is kept.
+
+        The original clusters by density; a piece is what stays connected when cells are dilated by
+        one (ours).
+        """
+        rows, columns = _square(seen, direction, self._config)
+        depth = seen.depth[rows, columns]
+        camera = self._embodiment.camera
+        measured = is_measured(depth, camera.min_depth_m, camera.max_depth_m)
+        at_row, at_column = np.nonzero(measured)
+        points = seen.camera_to_map.apply(
+            seen.camera.unproject_pixels(
+                at_row + rows.start, at_column + columns.start, depth[measured].astype(np.float64)
+            )
+        )
+        return _largest_piece(grid, points[:, :2], self._config.least_cells)
+
+
+def _square(seen: Observation, direction: Direction, config: AreaConfig) -> tuple[slice, slice]:
+    """Rows and columns of the labelled square."""
+    height, width = seen.depth.shape
+    half = max(round(config.square_px * width / _WIDTH / 2.0), 1)
+    middle, centre = height // 2, round(_CENTRES[direction] * width)
+    return (
+        slice(max(middle - half, 0), min(middle + half, height)),
+        slice(max(centre - half, 0), min(centre + half, width)),
+    )
+
+
+def _largest_piece(
+    grid: OccupancyGrid, points: Float64[np.ndarray, "n 2"], least: int
+) -> Int64[np.ndarray, "m 2"]:
+    cells = grid.cells_of(points)
+    covered: Bool[np.ndarray, "rows columns"] = np.zeros(grid.cells.shape, dtype=bool)
+    cells = cells[grid.contains(cells)]
+    covered[cells[:, 0], cells[:, 1]] = True
+    kernel = np.ones((_JOINED_CELLS, _JOINED_CELLS), np.uint8)
+    _, parts = cv2.connectedComponents(cv2.dilate(covered.view(np.uint8), kernel))
+    sizes = np.bincount(parts[covered], minlength=1)
+    if not sizes.any() or sizes.max() < least:
+        return np.empty((0, 2), dtype=np.int64)
+    return np.argwhere(covered & (parts == sizes.argmax()))
+
+
+def _past(
+    before: UInt8[np.ndarray, "_ _ 3"],
+    grid: OccupancyGrid,
+    robot: Pose2,
+    trajectory: Sequence[tuple[float, float]],
+    size: int,
+) -> UInt8[np.ndarray, "_ _ 3"]:
+    """The view before, beside the map with the path."""
+    drawn = draw_question_map(grid, (), robot, trajectory, size=size)
+    width = round(before.shape[1] * size / before.shape[0])
+    return np.hstack([cv2.resize(before, (width, size), interpolation=cv2.INTER_AREA), drawn])

@@ -1,0 +1,67 @@
+"""A stand-in for a model that says directions: what is really in view, and a table of rooms."""
+
+from pydantic import Field
+
+from hypernav.core.config import RoomConfig
+from hypernav.core.goal import Goal
+from hypernav.core.guidance import Direction, GuideChoice, GuideView
+from hypernav.core.trace import Exchange, ExchangeLog
+from hypernav.perception.values.truth_scorer import chance_in_view
+
+
+class TruthGuideConfig(RoomConfig):
+    """Caution of the stand-in.
+
+    Attributes:
+        least_chance: Chance of the goal in a room like the one in view, below which nothing in the
+            image leads there; ours.
+    """
+
+    least_chance: float = Field(default=0.4, ge=0.0, le=1.0)
+
+
+class TruthGuide:
+    """Says the direction in which a room is in view that likely holds the goal.
+
+    Ours; nothing like it was published.
+
+    Attributes:
+        looks_at_colours: See `hypernav.core.components.abilities.looks_at_colours`.
+        stands_in_for: What it is used in place of, and the remedy, for people.
+    """
+
+    looks_at_colours = False
+    stands_in_for = "a vision-language model (--vlm)"
+
+    def __init__(self, log: ExchangeLog, config: TruthGuideConfig | None = None) -> None:
+        """Create the guide.
+
+        Args:
+            log: Log of all choices, for the trace.
+            config: Caution.
+        """
+        self._log = log
+        self._config = config or TruthGuideConfig()
+
+    def direct(self, view: GuideView, goal: Goal) -> GuideChoice:
+        """The likeliest direction, if it is likely enough.
+
+        Raises:
+            LabelsMissingError: The world supplies no labels.
+        """
+        chances = {
+            direction: chance_in_view(view.observation, goal, columns)
+            for direction, columns in view.windows.items()
+        }
+        best = max(chances, key=lambda direction: chances[direction])
+        direction = best if chances[best] >= self._config.least_chance else Direction.EXPLORE
+        reason = f"{direction}: a room like the one in view has it {chances[best]:.0%} of the time"
+        self._log.record(
+            Exchange(
+                kind="choose direction",
+                asked="truth",
+                question="Which part of the image shows a room that likely holds the goal?",
+                answer=reason,
+            )
+        )
+        return GuideChoice(direction, reason)
