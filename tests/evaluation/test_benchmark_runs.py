@@ -1,6 +1,7 @@
 """The published benchmarks, from a data folder to scored episodes."""
 
 import json
+from contextlib import closing
 from dataclasses import replace
 
 import numpy as np
@@ -17,6 +18,8 @@ from scan_writers.buildings import STOREY_M
 from scan_writers.data_folder import write_data
 from scan_writers.episodes import HASH, SCENE
 from small_worlds import small_config
+
+ROBOT = small_config(embodiment={"motion": {"forward_m": 0.25, "turn_angle_deg": 30.0}})
 
 
 @pytest.fixture(scope="module")
@@ -51,6 +54,18 @@ def test_view_points_of_child_categories_count_too(data):
     assert {*map(tuple, sofa.view_points)} == {*map(tuple, both)}
 
 
+def test_what_the_file_names_is_found_whatever_the_annotators_called_it(tmp_path):
+    data = write_data(tmp_path / "data")
+    text = data / "scene_datasets" / "hm3d" / "val" / SCENE / f"{HASH}.semantic.txt"
+    text.write_text(
+        text.read_text().replace('"television"', '"screen"').replace('"tv"', '"screen"')
+    )
+    television = load_episodes(f"hm3d:{data}#v1/val")[2]
+    with closing(EpisodeWorker(Job(tmp_path, ROBOT))) as worker:
+        for objects, success in ((television.objects, True), ((), False)):
+            assert worker.run(replace(television, objects=objects, max_steps=60)).success == success
+
+
 @pytest.mark.parametrize("name", ["802", "00802", SCENE, HASH])
 def test_scenes_go_by_the_numbers_of_the_paper(data, name):
     episodes = load_episodes(f"hm3d:{data}#v1/val")
@@ -70,7 +85,7 @@ def test_only_the_scenes_of_chosen_episodes_are_needed(data, tmp_path):
 @pytest.fixture(scope="module")
 def records(data, tmp_path_factory):
     """What an agent with ground truth makes of the four episodes of HM3D."""
-    config = small_config(embodiment={"motion": {"forward_m": 0.25, "turn_angle_deg": 30.0}})
+    config = ROBOT
     worker = EpisodeWorker(Job(tmp_path_factory.mktemp("run"), config))
     try:
         return [worker.run(episode) for episode in load_episodes(f"hm3d:{data}#v1/val")]

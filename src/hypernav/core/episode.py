@@ -5,6 +5,7 @@ import json
 from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float64
@@ -15,6 +16,18 @@ from hypernav.core.metrics import SUCCESS_DISTANCE_M
 
 MAX_STEPS = 500
 """Habitat's step limit."""
+
+
+class ObjectName(NamedTuple):
+    """An object of a scene, as a data set names it.
+
+    Attributes:
+        name: Name in the scene, such as ``chair_123``; None if it has none.
+        number: Number in the scene's annotation; None if it has none.
+    """
+
+    name: str | None
+    number: int | None
 
 
 @dataclass(frozen=True)
@@ -33,6 +46,8 @@ class Episode:
         success_distance_m: Geodesic distance to a view point within which a STOP counts, metres.
         view_points: Points on the floor where the goal counts as reached, metres, scene frame, as
             the data set brings them; None leaves them to the scene. Equality leaves them out.
+        objects: Objects that satisfy the goal, as the data set names them besides those that are
+            called so in the scene. Equality leaves them out.
     """
 
     scene_id: str
@@ -44,6 +59,7 @@ class Episode:
     max_steps: int = MAX_STEPS
     success_distance_m: float = SUCCESS_DISTANCE_M
     view_points: Float64[np.ndarray, "n 3"] | None = field(default=None, compare=False, repr=False)
+    objects: tuple[ObjectName, ...] = field(default=(), compare=False, repr=False)
 
     @property
     def key(self) -> tuple[str, str]:

@@ -1,11 +1,12 @@
 """Habitat's episodes as `hypernav.core.episode.Episode`."""
 
 from collections.abc import Callable, Mapping
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float64
 
-from hypernav.core.episode import Episode
+from hypernav.core.episode import Episode, ObjectName
 from hypernav.core.errors import EpisodeError
 from hypernav.core.goal import Goal
 from hypernav.datasets.habitat_format import EpisodeDataset, ObjectNavEpisode
@@ -30,12 +31,12 @@ def episodes_of(
     Raises:
         EpisodeError: Goals are missing, a start looks up or down, or two episodes have one name.
     """
-    shared: dict[tuple[str, ...], Float64[np.ndarray, "n 3"] | None] = {}
+    shared: dict[tuple[str, ...], _Goals] = {}
     found: dict[tuple[str, str], Episode] = {}
     for entry in dataset.episodes:
         key = (entry.goals_key(), *(entry.children_object_categories or ()))
         if entry.goals or key not in shared:
-            shared[key] = _view_points(dataset, entry)
+            shared[key] = _Goals.of(dataset, entry)
         asked = None if words is None else words.get(entry.object_category)
         start, start_z = pose_from_habitat(entry.start_position, entry.start_rotation)
         episode = Episode(
@@ -45,7 +46,8 @@ def episodes_of(
             start=start,
             start_z=start_z,
             group=str((entry.info or {}).get("vocabulary", "")),
-            view_points=shared[key],
+            view_points=shared[key].view_points,
+            objects=shared[key].objects,
         )
         if episode.key in found:
             raise EpisodeError(
@@ -56,8 +58,14 @@ def episodes_of(
     return list(found.values())
 
 
-def _view_points(
-    dataset: EpisodeDataset, entry: ObjectNavEpisode
-) -> Float64[np.ndarray, "n 3"] | None:
-    points = dataset.view_points_of(entry)
-    return points if len(points) > 0 else None
+class _Goals(NamedTuple):
+    """What the goals of an episode say; many episodes share it."""
+
+    view_points: Float64[np.ndarray, "n 3"] | None
+    objects: tuple[ObjectName, ...]
+
+    @staticmethod
+    def of(dataset: EpisodeDataset, entry: ObjectNavEpisode) -> "_Goals":
+        points = dataset.view_points_of(entry)
+        objects = tuple(goal.in_scene for goal in dataset.goals_of(entry))
+        return _Goals(points if len(points) > 0 else None, objects)

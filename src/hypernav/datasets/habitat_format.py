@@ -16,9 +16,11 @@ import numpy as np
 from jaxtyping import Float64
 from pydantic import AllowInfNan, BaseModel, ConfigDict, Field, StrictFloat, StrictInt
 
+from hypernav.core.episode import ObjectName
 from hypernav.core.errors import EpisodeError
 from hypernav.core.files.json_text import Items
 from hypernav.core.goal import Goal
+from hypernav.core.whole_numbers import is_whole_number
 from hypernav.datasets.habitat_frames import positions_from_habitat
 
 Number = StrictInt | Annotated[StrictFloat, AllowInfNan(False)]
@@ -72,6 +74,16 @@ class ObjectGoal(_Entry):
     position: Position
     view_points: Items[ViewPoint] = Field(default_factory=list)
     object_name: str | None = None
+
+    @property
+    def in_scene(self) -> ObjectName:
+        """The object as its scene names it; OVON has the name in place of the number."""
+        if isinstance(self.object_id, int):
+            return ObjectName(self.object_name, self.object_id)
+        number = self.object_id.rpartition("_")[2]
+        return ObjectName(
+            self.object_name or self.object_id, int(number) if is_whole_number(number) else None
+        )
 
 
 class ObjectNavEpisode(_Entry):

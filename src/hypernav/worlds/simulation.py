@@ -11,29 +11,24 @@ from hypernav.core.components.abilities import Closes
 from hypernav.core.config import RoomConfig
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.episode import Episode
-from hypernav.core.errors import StartError, WorldError
+from hypernav.core.errors import WorldError
 from hypernav.core.geometry.depth import is_measured
-from hypernav.core.geometry.transforms import Pose2, Transform, wrap_angle
+from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
+from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels, Observation
 from hypernav.core.world import Instance, Position, RenderedView, Renderer
 from hypernav.worlds.drawing.rays import RayCaster
 from hypernav.worlds.drawing.renderer import CpuRenderer
+from hypernav.worlds.goal_objects import named_as_goals
 from hypernav.worlds.navmesh.surface import NavmeshSurface
-from hypernav.worlds.noise import (
-    NoiseConfig,
-    noisy_depth,
-    noisy_forward,
-    noisy_turn,
-    reported_motion,
-)
+from hypernav.worlds.noise import NoiseConfig, noisy_depth
 from hypernav.worlds.scenes.scene import Scene
+from hypernav.worlds.simulated_robot import SimulatedRobot, check_start
 from hypernav.worlds.surface.goal_regions import GoalRegion, GoalRegions
 from hypernav.worlds.surface.storeys import CELL_M
 from hypernav.worlds.surface.walkable import WalkableGrid
 from hypernav.worlds.surface.walkable_surface import WalkableSurface
-
-_ROUNDING_M = 1e-5
 
 
 class SimulationConfig(RoomConfig):
@@ -104,16 +99,14 @@ class SimulatedWorld:
         self.regions = self._regions_on(self.walkable)
         self._storeys = [(self.walkable, self.regions)]
         self._camera = self.embodiment.camera.intrinsics
-        self._labels = {i.id: i.label for i in scene.instances if i.label is not None}
-        self._rng: np.random.Generator | None = None
+        self._instances = scene.instances
+        self._labels: dict[int, ObjectLabel] = {}
+        # One that is never used where all noise is off.
+        self._rng = np.random.default_rng(0)
+        self._robot = self._robot_at(Pose2(0.0, 0.0, 0.0), math.nan)
         self._start: Transform | None = None
-        self._pose = Pose2(0.0, 0.0, 0.0)
-        self._floor_z = math.nan
-        self._reported = Pose2(0.0, 0.0, 0.0)
         self._observation: Observation | None = None
         self._stopped = False
-        self._path_length_m = 0.0
-        self._collided = False
 
     def close(self) -> None:
         """Close the renderer, if it holds threads; the world isn't used again."""
@@ -137,17 +130,15 @@ class SimulatedWorld:
         """
         if not self.config.noise.is_off and rng is None:
             raise WorldError("noise is switched on; pass reset a numpy.random.Generator for it")
-        start = episode.start
         self.walkable, self.regions = self._storey_at(episode.start_z)
-        check_start(self.walkable, start, episode.start_z)
-        self._rng = rng
-        self._pose = start
-        self._floor_z = self.walkable.height_at(*start.xy, episode.start_z)
-        self._start = start.to_transform(self._floor_z)
-        self._reported = Pose2(0.0, 0.0, 0.0)
+        check_start(self.walkable, episode.start, episode.start_z)
+        floor_z = self.walkable.height_at(*episode.start.xy, episode.start_z)
+        self._rng = rng if rng is not None else np.random.default_rng(0)
+        self._robot = self._robot_at(episode.start, floor_z)
+        self._start = episode.start.to_transform(self._robot.floor_z)
         self._stopped = False
-        self._path_length_m = 0.0
-        self._collided = False
+        self._instances = named_as_goals(self.scene.instances, episode)
+        self._labels = {i.id: i.label for i in self._instances if i.label is not None}
         self._observation = self._look()
         return self._observation
 
@@ -163,11 +154,10 @@ class SimulatedWorld:
             raise WorldError("step before reset: place the robot first")
         if self._stopped:
             raise WorldError("step after STOP: the episode is over, reset the world")
-        self._collided = False
         if action == Action.STOP:
             self._stopped = True
             return self._observation
-        self._move(action)
+        self._robot.move(action)
         self._observation = self._look()
         return self._observation
 
@@ -185,12 +175,12 @@ class SimulatedWorld:
     @property
     def pose(self) -> Pose2:
         """True pose of the robot, scene frame."""
-        return self._pose
+        return self._robot.pose
 
     @property
     def position(self) -> Position:
         """True position of the robot on the floor, ``(x, y, z)``, scene frame, metres."""
-        return (self._pose.x, self._pose.y, self._floor_z)
+        return self._robot.position
 
     @property
     def is_over(self) -> bool:
@@ -200,12 +190,12 @@ class SimulatedWorld:
     @property
     def collided(self) -> bool:
         """Whether an obstacle stopped the latest action."""
-        return self._collided
+        return self._robot.collided and not self._stopped
 
     @property
     def path_length_m(self) -> float:
         """Sum of the true displacements in space since the reset, as Habitat counts it."""
-        return self._path_length_m
+        return self._robot.path_length_m
 
     @property
     def map_to_scene(self) -> Transform:
@@ -221,7 +211,8 @@ class SimulatedWorld:
     @property
     def camera_to_scene(self) -> Transform:
         """True pose of the camera, scene frame."""
-        return self._pose.to_transform(self._floor_z) @ self.embodiment.camera.camera_to_base
+        robot = self._robot
+        return robot.pose.to_transform(robot.floor_z) @ self.embodiment.camera.camera_to_base
 
     def view_from(self, camera_to_scene: Transform) -> RenderedView:
         """What the camera sees from a pose of its own, scene frame, without noise."""
@@ -229,8 +220,11 @@ class SimulatedWorld:
 
     @property
     def instances(self) -> tuple[Instance, ...]:
-        """All instances of the scene; an instance's id is its index."""
-        return self.scene.instances
+        """All instances of the scene; an instance's id is its index.
+
+        Those that the episode names as goals are called by its goal, too.
+        """
+        return self._instances
 
     @property
     def truth(self) -> "SimulatedWorld":
@@ -246,7 +240,7 @@ class SimulatedWorld:
             goal: The goal.
             view_points: View points of a data set, scene frame, metres; None takes the scene's own.
         """
-        return self.regions.of(goal, view_points)
+        return self.regions.of(goal, view_points, self._instances)
 
     def _regions_on(self, walkable: WalkableSurface) -> GoalRegions:
         eye_height_m = self.embodiment.camera.height_m
@@ -269,39 +263,29 @@ class SimulatedWorld:
         self._storeys.append((walkable, self._regions_on(walkable)))
         return self._storeys[-1]
 
-    def _generator(self) -> np.random.Generator:
-        """The generator of noise; an unused one where all noise is off."""
-        return self._rng if self._rng is not None else np.random.default_rng(0)
-
-    def _move(self, action: Action) -> None:
-        noise, rng = self.config.noise, self._generator()
-        before, position = self._pose, self.position
-        if action == Action.MOVE_FORWARD:
-            length = noisy_forward(self.embodiment.motion.forward_m, noise, rng)
-            dx, dy = length * math.cos(before.yaw), length * math.sin(before.yaw)
-            x, y, z = self.walkable.move(position, dx, dy, sliding=self.config.sliding)
-            self._collided = math.hypot(x - before.x - dx, y - before.y - dy) > _ROUNDING_M
-            self._pose, self._floor_z = Pose2(x, y, before.yaw), z
-            self._path_length_m += math.dist(position, self.position)
-        else:
-            angle = math.radians(self.embodiment.motion.turn_angle_deg)
-            turn = noisy_turn(angle if action == Action.TURN_LEFT else -angle, noise, rng)
-            self._pose = Pose2(before.x, before.y, wrap_angle(before.yaw + turn))
-        self._reported = _moved(
-            self._reported, reported_motion(_motion(before, self._pose), noise, rng)
+    def _robot_at(self, start: Pose2, floor_z: float) -> SimulatedRobot:
+        return SimulatedRobot(
+            self.walkable,
+            start,
+            floor_z,
+            motion=self.embodiment.motion,
+            noise=self.config.noise,
+            sliding=self.config.sliding,
+            rng=self._rng,
         )
 
     def _look(self) -> Observation:
         camera_to_base = self.embodiment.camera.camera_to_base
         view = self.view_from(self.camera_to_scene)
-        above_start = self._floor_z - float(self.map_to_scene.translation[2])
+        robot = self._robot
+        above_start = robot.floor_z - float(self.map_to_scene.translation[2])
         truth = LabelledPixels(view.instance_ids, self._labels) if self.config.labels else None
         return Observation(
             rgb=view.rgb,
             depth=self._sensed(view),
             camera=self._camera,
-            camera_to_map=self._reported.to_transform(above_start) @ camera_to_base,
-            robot=self._reported,
+            camera_to_map=robot.reported.to_transform(above_start) @ camera_to_base,
+            robot=robot.reported,
             truth=truth,
         )
 
@@ -310,37 +294,6 @@ class SimulatedWorld:
         camera, noise = self.embodiment.camera, self.config.noise
         depth = view.depth
         if noise.depth_sigma_m > 0.0 or noise.depth_edge_px > 0:
-            depth = noisy_depth(depth, noise, self._generator())
+            depth = noisy_depth(depth, noise, self._rng)
         measured = is_measured(depth, camera.min_depth_m, camera.max_depth_m)
         return np.where(measured, depth, np.float32(0.0))
-
-
-def check_start(walkable: WalkableSurface, start: Pose2, z: float | None = None) -> None:
-    """Make sure that the robot can stand at a pose.
-
-    Raises:
-        StartError: It can't; the message names the nearest position where it can.
-    """
-    if not walkable.is_standable(start.x, start.y, z):
-        x, y, _ = walkable.nearest_standable(start.x, start.y, z)
-        raise StartError(
-            f"the robot can't stand at ({start.x:.2f}, {start.y:.2f}): it is inside or too close "
-            f"to an obstacle, or off the floor; the nearest position is ({x:.2f}, {y:.2f})"
-        )
-
-
-def _motion(before: Pose2, after: Pose2) -> Pose2:
-    """The second pose in the frame of the first."""
-    dx, dy = after.x - before.x, after.y - before.y
-    c, s = math.cos(before.yaw), math.sin(before.yaw)
-    return Pose2(c * dx + s * dy, c * dy - s * dx, wrap_angle(after.yaw - before.yaw))
-
-
-def _moved(pose: Pose2, motion: Pose2) -> Pose2:
-    """The pose that a motion, given in a pose's own frame, leads to."""
-    c, s = math.cos(pose.yaw), math.sin(pose.yaw)
-    return Pose2(
-        pose.x + c * motion.x - s * motion.y,
-        pose.y + s * motion.x + c * motion.y,
-        wrap_angle(pose.yaw + motion.yaw),
-    )

@@ -1,5 +1,6 @@
 """Goal regions: positions from which a goal counts as reached, and distances to them."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -81,22 +82,28 @@ class GoalRegions:
         self._eye_height_m = eye_height_m
         self._of_instance: dict[int, Float64[np.ndarray, "n 3"]] = {}
 
-    def of(self, goal: Goal, points: Float64[np.ndarray, "n 3"] | None = None) -> GoalRegion:
+    def of(
+        self,
+        goal: Goal,
+        points: Float64[np.ndarray, "n 3"] | None = None,
+        instances: Sequence[Instance] | None = None,
+    ) -> GoalRegion:
         """The region of a goal. Legal for a goal that nothing satisfies: it is empty then.
 
         Args:
             goal: What is looked for.
             points: View points of a data set, to be taken in place of the scene's own.
+            instances: The scene's instances, if a data set has further names for them.
         """
-        instances = tuple(
+        named = tuple(
             instance
-            for instance in self._scene.instances
+            for instance in (self._scene.instances if instances is None else instances)
             if instance.label is not None and instance.label.satisfies(goal)
         )
         if points is None:
-            parts = [self.view_points(instance) for instance in instances]
+            parts = [self.view_points(instance) for instance in named]
             points = np.concatenate([np.zeros((0, 3)), *parts])
-        return GoalRegion.of_points(goal, self._walkable, points, instances)
+        return GoalRegion.of_points(goal, self._walkable, points, named)
 
     def view_points(self, instance: Instance) -> Float64[np.ndarray, "n 3"]:
         """The view points of one object."""
