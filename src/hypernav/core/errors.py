@@ -156,3 +156,15 @@ class RequestRefusedError(HyPerNavError):
         self.error = error
         self.status = status
         self.expected = expected
+
+
+class RobotLinkError(HyPerNavError):
+    """A robot can't work with its server: the address is wrong, or the token can't be read."""
+
+
+class LinkLostError(RobotLinkError):
+    """A request of a robot or its answer got lost; nobody knows which."""
+
+
+class ServerUnreachableError(RobotLinkError):
+    """A robot's server gave no answer for longer than the patience; the robot stands still."""

@@ -20,6 +20,8 @@ class DriveConfig(RoomConfig):
         look_ahead_m: Distance along the path of the point that it steers to, metres.
         corner_cut_m: Largest distance by which it leaves the path at a corner, metres.
         turn_in_place_deg: Angle off the heading beyond which it rotates on the spot, degrees.
+        margin_m: Distance that the body keeps from obstacles, metres. Paths through narrow gaps
+            need 0 (`hypernav.planning.config.PlanningConfig.squeeze_m`); people who walk need more.
         slow_within_m: Distance between body and obstacles below which it drives slower, metres.
         slowest_share: Share of the largest speed that is left when it touches an obstacle.
         arrival_m: Distance from the end of the path at which it has arrived, metres.
@@ -32,6 +34,7 @@ class DriveConfig(RoomConfig):
     look_ahead_m: float = Field(default=0.5, gt=0.0, le=5.0)
     corner_cut_m: float = Field(default=0.03, gt=0.0, le=1.0)
     turn_in_place_deg: float = Field(default=30.0, gt=0.0, le=90.0)
+    margin_m: float = Field(default=0.0, ge=0.0, le=1.0)
     slow_within_m: float = Field(default=0.4, gt=0.0, le=5.0)
     slowest_share: float = Field(default=0.3, gt=0.0, le=1.0)
     arrival_m: float = Field(default=0.05, gt=0.0, le=5.0)

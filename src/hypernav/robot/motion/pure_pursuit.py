@@ -66,8 +66,8 @@ class PurePursuit:
             obstacles: Obstacles around the robot, in the frame of the path; None if none is known.
 
         Returns:
-            A velocity within all limits. The robot comes no nearer than its radius to an obstacle;
-            one that is nearer already comes no nearer than it is.
+            A velocity within all limits. The robot keeps its margin to obstacles; one that is
+            nearer already comes no nearer than it is.
         """
         obstacles = obstacles or NoObstacles()
         self._last = self._chosen(robot, path, seconds, obstacles)
@@ -81,6 +81,21 @@ class PurePursuit:
             seconds: Time until the next command.
         """
         self._last = self._spin(Pose2(0.0, 0.0, 0.0), angle, seconds, NoObstacles())
+        return self._last
+
+    def go_straight(
+        self, robot: Pose2, left_m: float, seconds: float, obstacles: Obstacles | None = None
+    ) -> Velocity:
+        """The velocity of a drive straight ahead until the next command.
+
+        Args:
+            robot: Pose of the robot.
+            left_m: Length that is left, metres.
+            seconds: Time until the next command.
+            obstacles: Obstacles around the robot, in the frame of its pose; None if none is known.
+        """
+        speed = _braking(left_m, self._config.max_acceleration_m_s2, seconds)
+        self._last = self._drive(robot, speed, 0.0, seconds, obstacles or NoObstacles())
         return self._last
 
     def has_arrived(self, robot: Pose2, path: Path) -> bool:
@@ -204,7 +219,7 @@ class PurePursuit:
             [robot.x + chords * np.cos(angles), robot.y + chords * np.sin(angles)], axis=1
         )
         here, *ahead = obstacles.distances(np.vstack([[robot.xy], points]))
-        least = max(min(self._radius_m, here) - _TOUCH_M, _TOUCH_M)
+        least = max(min(self._radius_m + self._config.margin_m, here) - _TOUCH_M, _TOUCH_M)
         hit = np.array(ahead) < least
         return float(lengths[hit.argmax()] - _SAMPLE_M) if hit.any() else math.inf
 

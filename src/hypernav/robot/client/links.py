@@ -1,0 +1,256 @@
+"""The way to a robot's server: requests over HTTP, by the standard library alone."""
+
+import http.client
+import json
+import socket
+import ssl
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Protocol, TypeVar, runtime_checkable
+from urllib.parse import urlsplit
+
+from pydantic import BaseModel, ValidationError
+
+from hypernav.core.errors import LinkLostError, RequestRefusedError, RobotLinkError
+from hypernav.core.trace import StepTrace
+from hypernav.robot.wire.messages import (
+    SEARCHES,
+    ErrorBody,
+    OpenSearch,
+    Reply,
+    SearchOpened,
+    Status,
+    StopRequest,
+)
+
+MessageT = TypeVar("MessageT", bound=BaseModel)
+_CONNECT_S = 5.0
+
+
+@dataclass(frozen=True)
+class ServerAddress:
+    """Where the server is, and the word that opens it.
+
+    Attributes:
+        host: Name or address of the machine.
+        port: Port of the server.
+        path: Path before all of the contract's; usually empty.
+        is_secure: Whether the connection is encrypted (``https``).
+        token: Token of the server; None sends none.
+    """
+
+    host: str
+    port: int
+    path: str = ""
+    is_secure: bool = False
+    token: str | None = field(default=None, repr=False)
+
+    @staticmethod
+    def of(url: str, token_file: Path | None = None) -> "ServerAddress":
+        """Read an address such as ``http://192.168.1.5:8765``.
+
+        Raises:
+            RobotLinkError: It is none, or the file of the token cannot be read.
+        """
+        try:
+            parts = urlsplit(url)
+            port = parts.port
+        except ValueError as error:
+            raise RobotLinkError(f"--server {url:.100}: {error}") from error
+        if parts.scheme not in ("http", "https") or not parts.hostname:
+            raise RobotLinkError(
+                f"--server {url:.100}: expected an address such as http://192.168.1.5:8765"
+            )
+        secure = parts.scheme == "https"
+        token = None
+        if token_file is not None:
+            try:
+                token = token_file.read_text(encoding="utf-8").strip()
+            except (OSError, UnicodeDecodeError) as error:
+                raise RobotLinkError(f"{token_file}: the token can't be read: {error}") from error
+        return ServerAddress(
+            parts.hostname, port or (443 if secure else 80), parts.path.rstrip("/"), secure, token
+        )
+
+    @property
+    def headers(self) -> dict[str, str]:
+        """The headers of every request."""
+        return {} if self.token is None else {"Authorization": f"Bearer {self.token}"}
+
+    def __str__(self) -> str:
+        """The address for people, without the token."""
+        return f"http{'s' * self.is_secure}://{self.host}:{self.port}{self.path}"
+
+
+@runtime_checkable
+class Link(Protocol):
+    """Carries observations to the server, and replies back."""
+
+    def ask(self, body: bytes, sequence: int, timeout_s: float) -> Reply:
+        """Send an observation and wait for its reply, which may be on hold.
+
+        Raises:
+            LinkLostError: Observation or reply got lost, or took too long; nobody knows which.
+            RequestRefusedError: The server refuses the observation.
+        """
+        ...
+
+    def ask_again(self, sequence: int, timeout_s: float) -> Reply:
+        """Wait once more for the reply to the latest observation, which was on hold.
+
+        Raises:
+            LinkLostError: The reply got lost.
+            RequestRefusedError: The server knows of no such observation.
+        """
+        ...
+
+    def close(self) -> None:
+        """End the connection."""
+        ...
+
+
+class HttpServer:
+    """All requests of the contract, over one connection that is opened anew where it breaks.
+
+    One thread at a time may use it.
+    """
+
+    def __init__(self, address: ServerAddress) -> None:
+        """Remember the address; the first request connects."""
+        self._address = address
+        self._connection: http.client.HTTPConnection | None = None
+
+    def open(self, request: OpenSearch) -> SearchOpened:
+        """Open a search, or find the one that was opened with the same key."""
+        body = request.model_dump_json().encode()
+        return self._asked(SearchOpened, "POST", SEARCHES, body)
+
+    def observe(self, search_id: str, body: bytes, timeout_s: float) -> Reply:
+        """Send an observation."""
+        path = f"{SEARCHES}/{search_id}/observations"
+        kind = "application/octet-stream"
+        return self._asked(Reply, "POST", path, body, timeout_s=timeout_s, kind=kind)
+
+    def reply(self, search_id: str, sequence: int, timeout_s: float) -> Reply:
+        """Ask for the reply to an observation that was accepted."""
+        path = f"{SEARCHES}/{search_id}/replies/{sequence}"
+        return self._asked(Reply, "GET", path, timeout_s=timeout_s)
+
+    def status(self, search_id: str) -> Status:
+        """State of a search."""
+        return self._asked(Status, "GET", f"{SEARCHES}/{search_id}")
+
+    def trace(self, search_id: str) -> Iterator[StepTrace]:
+        """All steps of a search so far."""
+        text = self._request("GET", f"{SEARCHES}/{search_id}/trace").decode()
+        for line in text.splitlines():
+            yield StepTrace.model_validate_json(line)
+
+    def stop(self, search_id: str, reason: str = "") -> Status:
+        """Press stop."""
+        body = StopRequest(reason=reason).model_dump_json().encode()
+        return self._asked(Status, "POST", f"{SEARCHES}/{search_id}/stop", body)
+
+    def close_search(self, search_id: str) -> None:
+        """Tell the server that nobody needs the search any more."""
+        self._request("POST", f"{SEARCHES}/{search_id}/close")
+
+    def close(self) -> None:
+        """End the connection."""
+        if self._connection is not None:
+            self._connection.close()
+            self._connection = None
+
+    def _asked(
+        self,
+        message: type[MessageT],
+        method: str,
+        path: str,
+        body: bytes | None = None,
+        *,
+        timeout_s: float = 30.0,
+        kind: str = "application/json",
+    ) -> MessageT:
+        content = self._request(method, path, body, timeout_s=timeout_s, kind=kind)
+        try:
+            return message.model_validate_json(content)
+        except ValidationError as error:
+            raise LinkLostError(
+                f"{self._address}: an answer that is no {message.__name__}: {content[:100]!r}"
+            ) from error
+
+    def _request(
+        self,
+        method: str,
+        path: str,
+        body: bytes | None = None,
+        *,
+        timeout_s: float = 30.0,
+        kind: str = "application/json",
+    ) -> bytes:
+        headers = self._address.headers | ({} if body is None else {"Content-Type": kind})
+        try:
+            connection = self._connected(timeout_s)
+            connection.request(method, self._address.path + path, body, headers)
+            response = connection.getresponse()
+            content = response.read()
+        except (OSError, http.client.HTTPException) as error:
+            self.close()
+            raise LinkLostError(f"{self._address}: {error or type(error).__name__}") from error
+        if response.status >= 400:
+            raise refused(response.status, content)
+        return content
+
+    def _connected(self, timeout_s: float) -> http.client.HTTPConnection:
+        if self._connection is None:
+            address = self._address
+            if address.is_secure:
+                self._connection = http.client.HTTPSConnection(
+                    address.host,
+                    address.port,
+                    timeout=_CONNECT_S,
+                    context=ssl.create_default_context(),
+                )
+            else:
+                self._connection = http.client.HTTPConnection(
+                    address.host, address.port, timeout=_CONNECT_S
+                )
+            self._connection.connect()
+            if self._connection.sock is not None:
+                self._connection.sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        if self._connection.sock is not None:
+            self._connection.sock.settimeout(timeout_s)
+        return self._connection
+
+
+class HttpLink:
+    """Observations as one HTTP request each."""
+
+    def __init__(self, address: ServerAddress, search_id: str) -> None:
+        """Carry the observations of one search."""
+        self._server = HttpServer(address)
+        self._search_id = search_id
+
+    def ask(self, body: bytes, sequence: int, timeout_s: float) -> Reply:
+        """Send an observation and wait for its reply."""
+        return self._server.observe(self._search_id, body, timeout_s)
+
+    def ask_again(self, sequence: int, timeout_s: float) -> Reply:
+        """Wait once more for a reply that was on hold."""
+        return self._server.reply(self._search_id, sequence, timeout_s)
+
+    def close(self) -> None:
+        """End the connection."""
+        self._server.close()
+
+
+def refused(status: int, content: bytes) -> RequestRefusedError:
+    """The error for a refusal; one that is not of our server names what came instead."""
+    try:
+        body = ErrorBody.model_validate(json.loads(content))
+    except (ValueError, ValidationError):
+        body = ErrorBody(error="unknown", message=f"HTTP {status}: {content[:200]!r}")
+    return RequestRefusedError(
+        body.message, error=body.error, status=status, expected=body.expected
+    )

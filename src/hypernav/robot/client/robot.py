@@ -1,0 +1,102 @@
+"""The contract of a robot: what a search asks of it."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from jaxtyping import Float32, UInt8
+
+from hypernav.core.actions import Action
+from hypernav.core.embodiment import Embodiment
+from hypernav.core.geometry.transforms import Pose2, Transform
+from hypernav.core.observation import LabelledPixels
+
+_ORIGIN = Pose2(0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Sensed:
+    """All that a robot senses at one moment.
+
+    Attributes:
+        rgb: Colour image.
+        depth: Depth image of the same camera, metres along the optical axis; 0 where there is no
+            return.
+        odometry: Pose of the base in the frame of its odometry, which drifts but never jumps.
+        stamp_s: Time at which the images were taken, on the robot's clock, seconds.
+        odom_to_map: Pose of the odometry frame in the ``map`` frame, by localisation; may jump.
+            Without localisation both frames are one.
+        camera_to_base: Pose of the camera on the robot; None takes that of the embodiment.
+        height_m: Height of the base above the floor of the start, metres.
+        truth: True labels, in simulation only.
+    """
+
+    rgb: UInt8[np.ndarray, "height width 3"]
+    depth: Float32[np.ndarray, "height width"]
+    odometry: Pose2
+    stamp_s: float
+    odom_to_map: Pose2 = _ORIGIN
+    camera_to_base: Transform | None = None
+    height_m: float = 0.0
+    truth: LabelledPixels | None = None
+
+
+class Executed(StrEnum):
+    """What became of an action."""
+
+    DONE = "done"
+    """The motion was made, as far as the robot knows."""
+    BLOCKED = "blocked"
+    """Something is in the way, and stayed there."""
+    STOPPED = "stopped"
+    """`Robot.stop` ended the motion before its end."""
+
+
+@runtime_checkable
+class Robot(Protocol):
+    """A robot with an RGB-D camera and odometry. Actions are those of its embodiment."""
+
+    @property
+    def embodiment(self) -> Embodiment:
+        """Body, camera, and effect of the actions."""
+        ...
+
+    def observe(self) -> Sensed:
+        """Images and pose, taken now."""
+        ...
+
+    def execute(self, action: Action) -> Executed:
+        """Make a step or a turn, and come back when it is made. Never called with STOP.
+
+        A robot stops for what comes into its way, waits a while, and goes on; only what stays
+        there makes the answer `Executed.BLOCKED`.
+        """
+        ...
+
+    def stop(self) -> None:
+        """Stand still at once; a motion under way ends and is not taken up again.
+
+        May be called from any thread, also while `execute` runs, and again and again.
+        """
+        ...
+
+
+@runtime_checkable
+class FollowsPaths(Protocol):
+    """A robot that can also drive smoothly along a path (``--motion continuous``)."""
+
+    def follow(
+        self, path: Sequence[tuple[float, float]], until: Callable[[Pose2], bool]
+    ) -> Executed:
+        """Drive along a path, and come back without braking when it is enough.
+
+        At the end of the path it stands. The next call or `Robot.execute` follows at once.
+
+        Args:
+            path: Corners ``(x, y)`` from the robot on, metres, in the frame of the odometry.
+            until: Function of the present odometry that says whether it is enough; asked ten times
+                a second or so.
+        """
+        ...

@@ -1,0 +1,271 @@
+"""A robot's side of a search: observe, ask, execute once, go on."""
+
+import logging
+import math
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import partial
+
+from hypernav.core.actions import Action
+from hypernav.core.errors import LinkLostError, RequestRefusedError, ServerUnreachableError
+from hypernav.core.geometry.transforms import Pose2, Transform, wrap_angle
+from hypernav.robot.client.links import Link
+from hypernav.robot.client.robot import Executed, FollowsPaths, Robot, Sensed
+from hypernav.robot.client.watchdog import Watchdog
+from hypernav.robot.wire.frames import pack_observation
+from hypernav.robot.wire.messages import ObservationFacts, PlanarPose, Reply, RigidMatrix
+
+_LOG = logging.getLogger(__name__)
+_MADE_SHARE = 0.6
+"""Share of a motion below which it did not happen; agents take the same for a bump."""
+_FIRST_PAUSE_S, _LONGEST_PAUSE_S = 0.05, 2.0
+"""Pauses between attempts: doubled from the first to the longest."""
+_SHORTEST_PATH_M = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class ClientStep:
+    """One step of a search, as the robot saw it.
+
+    Attributes:
+        sensed: What the robot sensed.
+        reply: What the server answered.
+        executed: What became of the action; None for the last step.
+        blocked: Whether the motion before this step did not happen.
+    """
+
+    sensed: Sensed
+    reply: Reply
+    executed: Executed | None
+    blocked: bool
+
+
+@dataclass(frozen=True)
+class Patience:
+    """How long a client waits for what.
+
+    Attributes:
+        deadline_s: Wait for an answer after which the robot stands still, seconds.
+        timeout_s: Wait for an answer after which the same observation is sent again, seconds.
+        unreachable_s: Time without any answer after which the search is given up, seconds.
+    """
+
+    deadline_s: float = 0.5
+    timeout_s: float = 5.0
+    unreachable_s: float = 60.0
+
+
+class RobotClient:
+    """Drives a robot by the answers of a server, each of them executed at most once.
+
+    Whatever gets lost is sent again with the same number, which the server answers as before. While
+    an answer is late the robot stands still. `stop` always wins.
+
+    Attributes:
+        resent: Number of observations that were sent again.
+        watchdog: Watchdog of the answers.
+
+    Example:
+        >>> client = RobotClient(robot, HttpLink(address, opened.id))  # doctest: +SKIP
+        >>> for step in client:  # doctest: +SKIP
+        ...     print(step.reply.reason)
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        link: Link,
+        *,
+        next_sequence: int = 0,
+        continuous: bool = False,
+        patience: Patience | None = None,
+    ) -> None:
+        """Create it; iterating runs the search.
+
+        Args:
+            robot: The robot.
+            link: Link to one search of the server.
+            next_sequence: Number of the first observation, as the server expects it.
+            continuous: Whether to drive smoothly along paths, as a robot with `FollowsPaths` can.
+            patience: How long to wait for what.
+        """
+        self._robot = robot
+        self._follower = robot if continuous and isinstance(robot, FollowsPaths) else None
+        self._link = link
+        self._sequence = next_sequence
+        self._patience = patience or Patience()
+        self._stopped, self._moving = threading.Event(), threading.Event()
+        self.watchdog = Watchdog(self._patience.deadline_s, robot.stop)
+        self.resent = 0
+
+    def __iter__(self) -> Iterator[ClientStep]:
+        """Run the search to its end, one step at a time; the robot stands still after it.
+
+        Raises:
+            ServerUnreachableError: No answer for too long.
+            RequestRefusedError: The server refuses what this robot sends.
+        """
+        last: ClientStep | None = None
+        try:
+            with ThreadPoolExecutor(1) as pool:
+                while not self._stopped.is_set():
+                    sensed = self._robot.observe()
+                    blocked = last is not None and self._failed(last, sensed.odometry)
+                    with self.watchdog:
+                        answer = pool.submit(self._answer, sensed, blocked)
+                        self._roll_on(last, answer)
+                        reply = answer.result()
+                    executed = None
+                    if not (reply.done or reply.action in (None, Action.STOP)):
+                        executed = self._execute(reply, sensed)
+                    last = ClientStep(sensed, reply, executed, blocked)
+                    yield last
+                    if executed is None:
+                        return
+        finally:
+            self._robot.stop()
+            self._link.close()
+
+    def stop(self) -> None:
+        """Stop the robot for good, from any thread; comes back when it stands still.
+
+        The server is not told; `hypernav.robot.client.links.HttpServer.stop` does that.
+        """
+        self._stopped.set()
+        self._robot.stop()
+        # A motion may just have begun: it is stopped until it has ended.
+        while self._moving.is_set():
+            time.sleep(0.01)
+            self._robot.stop()
+
+    def _execute(self, reply: Reply, sensed: Sensed) -> Executed:
+        """Do once what a reply says."""
+        action = Action(reply.action or 0)
+        forward_m = self._robot.embodiment.motion.forward_m
+        path = _in_odometry(reply.path, sensed.odom_to_map)
+        if self._follower is None or action is not Action.MOVE_FORWARD or not _is_path(path):
+            return self._moved(lambda: self._robot.execute(action))
+        follow, start = self._follower.follow, sensed.odometry
+        return self._moved(
+            lambda: follow(path, lambda robot: start.distance_to(*robot.xy) >= forward_m)
+        )
+
+    def _roll_on(self, last: ClientStep | None, answer: Future[Reply]) -> None:
+        """Drive on along the path of before until there is an answer, or it is late."""
+        if self._follower is None or last is None or last.executed is not Executed.DONE:
+            return
+        path = _in_odometry(last.reply.path, last.sensed.odom_to_map)
+        if last.reply.action is Action.MOVE_FORWARD and _is_path(path):
+            follow = self._follower.follow
+            self._moved(lambda: follow(path, lambda _: answer.done()))
+
+    def _moved(self, motion: Callable[[], Executed]) -> Executed:
+        """Make a motion, unless stop was pressed."""
+        self._moving.set()
+        try:
+            return Executed.STOPPED if self._stopped.is_set() else motion()
+        finally:
+            self._moving.clear()
+
+    def _failed(self, last: ClientStep, now: Pose2) -> bool:
+        """Whether a motion did not happen: the robot says so, or its odometry does."""
+        if last.executed is Executed.BLOCKED:
+            return True
+        before, motion = last.sensed.odometry, self._robot.embodiment.motion
+        if last.reply.action is Action.MOVE_FORWARD:
+            return before.distance_to(*now.xy) < _MADE_SHARE * motion.forward_m
+        turned = abs(wrap_angle(now.yaw - before.yaw))
+        return turned < _MADE_SHARE * math.radians(motion.turn_angle_deg)
+
+    def _answer(self, sensed: Sensed, blocked: bool) -> Reply:
+        """The decision about an observation, however often it must be sent."""
+        facts = ObservationFacts(
+            sequence=self._sequence,
+            stamp_s=sensed.stamp_s,
+            base_to_odom=_pose(sensed.odometry, sensed.height_m),
+            odom_to_map=_pose(sensed.odom_to_map),
+            camera_to_base=_matrix(sensed.camera_to_base),
+            blocked=blocked,
+        )
+        body = pack_observation(facts, sensed.rgb, sensed.depth, sensed.truth)
+        reply = self._decided(body)
+        self._sequence += 1
+        return reply
+
+    def _decided(self, body: bytes) -> Reply:
+        """The reply to an observation, sent again where it got lost, and waited for on hold."""
+        pause_s, is_known = _FIRST_PAUSE_S, False
+        given_up_s = time.monotonic() + self._patience.unreachable_s
+        while True:
+            try:
+                ask = self._link.ask_again if is_known else partial(self._link.ask, body)
+                reply = ask(self._sequence, self._patience.timeout_s)
+                if (reply.sequence == self._sequence and not reply.hold) or reply.done:
+                    return reply
+                is_known, pause_s = reply.hold, _FIRST_PAUSE_S
+                # Only the search itself is waited for: the server is there.
+                given_up_s = time.monotonic() + self._patience.unreachable_s
+            except LinkLostError as error:
+                _LOG.info("observation %d is sent again: %s", self._sequence, error)
+                is_known, lost = False, error
+            except RequestRefusedError as error:
+                is_known, lost = self._taken(error), error
+            else:
+                continue
+            if self._stopped.is_set() or time.monotonic() > given_up_s:
+                raise ServerUnreachableError(
+                    f"no answer to observation {self._sequence} for "
+                    f"{self._patience.unreachable_s:g} s ({lost}); the robot stands still. Is the "
+                    "server running? The same command goes on once it is"
+                ) from lost
+            self.resent += 1
+            time.sleep(pause_s)
+            pause_s = min(2.0 * pause_s, _LONGEST_PAUSE_S)
+
+    def _taken(self, refusal: RequestRefusedError) -> bool:
+        """Whether the server has the observation all the same.
+
+        A late copy of an earlier observation is refused with the number that is expected now. A
+        server that is busy or starts again says so, too.
+
+        Raises:
+            RequestRefusedError: The server will never take it.
+        """
+        if refusal.error == "pending":
+            return True
+        if refusal.error == "sequence" and refusal.expected in (
+            self._sequence,
+            self._sequence + 1,
+        ):
+            return refusal.expected == self._sequence + 1
+        if refusal.status in (429, 503):
+            return False
+        raise refusal
+
+
+def _is_path(path: Sequence[tuple[float, float]]) -> bool:
+    """Whether a path leads anywhere."""
+    return len(path) > 1 and math.dist(path[0], path[-1]) > _SHORTEST_PATH_M
+
+
+def _in_odometry(
+    path: Sequence[tuple[float, float]], odom_to_map: Pose2
+) -> list[tuple[float, float]]:
+    """A path of the ``map`` frame in the frame of the odometry, which doesn't jump."""
+    c, s = math.cos(odom_to_map.yaw), math.sin(odom_to_map.yaw)
+    offsets = [(x - odom_to_map.x, y - odom_to_map.y) for x, y in path]
+    return [(c * x + s * y, c * y - s * x) for x, y in offsets]
+
+
+def _matrix(transform: Transform | None) -> RigidMatrix | None:
+    if transform is None:
+        return None
+    a, b, c, d = (tuple(row) for row in transform.matrix.tolist())
+    return (a, b, c, d)
+
+
+def _pose(pose: Pose2, height_m: float = 0.0) -> PlanarPose:
+    return PlanarPose(x=pose.x, y=pose.y, yaw=pose.yaw, z=height_m)

@@ -1,0 +1,58 @@
+"""The contract of a robot's base: what it takes to drive it by velocities."""
+
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from jaxtyping import Float32
+
+from hypernav.core.embodiment import Embodiment
+from hypernav.core.geometry.camera import PinholeCamera
+from hypernav.core.geometry.transforms import Pose2, Transform
+from hypernav.robot.client.robot import Sensed
+from hypernav.robot.motion.velocity import Velocity
+
+
+@dataclass(frozen=True, eq=False)
+class DepthView:
+    """A depth image for safety alone; a coarse one at a high rate does.
+
+    Attributes:
+        depth: Depth, metres along the optical axis; 0 where there is no return.
+        camera: Intrinsics of the image.
+        camera_to_base: Pose of the camera on the robot.
+    """
+
+    depth: Float32[np.ndarray, "height width"]
+    camera: PinholeCamera
+    camera_to_base: Transform
+
+
+@runtime_checkable
+class Base(Protocol):
+    """A robot's base: wheels, odometry and camera."""
+
+    @property
+    def embodiment(self) -> Embodiment:
+        """Body, camera, and effect of the actions."""
+        ...
+
+    def sense(self) -> Sensed:
+        """Images and pose for the search, taken now."""
+        ...
+
+    def odometry(self) -> Pose2:
+        """Pose in the frame of the odometry."""
+        ...
+
+    def depth_view(self) -> DepthView:
+        """The latest depth image."""
+        ...
+
+    def drive(self, velocity: Velocity, seconds: float) -> None:
+        """Drive with a velocity, and come back after so many seconds."""
+        ...
+
+    def halt(self) -> None:
+        """Command standstill at once; may be called from any thread."""
+        ...

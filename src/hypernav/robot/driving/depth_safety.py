@@ -1,0 +1,107 @@
+"""Obstacles before the robot, from its depth images alone: no map, no network, no model.
+
+The check is the robot's own. Whatever the server says, and however late, the robot drives only
+where its latest images show no obstacle.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64
+
+from hypernav.core.embodiment import Embodiment
+from hypernav.core.geometry.depth import is_measured
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.robot.driving.base import DepthView
+from hypernav.robot.motion.obstacles import PointObstacles
+
+_REACH_M = 2.5
+"""Depth beyond which nothing matters to a slow robot, and noise lifts the floor."""
+_NEAR_M = 1.2
+"""Distance from the robot up to which points are remembered."""
+_REMEMBERED_VIEWS = 60
+"""Number of views for which a point is remembered where the camera can't see any more."""
+_APART_M = 0.02
+"""Distance between remembered points."""
+_BLIND_SHARE = 0.25
+"""Share of the floor before the robot without a return above which the camera is blind."""
+_LEAST_FLOOR_PIXELS = 10
+
+
+@dataclass(frozen=True, eq=False)
+class Ahead:
+    """What depth images show before the robot.
+
+    Attributes:
+        obstacles: Points of obstacles, in the frame of the robot's pose.
+        is_blind: Whether the floor before the robot has no return, so that something must be too
+            near for the camera to measure, or covers it.
+    """
+
+    obstacles: PointObstacles
+    is_blind: bool
+
+
+class DepthSafety:
+    """Finds obstacles in depth images, and remembers for a while those that got too near to see."""
+
+    def __init__(self, embodiment: Embodiment) -> None:
+        """Begin without memory.
+
+        Args:
+            embodiment: Size of the robot: what is above its step and below its height is an
+                obstacle. Nearest depth that its camera measures.
+        """
+        self._body = embodiment.body
+        self._nearest_m = embodiment.camera.min_depth_m
+        self._remembered = np.zeros((0, 2))
+        self._ages = np.zeros(0, dtype=np.int64)
+
+    def look(self, view: DepthView, robot: Pose2) -> Ahead:
+        """Look at the latest image.
+
+        Args:
+            view: The depth image.
+            robot: Pose of the robot, in whose frame the points shall be.
+        """
+        rays = view.camera.rays() @ view.camera_to_base.rotation.T
+        now = robot.to_transform().apply(self._hindering(view, rays))[:, :2]
+        self._forget_seen(view, robot)
+        obstacles = PointObstacles(np.vstack([now, self._remembered]))
+        near = np.hypot(now[:, 0] - robot.x, now[:, 1] - robot.y) < _NEAR_M
+        kept = np.unique(np.round(now[near] / _APART_M), axis=0) * _APART_M
+        self._remembered = np.vstack([self._remembered, kept])
+        self._ages = np.concatenate([self._ages, np.zeros(len(kept), dtype=np.int64)])
+        return Ahead(obstacles, self._is_blind(view, rays))
+
+    def _hindering(
+        self, view: DepthView, rays: Float64[np.ndarray, "height width 3"]
+    ) -> Float64[np.ndarray, "n 3"]:
+        """Points that the robot would hit, base frame."""
+        depth = view.depth.astype(np.float64)
+        seen = is_measured(depth, 0.0, _REACH_M)
+        points = rays[seen] * depth[seen][:, None] + view.camera_to_base.translation
+        height = points[:, 2]
+        return points[(height > self._body.max_step_m) & (height < self._body.height_m)]
+
+    def _forget_seen(self, view: DepthView, robot: Pose2) -> None:
+        """Keep only what lies beside the image, or too near to be measured, and not for long."""
+        points = self._remembered
+        level = np.column_stack([points, np.full(len(points), view.camera_to_base.translation[2])])
+        in_base = robot.to_transform().inverse().apply(level)
+        in_camera = view.camera_to_base.inverse().apply(in_base)
+        columns = view.camera.project(in_camera)[:, 0]
+        is_seen = (in_camera[:, 2] > self._nearest_m) & view.camera.contains_columns(columns)
+        kept = ~is_seen & (self._ages < _REMEMBERED_VIEWS)
+        self._remembered, self._ages = points[kept], self._ages[kept] + 1
+
+    def _is_blind(self, view: DepthView, rays: Float64[np.ndarray, "height width 3"]) -> bool:
+        """Whether too little of the floor in the robot's way has a return."""
+        eye = view.camera_to_base.translation
+        down = rays[..., 2] < 0.0
+        depth = np.where(down, -eye[2] / np.where(down, rays[..., 2], -1.0), np.inf)
+        beside = np.where(down, rays[..., 1] * np.where(down, depth, 0.0) + eye[1], np.inf)
+        floor = (depth < _REACH_M) & (np.abs(beside) < self._body.radius_m)
+        if np.count_nonzero(floor) < _LEAST_FLOOR_PIXELS:
+            return False
+        return bool(np.mean(view.depth[floor] <= 0.0) > _BLIND_SHARE)

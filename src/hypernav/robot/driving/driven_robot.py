@@ -1,0 +1,165 @@
+"""A robot that makes the actions of a search by velocities, and stops for what is in its way."""
+
+import math
+import threading
+from collections.abc import Callable, Sequence
+
+from hypernav.core.actions import Action
+from hypernav.core.embodiment import Embodiment
+from hypernav.core.geometry.transforms import Pose2, wrap_angle
+from hypernav.robot.client.robot import Executed, Sensed
+from hypernav.robot.driving.base import Base
+from hypernav.robot.driving.depth_safety import DepthSafety
+from hypernav.robot.motion.config import DriveConfig
+from hypernav.robot.motion.obstacles import Obstacles
+from hypernav.robot.motion.pure_pursuit import PurePursuit
+from hypernav.robot.motion.velocity import STANDSTILL, Velocity
+
+TICK_S = 0.1
+"""Time between two commands, seconds."""
+CAREFUL = DriveConfig(margin_m=0.03)
+"""Limits for buildings in which people walk."""
+_EXACT_M, _EXACT_RAD = 0.001, math.radians(0.05)
+_ENOUGH_M, _ENOUGH_RAD = 0.15, 0.3
+"""Commanded motion after which odometry must show some."""
+_MOVED_SHARE = 0.3
+"""Share of the commanded motion below which the wheels are blocked."""
+
+
+class DrivenRobot:
+    """Makes steps and turns by velocities, in a closed loop over odometry: a `Robot`.
+
+    Before every command it looks at the latest depth image. If something is in the way it stands
+    and waits; if it is gone the motion goes on.
+
+    Attributes:
+        waits: Number of times that it stood and waited.
+    """
+
+    def __init__(
+        self, base: Base, config: DriveConfig | None = None, *, patience_s: float = 10.0
+    ) -> None:
+        """Take over a base, which stands still.
+
+        Args:
+            base: Wheels, odometry and camera.
+            config: Limits of the velocity; `CAREFUL` by default.
+            patience_s: Longest wait for something in the way to go, seconds.
+        """
+        self._base = base
+        self._patience_s = patience_s
+        self._pursuit = PurePursuit(config or CAREFUL, base.embodiment.body.radius_m)
+        self._safety = DepthSafety(base.embodiment)
+        self._stopping = threading.Event()
+        self.waits = 0
+
+    @property
+    def embodiment(self) -> Embodiment:
+        """Body, camera, and effect of the actions."""
+        return self._base.embodiment
+
+    def observe(self) -> Sensed:
+        """Images and pose, taken now."""
+        return self._base.sense()
+
+    def execute(self, action: Action) -> Executed:
+        """Make a step or a turn."""
+        motion, start = self.embodiment.motion, self._base.odometry()
+        if action is Action.MOVE_FORWARD:
+
+            def left_m(robot: Pose2) -> float:
+                return motion.forward_m - _along(start, robot)
+
+            return self._run(
+                lambda robot, seen: self._pursuit.go_straight(
+                    robot, max(left_m(robot), 0.0), TICK_S, seen
+                ),
+                lambda robot: left_m(robot) < _EXACT_M,
+            )
+        turn = math.radians(motion.turn_angle_deg) * (1 if action is Action.TURN_LEFT else -1)
+
+        def left(robot: Pose2) -> float:
+            return wrap_angle(start.yaw + turn - robot.yaw)
+
+        return self._run(
+            lambda robot, seen: self._pursuit.rotate(left(robot), TICK_S),
+            lambda robot: abs(left(robot)) < _EXACT_RAD,
+        )
+
+    def follow(
+        self, path: Sequence[tuple[float, float]], until: Callable[[Pose2], bool]
+    ) -> Executed:
+        """Drive along a path, and come back without braking when it is enough."""
+        return self._run(
+            lambda robot, seen: self._pursuit.command(robot, path, TICK_S, seen),
+            lambda robot: until(robot) or self._pursuit.has_arrived(robot, path),
+            brakes=False,
+        )
+
+    def stop(self) -> None:
+        """Stand still at once."""
+        self._stopping.set()
+        self._base.halt()
+
+    def _run(
+        self,
+        command: Callable[[Pose2, Obstacles], Velocity],
+        is_done: Callable[[Pose2], bool],
+        *,
+        brakes: bool = True,
+    ) -> Executed:
+        """Command velocities until a motion is done, blocked or stopped."""
+        if self._stopping.is_set():
+            self._stopping.clear()
+            self._pursuit.reset()
+        progress, waited_s = _Progress(self._base.odometry()), 0.0
+        while not is_done(robot := self._base.odometry()):
+            ahead = self._safety.look(self._base.depth_view(), robot)
+            velocity = command(robot, ahead.obstacles)
+            if ahead.is_blind and velocity.linear_m_s > 0.0:
+                self._pursuit.reset()
+                velocity = STANDSTILL
+            if self._stopping.is_set():
+                return self._stand(Executed.STOPPED)
+            if velocity.is_zero:
+                self.waits += waited_s == 0.0
+                waited_s += TICK_S
+                if waited_s > self._patience_s:
+                    return self._stand(Executed.BLOCKED)
+            else:
+                waited_s = 0.0
+            self._base.drive(velocity, TICK_S)
+            if progress.lacks_after(velocity, self._base.odometry()):
+                return self._stand(Executed.BLOCKED)
+        if brakes:
+            self._stand(Executed.DONE)
+        return Executed.DONE
+
+    def _stand(self, outcome: Executed) -> Executed:
+        self._base.halt()
+        self._pursuit.reset()
+        return outcome
+
+
+class _Progress:
+    """Compares what was commanded with what odometry says."""
+
+    def __init__(self, robot: Pose2) -> None:
+        self._robot = robot
+        self._asked_m = self._asked_rad = self._moved_m = self._turned_rad = 0.0
+
+    def lacks_after(self, velocity: Velocity, robot: Pose2) -> bool:
+        """Whether the wheels do not do what they are told."""
+        self._asked_m += velocity.linear_m_s * TICK_S
+        self._asked_rad += abs(velocity.angular_rad_s) * TICK_S
+        self._moved_m += self._robot.distance_to(*robot.xy)
+        self._turned_rad += abs(wrap_angle(robot.yaw - self._robot.yaw))
+        self._robot = robot
+        return (self._asked_m > _ENOUGH_M and self._moved_m < _MOVED_SHARE * self._asked_m) or (
+            self._asked_rad > _ENOUGH_RAD and self._turned_rad < _MOVED_SHARE * self._asked_rad
+        )
+
+
+def _along(start: Pose2, robot: Pose2) -> float:
+    """Distance from a start along its heading, metres."""
+    return (robot.x - start.x) * math.cos(start.yaw) + (robot.y - start.y) * math.sin(start.yaw)

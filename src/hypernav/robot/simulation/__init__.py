@@ -1,0 +1,1 @@
+"""A simulated robot that searches over the network; no other part of the robot knows a world."""

@@ -1,0 +1,237 @@
+"""What a client does when the server is late, lost or wrong, and when someone presses stop."""
+
+import threading
+
+import numpy as np
+import pytest
+
+from hypernav.core.actions import Action
+from hypernav.core.embodiment import Embodiment
+from hypernav.core.errors import (
+    LinkLostError,
+    RequestRefusedError,
+    RobotLinkError,
+    ServerUnreachableError,
+)
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.robot.client.links import ServerAddress
+from hypernav.robot.client.robot import Executed, Sensed
+from hypernav.robot.client.robot_client import Patience, RobotClient
+from hypernav.robot.client.watchdog import Watchdog
+from hypernav.robot.wire.frames import unpack_observation
+from hypernav.robot.wire.messages import Reply, SearchEnding
+
+_EMBODIMENT = Embodiment.model_validate({"camera": {"width": 16, "height": 12}})
+
+
+class StandIn:
+    """A robot of which every step succeeds, unless it is stopped."""
+
+    def __init__(self) -> None:
+        self.embodiment = _EMBODIMENT
+        self.x = 0.0
+        self.executed: list[Action] = []
+        self.stops = 0
+        self.begun, self.stopped = threading.Event(), threading.Event()
+        self.hangs = False
+
+    def observe(self) -> Sensed:
+        rgb = np.zeros((12, 16, 3), dtype=np.uint8)
+        depth = np.ones((12, 16), dtype=np.float32)
+        return Sensed(rgb, depth, Pose2(self.x, 0.0, 0.0), stamp_s=self.x)
+
+    def execute(self, action: Action) -> Executed:
+        self.executed.append(action)
+        self.begun.set()
+        if self.hangs:
+            self.stopped.wait()
+            return Executed.STOPPED
+        self.x += 0.5
+        return Executed.DONE
+
+    def stop(self) -> None:
+        self.stops += 1
+        self.stopped.set()
+
+
+class Script:
+    """A link that answers from a list; an error in it is raised."""
+
+    def __init__(self, *answers: Reply | Exception) -> None:
+        self.answers = list(answers)
+        self.asked: list[int] = []
+        self.asked_again = 0
+
+    def ask(self, body: bytes, sequence: int, timeout_s: float) -> Reply:
+        assert unpack_observation(body).header.sequence == sequence
+        self.asked.append(sequence)
+        return self._next()
+
+    def ask_again(self, sequence: int, timeout_s: float) -> Reply:
+        self.asked_again += 1
+        return self._next()
+
+    def close(self) -> None:
+        return None
+
+    def _next(self) -> Reply:
+        answer = self.answers.pop(0)
+        if isinstance(answer, Exception):
+            raise answer
+        return answer
+
+
+def go(sequence: int) -> Reply:
+    return Reply(sequence=sequence, action=Action.MOVE_FORWARD)
+
+
+def end(sequence: int) -> Reply:
+    return Reply(sequence=sequence, action=Action.STOP, done=True, ending=SearchEnding.FOUND)
+
+
+def refusal(error: str, expected: int | None = None, status: int = 409) -> RequestRefusedError:
+    return RequestRefusedError("no", error=error, status=status, expected=expected)
+
+
+def test_what_got_lost_is_sent_again_and_executed_once():
+    robot, link = StandIn(), Script(LinkLostError("lost"), go(0), LinkLostError("lost"), end(1))
+    steps = list(RobotClient(robot, link))
+    assert link.asked == [0, 0, 1, 1]
+    assert robot.executed == [Action.MOVE_FORWARD]
+    assert steps[-1].reply.ending is SearchEnding.FOUND
+
+
+@pytest.mark.parametrize(
+    ("refused", "asked", "asked_again"),
+    [
+        (refusal("sequence", expected=0), [0, 0], 0),
+        (refusal("sequence", expected=1), [0], 1),
+        (refusal("pending"), [0], 1),
+        (refusal("busy", status=503), [0, 0], 0),
+    ],
+    ids=["late copy", "accepted already", "pending", "busy"],
+)
+def test_a_refusal_that_is_none_of_this_observation_is_passed_over(refused, asked, asked_again):
+    link = Script(refused, end(0))
+    list(RobotClient(StandIn(), link))
+    assert (link.asked, link.asked_again) == (asked, asked_again)
+
+
+@pytest.mark.parametrize(
+    "refused", [refusal("sequence", expected=7), refusal("invalid", None, 422)]
+)
+def test_a_refusal_for_good_ends_the_search_and_stops_the_robot(refused):
+    robot = StandIn()
+    with pytest.raises(RequestRefusedError):
+        list(RobotClient(robot, Script(refused)))
+    assert robot.stops > 0
+    assert robot.executed == []
+
+
+def test_a_server_that_is_gone_for_too_long_is_an_error_and_the_robot_stands():
+    robot = StandIn()
+    link = Script(*[LinkLostError("connection refused")] * 50)
+    with pytest.raises(ServerUnreachableError, match="connection refused"):
+        list(RobotClient(robot, link, patience=Patience(unreachable_s=0.2)))
+    assert robot.stops > 0
+    assert robot.executed == []
+
+
+def test_stop_ends_a_motion_under_way_and_allows_no_other():
+    robot, link = StandIn(), Script(go(0), go(1))
+    robot.hangs = True
+    client = RobotClient(robot, link)
+    search = threading.Thread(target=lambda: list(client))
+    search.start()
+    robot.begun.wait()
+    client.stop()
+    search.join()
+    assert robot.executed == [Action.MOVE_FORWARD]
+    assert link.asked == [0]
+
+
+def test_after_stop_nothing_begins():
+    robot, link = StandIn(), Script(go(0))
+    client = RobotClient(robot, link)
+    client.stop()
+    assert list(client) == []
+    assert robot.executed == []
+
+
+class FakeTimer:
+    """A timer whose time the test lets pass."""
+
+    def __init__(self, seconds, act) -> None:
+        self.seconds, self.act, self.cancelled = seconds, act, False
+        self.started = False
+        timers.append(self)
+
+    def start(self) -> None:
+        self.started = True
+
+    def cancel(self) -> None:
+        self.cancelled = True
+
+    def pass_time(self, seconds: float) -> None:
+        if self.started and not self.cancelled and seconds >= self.seconds:
+            self.act()
+
+
+timers: list[FakeTimer] = []
+
+
+@pytest.mark.parametrize(("seconds", "stops"), [(0.49, 0), (0.5, 1), (9.0, 1)])
+def test_the_watchdog_stops_the_robot_at_the_deadline(seconds, stops):
+    robot = StandIn()
+    watchdog = Watchdog(0.5, robot.stop, timer=FakeTimer)
+    with watchdog:
+        timers[-1].pass_time(seconds)
+    assert robot.stops == watchdog.times_late == stops
+
+
+def test_an_answer_in_time_calls_the_watchdog_off():
+    robot = StandIn()
+    with Watchdog(0.5, robot.stop, timer=FakeTimer):
+        pass
+    timers[-1].pass_time(9.0)
+    assert robot.stops == 0
+
+
+def test_a_late_answer_stops_the_robot_before_it_comes():
+    robot = StandIn()
+
+    class Late(Script):
+        def ask(self, body: bytes, sequence: int, timeout_s: float) -> Reply:
+            assert robot.stopped.wait(10.0)
+            return super().ask(body, sequence, timeout_s)
+
+    client = RobotClient(robot, Late(end(0)), patience=Patience(deadline_s=0.01))
+    list(client)
+    assert client.watchdog.times_late == 1
+
+
+@pytest.mark.parametrize(
+    ("url", "shown"),
+    [
+        ("http://127.0.0.1:8765", "http://127.0.0.1:8765"),
+        ("http://robot.local", "http://robot.local:80"),
+        ("https://example.org/nav/", "https://example.org:443/nav"),
+    ],
+)
+def test_addresses_are_read(url, shown):
+    assert str(ServerAddress.of(url)) == shown
+
+
+@pytest.mark.parametrize(
+    "url", ["127.0.0.1:8765", "ftp://a", "http://", "http://a:b", "http://a:99999"]
+)
+def test_what_is_no_address_is_refused(url):
+    with pytest.raises(RobotLinkError, match="--server"):
+        ServerAddress.of(url)
+
+
+def test_a_token_is_sent_and_never_shown(tmp_path):
+    (tmp_path / "token").write_text("secret\n")
+    address = ServerAddress.of("http://a:1", tmp_path / "token")
+    assert address.headers == {"Authorization": "Bearer secret"}
+    assert "secret" not in str(address) + repr(address)

@@ -1,0 +1,91 @@
+"""A server of one search within the test: the contract of `hypernav serve` without a network."""
+
+import math
+from dataclasses import dataclass, field
+
+from hypernav.agents.search import SearchAgent
+from hypernav.build.agents import build_agent
+from hypernav.build.presets import HyPerNavConfig
+from hypernav.core.actions import Action
+from hypernav.core.errors import RequestRefusedError
+from hypernav.core.geometry.grid import Cell
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
+from hypernav.core.trace import StepTrace
+from hypernav.robot.motion.velocity import Velocity
+from hypernav.robot.wire.frames import decode_observation, unpack_observation
+from hypernav.robot.wire.messages import Reply, SearchEnding
+
+
+@dataclass
+class AgentLink:
+    """Lets an agent decide, numbers checked as the contract says. A `Link`.
+
+    Attributes:
+        config: Configuration of the agent.
+        goal: What it searches for.
+        hold_first: How many replies are on hold before the decision.
+        blocked: Numbers of the observations that say that the motion before did not happen, and
+            whether the map then shows an obstacle at the robot's front.
+    """
+
+    config: HyPerNavConfig
+    goal: str
+    hold_first: int = 0
+    steps: list[StepTrace] = field(default_factory=list)
+    last: Reply | None = None
+    closed: bool = False
+    blocked: dict[int, bool] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        agent = build_agent(self.config).agent
+        assert isinstance(agent, SearchAgent)
+        self.agent = agent
+        self.agent.reset(Goal(self.goal))
+        self._holds = self.hold_first
+
+    def ask(self, body: bytes, sequence: int, timeout_s: float) -> Reply:
+        packed = unpack_observation(body)
+        expected = 0 if self.last is None else self.last.sequence + 1
+        if self.last is not None and packed.header.sequence == self.last.sequence:
+            return self.ask_again(sequence, timeout_s)
+        if packed.header.sequence != expected:
+            raise RequestRefusedError("number", error="sequence", status=409, expected=expected)
+        camera = self.config.embodiment.camera
+        seen = decode_observation(packed, camera.intrinsics, camera.camera_to_base)
+        action = self.agent.act(seen)
+        trace = self.agent.last_step
+        if packed.header.blocked:
+            self.blocked[packed.header.sequence] = self._is_front_occupied(seen.robot)
+        self.steps.append(trace)
+        ending = {Action.STOP: SearchEnding.FOUND, None: SearchEnding.GAVE_UP}.get(action)
+        self.last = Reply(
+            sequence=packed.header.sequence,
+            action=Action.STOP if action is None else action,
+            path=tuple(trace.path),
+            mode=trace.mode,
+            reason=trace.reason,
+            done=ending is not None,
+            ending=ending,
+        )
+        self._holds = self.hold_first
+        return self.ask_again(sequence, timeout_s)
+
+    def ask_again(self, sequence: int, timeout_s: float) -> Reply:
+        assert self.last is not None
+        if self._holds > 0:
+            self._holds -= 1
+            return Reply(sequence=self.last.sequence, hold=True)
+        return self.last
+
+    def close(self) -> None:
+        self.closed = True
+
+    def _is_front_occupied(self, robot: Pose2) -> bool:
+        reach_m = self.config.planning.clearances_m(self.config.embodiment.body)[0]
+        fronts = (
+            Velocity(reach_m).moved(Pose2(robot.x, robot.y, robot.yaw + math.radians(angle)), 1.0)
+            for angle in range(-60, 61, 10)
+        )
+        grid = self.agent.grid
+        return any(grid.state_at(*front.xy) is Cell.OCCUPIED for front in fronts)
