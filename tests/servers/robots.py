@@ -38,7 +38,7 @@ class Script:
     """What the scripted agents of this process do.
 
     Attributes:
-        gate: Agents wait for it before they answer.
+        gate: Agents wait for it before they answer, unless they look for something "quick".
         error: Error that they raise instead of answering.
         length: Number of steps after which they say that the goal is here.
         seen: Number of observations that they were shown.
@@ -57,12 +57,14 @@ class ScriptedAgent:
     """Answers at once, whatever it sees; its map is one free cell."""
 
     def reset(self, goal: Goal) -> None:
+        self._is_quick = goal.text == "quick"
         self._steps = 0
         self._trace: StepTrace | None = None
 
     def act(self, observation: Observation) -> Action:
         SCRIPT.seen += 1
-        SCRIPT.gate.wait()
+        if not self._is_quick:
+            SCRIPT.gate.wait()
         if SCRIPT.error is not None:
             raise SCRIPT.error
         action = Action.TURN_LEFT if self._steps % 3 else Action.MOVE_FORWARD

@@ -187,14 +187,14 @@ def test_what_a_robot_says_about_being_blocked_is_in_the_trace(link):
     assert any("blocked" in event for event in trace["events"])
 
 
-def test_robots_do_not_wait_for_each_other(tmp_path, script):
+def test_robots_do_not_wait_for_each_other(link, script):
     script.gate.clear()
-    with robot_server(tmp_path) as link:
-        slow = link.open(deadline_s=0.05)
-        assert link.observe(slow, body_of(0)).json["hold"]
-        link.call("POST", f"{slow}/stop", {})
-        others = [link.open(deadline_s=0.05) for _ in range(4)]
-        assert all(link.observe(other, body_of(0)).json["hold"] for other in others)
-        script.gate.set()
-        for other in others:
-            assert link.answer(other, 0)["action"] == Action.MOVE_FORWARD
+    slow = link.open("slow", deadline_s=0.05)
+    assert link.observe(slow, body_of(0)).json["hold"]
+    for _ in range(3):
+        quick = link.open("quick", deadline_s=20.0)
+        for number in range(3):
+            assert not link.observe(quick, body_of(number)).json["hold"]
+    assert link.observe(slow, body_of(0)).json["hold"]
+    script.gate.set()
+    assert link.answer(slow, 0)["action"] == Action.MOVE_FORWARD

@@ -4,22 +4,18 @@ import logging
 from collections.abc import Callable
 from typing import cast
 
-import numpy as np
-
 from hypernav.build.agents import BuiltAgent
-from hypernav.core.actions import Action
 from hypernav.core.components.protocols import ExplainsItself
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.observation import Observation
-from hypernav.core.trace import Ending, StepTrace
+from hypernav.core.trace import StepTrace
+from hypernav.robot.server.replies import reply_of, reply_out_of_steps
 from hypernav.robot.server.state.journal import Journal, StepRecord
 from hypernav.robot.wire.frames import PackedObservation, decode_observation, unpack_observation
-from hypernav.robot.wire.messages import ObservationFacts, Reply, SearchEnding
+from hypernav.robot.wire.messages import ObservationFacts
 
 _LOG = logging.getLogger(__name__)
-_CLEARANCE_M = 3.0
 _BLOCKED = "the robot says that it was blocked"
-_ENDINGS = {Ending.FOUND: SearchEnding.FOUND, Ending.GAVE_UP: SearchEnding.GAVE_UP}
 
 
 class Decisions:
@@ -61,11 +57,11 @@ class Decisions:
             HyPerNavError: The agent cannot go on.
         """
         if facts.sequence >= self._request.max_steps:
-            return StepRecord(reply=_out_of_steps(facts.sequence), trace=None)
+            return StepRecord(reply=reply_out_of_steps(facts.sequence), trace=None)
         trace = self._act(observation)
         if facts.blocked:
             trace = trace.model_copy(update={"events": [*trace.events, _BLOCKED]})
-        reply = _reply(facts.sequence, trace, self._agent.grid)
+        reply = reply_of(facts.sequence, trace, self._agent.grid, self._request.robot)
         return StepRecord(reply=reply, trace=trace)
 
     def repeat(self, is_wanted: Callable[[], bool]) -> None:
@@ -102,42 +98,3 @@ class Decisions:
         self._built.agent.act(observation)
         self.grid = self._agent.grid.cropped().copy()
         return self._agent.last_step
-
-
-def _reply(sequence: int, trace: StepTrace, grid: OccupancyGrid) -> Reply:
-    ending = None if trace.ending is None else _ENDINGS[trace.ending]
-    return Reply(
-        sequence=sequence,
-        action=Action.STOP if trace.action is None else trace.action,
-        destination=trace.destination,
-        path=tuple(trace.path),
-        clearance_m=_clearance_m(grid, trace.pose[0], trace.pose[1]),
-        mode=trace.mode,
-        reason=trace.reason,
-        done=ending is not None,
-        ending=ending,
-    )
-
-
-def _out_of_steps(sequence: int) -> Reply:
-    return Reply(
-        sequence=sequence,
-        action=Action.STOP,
-        reason=f"the limit of {sequence} steps is reached",
-        done=True,
-        ending=SearchEnding.GAVE_UP,
-    )
-
-
-def _clearance_m(grid: OccupancyGrid, x: float, y: float) -> float | None:
-    """Distance to the middle of the nearest occupied cell within reach, metres."""
-    row, column = grid.cell_of(x, y)
-    reach = int(_CLEARANCE_M / grid.resolution_m)
-    bottom, left = max(row - reach, 0), max(column - reach, 0)
-    window = grid.cells[bottom : max(row + reach + 1, 0), left : max(column + reach + 1, 0)]
-    rows, columns = np.nonzero(OccupancyGrid(window, grid.resolution_m, grid.origin).occupied)
-    if rows.size == 0:
-        return None
-    centres = grid.centres_of(np.stack([rows + bottom, columns + left], axis=1))
-    nearest = float(np.hypot(*(centres - np.array([x, y])).T).min())
-    return round(nearest, 3) if nearest <= _CLEARANCE_M else None
