@@ -1,0 +1,170 @@
+"""Time that a server of robots takes for an observation, beside a model.
+
+One robot after the other: a server in a process of its own answers recorded observations of a real
+furnished house, over HTTP and over WebSocket. Then four robots at once send one every 200 ms.
+
+    python benchmarks/robot_server.py DATA      # DATA holds episodes/small_house.npz
+"""
+
+import http.client
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+from websockets.sync.client import connect
+
+from hypernav.core.embodiment import Embodiment
+from hypernav.core.labels import ObjectLabel
+from hypernav.core.observation import LabelledPixels
+from hypernav.robot.wire.frames import pack_observation
+from hypernav.robot.wire.messages import ObservationFacts, PlanarPose
+
+STEPS = 100
+ROBOTS = 4
+PERIOD_S = 0.2
+
+Ask = Callable[[bytes], dict]
+
+
+def recorded(data: Path) -> list[bytes]:
+    """Observations of a search, as bytes; the goal is never in sight."""
+    run = np.load(data / "episodes" / "small_house.npz")
+    nothing = LabelledPixels(np.full((480, 640), -1, np.int32), dict[int, ObjectLabel]())
+    rng, bodies = np.random.default_rng(0), []
+    for number in range(STEPS):
+        depth = run["depth_mm"][number].astype(np.float32) / 1000.0
+        shade = np.clip(depth * 50.0, 0, 235)[..., None] + rng.integers(0, 20, (480, 640, 3))
+        x, y, yaw = (float(value) for value in run["xy_yaw"][number])
+        pose = PlanarPose(x=x, y=y, yaw=yaw)
+        facts = ObservationFacts(sequence=number, stamp_s=number * PERIOD_S, base_to_odom=pose)
+        bodies.append(pack_observation(facts, shade.astype(np.uint8), depth, nothing))
+    return bodies
+
+
+@contextmanager
+def served() -> Iterator[int]:
+    """A server in a process of its own; its port."""
+    with tempfile.TemporaryDirectory() as state:
+        program = "import sys; from hypernav.cli.main import main; main(sys.argv[1:])"
+        command = [sys.executable, "-c", program, "serve", "--port", "0", "--state", state]
+        with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as server:
+            try:
+                assert server.stderr is not None
+                line = next(line for line in server.stderr if "serving" in line)
+                yield int(line.split("http://127.0.0.1:")[1].split(",")[0])
+            finally:
+                server.terminate()
+
+
+class Link:
+    """One connection to the server, kept open."""
+
+    def __init__(self, port: int) -> None:
+        """Connect to a port of this machine."""
+        self._connection = http.client.HTTPConnection("127.0.0.1", port, timeout=60.0)
+
+    def call(self, path: str, body: bytes) -> dict:
+        """Post, and read the answer."""
+        self._connection.request("POST", path, body, {"content-type": "application/json"})
+        response = self._connection.getresponse()
+        content = json.loads(response.read())
+        assert response.status in (200, 201), content
+        return content
+
+    def open(self) -> str:
+        """Open a search; its path."""
+        request = {
+            "goal": "unicorn",
+            "embodiment": Embodiment().model_dump(),
+            "deadline_s": 30.0,
+            "max_steps": 10_000,
+        }
+        return f"/v1/searches/{self.call('/v1/searches', json.dumps(request).encode())['id']}"
+
+
+def times_ms(ask: Ask, bodies: list[bytes]) -> list[float]:
+    """Time from sending an observation to having its answer, milliseconds each."""
+    times = []
+    for body in bodies:
+        start = time.perf_counter()
+        reply = ask(body)
+        times.append((time.perf_counter() - start) * 1e3)
+        if reply["done"]:
+            break
+    return times
+
+
+def over_http(port: int, bodies: list[bytes]) -> list[float]:
+    """Times over HTTP."""
+    link = Link(port)
+    search = link.open()
+    return times_ms(lambda body: link.call(f"{search}/observations", body), bodies)
+
+
+def over_websocket(port: int, bodies: list[bytes]) -> list[float]:
+    """Times over a WebSocket."""
+    search = Link(port).open()
+    with connect(f"ws://127.0.0.1:{port}{search}/stream", proxy=None, compression=None) as socket:
+
+        def ask(body: bytes) -> dict:
+            socket.send(body)
+            return json.loads(socket.recv())["reply"]
+
+        return times_ms(ask, bodies)
+
+
+def together(port: int, bodies: list[bytes]) -> tuple[list[float], int]:
+    """Times of several robots at a fixed rate, and how many answers came after the period."""
+    times: list[float] = []
+
+    def drive(delay_s: float) -> None:
+        link = Link(port)
+        search = link.open()
+        begin = time.perf_counter() + delay_s
+        for number, body in enumerate(bodies):
+            time.sleep(max(begin + number * PERIOD_S - time.perf_counter(), 0.0))
+            times.extend(times_ms(lambda body: link.call(f"{search}/observations", body), [body]))
+
+    threads = [
+        threading.Thread(target=drive, args=(number * PERIOD_S / ROBOTS,))
+        for number in range(ROBOTS)
+    ]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    return times, sum(one > PERIOD_S * 1e3 for one in times)
+
+
+def say(what: str, times: list[float]) -> None:
+    """One line of figures."""
+    median, late = np.percentile(times, [50, 95])
+    print(
+        f"{what:28} {len(times):4} observations  median {median:6.1f} ms  95% {late:6.1f} ms  "
+        f"most {max(times):6.1f} ms"
+    )
+
+
+def main() -> None:
+    """Measure and print."""
+    bodies = recorded(Path(sys.argv[1]))
+    print(f"{len(bodies[0]) // 1000} kB an observation, {os.cpu_count()} cores")
+    with served() as port:
+        over_http(port, bodies[:20])  # loads the compiled kernels
+        say("one robot, HTTP", over_http(port, bodies))
+        say("one robot, WebSocket", over_websocket(port, bodies))
+        times, late = together(port, bodies)
+        say(f"{ROBOTS} robots, one each {PERIOD_S * 1e3:.0f} ms", times)
+        print(f"{late} of {len(times)} answers came after {PERIOD_S * 1e3:.0f} ms")
+
+
+if __name__ == "__main__":
+    main()
