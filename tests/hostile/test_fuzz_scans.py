@@ -17,6 +17,7 @@ from hypernav.worlds.scenes.basis_images import basis_size, decode_basis, is_bas
 from scan_writers.basis_bytes import basis, ktx2
 from scan_writers.buildings import House, Thing
 from scan_writers.encoded_images import FINE, HOLES, MIPS
+from scan_writers.matterport import house_lines, semantic_ply
 from scan_writers.scans import (
     semantic_lines,
     write_semantic_colors,
@@ -102,6 +103,21 @@ def test_annotations(scan, content):
     scan.write_bytes(SOUND[f"{STEM}.glb"])
     scan.with_name(f"{STEM}.semantic.glb").write_bytes(SOUND[f"{STEM}.semantic.glb"])
     scan.with_name(f"{STEM}.semantic.txt").write_bytes(content)
+    opened(scan)
+
+
+HOUSE_TEXT = ("\n".join(house_lines(ROOM)) + "\n").encode()
+PLY = semantic_ply(ROOM)
+
+
+@hostile
+@given(st.tuples(damaged(HOUSE_TEXT), st.just(PLY)) | st.tuples(st.just(HOUSE_TEXT), damaged(PLY)))
+def test_annotations_of_matterport(tmp_path_factory, content):
+    scan = tmp_path_factory.getbasetemp() / "17DRP5sb8fy" / "17DRP5sb8fy.glb"
+    scan.parent.mkdir(exist_ok=True)
+    scan.write_bytes(SOUND[f"{STEM}.glb"])
+    for ending, changed in zip((".house", "_semantic.ply"), content, strict=True):
+        scan.with_name(f"{scan.stem}{ending}").write_bytes(changed)
     opened(scan)
 
 

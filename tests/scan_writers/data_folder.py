@@ -4,6 +4,7 @@ from pathlib import Path
 
 from scan_writers.buildings import STOREY_M, two_storeys
 from scan_writers.episodes import HASH, SCENE, episode, write_split
+from scan_writers.matterport import write_annotation
 from scan_writers.scans import write_scan, write_visual
 
 BELOW, ABOVE = (3.0, 3.0, 0.0), (5.0, 3.0, STOREY_M)
@@ -15,7 +16,7 @@ def write_data(folder: Path) -> Path:
     scenes, tasks = folder / "scene_datasets", folder / "datasets"
     write_scan(house, scenes / "hm3d" / "val" / SCENE)
     write_visual(house, scenes / "mp3d" / HASH / f"{HASH}.glb")
-    (scenes / "mp3d" / HASH / f"{HASH}.house").write_text("ASCII 1.1\n")
+    write_annotation(house, scenes / "mp3d" / HASH)
     for version, release in (("v1", "hm3d"), ("v2", "hm3d_v0.2")):
         scene_id = f"{release}/val/{SCENE}/{HASH}.basis.glb"
         found = [

@@ -87,12 +87,12 @@ def _check_scenes(
     elif meshes:
         yield Finding(f"{check} scenes", State.GOOD, f"all {len(meshes)}")
     scans = [scan for mesh in meshes if (scan := ScanFiles.of(mesh)) is not None]
-    yield from _check_scans(check, scans, annotated=benchmark.name != "mp3d")
+    yield from _check_scans(check, scans)
     if any(scan.mesh.name.endswith(_BASIS) for scan in scans):
         yield _textures(check)
 
 
-def _check_scans(check: str, scans: list[ScanFiles], *, annotated: bool) -> Iterator[Finding]:
+def _check_scans(check: str, scans: list[ScanFiles]) -> Iterator[Finding]:
     """Findings about what lies beside the meshes."""
     meshes = sum(scan.navmesh is not None for scan in scans)
     if scans and meshes == len(scans):
@@ -100,7 +100,7 @@ def _check_scans(check: str, scans: list[ScanFiles], *, annotated: bool) -> Iter
     elif scans:
         words = f"{meshes} of {len(scans)}; without one, floors are computed from the triangles"
         yield Finding(f"{check} navmeshes", State.NOTE, words)
-    if not annotated or not scans:
+    if not scans:
         return
     semantic = sum(
         scan.semantic_mesh is not None and scan.semantic_text is not None for scan in scans

@@ -144,7 +144,7 @@ def test_awkward_categories(tmp_path, line, category):
     path = tmp_path / "x.semantic.txt"
     path.write_text(f"HM3D Semantic Annotations\n{line}\n\n", encoding="utf-8")
     (found,) = read_annotations(path)
-    assert (found.id, found.color, found.category) == (3, 0x0A0B0C, category)
+    assert (found.id, found.mark, found.category) == (3, 0x0A0B0C, category)
 
 
 @pytest.mark.parametrize(

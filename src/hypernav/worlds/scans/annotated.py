@@ -11,11 +11,11 @@ from hypernav.core.world import Instance
 from hypernav.worlds.scans.semantic_text import Annotation
 from hypernav.worlds.scenes.scene import Scene
 
-_NO_OBJECTS = frozenset({"wall", "floor", "ceiling", "unknown", "unlabeled"})
+_NO_OBJECTS = frozenset({"wall", "floor", "ceiling", "unknown", "unlabeled", "void", "misc"})
 
 
 def annotated(
-    scene: Scene, annotations: Sequence[Annotation], colors: Int64[np.ndarray, "faces"]
+    scene: Scene, annotations: Sequence[Annotation], marks: Int64[np.ndarray, "faces"]
 ) -> Scene:
     """The scene with an instance for every annotation that has triangles.
 
@@ -23,15 +23,15 @@ def annotated(
 
     Args:
         scene: The scan.
-        annotations: Annotations, each with a colour of its own.
-        colors: Colour ``0xRRGGBB`` of every triangle.
+        annotations: Annotations, each with a mark of its own.
+        marks: Mark of every triangle.
     """
-    by_color = {annotation.color: annotation for annotation in annotations}
-    present, place = np.unique(colors, return_inverse=True)
-    found = [by_color[color] for color in present.tolist() if color in by_color]
+    by_mark = {annotation.mark: annotation for annotation in annotations}
+    present, place = np.unique(marks, return_inverse=True)
+    found = [by_mark[mark] for mark in present.tolist() if mark in by_mark]
     owners = sorted(found, key=lambda annotation: annotation.id)
-    number = {owner.color: k for k, owner in enumerate(owners, start=1)}
-    numbers = np.array([number.get(color, 0) for color in present.tolist()], dtype=np.int32)
+    number = {owner.mark: k for k, owner in enumerate(owners, start=1)}
+    numbers = np.array([number.get(mark, 0) for mark in present.tolist()], dtype=np.int32)
     face_instance = numbers[place]
     instances = (_building(scene), *_instances(scene, owners, face_instance))
     return replace(scene, face_instance=face_instance, instances=instances)
@@ -57,7 +57,11 @@ def _instances(
 
 
 def _label(owner: Annotation) -> ObjectLabel | None:
-    return None if owner.category.lower() in _NO_OBJECTS else ObjectLabel(owner.category)
+    return (
+        None
+        if owner.category.lower() in _NO_OBJECTS
+        else ObjectLabel(owner.category, owner.synonyms)
+    )
 
 
 def _point(values: np.ndarray) -> tuple[float, float, float]:

@@ -2,8 +2,8 @@
 
 HM3D: ``00802-wcojb4TFT35/`` with ``wcojb4TFT35.basis.glb`` (textures compressed) or
 ``wcojb4TFT35.glb``, ``wcojb4TFT35.basis.navmesh``, ``wcojb4TFT35.semantic.glb`` and
-``wcojb4TFT35.semantic.txt``. Matterport3D: ``17DRP5sb8fy/`` with ``17DRP5sb8fy.glb``, ``.navmesh``
-and ``.house``.
+``wcojb4TFT35.semantic.txt``. Matterport3D: ``17DRP5sb8fy/`` with ``17DRP5sb8fy.glb``, ``.navmesh``,
+``.house`` and ``17DRP5sb8fy_semantic.ply``.
 """
 
 import re
@@ -11,6 +11,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from hypernav.worlds.scenes.loading import OBJECTS_FILE
+
+HOUSE_SUFFIX = ".house"
+"""Suffix of Matterport3D's annotation."""
 
 _SCENE = re.compile(r"(?P<stem>.+?)(?:\.basis)?\.glb", re.IGNORECASE)
 
@@ -21,8 +24,8 @@ class ScanFiles:
 
     Attributes:
         mesh: Triangles and textures.
-        semantic_mesh: Triangles in the colours of their instances; None if there is none.
-        semantic_text: Instance and category of every colour; None if there is none.
+        semantic_mesh: Triangles with the marks of their instances; None if there is none.
+        semantic_text: Instance and category of every mark; None if there is none.
         navmesh: Walkable surface as Habitat computed it; None if there is none.
     """
 
@@ -49,12 +52,13 @@ class ScanFiles:
         )
         if _there(folder / OBJECTS_FILE) is not None:
             return None  # an export of ours, y up, with the annotation that Habitat wants
-        if not is_hm3d and _there(folder / f"{stem}.house") is None:
+        house = _there(folder / f"{stem}{HOUSE_SUFFIX}")
+        if not is_hm3d and house is None:
             return None
         return ScanFiles(
             mesh,
-            _there(folder / f"{stem}.semantic.glb"),
-            _there(folder / f"{stem}.semantic.txt"),
+            _there(folder / (f"{stem}.semantic.glb" if is_hm3d else f"{stem}_semantic.ply")),
+            _there(folder / f"{stem}.semantic.txt") if is_hm3d else house,
             _there(folder / f"{stem}.basis.navmesh") or _there(folder / f"{stem}.navmesh"),
         )
 

@@ -5,7 +5,9 @@ from pathlib import Path
 
 from hypernav.core.errors import SceneError
 from hypernav.worlds.scans.annotated import annotated
-from hypernav.worlds.scans.layout import ScanFiles
+from hypernav.worlds.scans.layout import HOUSE_SUFFIX, ScanFiles
+from hypernav.worlds.scans.matterport_house import read_house
+from hypernav.worlds.scans.matterport_mesh import objects_of_triangles
 from hypernav.worlds.scans.scan_cache import cached_scan
 from hypernav.worlds.scans.semantic_mesh import colors_of_triangles
 from hypernav.worlds.scans.semantic_text import read_annotations
@@ -55,7 +57,11 @@ def load_scan(files: ScanFiles) -> Scene:
     scene = replace(scene, unlit=True, navmesh=files.navmesh)
     if files.semantic_mesh is None or files.semantic_text is None:
         return scene
+    if files.semantic_text.suffix == HOUSE_SUFFIX:
+        objects = read_house(files.semantic_text)
+        numbers = objects_of_triangles(files.semantic_mesh, scene.vertices, scene.faces)
+        return annotated(scene, objects, numbers)
     annotations = read_annotations(files.semantic_text)
-    known = frozenset(annotation.color for annotation in annotations)
+    known = frozenset(annotation.mark for annotation in annotations)
     colors = colors_of_triangles(files.semantic_mesh, known, scene.vertices, scene.faces)
     return annotated(scene, annotations, colors)

@@ -113,7 +113,10 @@ def _material(stored: dict[str, Any], images: list[Any]) -> Material:
 
 
 def _instance(stored: dict[str, Any]) -> Instance:
-    label = None if stored["label"] is None else ObjectLabel(stored["label"])
+    label = None
+    if stored["label"] is not None:
+        category, synonyms = stored["label"]
+        label = ObjectLabel(category, tuple(synonyms))
     low, high = tuple(stored["box_min"]), tuple(stored["box_max"])
     return Instance(stored["id"], stored["name"], label, low, high)
 
@@ -133,7 +136,8 @@ def _write(home: Path, scene: Scene) -> None:
         about |= {"name": material.name, "color": material.color, "unlit": material.unlit}
         materials.append(about | {"wrap": [int(way) for way in material.wrap]})
     instances = [
-        asdict(one) | {"label": None if one.label is None else one.label.category}
+        asdict(one)
+        | {"label": None if one.label is None else (one.label.category, one.label.synonyms)}
         for one in scene.instances
     ]
     about = {

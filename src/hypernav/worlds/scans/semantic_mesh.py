@@ -3,8 +3,7 @@
 HM3D marks instances by colour: v0.1 by the colours of the vertices (habitat-sim,
 GenericSemanticMeshData.cpp, ``buildSemanticMeshData``), v0.2 by those of textures
 (ResourceManager.cpp, ``convertRGBToSemanticId``; ``has_semantic_textures`` in its scene-dataset
-configuration). The semantic mesh need not have the triangles of the drawn one. So points are spread
-over it, and every drawn triangle takes the colour of the point that is nearest to its middle.
+configuration).
 """
 
 from collections.abc import Sequence
@@ -12,21 +11,17 @@ from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float32, Float64, Int64
-from scipy.spatial import KDTree
 
 from hypernav.core.errors import SceneError
+from hypernav.worlds.scans.nearest_marks import (
+    MOST_POINTS,
+    NO_MARK,
+    nearest_marks,
+    spread_points,
+)
 from hypernav.worlds.scenes.gltf import read_gltf
 from hypernav.worlds.scenes.scene import Material
 from hypernav.worlds.scenes.scene_assembly import MeshPart
-
-NO_COLOR = -1
-"""What stands for the colour of a triangle that the semantic mesh is nowhere near to."""
-
-_SPACING_M = 0.05
-_REACH_M = 0.25
-_MOST_POINTS = 8_000_000
-_GOLDEN = 1.324717957244746
-"""Fractions of the two-dimensional golden ratio are spread evenly, however many are taken."""
 
 
 def colors_of_triangles(
@@ -47,7 +42,7 @@ def colors_of_triangles(
         faces: Vertex numbers of its triangles.
 
     Returns:
-        Colours ``0xRRGGBB``; `NO_COLOR` where the semantic mesh is farther than 0.25 m.
+        Colours ``0xRRGGBB``; `NO_MARK` where the semantic mesh is farther than 0.25 m.
 
     Raises:
         SceneError: The semantic mesh is broken.
@@ -58,10 +53,7 @@ def colors_of_triangles(
         again, _ = _read(path, color_codes=True)
         codes = _points(path, again, materials)[1]
         colors = codes if _share(codes, known) > _share(colors, known) else colors
-    middles = vertices[faces].mean(axis=1, dtype=np.float64)
-    tree = KDTree(points, balanced_tree=False, compact_nodes=False)
-    _, nearest = tree.query(middles, distance_upper_bound=_REACH_M)
-    return np.append(colors, NO_COLOR)[nearest]
+    return nearest_marks(points, colors, vertices, faces)
 
 
 def _read(path: Path, *, color_codes: bool = False) -> tuple[list[MeshPart], list[Material]]:
@@ -83,42 +75,14 @@ def _points(
 ) -> tuple[Float64[np.ndarray, "n 3"], Int64[np.ndarray, "n"]]:
     """Points spread over the semantic mesh, and their colours."""
     points, colors = [], []
-    left = _MOST_POINTS
+    left = MOST_POINTS
     for part in parts:
         corners = part.vertices[part.faces].astype(np.float64)
-        whole = np.flatnonzero(np.isfinite(corners).all(axis=(1, 2)))
-        more = _points_of_faces(corners[whole])
-        left -= len(whole) + int(more.sum())
-        if left < 0:
-            raise SceneError(
-                f"{path}: its surface is too large for a building; are its units metres?"
-            )
-        place, weights = _spread(more)
-        face = whole[place]
-        points.append(np.einsum("nk,nkd->nd", weights, corners[face]))
-        colors.append(_colors(part, materials[part.material], face, weights))
+        spread = spread_points(path, corners, left)
+        left -= len(spread.points)
+        points.append(spread.points)
+        colors.append(_colors(part, materials[part.material], spread.face, spread.weights))
     return np.concatenate(points), np.concatenate(colors)
-
-
-def _points_of_faces(corners: Float64[np.ndarray, "faces 3 3"]) -> Int64[np.ndarray, "faces"]:
-    """Numbers of points besides the middle that faces get for their size."""
-    sides = corners[:, 1:] - corners[:, :1]
-    areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) / 2.0
-    return np.minimum(areas / _SPACING_M**2, float(_MOST_POINTS)).astype(np.int64)
-
-
-def _spread(
-    more: Int64[np.ndarray, "faces"],
-) -> tuple[Int64[np.ndarray, "n"], Float64[np.ndarray, "n 3"]]:
-    """Faces and barycentric weights of points, the middles of all faces first."""
-    face = np.repeat(np.arange(len(more)), more)
-    place = np.arange(len(face)) - np.repeat(np.cumsum(more) - more, more) + 1
-    u, v = (place / _GOLDEN) % 1.0, (place / _GOLDEN**2) % 1.0
-    folded = u + v > 1.0
-    u, v = np.where(folded, 1.0 - u, u), np.where(folded, 1.0 - v, v)
-    middles = np.full((len(more), 3), 1.0 / 3.0)
-    weights = np.concatenate([middles, np.column_stack([1.0 - u - v, u, v])])
-    return np.concatenate([np.arange(len(more)), face]), weights
 
 
 def _colors(
@@ -137,6 +101,6 @@ def _colors(
     elif part.colors is not None:
         codes = part.colors[face, weights.argmax(axis=1)]
     else:
-        return np.full(len(face), NO_COLOR, dtype=np.int64)
+        return np.full(len(face), NO_MARK, dtype=np.int64)
     red, green, blue = codes.astype(np.int64).T
     return red << 16 | green << 8 | blue

@@ -19,20 +19,17 @@ class Annotation:
 
     Attributes:
         id: Number in the file; episode files name their goals by it.
-        color: Colour ``0xRRGGBB`` that marks the instance in the semantic mesh.
+        mark: What marks the instance in the semantic mesh: a colour ``0xRRGGBB``, or a number.
+        name: Name of the instance, as habitat-sim composes it.
         category: Category in the annotator's own words.
-        region: Number of the room.
+        synonyms: Further names of the category.
     """
 
     id: int
-    color: int
+    mark: int
+    name: str
     category: str
-    region: int
-
-    @property
-    def name(self) -> str:
-        """Name of the instance, as habitat-sim composes it: category and number."""
-        return f"{self.category}_{self.id}"
+    synonyms: tuple[str, ...] = ()
 
 
 def read_annotations(path: Path) -> list[Annotation]:
@@ -66,7 +63,7 @@ def read_annotations(path: Path) -> list[Annotation]:
     for number, line in enumerate(lines, start=2):
         if line.strip():
             annotation = _annotation(path, number, line)
-            found.setdefault(annotation.color, annotation)
+            found.setdefault(annotation.mark, annotation)
     return list(found.values())
 
 
@@ -76,7 +73,9 @@ def _annotation(path: Path, number: int, line: str) -> Annotation:
         identity, color, category = head.split(",", maxsplit=2)
         if not comma or len(color.strip()) != 6:
             raise ValueError("too few commas, or no colour")
-        return Annotation(int(identity), int(color, 16), _unquoted(category), int(region))
+        int(region)
+        own = _unquoted(category)
+        return Annotation(int(identity), int(color, 16), f"{own}_{int(identity)}", own)
     except ValueError as error:
         raise SceneError(
             f'{path}: line {number} is no annotation: expected id,RRGGBB,"category",region, got '
