@@ -86,6 +86,7 @@ def test_too_many_requests_are_told_to_wait(tmp_path):
         statuses = [link.call("GET", "/v1/health").status for _ in range(5)]
         assert statuses == [200, 200, 200, 429, 429]
         assert link.call("GET", "/v1/health").headers["retry-after"] == "1"
+        assert link.call("POST", f"/v1/searches/{'0' * 32}/stop", {}).status == 404  # not limited
 
 
 def test_searches_are_limited(tmp_path):

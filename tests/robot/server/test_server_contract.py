@@ -150,6 +150,20 @@ def test_a_model_that_is_gone_ends_the_search_and_says_so(link, script):
     assert answer["reason"] == "no answer for 120 s"
 
 
+def test_a_full_disk_takes_no_observation(link, script, monkeypatch):
+    search = link.open()
+
+    def full(*_: object) -> int:
+        raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("os.pwrite", full)
+        answer = link.observe(search, body_of(0))
+        assert (answer.status, answer.json["error"]) == (507, "storage")
+    assert script.seen == 0
+    assert link.observe(search, body_of(0)).json["action"] == Action.MOVE_FORWARD
+
+
 def test_an_error_of_ours_stops_the_robot_and_tells_no_secrets(link, script, caplog):
     script.error = ZeroDivisionError("inner workings")
     search = link.open()

@@ -147,14 +147,16 @@ def _routes(searches: Searches, allowances: Allowances) -> APIRouter:
     async def stop(name: _Name, request: StopRequest) -> Status:
         """Stop the robot for good."""
         search = searches.find(name)
-        await run_in_threadpool(search.stop, request.reason)
+        search.stop(request.reason)
+        await run_in_threadpool(search.write_end)
         return search.status()
 
     @routes.post(f"{SEARCHES}/{{name}}/close")
     async def close(name: _Name) -> Status:
         """End a search that nobody needs any more; what is on disk can still be read."""
         search = searches.find(name)
-        await run_in_threadpool(search.stop, "closed", SearchEnding.CLOSED)
+        search.stop("closed", SearchEnding.CLOSED)
+        await run_in_threadpool(search.write_end)
         return search.status()
 
     @routes.get(f"{SEARCHES}/{{name}}/trace", response_class=Response)
@@ -177,36 +179,34 @@ def _routes(searches: Searches, allowances: Allowances) -> APIRouter:
         colour = searches.find(name).colour
         if colour is None:
             raise _nothing_yet("image")
-        return Response(colour[1], media_type=f"image/{colour[0]}", headers=_UNCACHED)
+        return Response(colour[1], media_type=f"image/{colour[0]}", headers=_LIVE)
 
     @routes.get(f"{SEARCHES}/{{name}}/map.png", response_class=Response)
     def png(name: _Name) -> Response:
         """The map, one pixel a cell, y up; the status says where it lies."""
-        return Response(
-            map_png(_grid(searches.find(name))), media_type="image/png", headers=_UNCACHED
-        )
+        return Response(map_png(_grid(searches.find(name))), media_type="image/png", headers=_LIVE)
 
     @routes.get(f"{SEARCHES}/{{name}}/map.json")
     def occupancy(name: _Name) -> JSONResponse:
         """The map with the fields of nav_msgs/OccupancyGrid."""
-        return JSONResponse(occupancy_grid(_grid(searches.find(name))), headers=_UNCACHED)
+        return JSONResponse(occupancy_grid(_grid(searches.find(name))), headers=_LIVE)
 
     @routes.get(f"{SEARCHES}/{{name}}/map.yaml", response_class=Response)
     def yaml(name: _Name) -> Response:
         """The map for Nav2's map_server: its description."""
         text = map_server_file(_grid(searches.find(name)), "map.yaml")
-        return Response(text, media_type="application/yaml", headers=_UNCACHED)
+        return Response(text, media_type="application/yaml", headers=_LIVE)
 
     @routes.get(f"{SEARCHES}/{{name}}/map.pgm", response_class=Response)
     def pgm(name: _Name) -> Response:
         """The map for Nav2's map_server: its image."""
         content = map_server_file(_grid(searches.find(name)), "map.pgm")
-        return Response(content, media_type="image/x-portable-graymap", headers=_UNCACHED)
+        return Response(content, media_type="image/x-portable-graymap", headers=_LIVE)
 
     return routes
 
 
-_UNCACHED = {"cache-control": "no-store"}
+_LIVE = {"cache-control": "no-store", "x-content-type-options": "nosniff"}
 
 
 def _grid(search: Search) -> OccupancyGrid:

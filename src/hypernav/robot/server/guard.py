@@ -22,6 +22,7 @@ from hypernav.robot.wire.messages import ErrorBody
 
 API = "/v1"
 _OBSERVATIONS = "/observations"
+_STOP = "/stop"
 _MOST_JSON_BYTES = 64_000
 _MOST_ADDRESSES = 1000
 _POLICY_VIOLATION = 1008
@@ -113,6 +114,14 @@ class Guard:
             self._at_once -= 1
 
     def _check(self, scope: Scope) -> None:
+        headers = Headers(scope=scope)
+        self._check_origin(headers)
+        if not scope["path"].endswith(_STOP):  # always wins, over limits, too
+            self._check_load(scope)
+        if scope["path"].startswith(API):
+            self._check_token(headers)
+
+    def _check_load(self, scope: Scope) -> None:
         client = scope.get("client")
         self._allowances.take(client[0] if client else "")
         if self._at_once > self._limits.requests_at_once:
@@ -122,10 +131,6 @@ class Guard:
                 error="busy",
                 status=429,
             )
-        headers = Headers(scope=scope)
-        self._check_origin(headers)
-        if scope["path"].startswith(API):
-            self._check_token(headers)
 
     def _check_origin(self, headers: Headers) -> None:
         """Keep out pages of other sites, which a browser on this machine may show."""

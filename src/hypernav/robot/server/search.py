@@ -58,7 +58,6 @@ class Search:
         self._recall()
         if self._end is not None:
             self.grid = journal.read_map()
-            journal.close()
 
     def _recall(self) -> None:
         """Take the last answer, pose and image from the journal."""
@@ -133,20 +132,45 @@ class Search:
             return turn
 
     def stop(self, reason: str, ending: SearchEnding = SearchEnding.STOPPED) -> None:
-        """End the search from outside: at once in memory, and for good once this returns.
+        """End the search from outside, at once; `write_end` makes it last.
+
+        Args:
+            reason: Who stops it, or why.
+            ending: Kind of the end.
+        """
+        with self._lock:
+            if self._end is not None:
+                return
+            self._end = EndRecord(ending=ending, detail=reason)
+            if self._turn is not None and not self._turn.is_answered:
+                self._turn.reply = end_reply(self._turn.sequence, self._end)
+            worker, self._worker = self._worker, None
+        self._note_change()
+        if worker is not None:
+            worker.submit(self._release)
+            worker.end()
+
+    def write_end(self) -> None:
+        """Write the end of the search down, if it is over.
 
         Raises:
-            RunFolderError: The end cannot be written down; the robot is stopped all the same.
+            RunFolderError: It cannot be written; the robot is stopped all the same.
         """
-        self._finish(EndRecord(ending=ending, detail=reason))
+        if self._end is not None:
+            self._journal.write_end(self._end, self.grid)
 
-    def halt(self) -> None:
-        """Let go of everything; the search is not over, and can be taken up again."""
+    def halt(self) -> Worker | None:
+        """Let go of everything; the search is not over, and can be taken up again.
+
+        Returns:
+            The worker, which ends after what it does just now; None if there is none.
+        """
         with self._lock:
             worker, self._worker = self._worker, None
         if worker is not None:
             worker.submit(self._release)
-            worker.end(wait_s=2.0)
+            worker.end()
+        return worker
 
     def status(self) -> Status:
         """The present state."""
@@ -235,13 +259,13 @@ class Search:
                 return
             try:
                 observation = self._decisions.decode(packed)
-            except WireError as error:
+                self._journal.add_observation(body)
+            except (WireError, RunFolderError) as error:
                 with self._lock:
                     if not turn.is_answered:
                         turn.error, self._turn = error, before
                 self._note_change()
                 return
-            self._journal.add_observation(body)
             with self._lock:
                 self._next = turn.sequence + 1
                 self.colour = (packed.header.colour.format, packed.colour)
@@ -260,7 +284,7 @@ class Search:
             if turn is None or turn.sequence >= self._next:
                 return
             if turn.reply is not None and turn.reply.ending is not None:
-                self._finish(EndRecord(ending=turn.reply.ending, detail=turn.reply.reason))
+                self._finish(turn.reply.ending, turn.reply.reason)
             elif not turn.is_answered:
                 packed = unpack_observation(self._journal.observation(turn.sequence))
                 observation = self._decisions.decode(packed)
@@ -277,27 +301,16 @@ class Search:
             if step.trace is not None:
                 self.pose = step.trace.pose
         if step.reply.ending is not None:
-            self._finish(EndRecord(ending=step.reply.ending, detail=step.reply.reason))
+            self._finish(step.reply.ending, step.reply.reason)
         self._note_change()
 
     def _is_wanted(self) -> bool:
         """Whether the search still goes on, and here."""
         return self._end is None and self._worker is not None
 
-    def _finish(self, end: EndRecord) -> None:
-        """End the search, once."""
-        with self._lock:
-            if self._end is not None:
-                return
-            self._end, grid = end, self.grid
-            if self._turn is not None and not self._turn.is_answered:
-                self._turn.reply = end_reply(self._turn.sequence, end)
-            worker, self._worker = self._worker, None
-        self._note_change()
-        if worker is not None:
-            worker.submit(self._release)
-            worker.end()
-        self._journal.write_end(end, grid)
+    def _finish(self, ending: SearchEnding, detail: str) -> None:
+        self.stop(detail, ending)
+        self.write_end()
 
     def _release(self) -> None:
         self._decisions.close()
@@ -315,15 +328,13 @@ class Search:
             try:
                 yield
             except (ModelUnavailableError, ModelSetupError) as error:
-                end = EndRecord(ending=SearchEnding.MODEL_UNAVAILABLE, detail=str(error))
-                self._finish(end)
+                self._finish(SearchEnding.MODEL_UNAVAILABLE, str(error))
             except HyPerNavError as error:
                 _LOG.error("search %s: %s", self.record.id, error)
-                self._finish(EndRecord(ending=SearchEnding.FAILED, detail=str(error)))
+                self._finish(SearchEnding.FAILED, str(error))
             except Exception:  # a fault of ours; the robot is told, and the log has the traceback
                 _LOG.exception("search %s failed", self.record.id)
-                detail = "an error of the server, whose log says more"
-                self._finish(EndRecord(ending=SearchEnding.FAILED, detail=detail))
+                self._finish(SearchEnding.FAILED, "an error of the server, whose log says more")
         except RunFolderError as error:
             _LOG.error("search %s: %s", self.record.id, error)
 

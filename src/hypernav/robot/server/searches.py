@@ -5,7 +5,7 @@ import secrets
 import shutil
 import threading
 import time
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from importlib.metadata import version
 from pathlib import Path
 from types import TracebackType
@@ -21,6 +21,8 @@ from hypernav.robot.server.state.journal import Journal, SearchRecord
 from hypernav.robot.wire.messages import OpenSearch
 
 _LOG = logging.getLogger(__name__)
+_PATIENCE_S = 2.0
+"""Longest wait for decisions that are being made when the server ends."""
 
 
 class Searches:
@@ -68,8 +70,11 @@ class Searches:
         trace: TracebackType | None,
     ) -> None:
         """Let go of all searches; those that are not over can be taken up again."""
-        for search in self.all():
-            search.halt()
+        workers = [search.halt() for search in self.all()]
+        end = time.monotonic() + _PATIENCE_S
+        for worker in workers:
+            if worker is not None:
+                worker.join(max(end - time.monotonic(), 0.0))
         self._open.close()
 
     def open(self, request: OpenSearch) -> Search:
@@ -129,13 +134,15 @@ class Searches:
     def _load(self, folder: Path) -> None:
         """Take up a search of an earlier server; one that is damaged is left alone."""
         try:
-            journal = Journal(folder)
-            search = Search(journal)
-            if not search.is_over:
-                # As it was opened, whatever the server's options are today.
-                plan = AgentPlan(journal.record.config, journal.record.specs)
-                built = plan.build(Goal(journal.record.request.goal), folder)
-                search.go_on(Decisions(journal, built))
+            with ExitStack() as opened:
+                journal = opened.enter_context(closing(Journal(folder)))
+                search = Search(journal)
+                if not search.is_over:
+                    # As it was opened, whatever the server's options are today.
+                    plan = AgentPlan(journal.record.config, journal.record.specs)
+                    built = plan.build(Goal(journal.record.request.goal), folder)
+                    search.go_on(Decisions(journal, built))
+                    opened.pop_all()
         except HyPerNavError as error:
             _LOG.error("the search in %s cannot be taken up: %s", folder.name, error)
             return

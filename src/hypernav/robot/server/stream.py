@@ -4,7 +4,7 @@ import asyncio
 
 from fastapi import WebSocket, WebSocketDisconnect
 
-from hypernav.core.errors import RequestRefusedError, WireError
+from hypernav.core.errors import RequestRefusedError, RunFolderError, WireError
 from hypernav.robot.server.guard import Allowances
 from hypernav.robot.server.search import Search
 from hypernav.robot.server.searches import Searches
@@ -100,6 +100,8 @@ class Stream:
             reply: Reply = turn.result()
         except WireError as error:
             await self._send(_error("invalid", str(error), 422))
+        except RunFolderError as error:
+            await self._send(_error("storage", str(error), 507))
         else:
             await self._send(StreamMessage(reply=reply))
 

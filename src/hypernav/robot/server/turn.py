@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from hypernav.core.actions import Action
-from hypernav.core.errors import WireError
+from hypernav.core.errors import RunFolderError, WireError
 from hypernav.robot.server.state.journal import EndRecord
 from hypernav.robot.wire.messages import Reply
 
@@ -15,12 +15,12 @@ class Turn:
     Attributes:
         sequence: Number of the observation.
         reply: The answer; None before.
-        error: Why the observation was not accepted; None if it was.
+        error: Why the observation was not accepted: it is broken, or the disk full; None if it was.
     """
 
     sequence: int
     reply: Reply | None = None
-    error: WireError | None = None
+    error: WireError | RunFolderError | None = None
 
     @property
     def is_answered(self) -> bool:
@@ -31,7 +31,8 @@ class Turn:
         """The answer; ``hold`` as long as there is none.
 
         Raises:
-            WireError: The observation was not accepted.
+            WireError: The observation is broken.
+            RunFolderError: It could not be written down.
         """
         if self.error is not None:
             raise self.error

@@ -29,11 +29,13 @@ class Worker:
         """Add a job, which must not raise."""
         self._jobs.put(job)
 
-    def end(self, wait_s: float = 0.0) -> None:
-        """End the thread after the jobs that it has, without waiting longer than asked."""
+    def end(self) -> None:
+        """Let the thread end after the jobs that it has."""
         self._jobs.put(None)
-        if wait_s > 0.0 and self._thread is not threading.current_thread():
-            self._thread.join(wait_s)
+
+    def join(self, timeout_s: float) -> None:
+        """Wait until the thread has ended, or no longer."""
+        self._thread.join(timeout_s)
 
     def _work(self) -> None:
         while (job := self._jobs.get()) is not None:

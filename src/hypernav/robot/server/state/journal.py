@@ -16,6 +16,7 @@ The folder of a search holds:
 
 import json
 import os
+import threading
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -100,6 +101,7 @@ class Journal:
             RunFolderError: It is damaged, or cannot be written.
         """
         self.folder = folder
+        self._ending = threading.Lock()
         self.record = _read(folder / "search.json", SearchRecord)
         self._observations = AppendOnlyFile(folder / "observations.bin", to_read=to_read)
         self._steps = AppendOnlyFile(folder / "steps.bin", to_read=to_read)
@@ -175,10 +177,11 @@ class Journal:
         Raises:
             RunFolderError: It cannot be written.
         """
-        _write_whole(self.folder / "end.json", end)
-        if grid is not None:
-            with suppress(OSError):  # the end is what counts
-                save_ros_map(grid, self.folder)
+        with self._ending:
+            _write_whole(self.folder / "end.json", end)
+            if grid is not None:
+                with suppress(OSError):  # the end is what counts
+                    save_ros_map(grid, self.folder)
 
     def read_map(self) -> OccupancyGrid | None:
         """The map of a search that has ended; None if there is none."""
