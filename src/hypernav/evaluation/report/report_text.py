@@ -176,15 +176,21 @@ def other_protocol_lines(run: RunData, first: RunData) -> list[tuple[str, str]]:
 
 def setting(run: RunData) -> str:
     """Protocol in a line, to be set beside published ones."""
-    told, config = run.configuration["protocol"], run.configuration["config"]
-    motion = config["embodiment"]["motion"]
     kind = run.dataset.partition("-")[0]
     scenes = f"generated {kind}" if kind in NOUNS else "one scene"
     sees = "ground-truth detection" if run.is_told_truth else f"sees with {run.who['detector']}"
-    return (
-        f"{scenes}; {sees}; STOP within {told['success_distance_m']:g} m of a view point, at most "
-        f"{told['max_steps']} steps, forward {motion['forward_m']:g} m"
-    )
+    return f"{scenes}; {sees}; at most {run.configuration['protocol']['max_steps']} steps"
+
+
+def reached(run: RunData) -> str:
+    """What counts as reached, in words."""
+    distance_m = run.configuration["protocol"]["success_distance_m"]
+    return f"STOP within {distance_m:g} m of a view point"
+
+
+def step(run: RunData) -> str:
+    """Length of a step, in words."""
+    return f"{run.configuration['config']['embodiment']['motion']['forward_m']:g} m"
 
 
 def session_lines(run: RunData) -> list[str]:
