@@ -25,16 +25,18 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
-from hypernav.build.agents import build_search
+from hypernav.build.agents import build_explorer, build_search
 from hypernav.build.presets import preset
 from hypernav.build.scenes import build_scene
 from hypernav.core.actions import Action
+from hypernav.core.components.abilities import Watches
 from hypernav.core.episode import Episode
 from hypernav.core.geometry.camera import optical_to_base
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import LabelledPixels, Observation
+from hypernav.core.sightings import Sightings
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.blocks import divide_into_blocks
 from hypernav.mapping.frontiers import find_frontiers
@@ -51,6 +53,7 @@ from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
 
 STEPS = 500
+RIVALS = ("vlfm", "navvlm", "vlmnav", "pivot", "dynavlm-style")
 UNIT = "the unit: depth to distinct voxels"
 TEST_DATA = Path(os.environ.get("HYPERNAV_TEST_DATA", "../shared/data"))
 
@@ -108,8 +111,29 @@ def main(data: Path = TEST_DATA, house: str = "houses:100007") -> None:
         far = max(blocks, key=lambda b: b.travel_m)
         target = np.array([far.destination])
         watch("plan to the farthest block", planner.plan, grid, robot.xy, target)
+    explore_as_published(observations, watch)
     search_in_vain(watch, house)
     report(watch)
+
+
+def explore_as_published(observations: list[Observation], watch: Stopwatch) -> None:
+    """Time the explorers of the published methods, each with a map of its own.
+
+    All but the models: what an image costs, and a choice with a stand-in, at every step. The value
+    map, frontiers and arrows of a method are in its two lines; the map is in "integrate" above.
+    """
+    config = preset("default")
+    for name in RIVALS:
+        sightings = Sightings()
+        explorer = build_explorer(config, ExchangeLog(), name, sightings=sightings)
+        explorer.reset(Goal("something that is not there"))
+        world_map = TopDownMap(config.mapping, config.embodiment)
+        assert isinstance(explorer, Watches)
+        for observation in observations:
+            world_map.integrate(observation)
+            watch(f"{name}: image", explorer.watch, observation, world_map.grid)
+            robot = observation.robot
+            watch(f"{name}: choice", explorer.next_destination, world_map.grid, robot, [robot.xy])
 
 
 def bare_pass(observation: Observation, counts: NDArray[np.uint16]) -> int:

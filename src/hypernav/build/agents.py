@@ -225,17 +225,10 @@ def build_search(
         reasoner: Reasoner that the explorer asks; the one that needs no model unless given.
         presence: Presence check before STOP; None trusts the goal area.
     """
-    offers = _offers(config, log)
-    choice = AGENTS.find(agent)
-    asked = asked_by(choice)
-    role, remembers = role_in(asked), asked.get("sightings", False)
+    remembers = asked_by(AGENTS.find(agent)).get("sightings", False)
     tells_rooms = config.geometric.trust_rooms > 0.0 or remembers
     sightings = Sightings(tells_rooms=True) if tells_rooms else None
-    offers["sightings"] = sightings
-    if role:
-        stand_in = ROLES[role].registry.find(ROLES[role].without_model)
-        offers[role] = reasoner or _made(stand_in, role, config, offers)
-    explorer = _made(choice, "agent", config, offers)
+    explorer = build_explorer(config, log, agent, reasoner=reasoner, sightings=sightings)
     return _search(
         config,
         detector,
@@ -245,6 +238,31 @@ def build_search(
         presence=presence,
         sightings=sightings,
     )
+
+
+def build_explorer(
+    config: HyPerNavConfig,
+    log: ExchangeLog,
+    agent: str,
+    *,
+    reasoner: object | None = None,
+    sightings: Sightings | None = None,
+) -> Explorer:
+    """An explorer alone.
+
+    Args:
+        config: Configuration of everything.
+        log: Log of its questions.
+        agent: Name of the explorer.
+        reasoner: Reasoner that it asks; the one that needs no model unless given.
+        sightings: What was seen besides the goal; None where nobody keeps it.
+    """
+    offers = _offers(config, log) | {"sightings": sightings}
+    choice = AGENTS.find(agent)
+    if role := role_in(asked_by(choice)):
+        stand_in = ROLES[role].registry.find(ROLES[role].without_model)
+        offers[role] = reasoner or _made(stand_in, role, config, offers)
+    return _made(choice, "agent", config, offers)
 
 
 def _search(
