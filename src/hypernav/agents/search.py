@@ -15,7 +15,7 @@ from hypernav.agents.phases.step import Decision, Phase, PhaseName, Step
 from hypernav.agents.phases.verify import Verify
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
-from hypernav.core.components.abilities import Watches
+from hypernav.core.components.abilities import Explains, Watches
 from hypernav.core.components.protocols import Explorer, PresenceCheck
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import WorldError
@@ -124,7 +124,9 @@ class _Search:
         self._bumps = BumpSensor(planning, embodiment)
         self._steps = steps
         self._always_looks = config.looks == "always"
-        self._watcher = components.explorer if isinstance(components.explorer, Watches) else None
+        explorer = components.explorer
+        self._watcher = explorer if isinstance(explorer, Watches) else None
+        self._explainer = explorer if isinstance(explorer, Explains) else None
         self._motion = embodiment.motion
         # Each keeps to its own plan: steps that lead to two positions by turns lead to neither.
         navigator = Navigator(planning, embodiment)
@@ -250,6 +252,7 @@ class _Search:
             blocks=self._explore.drain_offered(),
             exchanges=self._log.drain(),
             events=step.events,
+            insight=self._explainer.take_insight() if self._explainer is not None else None,
             ending=decision.ending,
             seconds=step.clock.seconds,
         )

@@ -3,12 +3,19 @@
 Videos, pages, logs, failure analysis and the operator's screen all read this stream.
 """
 
+from collections.abc import Callable
 from enum import StrEnum
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    model_serializer,
+)
 
 from hypernav.core.actions import Action
+from hypernav.core.insight import Insight
 
 
 class Mode(StrEnum):
@@ -119,6 +126,8 @@ class StepTrace(_Record):
         blocks: Blocks as drawn in this step's map question; empty if none was asked.
         exchanges: Questions and answers of this step.
         events: Events worth finding again ("destination reached", "goal area rejected", …).
+        insight: What the explorer looked at when it chose in this step; left out of the JSON where
+            there is none.
         ending: End of the search, in its last step; None as long as it goes on.
         seconds: Time per module, seconds.
     """
@@ -135,8 +144,16 @@ class StepTrace(_Record):
     blocks: list[BlockRecord] = Field(default_factory=list)
     exchanges: list[Exchange] = Field(default_factory=list)
     events: list[str] = Field(default_factory=list)
+    insight: Insight | None = None
     ending: Ending | None = None
     seconds: dict[str, float] = Field(default_factory=dict)
+
+    @model_serializer(mode="wrap")
+    def _without_empty_insight(self, content: Callable[[Any], dict[str, Any]]) -> dict[str, Any]:
+        values = content(self)
+        if self.insight is None:
+            values.pop("insight", None)
+        return values
 
 
 class ExchangeLog:

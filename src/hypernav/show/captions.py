@@ -32,6 +32,9 @@ QUESTIONS: dict[str, str] = {
     "verify": "Is it really there?",
     "summarise": "Which number was meant?",
     "attention": "Is there anything new to see?",
+    "choose arrow": "Which arrow to follow?",
+    "choose direction": "Which way leads there?",
+    "score view": "Does it look as if it were near?",
 }
 
 MODULES: dict[str, str] = {
@@ -52,6 +55,8 @@ _PARTS_WITHOUT_MODEL: dict[str, str] = {
     "geometric": "geometric rule (no model)",
     "noisy": "a stand-in that knows the truth and errs at a set rate (no model)",
     "random block": "chance (no model)",
+    "value map": "the value map",
+    "truth": "a stand-in that knows what is in view (no model)",
 }
 
 

@@ -144,5 +144,7 @@ def test_the_stand_in_points_to_the_likely_room():
     guide = TruthGuide(ExchangeLog())
     assert guide.direct(GuideView(seen, windows), Goal("pillow")).direction is Direction.LEFT
     assert guide.direct(GuideView(seen, windows), Goal("oven")).direction is Direction.EXPLORE
+    alike = {Direction.LEFT: slice(0, 60), Direction.RIGHT: slice(0, 60)}
+    assert guide.direct(GuideView(seen, alike), Goal("oven")).direction is Direction.EXPLORE
     nothing = replace(seen, truth=LabelledPixels(certain(seen.truth).ids, {}))
     assert guide.direct(GuideView(nothing, windows), Goal("oven")).direction is Direction.EXPLORE

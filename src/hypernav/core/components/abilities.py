@@ -8,6 +8,7 @@ from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
+from hypernav.core.insight import Insight
 from hypernav.core.observation import Observation
 from hypernav.core.sightings import SeenThing
 
@@ -92,6 +93,15 @@ class Watches(Protocol):
             observation: Frame of this step.
             grid: The map with this frame in it, which changes with the next one.
         """
+        ...
+
+
+@runtime_checkable
+class Explains(Protocol):
+    """An explorer that can show what it looked at when it chose."""
+
+    def take_insight(self) -> Insight | None:
+        """What it looked at since the last call; None if it made no choice."""
         ...
 
 

@@ -21,6 +21,7 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.guidance import Direction, GuideView
+from hypernav.core.insight import ImageWindow, Insight
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.config import MappingConfig
@@ -102,6 +103,7 @@ class AreaExplorer:
         self._frontier.reset(goal)
         self._visited: list[tuple[float, float]] = []
         self._turns = 0
+        self._insight: Insight | None = None
         self._observation: Observation | None = None
         self._seen_before: UInt8[np.ndarray, "_ _ 3"] | None = None
 
@@ -114,6 +116,11 @@ class AreaExplorer:
     def watch(self, observation: Observation, grid: OccupancyGrid) -> None:
         """Keep the image, in case that a direction is to be asked for."""
         self._observation = observation
+
+    def take_insight(self) -> Insight | None:
+        """The square of the area that was chosen; see `Explains` of core's abilities."""
+        insight, self._insight = self._insight, None
+        return insight
 
     def next_destination(
         self, grid: OccupancyGrid, robot: Pose2, trajectory: Sequence[tuple[float, float]]
@@ -136,6 +143,9 @@ class AreaExplorer:
             position = self._area(seen, choice.direction, grid, robot)
             if position is not None:
                 self._turns = 0
+                rows, columns = _square(seen, choice.direction, self._config)
+                box = (columns.start, rows.start, columns.stop, rows.stop)
+                self._insight = Insight(window=ImageWindow(box=box, label=choice.direction))
                 return Destination(
                     *position,
                     reason=choice.reason,

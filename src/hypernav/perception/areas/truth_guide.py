@@ -10,14 +10,17 @@ from hypernav.perception.values.truth_scorer import chance_in_view
 
 
 class TruthGuideConfig(RoomConfig):
-    """Caution of the stand-in.
+    """Caution of the stand-in. All values are ours.
 
     Attributes:
-        least_chance: Chance of the goal in a room like the one in view, below which nothing in the
-            image leads there; ours.
+        least_chance: Chance of the goal in a room like the one in a direction at which that
+            direction leads there.
+        least_lead: How many times as likely as in the least likely direction the goal must be
+            elsewhere to lead there below that chance.
     """
 
     least_chance: float = Field(default=0.4, ge=0.0, le=1.0)
+    least_lead: float = Field(default=2.0, ge=1.0, le=1000.0)
 
 
 class TruthGuide:
@@ -49,19 +52,28 @@ class TruthGuide:
         Raises:
             LabelsMissingError: The world supplies no labels.
         """
-        chances = {
-            direction: chance_in_view(view.observation, goal, columns)
-            for direction, columns in view.windows.items()
-        }
-        best = max(chances, key=lambda direction: chances[direction])
-        direction = best if chances[best] >= self._config.least_chance else Direction.EXPLORE
-        reason = f"{direction}: a room like the one in view has it {chances[best]:.0%} of the time"
+        choice = self._choice(view, goal)
         self._log.record(
             Exchange(
                 kind="choose direction",
                 asked="truth",
                 question="Which part of the image shows a room that likely holds the goal?",
-                answer=reason,
+                answer=choice.reason,
             )
         )
+        return choice
+
+    def _choice(self, view: GuideView, goal: Goal) -> GuideChoice:
+        chances = {
+            direction: chance
+            for direction, columns in view.windows.items()
+            if (chance := chance_in_view(view.observation, goal, columns)) is not None
+        }
+        if not chances:
+            return GuideChoice(Direction.EXPLORE, f"{Direction.EXPLORE}: nothing tells the room")
+        best = max(chances, key=lambda direction: chances[direction])
+        ahead = chances[best] >= self._config.least_lead * min(chances.values())
+        leads = ahead or chances[best] >= self._config.least_chance
+        direction = best if leads else Direction.EXPLORE
+        reason = f"{direction}: a room like the one in view has it {chances[best]:.0%} of the time"
         return GuideChoice(direction, reason)

@@ -12,6 +12,7 @@ from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
+from hypernav.core.insight import Insight
 from hypernav.core.observation import Observation
 from hypernav.core.sightings import Sightings
 from hypernav.mapping.config import MappingConfig
@@ -101,6 +102,10 @@ class ArrowExplorer:
     def watch(self, observation: Observation, grid: OccupancyGrid) -> None:
         """Keep the image, in case that a move is to be chosen."""
         self._sight.observation = observation
+
+    def take_insight(self) -> Insight | None:
+        """The arrows of the latest choice; see `hypernav.core.components.abilities.Explains`."""
+        return self._sight.take_insight()
 
     def next_destination(
         self, grid: OccupancyGrid, robot: Pose2, trajectory: Sequence[tuple[float, float]]

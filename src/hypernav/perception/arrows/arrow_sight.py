@@ -12,12 +12,13 @@ from hypernav.core.config import RoomConfig
 from hypernav.core.destination import Destination
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.insight import ImageMark, Insight
 from hypernav.core.observation import Observation
 from hypernav.perception.arrows.free_range import FreeRangeConfig, free_ranges
 from hypernav.perception.arrows.marks import MarkConfig, mark_of
 from hypernav.perception.arrows.proposals import FreeDirections, Move
 from hypernav.perception.arrows.ray_memory import RayMemory, RayMemoryConfig
-from hypernav.show.drawing.arrows import ArrowStyle, draw_arrows
+from hypernav.show.drawing.arrows import ArrowStyle, draw_arrows, foot_pixel
 
 _SPARE_STEPS = 2
 """Actions that a move may take beyond those of a straight one; ours."""
@@ -65,7 +66,8 @@ class ArrowSight:
         self._memory = RayMemory(self._config.memory)
         self._observation: Observation | None = None
         self._rested = self._config.turn_rest
-        self.arrows: tuple[Arrow, ...] = ()
+        self._offered: tuple[Arrow, ...] = ()
+        self._taken: Arrow | None = None
 
     @property
     def observation(self) -> Observation:
@@ -131,17 +133,34 @@ class ArrowSight:
         facts: tuple[str, ...] = (),
     ) -> ArrowView:
         """The question about some arrows."""
-        self.arrows = arrows
-        seen = self.observation
-        to_base = seen.robot.to_transform().inverse() @ seen.camera_to_map
+        self._offered = arrows
+        marks = {arrow.number: arrow.pixel for arrow in arrows}
         draw = partial(
-            draw_arrows, seen.rgb, seen.camera, to_base, arrows, self._style, may_turn=may_turn
+            draw_arrows, self.observation.rgb, marks, self._foot, self._style, may_turn=may_turn
         )
         return ArrowView(draw, arrows, may_turn, wanted, facts)
+
+    def take_insight(self) -> Insight | None:
+        """The arrows of the latest question and the chosen one, once; None if none was asked."""
+        offered, self._offered = self._offered, ()
+        if not offered:
+            return None
+        marks = [
+            ImageMark(number=one.number, pixel=one.pixel, chosen=one is self._taken)
+            for one in offered
+        ]
+        return Insight(marks=marks, foot=self._foot if self._style.shafts else None)
+
+    @property
+    def _foot(self) -> tuple[float, float]:
+        seen = self.observation
+        to_base = seen.robot.to_transform().inverse() @ seen.camera_to_map
+        return foot_pixel(seen.camera, to_base)
 
     def along(self, arrow: Arrow, reason: str) -> Destination:
         """The destination at the end of an arrow."""
         self._rested += 1
+        self._taken = arrow
         motion = self._embodiment.motion
         turns = math.ceil(abs(math.degrees(arrow.heading)) / motion.turn_angle_deg)
         steps = math.ceil(arrow.length_m / motion.forward_m)

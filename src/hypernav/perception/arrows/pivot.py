@@ -22,6 +22,7 @@ from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
+from hypernav.core.insight import Insight
 from hypernav.core.observation import Observation
 from hypernav.perception.arrows.arrow_sight import ArrowConfig, ArrowSight
 from hypernav.perception.arrows.proposals import FreeDirections, Move
@@ -144,6 +145,10 @@ class PivotExplorer:
     def watch(self, observation: Observation, grid: OccupancyGrid) -> None:
         """Keep the image, in case that a move is to be chosen."""
         self._sight.observation = observation
+
+    def take_insight(self) -> Insight | None:
+        """The arrows of the latest choice; see `hypernav.core.components.abilities.Explains`."""
+        return self._sight.take_insight()
 
     def next_destination(
         self, grid: OccupancyGrid, robot: Pose2, trajectory: Sequence[tuple[float, float]]

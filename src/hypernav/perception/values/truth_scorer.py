@@ -64,7 +64,8 @@ class TruthScorer:
         Raises:
             LabelsMissingError: The world supplies no labels.
         """
-        score = chance_in_view(observation, goal)
+        chance = chance_in_view(observation, goal)
+        score = _average(goal) if chance is None else chance
         if self._config.noise > 0.0:
             score += self._config.noise * self._error(observation, goal)
         return min(max(score, 0.0), 1.0)
@@ -77,7 +78,9 @@ class TruthScorer:
         return float(np.random.default_rng(seed).standard_normal())
 
 
-def chance_in_view(observation: Observation, goal: Goal, columns: slice = slice(None)) -> float:
+def chance_in_view(
+    observation: Observation, goal: Goal, columns: slice = slice(None)
+) -> float | None:
     """Chance that a room like the one in view holds the goal; 1 where the goal is in view.
 
     Args:
@@ -86,8 +89,7 @@ def chance_in_view(observation: Observation, goal: Goal, columns: slice = slice(
         columns: Columns of the image that count; all by default.
 
     Returns:
-        0 to 1. Where nothing known is in view, the chance of an average room; for a goal that the
-        table doesn't know, 0.5.
+        0 to 1; None where nothing that tells a room is in view, or the table doesn't know the goal.
 
     Raises:
         LabelsMissingError: The world supplies no labels.
@@ -109,9 +111,14 @@ def chance_in_view(observation: Observation, goal: Goal, columns: slice = slice(
         return 1.0
     table = room_table()
     thing = table.of_thing(goal.text)
-    if thing is None:
-        return 0.5
-    return float(_rooms_in_view(table, shown) @ table.chances[thing])
+    rooms = _rooms_in_view(table, shown)
+    return None if thing is None or rooms is None else float(rooms @ table.chances[thing])
+
+
+def _average(goal: Goal) -> float:
+    """Chance that an average room holds the goal; 0.5 if the table doesn't know it."""
+    thing = room_table().of_thing(goal.text)
+    return 0.5 if thing is None else float(room_table().chances[thing].mean())
 
 
 @lru_cache(maxsize=4096)
@@ -121,14 +128,16 @@ def _satisfies(label: ObjectLabel, goal: Goal) -> bool:
 
 def _rooms_in_view(
     table: RoomTable, shown: dict[ObjectLabel, int]
-) -> Float64[np.ndarray, " kinds"]:
-    """Probability of each kind of room, by the things that a view shows and their pixels."""
+) -> Float64[np.ndarray, " kinds"] | None:
+    """Probability of each kind of room, by the things in view and their pixels; None if untold."""
     rooms = np.zeros(len(table.kinds))
     for label, pixels in shown.items():
         number = table.numbers.get(canonical(label.room)) if label.room else None
         if number is not None:
             rooms[number] += pixels
     if not rooms.any():
-        things = {table.of_thing(label.category) for label in shown} - {None}
-        rooms += np.exp(sum(np.log(table.chances[thing]) for thing in sorted(filter(None, things))))
+        things = sorted({name for one in shown if (name := table.of_thing(one.category))})
+        if not things:
+            return None
+        rooms = np.exp(sum(np.log(table.chances[thing]) for thing in things))
     return rooms / rooms.sum()

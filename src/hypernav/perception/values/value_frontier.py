@@ -18,11 +18,15 @@ from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
+from hypernav.core.insight import Insight, ValueImage
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Exchange, ExchangeLog
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.frontiers import Frontier, find_frontiers
 from hypernav.mapping.values.value_map import ValueMap, ValueMapConfig
+
+_SHOWN_EVERY = 4
+"""Every fourth cell of the value map, in both directions, is shown."""
 
 
 class ValueFrontierConfig(RoomConfig):
@@ -86,6 +90,7 @@ class ValueFrontierExplorer:
         self._goal = goal
         self._visited: list[tuple[float, float]] = []
         self._latest: tuple[tuple[float, float], float] | None = None
+        self._chose = False
         self.value_map = ValueMap(
             self._config.map, self._camera, cell_size_m=self._mapping.cell_size_m
         )
@@ -101,6 +106,16 @@ class ValueFrontierExplorer:
             ModelUnavailableError: The scorer's model did not answer.
         """
         self.value_map.integrate(observation, self._scorer.score(observation, self._goal))
+
+    def take_insight(self) -> Insight | None:
+        """The value map when another frontier was chosen; see `Explains` of core's abilities."""
+        chose, self._chose = self._chose, False
+        if not chose:
+            return None
+        world, every = self.value_map, _SHOWN_EVERY
+        values = world.values[::every, ::every]
+        shown = ValueImage.of(values, world.origin, every * self._mapping.cell_size_m)
+        return Insight(values=shown)
 
     def next_destination(
         self, grid: OccupancyGrid, robot: Pose2, trajectory: Sequence[tuple[float, float]]
@@ -119,21 +134,22 @@ class ValueFrontierExplorer:
     def _best(self, positions: list[tuple[float, float]]) -> Destination:
         points = np.array(positions)
         scores = self.value_map.median_near(points, self._config.near_m)
-        chosen, why = int(scores.argmax()), "the best of"
+        chosen, why = int(scores.argmax()), "the best"
         if self._latest is not None:
             before, score_before = self._latest
             away = np.hypot(*(points - before).T)
             nearest = int(away.argmin())
             is_same = away[nearest] <= self._config.near_m
             if is_same and scores[nearest] + self._config.stay_margin > score_before:
-                chosen, why = nearest, "as in the step before, of"
+                chosen, why = nearest, "kept"
         x, y = positions[chosen]
         score = float(scores[chosen])
         moved = self._latest is None or self._latest[0] != (x, y)
         self._latest = (x, y), score
-        reason = f"frontier with value {score:.2f}, {why} {len(positions)}"
+        reason = f"frontier with value {score:.2f}, {why} of {len(positions)}"
         if moved:
             self._record(reason)
+            self._chose = True
         return Destination(x, y, reason=reason, most_steps=1)
 
     def _record(self, answer: str) -> None:

@@ -1,13 +1,12 @@
 """Numbered arrows on a camera image, for a model and for people."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import UInt8
 
-from hypernav.core.arrows import Arrow
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Transform
 from hypernav.show.drawing import palette, shapes
@@ -43,21 +42,19 @@ class ArrowStyle:
 
 def draw_arrows(
     image: UInt8[np.ndarray, "height width 3"],
-    camera: PinholeCamera,
-    camera_to_base: Transform,
-    arrows: Sequence[Arrow],
+    marks: Mapping[int, tuple[float, float]],
+    foot: tuple[float, float],
     style: ArrowStyle,
     *,
     may_turn: bool = False,
-    chosen: Sequence[int] = (),
+    chosen: Collection[int] = (),
 ) -> UInt8[np.ndarray, "height width 3"]:
     """Draw a red line from the robot's foot to each mark, and a white disc with its number.
 
     Args:
         image: Camera image, which stays as it is.
-        camera: Intrinsics of the camera.
-        camera_to_base: Pose of the camera on the robot.
-        arrows: Arrows with their marks.
+        marks: Image coordinates ``(u, v)`` of the marks by their numbers.
+        foot: Image coordinates of the robot's foot, see `foot_pixel`.
         style: Sizes.
         may_turn: Whether the left edge says that 0 turns around.
         chosen: Numbers of arrows that are drawn as chosen, for people.
@@ -67,16 +64,14 @@ def draw_arrows(
     """
     drawn = image.copy()
     scale = drawn.shape[0] / _LINES
-    foot = foot_pixel(camera, camera_to_base)
-    for arrow in arrows if style.shafts else ():
-        color = palette.CHOSEN if arrow.number in chosen else _RED
-        points = np.array([foot, arrow.pixel])
-        shapes.line(drawn, points, color, max(style.shaft_px * scale, 1.0))
-    for arrow in arrows:
-        fill = palette.CHOSEN if arrow.number in chosen else palette.PAPER
-        _draw_disc(drawn, arrow.pixel, str(arrow.number), style, scale, fill)
+    for number, pixel in marks.items() if style.shafts else ():
+        color = palette.CHOSEN if number in chosen else _RED
+        shapes.line(drawn, np.array([foot, pixel]), color, max(style.shaft_px * scale, 1.0))
+    for number, pixel in marks.items():
+        fill = palette.CHOSEN if number in chosen else palette.PAPER
+        _draw_disc(drawn, pixel, str(number), style, scale, fill)
     if may_turn:
-        _draw_turn(drawn, style, scale, palette.CHOSEN if 0 in chosen else palette.PAPER)
+        _draw_turn(drawn, style, scale)
     return drawn
 
 
@@ -107,13 +102,11 @@ def _draw_disc(
     draw_text(image, text, centre, size, bold=True, color=palette.INK, align=0.5)
 
 
-def _draw_turn(
-    image: UInt8[np.ndarray, "_ _ 3"], style: ArrowStyle, scale: float, fill: palette.Rgb
-) -> None:
+def _draw_turn(image: UInt8[np.ndarray, "_ _ 3"], style: ArrowStyle, scale: float) -> None:
     """Say at the left edge that 0 turns around."""
     radius = style.radius_px(image.shape[0])
     middle = image.shape[0] / 2.0
-    _draw_disc(image, (radius + 4.0, middle), "0", style, scale, fill)
+    _draw_disc(image, (radius + 4.0, middle), "0", style, scale, palette.PAPER)
     size = max(round(style.text_px * scale * 0.7), 9)
     for row, word in enumerate(("TURN", "AROUND")):
         width = text_width(word, size, bold=True) + 6.0

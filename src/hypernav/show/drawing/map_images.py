@@ -9,11 +9,13 @@ from PIL import Image
 
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.insight import ValueImage
 from hypernav.core.trace import StepTrace
 from hypernav.show.drawing import palette
 from hypernav.show.drawing.legend import Layer, draw_legend
 from hypernav.show.drawing.map_painter import XY, MapPainter, NumberedSquare
 from hypernav.show.drawing.map_view import MapView
+from hypernav.show.drawing.value_overlay import draw_values
 
 _MAP_SIZE = 1200
 _LEGEND_HEIGHT = 56
@@ -34,6 +36,7 @@ def draw_map(
     chosen: int | None = None,
     excluded: Collection[int] = (),
     block_opacity: float = 1.0,
+    values: ValueImage | None = None,
 ) -> UInt8[np.ndarray, "_ _ 3"]:
     """Draw a map with everything that is known about it; y points up. All in metres.
 
@@ -51,11 +54,14 @@ def draw_map(
         chosen: Number of the highlighted block.
         excluded: Numbers of the blocks that are hatched.
         block_opacity: Opacity of the blocks, 0 to 1.
+        values: Values of the floor, drawn below everything but the map itself.
 
     Returns:
         RGB.
     """
     painter = MapPainter(grid, size=size, view=view)
+    if values is not None:
+        draw_values(painter.image, painter.view, values)
     painter.blocks(blocks, chosen=chosen, excluded=excluded, opacity=block_opacity)
     painter.goal_area(goal_area)
     painter.trajectory(trajectory)

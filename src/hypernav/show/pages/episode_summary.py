@@ -9,11 +9,11 @@ from typing import Any
 
 from hypernav.core.trace import Exchange, Mode, StepTrace
 from hypernav.show import captions
+from hypernav.show.video.frame_timing import EVERY_STEP
 
 _NESTED_NAMES = ("modules", "per_module")
 _SMALLEST_REMAINDER = 0.01
 _MOST_BARS = 5
-_EVERY_STEP = frozenset({"ground", "attention"})
 
 
 @dataclass(frozen=True)
@@ -106,7 +106,7 @@ def key_steps(steps: Sequence[StepTrace]) -> list[KeyStep]:
     for index, step in enumerate(steps):
         seen = bool(step.events and step.detections)
         asked = tuple(
-            _asked_question(e, step) for e in step.exchanges if seen or e.kind not in _EVERY_STEP
+            _asked_question(e, step) for e in step.exchanges if seen or e.kind not in EVERY_STEP
         )
         if asked or step.events:
             told.append(KeyStep(index, step, asked))

@@ -12,6 +12,7 @@ from hypernav.show.drawing import palette, shapes
 from hypernav.show.drawing.legend import Layer, draw_legend
 from hypernav.show.drawing.text import draw_text, shortened, text_width, wrapped
 from hypernav.show.video.camera_panel import draw_camera
+from hypernav.show.video.insight_panel import draw_insight
 
 WIDTH, HEIGHT = 1280, 720
 MAP_SIZE = 568
@@ -101,6 +102,8 @@ def draw_frame(
     """
     frame = blank_frame()
     _draw_header(frame, title, step)
+    if step.insight is not None:
+        rgb = draw_insight(rgb, step.insight)
     camera = draw_camera(rgb, step.detections, width=_CAMERA[0], height=_CAMERA[1])
     paste(frame, camera, _MARGIN, _TOP)
     paste(frame, map_image, _MAP_LEFT, _TOP)

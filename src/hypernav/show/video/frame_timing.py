@@ -7,13 +7,15 @@ from hypernav.core.trace import Exchange, StepTrace
 
 FRAMES_PER_SECOND = 6
 ENDING_FRAMES = 4 * FRAMES_PER_SECOND
+EVERY_STEP = frozenset({"ground", "attention", "score view"})
+"""Kinds of questions that are asked at every step, and change no destination by themselves."""
 _AT_A_STEP = 1
 _AT_A_DECISION = 6
 
 
 def decisions(step: StepTrace) -> list[Exchange]:
     """Questions of a step that changed the destination."""
-    return [one for one in step.exchanges if one.kind not in {"ground", "attention"}]
+    return [one for one in step.exchanges if one.kind not in EVERY_STEP]
 
 
 def frame_count(step: StepTrace) -> int:
