@@ -12,6 +12,7 @@ from hypernav.core.world import Position
 from hypernav.datasets.habitat_frames import positions_from_habitat, positions_to_habitat
 from hypernav.worlds.navmesh.goal_paths import GoalPaths
 from hypernav.worlds.navmesh.navmesh import Navmesh, Point
+from hypernav.worlds.surface.box_distance import is_near_box
 
 _SPACING_M = 0.05
 _DRAWS = 1000
@@ -117,9 +118,7 @@ class NavmeshSurface:
             high: Its highest corner.
             reach_m: Greatest distance to the box.
         """
-        floor = self._floor[:, :2]
-        gaps = np.maximum(np.maximum(np.array(low) - floor, floor - np.array(high)), 0.0)
-        return self._floor[(gaps**2).sum(axis=1) <= reach_m**2]
+        return self._floor[is_near_box(self._floor[:, :2], low, high, reach_m)]
 
     def random_point(self, rng: np.random.Generator) -> tuple[float, float]:
         """A point of the largest island, on the main storey, uniform over its area.

@@ -12,6 +12,7 @@ from hypernav.core.errors import SceneError, StartError
 from hypernav.core.geometry.bounds import has_cell
 from hypernav.core.world import Position
 from hypernav.worlds.scenes.scene import Scene
+from hypernav.worlds.surface.box_distance import is_near_box
 from hypernav.worlds.surface.geodesic import DistanceField, FreeSpace
 from hypernav.worlds.surface.storeys import CELL_M, Storey, find_storey
 from hypernav.worlds.surface.walkable_kernels import label_components, slide, walk
@@ -128,8 +129,7 @@ class WalkableGrid:
             reach_m: Greatest distance to the box.
         """
         centres = self.centres()
-        gaps = np.maximum(np.maximum(np.array(low) - centres, centres - np.array(high)), 0.0)
-        near = (gaps**2).sum(axis=1) <= reach_m**2
+        near = is_near_box(centres, low, high, reach_m)
         heights = self.heights[self.components == 0][near]
         return np.column_stack([centres[near], heights.astype(np.float64)])
 
