@@ -261,6 +261,28 @@ def test_a_second_look_from_another_side_unmasks_a_sofa(sure_score, outcome):
     assert ("goal area rejected" in events) == (sure_score > 0.0)
 
 
+class SeesItFromOneSideOnly:
+    """Takes the sofa for a bed from one half of the room, and sees nothing from the other."""
+
+    def detect(self, observation, goal):
+        if goal.text != "bed" or observation.robot.y >= 1.0:
+            return []
+        sofas = GroundTruthDetector().detect(observation, Goal("sofa"))
+        return [replace(one, score=0.6) for one in sofas]
+
+
+@pytest.mark.parametrize(("must_see", "ending"), [(False, Ending.FOUND), (True, Ending.GAVE_UP)])
+def test_what_a_second_look_does_not_show_is_not_believed(must_see, ending):
+    agent = search(
+        detector=SeesItFromOneSideOnly(),
+        local={"min_verdicts": 100},
+        search={"second_look_must_see": must_see},
+    )
+    steps, _ = run(agent, "bed")
+    assert "second look wanted" in [event for step in steps for event in step.events]
+    assert steps[-1].ending is ending
+
+
 @pytest.mark.parametrize(("look_again", "circles"), [(True, 2), (False, 1)])
 def test_it_looks_around_once_more_before_it_gives_up(look_again, circles):
     agent = search(search={"look_again_before_giving_up": look_again})

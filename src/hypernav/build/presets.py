@@ -196,6 +196,7 @@ def preset(name: PresetName) -> HyPerNavConfig:
             weigh_rivals=False,
             max_missed_share=1.0,
             rejected_for_looks=40,
+            believe_again=False,
         ),
         overview=OverviewConfig(
             image_px=768,
@@ -242,6 +243,7 @@ def preset(name: PresetName) -> HyPerNavConfig:
             see_before_stop=False,
             enter_in_sight=False,
             enter_fully=False,
+            second_look_must_see=False,
             pursue_far_sightings=False,
         ),
         grounding=VlmDetectorConfig(right_articles=False, score_crops=0, min_score=0.0),

@@ -1,4 +1,4 @@
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
@@ -95,6 +95,68 @@ def test_a_rejection_may_be_for_now_only():
         assert record.reason == "rejected before"
     (record,) = local.look(thing_before_wall())
     assert record.accepted
+
+
+def looks_until_believed(local, step_m, most=40):
+    """Number of images after a rejection until the goal is believed in again; None: never."""
+    for number in range(1, most + 1):
+        shift = step_m * (number % 2)
+        local.look(thing_before_wall(robot=Pose2(shift, 0.0, 0.0), thing_m=2.0 - shift))
+        if local.target is not None:
+            return number
+    return None
+
+
+def test_a_rejected_target_comes_back_after_enough_images_and_later_only_after_more():
+    local = perception(min_verdicts=3)
+    local.look(thing_before_wall())
+    local.reject_target()
+    assert looks_until_believed(local, 0.5) == 3
+    local.reject_target()
+    assert looks_until_believed(local, 0.5) == 6
+
+
+def test_images_from_one_position_bring_nothing_back():
+    local = perception(min_verdicts=3)
+    local.look(thing_before_wall())
+    local.reject_target()
+    assert looks_until_believed(local, 0.0) is None
+
+
+def test_low_scores_bring_nothing_back():
+    local = perception(ScriptedDetector([seen()] + [[replace(seen()[0], score=0.4)]] * 40))
+    local.look(thing_before_wall())
+    local.reject_target()
+    assert looks_until_believed(local, 0.5) is None
+
+
+@pytest.mark.parametrize("options", [{"for_good": True}, {}])
+def test_what_was_denied_for_good_or_is_not_to_be_believed_again_stays_rejected(options):
+    local = perception(min_verdicts=3, believe_again=bool(options))
+    local.look(thing_before_wall())
+    local.reject_target(**options)
+    assert looks_until_believed(local, 0.5) is None
+
+
+def test_every_rejected_target_is_reconsidered_once_the_most_likely_first():
+    views = [thing_before_wall(robot=Pose2(0.0, y, 0.0)) for y in (0.0, 6.0)]
+    local = perception(ScriptedDetector([[replace(seen()[0], score=s)] for s in (0.5, 0.7)]))
+    for view in views:
+        local.look(view)
+        local.reject_target()
+    for score in (0.7, 0.5):
+        assert local.reconsider()
+        assert certain(local.target).mean_score == score
+        local.reject_target()
+    assert not local.reconsider()
+    assert local.target is None
+
+
+def test_what_was_denied_for_good_is_not_reconsidered():
+    local = perception()
+    local.look(thing_before_wall())
+    local.reject_target(for_good=True)
+    assert not local.reconsider()
 
 
 @pytest.mark.parametrize("keeps", [True, False])

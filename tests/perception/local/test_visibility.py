@@ -24,7 +24,7 @@ IMAGE = thing_before_wall(thing_m=THING_M)
 
 def test_a_thing_in_sight_is_not_cut_off():
     assert not is_cut_off(THING, HEIGHT_M, IMAGE)
-    assert should_be_visible(THING, IMAGE)
+    assert should_be_visible(THING, HEIGHT_M, IMAGE)
 
 
 @pytest.mark.parametrize("wall_m", [0.0, 0.6, 1.4])
@@ -35,22 +35,27 @@ def test_a_wall_in_between_cuts_it_off_even_if_it_is_too_near_to_be_measured(wal
 
 def test_what_a_wall_hides_need_not_be_visible():
     walled = replace(IMAGE, depth=np.full_like(IMAGE.depth, 1.4))
-    assert not should_be_visible(THING, walled)
+    assert not should_be_visible(THING, HEIGHT_M, walled)
 
 
 @pytest.mark.parametrize("distance_m", [0.5, 4.5])
 def test_what_is_too_near_or_too_far_to_be_recognised_need_not_be_visible(distance_m):
     open_floor = thing_before_wall(thing_m=6.0, wall_m=6.0)
     positions = THING + np.array([distance_m - THING_M, 0.0])
-    assert not should_be_visible(positions, open_floor)
+    assert not should_be_visible(positions, HEIGHT_M, open_floor)
 
 
 def test_what_lies_outside_the_image_is_not_said_to_be_hidden():
     turned = thing_before_wall(robot=Pose2(0.0, 0.0, 2.5), wall_m=0.6, thing_m=0.6)
     assert not is_cut_off(THING, HEIGHT_M, turned)
-    assert not should_be_visible(THING, turned)
+    assert not should_be_visible(THING, HEIGHT_M, turned)
     close_wall = thing_before_wall(wall_m=0.6, thing_m=0.6)
     assert not is_cut_off(THING, -3.0, close_wall)
+
+
+@pytest.mark.parametrize("height_m", [-1.0, 3.0])
+def test_what_hangs_above_the_image_or_lies_below_it_need_not_be_visible(height_m):
+    assert not should_be_visible(THING, height_m, IMAGE)
 
 
 def test_floor_before_a_wall_lies_open_and_floor_behind_it_does_not():
@@ -69,7 +74,7 @@ def test_what_is_right_beside_the_camera_lies_open():
 def test_a_column_without_any_return_shows_no_floor_and_refutes_no_object():
     too_near = replace(IMAGE, depth=np.zeros_like(IMAGE.depth))
     assert not lies_open(np.array([[1.0, 0.0], [30.0, 0.0]]), too_near).any()
-    assert not should_be_visible(THING, too_near)
+    assert not should_be_visible(THING, HEIGHT_M, too_near)
 
 
 def test_a_box_holds_a_thing_that_is_as_wide_and_as_far_away():

@@ -15,7 +15,7 @@ from hypernav.planning.navigator import Navigator
 
 
 class End:
-    """Goes as near as possible to a goal in sight, looks around once more, or gives up."""
+    """Goes near a goal in sight; looks once more here, and at what was rejected."""
 
     def __init__(
         self,
@@ -64,6 +64,13 @@ class End:
             self._look_around.begin()
             reason = "nothing is left to explore, looking once more"
             return Decision(Action.TURN_LEFT, Mode.LOOK_AROUND, reason)
+        if self._local.reconsider():
+            self._approach.forget()
+            step.events.append("rejected goal area reconsidered")
+            reason = (
+                f"nothing is left to explore, going to what looked most like the {self._goal.thing}"
+            )
+            return Decision(Action.TURN_LEFT, Mode.APPROACH, reason)
         reason = "nothing is left to explore"
         return Decision(None, Mode.STOP, reason, ending=Ending.GAVE_UP)
 

@@ -67,7 +67,7 @@ class Verify:
             reason = f"here is the {self._goal.thing}"
             return Decision(Action.STOP, Mode.STOP, reason, ending=Ending.FOUND)
         step.events.append("goal area rejected")
-        self._local.reject_target()
+        self._local.reject_target(for_good=self._local.is_convincing)
         self._approach.forget()
         return PhaseName.LOOK_AROUND
 

@@ -55,7 +55,11 @@ class LocalConfig(RoomConfig):
             above which it is dropped; 1 never drops one.
         min_verdicts: Number of images needed before that share is believed.
         rejected_for_looks: Number of images for which what was rejected is not taken for the goal
-            again; None rejects for good.
+            again; None sets no end.
+        believe_again: Whether a rejected target is taken for the goal again once ``min_verdicts``
+            images from new positions showed it with a mean score of ``min_mean_score``; after
+            every further rejection twice as many are needed. The robot also goes to each of them
+            once more before it gives up. What the presence check denies stays rejected.
     """
 
     published_segmenter: str = ""
@@ -76,3 +80,4 @@ class LocalConfig(RoomConfig):
     max_missed_share: float = Field(default=0.75, ge=0.0, le=1.0)
     min_verdicts: int = Field(default=4, ge=1, le=10_000)
     rejected_for_looks: int | None = Field(default=None, ge=1, le=10_000)
+    believe_again: bool = True

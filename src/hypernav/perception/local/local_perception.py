@@ -11,7 +11,7 @@ from hypernav.core.components.abilities import NamesThings
 from hypernav.core.components.protocols import Detector, Segmenter
 from hypernav.core.embodiment import CameraConfig
 from hypernav.core.geometry.boxes import Detection
-from hypernav.core.geometry.transforms import wrap_angle
+from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.sightings import Sightings
@@ -24,7 +24,10 @@ from hypernav.perception.local.target import Target, areas_touch
 from hypernav.perception.local.visibility import is_cut_off, seems_to_hold, should_be_visible
 
 _NO_DEPTH = "too few points with depth"
+_REJECTED = "rejected before"
 _BESIDE_REJECTED_DEG = 10.0
+_NEW_POSITION_M = 0.4
+"""Distance from which on an image counts as another one: neighbouring ones share their errors."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,13 +38,40 @@ class _Candidate:
 
 @dataclass(frozen=True, eq=False)
 class _Rejection:
-    """An area that is not taken for the goal, and in how many more images."""
+    """A target that is not taken for the goal, and the evidence for it since then.
 
-    area: GoalArea
+    Attributes:
+        target: The rejected target.
+        looks_left: Number of images for which it is not taken for the goal.
+        needed: Number of sightings that bring it back; infinite if it is rejected for good.
+        scores: Scores of the sightings since the rejection, from positions a step apart.
+        seen_from: Position of the latest of them, ``(x, y)``, metres.
+        holds: Whether it is rejected; a target that came back may be rejected again.
+    """
+
+    target: Target
     looks_left: float
+    needed: float
+    scores: tuple[float, ...] = ()
+    seen_from: tuple[float, float] = (math.inf, math.inf)
+    holds: bool = True
+
+    @property
+    def area(self) -> GoalArea:
+        """Goal area of the rejected target."""
+        return self.target.area
 
     def after_a_look(self) -> "_Rejection":
         return replace(self, looks_left=self.looks_left - 1)
+
+    def seen_again(self, score: float, robot: Pose2, least_score: float) -> "_Rejection":
+        """The rejection after one more image that shows the goal there."""
+        if math.dist(self.seen_from, robot.xy) < _NEW_POSITION_M:
+            return self
+        scores = (*self.scores, score)
+        if len(scores) < self.needed or sum(scores) < least_score * len(scores):
+            return replace(self, scores=scores, seen_from=robot.xy)
+        return replace(self, scores=(), needed=2 * self.needed, holds=False)
 
 
 class LocalPerception:
@@ -86,6 +116,7 @@ class LocalPerception:
         self._rejected: list[_Rejection] = []
         self._far_position: tuple[float, float] | None = None
         self._score_now = 0.0
+        self._missed_now = False
         if self._attention is not None:
             self._attention.reset()
         if self._sightings is not None:
@@ -132,6 +163,11 @@ class LocalPerception:
         """Whether the target looks more like something else in the latest image."""
         return self._score_now < 0.0
 
+    @property
+    def is_missed(self) -> bool:
+        """Whether the latest image should have shown the target and did not."""
+        return self._missed_now
+
     def forget_far_position(self) -> None:
         """Take the next sighting beyond the range of depth in place of the remembered one."""
         self._far_position = None
@@ -162,13 +198,38 @@ class LocalPerception:
         self._target = barred
         return True
 
-    def reject_target(self) -> None:
-        """Drop the target and take nothing in its area for the goal, for now or for good."""
-        if self._target is not None:
-            self._rejected.append(
-                _Rejection(self._target.area, self._config.rejected_for_looks or math.inf)
-            )
-            self._target = None
+    def reject_target(self, *, for_good: bool = False) -> None:
+        """Drop the target and take nothing in its area for the goal.
+
+        Args:
+            for_good: Whether no later image can bring it back (`LocalConfig.believe_again`).
+        """
+        if self._target is None:
+            return
+        config, target = self._config, self._target
+        before = next((one for one in self._rejected if one.area.covers(target.area) > 0.5), None)
+        needed = float(config.min_verdicts) if before is None else before.needed
+        if for_good or not config.believe_again:
+            needed = math.inf
+        self._rejected = [one for one in self._rejected if one is not before]
+        looks_left = config.rejected_for_looks or math.inf
+        self._rejected.append(_Rejection(target, looks_left, needed))
+        self._target = None
+
+    def reconsider(self) -> bool:
+        """Take the most likely of the rejected targets for the goal once more.
+
+        Returns:
+            Whether there is one; each comes back in this way once.
+        """
+        soft = [one for one in self._rejected if one.holds and one.needed < math.inf]
+        if not soft:
+            return False
+        best = max(soft, key=lambda one: one.target.mean_score)
+        self._rejected.remove(best)
+        self._rejected.append(replace(best, needed=math.inf, holds=False))
+        self._target = replace(best.target, misses=0, rival_score=0.0, confirmed=False, barred=())
+        return True
 
     def look(self, observation: Observation, *, asks: bool = True) -> list[DetectionRecord]:
         """Search one image and update the target.
@@ -183,7 +244,7 @@ class LocalPerception:
         records: list[DetectionRecord] = []
         candidates: list[_Candidate] = []
         far_positions: list[tuple[float, float] | None] = []
-        self._score_now = 0.0
+        self._score_now, self._missed_now = 0.0, False
         self._rejected = [one.after_a_look() for one in self._rejected if one.looks_left > 0]
         if not asks:
             return records
@@ -198,6 +259,8 @@ class LocalPerception:
         for detection in (one for one in detections if one.is_goal):
             mask = self._refined_mask(detection, observation)
             area, reason = self._area(mask, observation)
+            if area is not None and self._is_rejected(area, detection, observation):
+                area, reason = None, _REJECTED
             if area is not None:
                 candidates.append(_Candidate(detection, area))
             elif reason == _NO_DEPTH:
@@ -237,11 +300,19 @@ class LocalPerception:
         )
         if area is None:
             return None, _NO_DEPTH
-        if any(rejected.area.covers(area) > 0.5 for rejected in self._rejected):
-            return None, "rejected before"
         if self._config.entry_reach_m > 0.0:
             area = area.entered_from(observation, self._config.entry_reach_m)
         return area, ""
+
+    def _is_rejected(self, area: GoalArea, detection: Detection, observation: Observation) -> bool:
+        """Whether an area was rejected and stays so after this image."""
+        score, least = float(detection.score), self._config.min_mean_score
+        is_rejected = False
+        for number, one in enumerate(self._rejected):
+            if one.holds and one.area.covers(area) > 0.5:
+                self._rejected[number] = one.seen_again(score, observation.robot, least)
+                is_rejected |= self._rejected[number].holds
+        return is_rejected
 
     def _far_position_of(
         self, detection: Detection, observation: Observation
@@ -250,7 +321,7 @@ class LocalPerception:
         robot, camera, box = observation.robot, observation.camera, detection.box
         column = (box.x_min + box.x_max) / 2.0
         bearing = camera.bearing_of(column)
-        for rejected in self._rejected:
+        for rejected in (one for one in self._rejected if one.holds):
             away = wrap_angle(robot.bearing_to(*rejected.area.centre) - bearing)
             if abs(away) < math.radians(_BESIDE_REJECTED_DEG):
                 return None
@@ -272,8 +343,9 @@ class LocalPerception:
         elif (
             target is not None
             and self._config.target == "hold"
-            and should_be_visible(target.area.seen_points, observation)
+            and should_be_visible(target.area.seen_points, target.area.height_m, observation)
         ):
+            self._missed_now = True
             self._target = replace(target, misses=target.misses + 1)
             self._drop_if_refuted()
 

@@ -66,17 +66,20 @@ def is_cut_off(
     return bool((depth < nearest - _IN_BETWEEN_M).mean() > _HIDDEN_SHARE)
 
 
-def should_be_visible(positions: Float64[np.ndarray, "n 2"], observation: Observation) -> bool:
+def should_be_visible(
+    positions: Float64[np.ndarray, "n 2"], height_m: float, observation: Observation
+) -> bool:
     """Whether most of an object lies in free sight of the camera, near enough to be recognised.
 
     Args:
         positions: Positions of the object, ``(x, y)``, ``map`` frame, metres.
+        height_m: Height of the object's middle above the floor, metres.
         observation: Frame of the image.
     """
-    distance, pixels = _projected(positions, 0.0, observation)
+    distance, pixels = _projected(positions, height_m, observation)
     nearest, farthest = _RECOGNISABLE_M
     good = (distance > nearest) & (distance < farthest)
-    good &= observation.camera.contains_columns(pixels[:, 0])
+    good &= observation.camera.contains(pixels)
     if good.sum() < 0.8 * len(distance):
         return False
     # Nothing may stand in between: compare with the farthest return in the column.
