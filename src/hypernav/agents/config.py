@@ -64,7 +64,8 @@ class SearchConfig(RoomConfig):
         enter_fully: Whether to take one more step, into the goal area, where the robot would end up
             before it because a step is longer than what is left.
         second_look_must_see: Whether a second look rejects a target that the image should show and
-            does not; else only one that looks more like something else.
+            does not, unless what was seen before outweighs it; else only one that looks more like
+            something else.
         pursue_far_sightings: Whether to go towards a goal that was seen beyond the range of depth:
             to where that range ended, also through the unknown, before all else that is unexplored.
     """

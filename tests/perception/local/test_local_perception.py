@@ -138,6 +138,18 @@ def test_what_was_denied_for_good_or_is_not_to_be_believed_again_stays_rejected(
     assert looks_until_believed(local, 0.5) is None
 
 
+@pytest.mark.parametrize(("score", "is_missed"), [(0.6, True), (0.9, False)])
+def test_one_image_that_misses_the_target_outweighs_a_doubtful_sighting_only(score, is_missed):
+    sighting = [replace(seen()[0], score=score)]
+    local = perception(ScriptedDetector([sighting, [], sighting]))
+    local.look(thing_before_wall())
+    assert not local.is_missed
+    local.look(thing_before_wall())
+    assert local.is_missed == is_missed
+    local.look(thing_before_wall())
+    assert not local.is_missed
+
+
 def test_every_rejected_target_is_reconsidered_once_the_most_likely_first():
     views = [thing_before_wall(robot=Pose2(0.0, y, 0.0)) for y in (0.0, 6.0)]
     local = perception(ScriptedDetector([[replace(seen()[0], score=s)] for s in (0.5, 0.7)]))

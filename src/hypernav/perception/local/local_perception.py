@@ -11,7 +11,7 @@ from hypernav.core.components.abilities import NamesThings
 from hypernav.core.components.protocols import Detector, Segmenter
 from hypernav.core.embodiment import CameraConfig
 from hypernav.core.geometry.boxes import Detection
-from hypernav.core.geometry.transforms import Pose2, wrap_angle
+from hypernav.core.geometry.transforms import wrap_angle
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.sightings import Sightings
@@ -20,58 +20,21 @@ from hypernav.perception.local.attention import Attention
 from hypernav.perception.local.config import LocalConfig
 from hypernav.perception.local.goal_area import GoalArea
 from hypernav.perception.local.refinement import eroded, projected
-from hypernav.perception.local.target import Target, areas_touch
+from hypernav.perception.local.rejections import Rejections
+from hypernav.perception.local.target import Target, areas_touch, log_odds_of
 from hypernav.perception.local.visibility import is_cut_off, seems_to_hold, should_be_visible
 
 _NO_DEPTH = "too few points with depth"
 _REJECTED = "rejected before"
 _BESIDE_REJECTED_DEG = 10.0
-_NEW_POSITION_M = 0.4
-"""Distance from which on an image counts as another one: neighbouring ones share their errors."""
+_MISS_LOG_ODDS = 1.0
+"""Weight of an image that misses the target: three in ten miss a true one, eight a false one."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Candidate:
     detection: Detection
     area: GoalArea
-
-
-@dataclass(frozen=True, eq=False)
-class _Rejection:
-    """A target that is not taken for the goal, and the evidence for it since then.
-
-    Attributes:
-        target: The rejected target.
-        looks_left: Number of images for which it is not taken for the goal.
-        needed: Number of sightings that bring it back; infinite if it is rejected for good.
-        scores: Scores of the sightings since the rejection, from positions a step apart.
-        seen_from: Position of the latest of them, ``(x, y)``, metres.
-        holds: Whether it is rejected; a target that came back may be rejected again.
-    """
-
-    target: Target
-    looks_left: float
-    needed: float
-    scores: tuple[float, ...] = ()
-    seen_from: tuple[float, float] = (math.inf, math.inf)
-    holds: bool = True
-
-    @property
-    def area(self) -> GoalArea:
-        """Goal area of the rejected target."""
-        return self.target.area
-
-    def after_a_look(self) -> "_Rejection":
-        return replace(self, looks_left=self.looks_left - 1)
-
-    def seen_again(self, score: float, robot: Pose2, least_score: float) -> "_Rejection":
-        """The rejection after one more image that shows the goal there."""
-        if math.dist(self.seen_from, robot.xy) < _NEW_POSITION_M:
-            return self
-        scores = (*self.scores, score)
-        if len(scores) < self.needed or sum(scores) < least_score * len(scores):
-            return replace(self, scores=scores, seen_from=robot.xy)
-        return replace(self, scores=(), needed=2 * self.needed, holds=False)
 
 
 class LocalPerception:
@@ -113,7 +76,7 @@ class LocalPerception:
         """Forget target and rejections."""
         self._goal = goal
         self._target: Target | None = None
-        self._rejected: list[_Rejection] = []
+        self._rejections = Rejections(self._config)
         self._far_position: tuple[float, float] | None = None
         self._score_now = 0.0
         self._missed_now = False
@@ -165,8 +128,9 @@ class LocalPerception:
 
     @property
     def is_missed(self) -> bool:
-        """Whether the latest image should have shown the target and did not."""
-        return self._missed_now
+        """Whether the latest image should show the target and does not, and this outweighs all."""
+        target = self._target
+        return self._missed_now and target is not None and target.log_odds < _MISS_LOG_ODDS
 
     def forget_far_position(self) -> None:
         """Take the next sighting beyond the range of depth in place of the remembered one."""
@@ -206,14 +170,7 @@ class LocalPerception:
         """
         if self._target is None:
             return
-        config, target = self._config, self._target
-        before = next((one for one in self._rejected if one.area.covers(target.area) > 0.5), None)
-        needed = float(config.min_verdicts) if before is None else before.needed
-        if for_good or not config.believe_again:
-            needed = math.inf
-        self._rejected = [one for one in self._rejected if one is not before]
-        looks_left = config.rejected_for_looks or math.inf
-        self._rejected.append(_Rejection(target, looks_left, needed))
+        self._rejections.add(self._target, for_good=for_good)
         self._target = None
 
     def reconsider(self) -> bool:
@@ -222,13 +179,10 @@ class LocalPerception:
         Returns:
             Whether there is one; each comes back in this way once.
         """
-        soft = [one for one in self._rejected if one.holds and one.needed < math.inf]
-        if not soft:
+        target = self._rejections.take_most_likely()
+        if target is None:
             return False
-        best = max(soft, key=lambda one: one.target.mean_score)
-        self._rejected.remove(best)
-        self._rejected.append(replace(best, needed=math.inf, holds=False))
-        self._target = replace(best.target, misses=0, rival_score=0.0, confirmed=False, barred=())
+        self._target = replace(target, misses=0, rival_score=0.0, confirmed=False, barred=())
         return True
 
     def look(self, observation: Observation, *, asks: bool = True) -> list[DetectionRecord]:
@@ -245,7 +199,7 @@ class LocalPerception:
         candidates: list[_Candidate] = []
         far_positions: list[tuple[float, float] | None] = []
         self._score_now, self._missed_now = 0.0, False
-        self._rejected = [one.after_a_look() for one in self._rejected if one.looks_left > 0]
+        self._rejections.note_a_look()
         if not asks:
             return records
         if self._attention and not self._attention.is_worth_a_question(observation, self._held):
@@ -259,7 +213,8 @@ class LocalPerception:
         for detection in (one for one in detections if one.is_goal):
             mask = self._refined_mask(detection, observation)
             area, reason = self._area(mask, observation)
-            if area is not None and self._is_rejected(area, detection, observation):
+            score = float(detection.score)
+            if area is not None and self._rejections.bars(area, score, observation.robot):
                 area, reason = None, _REJECTED
             if area is not None:
                 candidates.append(_Candidate(detection, area))
@@ -304,16 +259,6 @@ class LocalPerception:
             area = area.entered_from(observation, self._config.entry_reach_m)
         return area, ""
 
-    def _is_rejected(self, area: GoalArea, detection: Detection, observation: Observation) -> bool:
-        """Whether an area was rejected and stays so after this image."""
-        score, least = float(detection.score), self._config.min_mean_score
-        is_rejected = False
-        for number, one in enumerate(self._rejected):
-            if one.holds and one.area.covers(area) > 0.5:
-                self._rejected[number] = one.seen_again(score, observation.robot, least)
-                is_rejected |= self._rejected[number].holds
-        return is_rejected
-
     def _far_position_of(
         self, detection: Detection, observation: Observation
     ) -> tuple[float, float] | None:
@@ -321,8 +266,8 @@ class LocalPerception:
         robot, camera, box = observation.robot, observation.camera, detection.box
         column = (box.x_min + box.x_max) / 2.0
         bearing = camera.bearing_of(column)
-        for rejected in (one for one in self._rejected if one.holds):
-            away = wrap_angle(robot.bearing_to(*rejected.area.centre) - bearing)
+        for area in self._rejections.areas:
+            away = wrap_angle(robot.bearing_to(*area.centre) - bearing)
             if abs(away) < math.radians(_BESIDE_REJECTED_DEG):
                 return None
         reach_m = self._camera.max_depth_m / math.cos(bearing)
@@ -365,7 +310,8 @@ class LocalPerception:
         old, detection = self._target, candidate.detection
         if old is None or not areas_touch(candidate.area, old.area):
             score = float(detection.score)
-            return Target(candidate.area, observation, detection.box.area, score)
+            box_pixels, odds = detection.box.area, log_odds_of(score)
+            return Target(candidate.area, observation, box_pixels, score, odds)
         hold = self._config.target == "hold"
         return old.seen_again(candidate.area, detection, observation, join=hold)
 

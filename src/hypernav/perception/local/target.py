@@ -1,5 +1,6 @@
 """The target of an approach, and the evidence for and against it."""
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -12,6 +13,7 @@ from hypernav.core.observation import Observation
 from hypernav.mapping.sight_lines import lines_are_clear
 from hypernav.perception.local.goal_area import GoalArea
 
+_LEAST_LIKELY = 0.05
 _BARRED_M = 0.4
 """Radius around a position that is cut off from the target, within which all others are, too."""
 
@@ -25,6 +27,7 @@ class Target:
         best_view: Frame that showed the target largest.
         best_pixels: Area of its box in that frame, square pixels.
         mean_score: Mean score of its detections.
+        log_odds: Logarithm of the odds that it is the goal, by the scores of its detections.
         sightings: Number of images that showed it.
         misses: Number of images that should have shown it and did not.
         rival_score: Sum of the scores, over all images, by which the detector took it for something
@@ -37,6 +40,7 @@ class Target:
     best_view: Observation
     best_pixels: float
     mean_score: float
+    log_odds: float = 0.0
     sightings: int = 1
     misses: int = 0
     rival_score: float = 0.0
@@ -117,8 +121,15 @@ class Target:
             best_view=observation if better else self.best_view,
             best_pixels=max(pixels, self.best_pixels),
             mean_score=self.mean_score + (score - self.mean_score) / (self.sightings + 1),
+            log_odds=self.log_odds + log_odds_of(score),
             sightings=self.sightings + 1,
         )
+
+
+def log_odds_of(score: float) -> float:
+    """What one detection says, its score taken for a probability; none is quite certain."""
+    likely = min(max(score, _LEAST_LIKELY), 1.0 - _LEAST_LIKELY)
+    return math.log(likely / (1.0 - likely))
 
 
 def areas_touch(a: GoalArea, b: GoalArea) -> bool:
