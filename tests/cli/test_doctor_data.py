@@ -92,6 +92,14 @@ def test_a_folder_that_is_none_says_so(tmp_path, capsys):
     assert "is no folder" in lines[0]
 
 
+@pytest.mark.parametrize("part", ["scene_datasets", "datasets"])
+def test_whoever_names_a_part_of_the_data_is_told_the_whole(data, capsys, part):
+    status, lines = examine(capsys, data / part)
+    assert status == 1
+    assert "holds one part of the data only" in line_of(lines, "folder:")
+    assert lines[-1].endswith(f"name the folder above it: {data}")
+
+
 def test_something_has_to_be_named(capsys):
     with pytest.raises(SystemExit) as stop:
         main(["doctor"])

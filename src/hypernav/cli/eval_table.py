@@ -14,6 +14,8 @@ from hypernav.evaluation.statistics import Estimate
 from hypernav.evaluation.summary import failure_counts, summarise
 
 _LIVE_DRAWS = 1000
+_MOST_REASONS = 3
+"""The most reasons that are printed for episodes that don't count, or that didn't run."""
 
 
 def progress_table(progress: RunProgress, seconds: float) -> Table:
@@ -65,7 +67,10 @@ def outcome_lines(progress: RunProgress, folder: Path) -> Iterator[str]:
     unusable = sum((Counter(one.unusable_answers) for one in progress.records), Counter[str]())
     if line := unusable_answers_line(_calls(progress), unusable):
         yield line
-    for episode, error in list(progress.crashes.items())[:3]:
+    apart = dict.fromkeys(record.why for record in progress.records if not record.counts)
+    for why in list(apart)[:_MOST_REASONS]:
+        yield f"  [red]doesn't count[/]: {escape(why)}"
+    for episode, error in list(progress.crashes.items())[:_MOST_REASONS]:
         last = error.splitlines()[-1] if error else "no message"
         yield f"  [red]not run[/]: {escape('/'.join(episode.key))}: {escape(last)}"
     yield f"  results in {escape(str(folder / 'episodes.jsonl'))}"

@@ -6,7 +6,13 @@ from pathlib import Path
 
 from hypernav.core.checkup import Finding, State
 from hypernav.core.errors import EpisodeError
-from hypernav.datasets.benchmark_files import SplitFolder, found_splits, scene_below, scene_folders
+from hypernav.datasets.benchmark_files import (
+    SCENES_FOLDER,
+    SplitFolder,
+    found_splits,
+    scene_below,
+    scene_folders,
+)
 from hypernav.datasets.benchmarks import BENCHMARKS, Benchmark
 from hypernav.datasets.habitat_files import episode_files, read_episodes
 from hypernav.worlds.scans.layout import ScanFiles
@@ -14,6 +20,8 @@ from hypernav.worlds.scans.layout import ScanFiles
 _NAMED = 4
 """The most missing scenes that are named."""
 _BASIS = ".basis.glb"
+_PARTS = (SCENES_FOLDER, "datasets")
+"""Folders of Habitat's data that hold one part of them each."""
 
 
 def check_data(folder: Path) -> Iterator[Finding]:
@@ -26,6 +34,11 @@ def check_data(folder: Path) -> Iterator[Finding]:
         yield Finding(
             "folder", State.FAULT, f"{folder} is no folder", "name the folder of all data"
         )
+        return
+    here = folder.resolve()
+    if here.name in _PARTS and all((here.parent / part).is_dir() for part in _PARTS):
+        words = f"{folder} holds one part of the data only"
+        yield Finding("folder", State.FAULT, words, f"name the folder above it: {here.parent}")
         return
     found = False
     for name in ("hm3d", "mp3d", "ovon"):
