@@ -40,5 +40,10 @@ def arrow(number: int, *, free_m: float = 2.0, explored: bool = False) -> Arrow:
     return Arrow(number, heading, 1.0, (1.0, float(number)), (10.0, 10.0), free_m, explored)
 
 
-def view_of(*arrows: Arrow, may_turn: bool = True, wanted: int = 1, facts=()) -> ArrowView:
-    return ArrowView(lambda: np.zeros((4, 4, 3), np.uint8), arrows, may_turn, wanted, tuple(facts))
+def view_of(
+    *arrows: Arrow, may_turn: bool = True, wanted: int = 1, asked: int = 0, facts=()
+) -> ArrowView:
+    def nothing():
+        return np.zeros((4, 4, 3), np.uint8)
+
+    return ArrowView(nothing, arrows, may_turn, wanted, asked, tuple(facts))

@@ -43,6 +43,7 @@ class ArrowView:
         arrows: Arrows in the order of their numbers.
         may_turn: Whether `TURN_AROUND` may be answered.
         wanted: Number of arrows to name at most, the best first.
+        asked: Number of questions in this search before this one.
         facts: What is remembered of things seen before, a sentence each.
     """
 
@@ -50,6 +51,7 @@ class ArrowView:
     arrows: tuple[Arrow, ...]
     may_turn: bool
     wanted: int = 1
+    asked: int = 0
     facts: tuple[str, ...] = ()
 
     @cached_property

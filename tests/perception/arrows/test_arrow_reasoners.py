@@ -37,6 +37,8 @@ def test_where_all_is_explored_it_turns_or_draws_the_same_again():
     assert geometric(*arrows) == (TURN_AROUND,)
     drawn = geometric(*arrows, may_turn=False)
     assert drawn == geometric(*arrows, may_turn=False)
+    later = {geometric(*arrows, may_turn=False, asked=number) for number in range(20)}
+    assert len(later) > 1  # or the robot would go in circles
     assert len(geometric(*arrows, may_turn=False, wanted=3)) == 3
     assert geometric(may_turn=False) == ()
 

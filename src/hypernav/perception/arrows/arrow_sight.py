@@ -66,6 +66,7 @@ class ArrowSight:
         self._memory = RayMemory(self._config.memory)
         self._observation: Observation | None = None
         self._rested = self._config.turn_rest
+        self._asked = 0
         self._offered: tuple[Arrow, ...] = ()
         self._taken: Arrow | None = None
 
@@ -138,7 +139,8 @@ class ArrowSight:
         draw = partial(
             draw_arrows, self.observation.rgb, marks, self._foot, self._style, may_turn=may_turn
         )
-        return ArrowView(draw, arrows, may_turn, wanted, facts)
+        asked, self._asked = self._asked, self._asked + 1
+        return ArrowView(draw, arrows, may_turn, wanted, asked, facts)
 
     def take_insight(self) -> Insight | None:
         """The arrows of the latest question and the chosen one, once; None if none was asked."""

@@ -1,7 +1,5 @@
 """Choice of arrows without a model: the way that is free farthest, unexplored first."""
 
-import zlib
-
 import numpy as np
 from pydantic import Field
 
@@ -15,7 +13,7 @@ class GeometricArrowsConfig(RoomConfig):
     """Choice where nothing is unexplored. All of it is ours.
 
     Attributes:
-        seed: Seed of the choice among explored arrows; the same arrows give the same choice.
+        seed: Seed of the choice among explored arrows; equal searches make equal choices.
     """
 
     seed: int = Field(default=0, ge=0, le=MOST_SEED)
@@ -70,9 +68,10 @@ class GeometricArrowReasoner:
         if not view.arrows:
             return ArrowChoice((), "there is no arrow")
         weights = np.array([one.free_m + 1e-3 for one in view.arrows])
-        ends = np.array([one.end for one in view.arrows])
-        seed = [self._config.seed, zlib.crc32(np.round(ends, 3).tobytes())]
-        drawn = np.random.default_rng(seed).choice(
+        # By the number of the question, so that a robot which comes to a place again may leave it
+        # in another direction.
+        rng = np.random.default_rng([self._config.seed, view.asked])
+        drawn = rng.choice(
             len(weights),
             size=min(view.wanted, len(weights)),
             replace=False,
