@@ -57,6 +57,12 @@ class Asked:
             return "verify"
         if self.text.startswith("What is the thing in the middle"):
             return "crop"
+        if "is what its camera sees now. " in self.text and "red arrow" in self.text.lower():
+            return "choose arrow"
+        if "should it explore more?" in self.text:
+            return "choose direction"
+        if "likely close by?" in self.text:
+            return "score view"
         return "summarise" if "Which number did they choose" in self.text else "other"
 
 

@@ -16,17 +16,25 @@ import cv2
 import numpy as np
 import pytest
 
+from hypernav.core.arrows import ArrowChoice, ArrowView
 from hypernav.core.chat import Question
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.goal import Goal
+from hypernav.core.guidance import GuideChoice, GuideView
 from hypernav.core.observation import Observation
 from hypernav.core.overview import Block, Overview
+from hypernav.core.trace import ExchangeLog
 from hypernav.models.chat.vlm_families import family_named
+from hypernav.perception.areas.chat_guide import ChatGuide
+from hypernav.perception.areas.truth_guide import TruthGuide
+from hypernav.perception.arrows.chat_arrows import ChatArrowReasoner
 from hypernav.perception.explorers.vlm_reasoner import VlmReasoner
 from hypernav.perception.local.crop_check import crop_of
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.perception.local.presence import VlmPresenceCheck
 from hypernav.perception.local.vlm_detector import VlmDetector
+from hypernav.perception.values.chat_scorer import ChatScorer
+from hypernav.perception.values.truth_scorer import chance_in_view
 from hypernav.worlds.simulation import SimulatedWorld
 from servers.scripted import Asked
 
@@ -64,6 +72,9 @@ class Truth:
     overviews: list[tuple[np.ndarray, tuple[Overview, Goal]]] = field(default_factory=list)
     crops: list[tuple[np.ndarray, tuple[Box, Observation, Goal]]] = field(default_factory=list)
     world: SimulatedWorld | None = None
+    arrows: tuple[ArrowView, Goal] | None = None
+    guided: tuple[GuideView, Goal] | None = None
+    scored: tuple[Observation, Goal] | None = None
 
     def see(self, observation: Observation) -> None:
         """Remember a camera image."""
@@ -78,12 +89,15 @@ class Truth:
 
         The length is rounded to 0.5 m, so that of several blocks on the path the last one leads on.
         """
-        assert self.world is not None
-        x, y = block.destination
-        scene_x, scene_y, _ = self.world.map_to_scene.apply(np.array([[x, y, 0.0]]))[0]
-        left_m = self.world.goal_truth(goal).distance(float(scene_x), float(scene_y))
+        left_m = self.left_m(block.destination, goal)
         length_m = min(block.travel_m + left_m, 1e6)
         return round(length_m / 0.5), left_m
+
+    def left_m(self, position: tuple[float, float], goal: Goal) -> float:
+        """Length of the shortest path from a position to the goal."""
+        assert self.world is not None
+        x, y, _ = self.world.map_to_scene.apply(np.array([[*position, 0.0]]))[0]
+        return self.world.goal_truth(goal).distance(float(x), float(y))
 
 
 def _small(image: np.ndarray) -> np.ndarray:
@@ -119,6 +133,8 @@ def watching(truth: Truth) -> Iterator[Truth]:
     about_image, about_map = VlmDetector.question, VlmReasoner.question
     is_present, reset = VlmPresenceCheck.is_present, SimulatedWorld.reset
     looked_at = VlmDetector._looked_at
+    about_arrows, about_direction = ChatArrowReasoner.choose, ChatGuide.direct
+    about_view = ChatScorer.score
 
     def watched_image(self: VlmDetector, observation: Observation, goal: Goal) -> Question:
         truth.see(observation)
@@ -139,6 +155,18 @@ def watching(truth: Truth) -> Iterator[Truth]:
             truth.crops.append((_small(crop), (one.box, observation, goal)))
         return looked_at(self, found, observation, goal)
 
+    def watched_arrows(self: ChatArrowReasoner, view: ArrowView, goal: Goal) -> ArrowChoice:
+        truth.arrows = view, goal
+        return about_arrows(self, view, goal)
+
+    def watched_direction(self: ChatGuide, view: GuideView, goal: Goal) -> GuideChoice:
+        truth.guided = view, goal
+        return about_direction(self, view, goal)
+
+    def watched_score(self: ChatScorer, observation: Observation, goal: Goal) -> float:
+        truth.scored = observation, goal
+        return about_view(self, observation, goal)
+
     def watched_reset(self: SimulatedWorld, *others: Any, **more: Any) -> Observation:
         truth.world = self
         return reset(self, *others, **more)
@@ -152,6 +180,9 @@ def watching(truth: Truth) -> Iterator[Truth]:
         patch.setattr(VlmReasoner, "question", watched_map)
         patch.setattr(VlmPresenceCheck, "is_present", watched_presence)
         patch.setattr(VlmDetector, "_looked_at", watched_crops)
+        patch.setattr(ChatArrowReasoner, "choose", watched_arrows)
+        patch.setattr(ChatGuide, "direct", watched_direction)
+        patch.setattr(ChatScorer, "score", watched_score)
         patch.setattr(SimulatedWorld, "reset", watched_reset)
         yield truth
 
@@ -175,6 +206,12 @@ class TruthfulBrain:
                 return self._verify(asked)
             case "crop":
                 return self._look_closer(asked)
+            case "choose arrow":
+                return self._follow()
+            case "choose direction":
+                return self._point()
+            case "score view":
+                return self._score()
         return "I was not asked a question that I know."
 
     def _happens(self, rate: float) -> bool:
@@ -215,6 +252,24 @@ class TruthfulBrain:
         if asked.allowed:
             return str(best.number)
         return f"The goal is that way.\nAnswer: {best.number}"
+
+    def _follow(self) -> str:
+        assert self._truth.arrows is not None
+        view, goal = self._truth.arrows
+        best = sorted(view.arrows, key=lambda arrow: self._truth.left_m(arrow.end, goal))
+        numbers = [arrow.number for arrow in best[: view.wanted]]
+        if view.wanted > 1:
+            return json.dumps({"actions": numbers})
+        return "It is that way. " + json.dumps({"action": numbers[0]})
+
+    def _point(self) -> str:
+        assert self._truth.guided is not None
+        return str(TruthGuide(ExchangeLog()).direct(*self._truth.guided).direction)
+
+    def _score(self) -> str:
+        assert self._truth.scored is not None
+        chance = chance_in_view(*self._truth.scored)
+        return "yes" if chance is not None and chance > 0.3 else "no"
 
     def _look_closer(self, asked: Asked) -> str:
         if self._happens(self.errors.babble):
