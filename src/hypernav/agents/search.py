@@ -65,6 +65,11 @@ class SearchAgent:
         self._search: _Search | None = None
 
     @property
+    def components(self) -> SearchComponents:
+        """What the search is made of, for those who use a part of it."""
+        return self._components
+
+    @property
     def embodiment(self) -> Embodiment:
         """What the robot is that the agent was built for."""
         return self._components.embodiment

@@ -27,6 +27,7 @@ COMMANDS = {
     "doctor": "Examine a vision-language model, or the data of benchmarks, and say what to change.",
     "compare": "Compare the simulator with habitat-sim, pose by pose, in a scene of your own.",
     "serve": "Take the observations of robots over the network, and answer each with an action.",
+    "robot": "Simulate a robot on the network, replay recordings of a camera, report on trials.",
     "houses": "Generated buildings: pages about them, files for other programs, splits, episodes.",
 }
 _BOX = re.compile(r"[\u2500-\u257f]+|(?<!\S)-{3,}(?!\S)")

@@ -33,7 +33,7 @@ from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
 
 _FARTHEST = 10_000.0
-_OUTCOME_WORDS = {
+OUTCOME_WORDS = {
     Outcome.FOUND: "[green]found[/] the {goal}",
     Outcome.WRONG_PLACE: "[red]stopped where no {goal} is[/]",
     Outcome.NOT_FOUND: "[yellow]did not find[/] the {goal}",
@@ -41,6 +41,7 @@ _OUTCOME_WORDS = {
     Outcome.MODEL_UNAVAILABLE: "[red]the model was unavailable[/]; the search is not counted",
     Outcome.INTERRUPTED: "[yellow]interrupted[/] while looking for the {goal}",
 }
+"""How a search ended, for people."""
 
 
 def run(options: Options) -> int:
@@ -55,13 +56,7 @@ def run(options: Options) -> int:
         KeyboardInterrupt: Ctrl-C or SIGTERM; what was done is on disk.
     """
     check_steps_and_seed(options.max_steps, options.seed)
-    if options.start is not None and len(options.start) != 3:
-        raise ConfigError(
-            f"--start takes three numbers, X and Y in metres and YAW in degrees; got "
-            f"{len(options.start)}: {' '.join(map(str, options.start)) or 'none'}"
-        )
-    for number in options.start or ():
-        check_option("--start", number, (-_FARTHEST, _FARTHEST), "metres or degrees in a building")
+    check_start(options.start)
     goal = Goal(options.goal)
     folder = options.out or _new_folder(goal)
     check_folder(folder)
@@ -87,7 +82,7 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
         ) as world,
     ):
         rng = np.random.default_rng(options.seed)
-        start = _start(options, world, goal, rng)
+        start = start_pose(options.start, world, goal, rng)
         episode = Episode(options.scene, "", goal, start, max_steps=options.max_steps)
         search = EpisodeRun(parts.agent, world, episode, rng=rng, told=parts.truth)
         with EpisodeRecorder(
@@ -128,10 +123,28 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
     return ExitStatus.SUCCESS if outcome.metrics.success else ExitStatus.FAILURE
 
 
-def _start(options: Options, world: SimulatedWorld, goal: Goal, rng: np.random.Generator) -> Pose2:
-    if options.start is None:
+def check_start(start: tuple[float, ...] | None) -> None:
+    """Refuse a ``--start`` that is no pose in a building.
+
+    Raises:
+        ConfigError: It is none.
+    """
+    if start is not None and len(start) != 3:
+        raise ConfigError(
+            f"--start takes three numbers, X and Y in metres and YAW in degrees; got "
+            f"{len(start)}: {' '.join(map(str, start)) or 'none'}"
+        )
+    for number in start or ():
+        check_option("--start", number, (-_FARTHEST, _FARTHEST), "metres or degrees in a building")
+
+
+def start_pose(
+    start: tuple[float, ...] | None, world: SimulatedWorld, goal: Goal, rng: np.random.Generator
+) -> Pose2:
+    """The pose of ``--start``, or a random one from which the goal can be reached."""
+    if start is None:
         return random_start(world.walkable, rng, world.regions.of(goal))
-    x, y, yaw_deg = options.start
+    x, y, yaw_deg = start
     return Pose2(x, y, float(np.radians(yaw_deg)))
 
 
@@ -171,7 +184,7 @@ def _say(
     console: Console, goal: Goal, result: EpisodeResult, folder: Path, *, holds_goal: bool
 ) -> None:
     metrics = result.metrics
-    console.print(_OUTCOME_WORDS[result.outcome].format(goal=escape(goal.thing)))
+    console.print(OUTCOME_WORDS[result.outcome].format(goal=escape(goal.thing)))
     if not holds_goal:
         console.print(
             f"  nothing in this building answers to '{escape(goal.text)}'", soft_wrap=True

@@ -162,8 +162,9 @@ _ENDINGS: dict[str, tuple[str, str]] = {
         "This is an outage, not a failure of the search, and counts as neither.",
     ),
     "interrupted": ("Interrupted while looking for {goal}", "Someone stopped the run."),
+    "replayed": ("A recording, looked through for {goal}", ""),
 }
-_OUTAGES = frozenset({"model_unavailable", "interrupted"})
+_NEUTRAL = frozenset({"model_unavailable", "interrupted", "replayed"})
 
 
 def headline(result: Mapping[str, Any]) -> Headline:
@@ -181,7 +182,7 @@ def headline(result: Mapping[str, Any]) -> Headline:
     text, detail = _ENDINGS.get(outcome, (f"Ended: {outcome.replace('_', ' ') or 'unknown'}", ""))
     if result.get("detail"):
         detail = f"{detail} {result['detail']}"
-    tone: Tone = "neutral" if outcome in _OUTAGES else "bad"
+    tone: Tone = "neutral" if outcome in _NEUTRAL else "bad"
     return Headline(text.replace("{goal}", goal), tone, detail)
 
 

@@ -10,9 +10,11 @@ from pathlib import Path
 from typing import Protocol, TypeVar, runtime_checkable
 from urllib.parse import urlsplit
 
+import numpy as np
 from pydantic import BaseModel, ValidationError
 
 from hypernav.core.errors import LinkLostError, RequestRefusedError, RobotLinkError
+from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.trace import StepTrace
 from hypernav.robot.wire.messages import (
     SEARCHES,
@@ -26,6 +28,8 @@ from hypernav.robot.wire.messages import (
 
 MessageT = TypeVar("MessageT", bound=BaseModel)
 _CONNECT_S = 5.0
+_CLOSED_MEANWHILE = (http.client.RemoteDisconnected, BrokenPipeError, ConnectionResetError)
+"""How a connection ends that the server closed because nobody used it for a while."""
 
 
 @dataclass(frozen=True)
@@ -141,11 +145,28 @@ class HttpServer:
         """State of a search."""
         return self._asked(Status, "GET", f"{SEARCHES}/{search_id}")
 
-    def trace(self, search_id: str) -> Iterator[StepTrace]:
-        """All steps of a search so far."""
-        text = self._request("GET", f"{SEARCHES}/{search_id}/trace").decode()
+    def trace(self, search_id: str, *, since: int = 0) -> Iterator[StepTrace]:
+        """The steps of a search from a step on."""
+        text = self._request("GET", f"{SEARCHES}/{search_id}/trace?since={since}").decode()
         for line in text.splitlines():
             yield StepTrace.model_validate_json(line)
+
+    def grid(self, search_id: str) -> OccupancyGrid:
+        """The map of a search.
+
+        Raises:
+            RequestRefusedError: There is none before the first answer.
+        """
+        message = json.loads(self._request("GET", f"{SEARCHES}/{search_id}/map.json"))
+        info, states = message["info"], np.array(message["data"], dtype=np.int16)
+        cells = np.full(states.shape, Cell.UNKNOWN, dtype=np.uint8)
+        cells[states == 0], cells[states > 0] = Cell.FREE, Cell.OCCUPIED
+        position = info["origin"]["position"]
+        return OccupancyGrid(
+            cells.reshape(info["height"], info["width"]),
+            info["resolution"],
+            (position["x"], position["y"]),
+        )
 
     def stop(self, search_id: str, reason: str = "") -> Status:
         """Press stop."""
@@ -190,6 +211,7 @@ class HttpServer:
         kind: str = "application/json",
     ) -> bytes:
         headers = self._address.headers | ({} if body is None else {"Content-Type": kind})
+        was_open = self._connection is not None
         try:
             connection = self._connected(timeout_s)
             connection.request(method, self._address.path + path, body, headers)
@@ -197,6 +219,8 @@ class HttpServer:
             content = response.read()
         except (OSError, http.client.HTTPException) as error:
             self.close()
+            if was_open and isinstance(error, _CLOSED_MEANWHILE):
+                return self._request(method, path, body, timeout_s=timeout_s, kind=kind)
             raise LinkLostError(f"{self._address}: {error or type(error).__name__}") from error
         if response.status >= 400:
             raise refused(response.status, content)

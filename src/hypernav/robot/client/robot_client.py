@@ -65,6 +65,8 @@ class RobotClient:
     an answer is late the robot stands still. `stop` always wins.
 
     Attributes:
+        steps: Number of answers so far.
+        blocked: Number of motions that did not happen.
         resent: Number of observations that were sent again.
         watchdog: Watchdog of the answers.
 
@@ -99,7 +101,7 @@ class RobotClient:
         self._patience = patience or Patience()
         self._stopped, self._moving = threading.Event(), threading.Event()
         self.watchdog = Watchdog(self._patience.deadline_s, robot.stop)
-        self.resent = 0
+        self.steps = self.blocked = self.resent = 0
 
     def __iter__(self) -> Iterator[ClientStep]:
         """Run the search to its end, one step at a time; the robot stands still after it.
@@ -121,6 +123,8 @@ class RobotClient:
                     executed = None
                     if not (reply.done or reply.action in (None, Action.STOP)):
                         executed = self._execute(reply, sensed)
+                    self.steps += 1
+                    self.blocked += blocked
                     last = ClientStep(sensed, reply, executed, blocked)
                     yield last
                     if executed is None:

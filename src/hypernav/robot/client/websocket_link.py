@@ -1,6 +1,7 @@
 """Observations over one WebSocket, for high rates (extra ``robot``)."""
 
 import time
+from contextlib import ExitStack
 
 from pydantic import ValidationError
 
@@ -28,13 +29,14 @@ class WebSocketLink:
             f"{scheme}://{address.host}:{address.port}{address.path}{SEARCHES}/{search_id}/stream"
         )
         self._headers = address.headers
+        self._open = ExitStack()
         self._connection = None
 
     def ask(self, body: bytes, sequence: int, timeout_s: float) -> Reply:
         """Send an observation and wait for its reply."""
         try:
             if self._connection is None:
-                self._connection = self._client.connect(
+                opening = self._client.connect(
                     self._url,
                     additional_headers=self._headers,
                     open_timeout=_CONNECT_S,
@@ -42,6 +44,7 @@ class WebSocketLink:
                     compression=None,
                     proxy=None,
                 )
+                self._connection = self._open.enter_context(opening)
             self._connection.send(body)
         except (OSError, self._exceptions.WebSocketException) as error:
             raise self._lost(error) from error
@@ -53,9 +56,8 @@ class WebSocketLink:
 
     def close(self) -> None:
         """End the connection."""
-        if self._connection is not None:
-            self._connection.close()
-            self._connection = None
+        self._connection = None
+        self._open.close()
 
     def _next(self, sequence: int, timeout_s: float) -> Reply:
         """The next message about an observation; those about earlier ones are passed over."""

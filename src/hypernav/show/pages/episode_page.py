@@ -137,6 +137,8 @@ def _player_data(
 
 def _summary(result: Mapping[str, Any]) -> str:
     """The episode in one or two sentences."""
+    if result.get("outcome") == "replayed":
+        return "Recorded frames went through mapping and local perception; nothing was driven."
     text = "The robot searched a building that it had never seen"
     steps, walked = result.get("steps"), result.get("path_length_m")
     if isinstance(steps, int):

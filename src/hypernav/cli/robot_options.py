@@ -1,0 +1,102 @@
+"""The options of `hypernav robot`."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Literal
+
+import tyro
+
+from hypernav.build.component_specs import PresetName
+from hypernav.cli.agent_options import AgentOptions, FlatAgentOptions
+
+
+@dataclass(frozen=True)
+class Simulate:
+    """Let a simulated robot search over the network, by the answers of `hypernav serve`."""
+
+    goal: tyro.conf.Positional[str]
+    """The object to find: bed, "L-shaped sofa", …"""
+    server: str
+    """Address of the server, for example http://127.0.0.1:8765."""
+    scene: str = "builtin"
+    """The building: builtin, houses:N, offices:N or shops:N, or the path of a GLB."""
+    token_file: Path | None = None
+    """File with the server's secret."""
+    link: Literal["http", "websocket"] = "http"
+    """Carrier of the observations: one HTTP request each, or one WebSocket for all."""
+    motion: Literal["steps", "continuous"] = "steps"
+    """Steps and turns one by one, or smooth driving along the path."""
+    agent: str | None = None
+    """Agent of the search: hypernav, frontier; the server's by default."""
+    preset: PresetName | None = None
+    """Values of the method; the server's by default."""
+    start: Annotated[tuple[float, ...] | None, tyro.conf.arg(metavar="X Y YAW")] = None
+    """Start pose in the scene: metres, and degrees counter-clockwise from x; else random."""
+    seed: int = 0
+    """Seed of the random start, of all noise and of all faults."""
+    max_steps: int = 500
+    """Maximum number of observations."""
+    noise: bool = False
+    """Noise of a real depth camera, of wheels and of odometry that drifts."""
+    localisation: float | None = None
+    """Error of a localisation that jumps at every observation, metres, in place of drift."""
+    stuck: float = 0.0
+    """Share of the motions during which the wheels don't turn."""
+    person: bool = False
+    """Whether a person steps into the way now and then."""
+    loss: float = 0.0
+    """Share of the messages that get lost."""
+    jitter: float = 0.0
+    """Largest delay of a message, seconds."""
+    duplicates: float = 0.0
+    """Share of the observations that arrive twice."""
+    reordered: float = 0.0
+    """Share of the observations after which an earlier one arrives."""
+    config: Path | None = None
+    """YAML file with the sections embodiment and world."""
+    set: Annotated[tuple[str, ...], tyro.conf.arg(metavar="SECTION.KEY=VALUE")] = field(
+        default_factory=tuple
+    )
+    """Single values of these, for example embodiment.camera.width=320."""
+    out: Path | None = None
+    """Folder of the page about the search; none by default."""
+    quiet: bool = False
+    """Print errors only."""
+
+
+@dataclass(frozen=True)
+class Replay:
+    """Look at recorded RGB-D frames as the robot would: draw the map, look for the goal."""
+
+    recording: tyro.conf.Positional[Path]
+    """Folder of a recording: in the format of 3DMatch and 7-Scenes, or of TUM RGB-D."""
+    goal: str | None = None
+    """The object to look for; needs --detector or --vlm."""
+    who: FlatAgentOptions = field(default_factory=AgentOptions)
+    """The options that configure the agent."""
+    every: int = 1
+    """Take every n-th frame only."""
+    out: Path | None = None
+    """Folder of the results; runs/<time>-<recording> by default."""
+    quiet: bool = False
+    """Print errors only."""
+
+
+@dataclass(frozen=True)
+class Report:
+    """Success and SPL of finished searches, per goal and method, as in the paper's last table."""
+
+    searches: tyro.conf.Positional[tuple[Path, ...]]
+    """Folders of finished searches, each with a file trial.yaml about what was measured by hand."""
+    csv: Path | None = None
+    """File for the table as CSV."""
+    quiet: bool = False
+    """Print errors only."""
+
+
+Options = (
+    Annotated[Simulate, tyro.conf.subcommand("simulate")]
+    | Annotated[Replay, tyro.conf.subcommand("replay")]
+    | Annotated[Report, tyro.conf.subcommand("report")]
+)
+"""One of the subcommands of `hypernav robot`."""

@@ -1,0 +1,96 @@
+"""The command `hypernav robot replay`: recorded RGB-D frames through mapping and perception."""
+
+import time
+from contextlib import closing
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+from rich.markup import escape
+
+from hypernav.agents.search import SearchAgent
+from hypernav.cli.guards.crashes import crash_report
+from hypernav.cli.guards.outputs import check_folder
+from hypernav.cli.guards.statuses import ExitStatus
+from hypernav.cli.robot_options import Replay
+from hypernav.cli.terminal import Terminal
+from hypernav.core.config import check_option
+from hypernav.core.errors import ConfigError
+from hypernav.core.goal import Goal
+from hypernav.evaluation.recorder import EpisodeRecorder
+from hypernav.robot.recordings.opening import open_recording
+from hypernav.robot.recordings.replay import UprightRecording, replayed
+
+
+def run(options: Replay) -> int:
+    """Run the command.
+
+    Returns:
+        The status of success.
+
+    Raises:
+        RecordingError: The recording cannot be read.
+        ConfigError: There is a goal and nothing that looks for it, or the other way round.
+    """
+    check_option("--every", options.every, (1, 100_000), "every frame, or fewer")
+    sees = options.who.detector is not None or options.who.vlm is not None
+    if sees != (options.goal is not None):
+        raise ConfigError(
+            "--goal needs something that looks for it, --detector or --vlm, and they need a "
+            "--goal; without both only the map is drawn"
+        )
+    name = options.recording.resolve().name
+    folder = options.out or Path("runs") / f"{datetime.now():%Y%m%d-%H%M%S}-{name}"
+    check_folder(folder)
+    with crash_report(folder):
+        return _replay(options, folder)
+
+
+def _replay(options: Replay, folder: Path) -> ExitStatus:
+    upright = UprightRecording(open_recording(options.recording))
+    config = options.who.resolve()
+    config = config.model_copy(update={"embodiment": upright.robot(config.embodiment)})
+    goal = None if options.goal is None else Goal(options.goal)
+    console, began = Terminal(quiet=options.quiet), time.perf_counter()
+    detector, recording = "nothing: only the map is drawn", upright.recording
+    with closing(options.who.build(config)) as parts, console.status("reading …") as status:
+        if not isinstance(parts.agent, SearchAgent):
+            raise ConfigError(f"--agent {options.who.agent} has no local perception of its own")
+        if goal is not None:
+            parts.check_goal(goal)
+            detector = parts.detector_words
+        with EpisodeRecorder(
+            folder,
+            goal=options.goal or "nothing",
+            agent="replay",
+            detector=detector,
+            reasoner="nothing: the recording is what it is",
+            step_limit=len(recording.frames[:: options.every]),
+        ) as recorder:
+            sightings = 0
+            steps = replayed(upright, parts.agent.components, goal, every=options.every)
+            for step in steps:
+                recorder.add(step.trace, step.grid, step.observation.rgb)
+                sightings += any(one.accepted for one in step.trace.detections)
+                status.update(f"frame {step.trace.step + 1}: {escape(step.trace.reason)}")
+            count = len(recorder.steps)
+            result: dict[str, Any] = {
+                "goal": options.goal or "nothing",
+                "scene": recording.name,
+                "agent": "replay",
+                "preset": options.who.preset,
+                "detector": detector,
+                "segmenter": parts.segmenter.words if goal else None,
+                "outcome": "replayed",
+                "detail": f"{count} recorded frames"
+                + (f", the {options.goal} accepted in {sightings}." if goal else "."),
+                "steps": count,
+                "sightings": sightings,
+                "camera_height_m": config.embodiment.camera.height_m,
+                "seconds": {"total": round(time.perf_counter() - began, 3)},
+                "config": config.model_dump(mode="json"),
+            }
+            recorder.finish(result)
+    console.print(f"replayed {result['detail']}", markup=False, soft_wrap=True)
+    console.print(f"  open {folder / 'index.html'}", markup=False, soft_wrap=True)
+    return ExitStatus.SUCCESS

@@ -1,0 +1,278 @@
+"""The command `hypernav robot simulate`: a simulated robot on the network, with faults."""
+
+import uuid
+from collections.abc import Iterator
+from contextlib import (
+    AbstractContextManager,
+    closing,
+    contextmanager,
+    nullcontext,
+    suppress,
+)
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+from rich.markup import escape
+from rich.status import Status
+
+from hypernav.build.presets import HyPerNavConfig
+from hypernav.build.scenes import build_scene
+from hypernav.cli.agent_options import check_steps_and_seed
+from hypernav.cli.find import OUTCOME_WORDS, check_start, start_pose
+from hypernav.cli.guards.outputs import check_folder
+from hypernav.cli.guards.statuses import ExitStatus
+from hypernav.cli.robot_options import Simulate
+from hypernav.cli.terminal import Terminal
+from hypernav.core.config import check_option, layered
+from hypernav.core.episode import Episode, Outcome
+from hypernav.core.errors import RequestRefusedError, RobotLinkError
+from hypernav.core.goal import Goal
+from hypernav.core.metrics import SUCCESS_DISTANCE_M, EpisodeMetrics, measure
+from hypernav.evaluation.recorder import EpisodeRecorder
+from hypernav.robot.client.links import HttpLink, HttpServer, Link, ServerAddress
+from hypernav.robot.client.robot_client import RobotClient
+from hypernav.robot.client.websocket_link import WebSocketLink
+from hypernav.robot.driving.driven_robot import DrivenRobot
+from hypernav.robot.simulation.base import MishapConfig, SimulatedBase
+from hypernav.robot.simulation.faulty_link import FaultyLink, NetworkFaults
+from hypernav.robot.simulation.person import PersonConfig
+from hypernav.robot.wire.messages import OpenSearch, SearchEnding, SearchOpened
+from hypernav.worlds.drawing.renderer import CpuRenderer
+from hypernav.worlds.noise import NoiseConfig
+from hypernav.worlds.simulation import SimulatedWorld
+
+_PACE = 5.0
+"""Simulated seconds per real one of a robot that drives on while it waits for answers."""
+_NOISE = NoiseConfig(
+    depth_sigma_m=0.002,
+    depth_edge_px=1,
+    forward_sigma=0.02,
+    turn_sigma_deg=1.0,
+    odometry_sigma=0.01,
+    odometry_turn_sigma_deg=0.5,
+)
+
+
+def run(options: Simulate) -> int:
+    """Run the command.
+
+    Returns:
+        The status of success if the goal was found, of failure if not, or of a model outage.
+
+    Raises:
+        RobotLinkError: The server can't be reached.
+        RequestRefusedError: The server refuses the search.
+    """
+    check_steps_and_seed(options.max_steps, options.seed)
+    check_start(options.start)
+    goal, address = Goal(options.goal), ServerAddress.of(options.server, options.token_file)
+    faults, mishaps = _faults(options), _mishaps(options)
+    if options.out is not None:
+        check_folder(options.out)
+    config = layered(HyPerNavConfig(), file=options.config, assignments=options.set)
+    console = Terminal(quiet=options.quiet)
+    with (
+        closing(HttpServer(address)) as server,
+        console.status("loading the building …") as status,
+        _placed(options, config, mishaps) as base,
+    ):
+        rng = np.random.default_rng(options.seed)
+        start = start_pose(options.start, base.world, goal, rng)
+        base.place(Episode(options.scene, "", goal, start), rng)
+        opened = server.open(
+            OpenSearch(
+                goal=goal.text,
+                embodiment=config.embodiment,
+                preset=options.preset,
+                agent=options.agent,
+                max_steps=options.max_steps,
+                key=uuid.uuid4().hex,
+            )
+        )
+        link = FaultyLink(_link(options, address, opened), faults, rng)
+        continuous = options.motion == "continuous"
+        client = RobotClient(DrivenRobot(base), link, continuous=continuous)
+        region = base.world.goal_truth(goal)
+        shortest_m = region.distance(*base.position)
+        try:
+            with _recording(options, opened) as recorder:
+                ending = _search(client, server, opened, recorder, status)
+                metrics = measure(
+                    stopped=ending is SearchEnding.FOUND,
+                    distance_to_goal_m=region.distance(*base.position),
+                    shortest_path_m=shortest_m,
+                    path_length_m=base.path_length_m,
+                    success_distance_m=SUCCESS_DISTANCE_M,
+                )
+                result = {
+                    "goal": goal.text,
+                    "scene": base.world.scene.name,
+                    "agent": options.agent or "hypernav",
+                    "preset": options.preset or "default",
+                    "detector": _detector_and_reasoner(opened)[0],
+                    "reasoner": _detector_and_reasoner(opened)[1],
+                    "seed": options.seed,
+                    "start": [start.x, start.y, float(np.degrees(start.yaw))],
+                    "outcome": _outcome(ending, metrics),
+                    "steps": client.steps,
+                    **asdict(metrics),
+                    **_mishap_numbers(base, client, link),
+                    "config": config.model_dump(mode="json"),
+                }
+                if recorder is not None:
+                    recorder.finish(result)
+        finally:
+            with suppress(RobotLinkError, RequestRefusedError):
+                server.close_search(opened.id)
+    _say(console, options, result)
+    if ending is SearchEnding.MODEL_UNAVAILABLE:
+        return ExitStatus.MODEL_UNAVAILABLE
+    return ExitStatus.SUCCESS if metrics.success else ExitStatus.FAILURE
+
+
+def _search(
+    client: RobotClient,
+    server: HttpServer,
+    opened: SearchOpened,
+    recorder: EpisodeRecorder | None,
+    status: Status,
+) -> SearchEnding | None:
+    """Run the search to its end, and record what the server says about every step."""
+    ending = None
+    for step in client:
+        reply = step.reply
+        ending = reply.ending
+        status.update(escape(f"step {reply.sequence + 1} · {reply.mode} · {reply.reason}"))
+        if recorder is not None:
+            for trace in server.trace(opened.id, since=len(recorder.steps)):
+                recorder.add(trace, server.grid(opened.id), step.sensed.rgb)
+    return ending
+
+
+def _faults(options: Simulate) -> NetworkFaults:
+    """What goes wrong on the network.
+
+    Raises:
+        ConfigError: A share or time is impossible.
+    """
+    shares = {"loss": options.loss, "duplicates": options.duplicates}
+    for name, share in (shares | {"reordered": options.reordered}).items():
+        check_option(f"--{name}", share, (0.0, 0.95), "a share of the messages")
+    check_option("--jitter", options.jitter, (0.0, 60.0), "seconds")
+    return NetworkFaults(
+        loss_share=options.loss,
+        jitter_s=options.jitter,
+        duplicate_share=options.duplicates,
+        reorder_share=options.reordered,
+    )
+
+
+def _mishaps(options: Simulate) -> MishapConfig:
+    """What goes wrong with the robot.
+
+    Raises:
+        ConfigError: A share or length is impossible.
+    """
+    check_option("--stuck", options.stuck, (0.0, 0.95), "a share of the motions")
+    if options.localisation is not None:
+        check_option("--localisation", options.localisation, (0.0, 1.0), "metres")
+    return MishapConfig(
+        stuck_share=options.stuck,
+        person=PersonConfig() if options.person else None,
+        localisation_error_m=options.localisation,
+    )
+
+
+@contextmanager
+def _placed(
+    options: Simulate, config: HyPerNavConfig, mishaps: MishapConfig
+) -> Iterator[SimulatedBase]:
+    """The robot in its building."""
+    scene = build_scene(options.scene)
+    world = config.world
+    if options.noise:
+        world = world.model_copy(update={"noise": _NOISE})
+    renderer = CpuRenderer(scene)
+    with closing(SimulatedWorld(scene, world, config.embodiment, renderer=renderer)) as opened:
+        pace = _PACE if options.motion == "continuous" else None
+        yield SimulatedBase(opened, renderer, mishaps, pace=pace)
+
+
+def _link(options: Simulate, address: ServerAddress, opened: SearchOpened) -> Link:
+    kind = WebSocketLink if options.link == "websocket" else HttpLink
+    return kind(address, opened.id)
+
+
+def _recording(
+    options: Simulate, opened: SearchOpened
+) -> AbstractContextManager[EpisodeRecorder | None]:
+    if options.out is None:
+        return nullcontext()
+    detector, reasoner = _detector_and_reasoner(opened)
+    return EpisodeRecorder(
+        options.out,
+        goal=options.goal,
+        agent=options.agent or "hypernav",
+        detector=detector,
+        reasoner=reasoner,
+        step_limit=options.max_steps,
+    )
+
+
+def _detector_and_reasoner(opened: SearchOpened) -> tuple[str, str]:
+    """Both as the server names them: "detector ground truth, reasoner geometric"."""
+    detector, _, reasoner = opened.words.removeprefix("detector ").partition(", reasoner ")
+    return detector, reasoner
+
+
+def _outcome(ending: SearchEnding | None, metrics: EpisodeMetrics) -> str:
+    if ending is SearchEnding.MODEL_UNAVAILABLE:
+        return Outcome.MODEL_UNAVAILABLE
+    if ending in (SearchEnding.STOPPED, SearchEnding.CLOSED, SearchEnding.FAILED, None):
+        return Outcome.INTERRUPTED
+    if metrics.success:
+        return Outcome.FOUND
+    return Outcome.WRONG_PLACE if ending is SearchEnding.FOUND else Outcome.NOT_FOUND
+
+
+def _mishap_numbers(
+    base: SimulatedBase, client: RobotClient, link: FaultyLink
+) -> dict[str, float | int | None]:
+    """What went wrong, and what the robot made of it."""
+    return {
+        "odometry_length_m": base.odometry_length_m,
+        "robot_seconds": base.now_s,
+        "blocked": client.blocked,
+        "late_answers": client.watchdog.times_late,
+        "sent_again": client.resent,
+        "messages_lost": link.lost,
+        "observations_doubled": link.doubled,
+        "observations_reordered": link.reordered,
+        "person_visits": 0 if base.person is None else base.person.visits,
+        "smallest_gap_m": base.smallest_gap_m,
+    }
+
+
+def _say(console: Terminal, options: Simulate, result: dict[str, Any]) -> None:
+    """The end of the search in a few lines."""
+    goal = escape(Goal(options.goal).thing)
+    console.print(OUTCOME_WORDS[Outcome(result["outcome"])].format(goal=goal))
+    console.print(
+        f"  {result['steps']} steps, {result['path_length_m']:.1f} m driven "
+        f"({result['odometry_length_m']:.1f} m by odometry), shortest "
+        f"{result['shortest_path_m']:.1f} m, SPL {result['spl']:.2f}, "
+        f"{result['robot_seconds']:.0f} s of driving"
+    )
+    console.print(
+        f"  {result['messages_lost']} messages lost, {result['observations_doubled']} doubled, "
+        f"{result['observations_reordered']} reordered, {result['sent_again']} sent again; "
+        f"{result['blocked']} motions blocked"
+    )
+    if options.person:
+        console.print(
+            f"  a person stepped into the way {result['person_visits']} times; smallest gap "
+            f"{result['smallest_gap_m']:.2f} m"
+        )
+    if options.out is not None:
+        console.print(f"  open {escape(str(options.out / 'index.html'))}", soft_wrap=True)

@@ -1,0 +1,69 @@
+"""Recordings in the format of 3DMatch and 7-Scenes: a file of its own for every image and pose.
+
+``frame-000000.color.png``, ``frame-000000.depth.png`` (millimetres) and ``frame-000000.pose.txt``
+(camera to world, 4 × 4), with ``camera-intrinsics.txt`` (3 × 3) in the folder or the one above.
+"""
+
+import math
+from pathlib import Path
+
+import numpy as np
+
+from hypernav.core.errors import RecordingError
+from hypernav.core.files.image_sizes import image_size
+from hypernav.core.files.reading import read_file
+from hypernav.core.geometry.camera import PinholeCamera
+from hypernav.robot.recordings.recording import (
+    RecordedFrame,
+    Recording,
+    read_lines,
+    read_numbers,
+    rigid,
+)
+
+_INTRINSICS = "camera-intrinsics.txt"
+_POSES = "frame-*.pose.txt"
+
+
+def is_matched_frames(folder: Path) -> bool:
+    """Whether a folder holds such a recording."""
+    return next(folder.glob(_POSES), None) is not None
+
+
+def read_matched_frames(folder: Path) -> Recording:
+    """Read everything but the images.
+
+    Raises:
+        RecordingError: A file is missing or broken.
+    """
+    frames = []
+    for path in sorted(folder.glob(_POSES)):
+        if any(math.isnan(float(word)) for line in read_lines(path) for word in line.split()):
+            continue  # the camera was lost there
+        stem = path.name.removesuffix(".pose.txt")
+        colour = next((f for f in sorted(folder.glob(f"{stem}.color.*"))), None)
+        depth = folder / f"{stem}.depth.png"
+        if colour is None or not depth.is_file():
+            raise RecordingError(f"{folder}: {stem} has a pose, but no colour or no depth image")
+        pose = rigid(np.array(read_numbers(path, 16)).reshape(4, 4), path)
+        frames.append(RecordedFrame(colour, depth, pose, float(len(frames))))
+    if not frames:
+        raise RecordingError(f"{folder}: no frame has a valid pose")
+    return Recording(folder.name, _camera(folder, frames[0].colour), 1000.0, frames)
+
+
+def _camera(folder: Path, first: Path) -> PinholeCamera:
+    path = next(
+        (p for p in (folder / _INTRINSICS, folder.parent / _INTRINSICS) if p.is_file()), None
+    )
+    if path is None:
+        raise RecordingError(
+            f"{folder}: expected {_INTRINSICS} in it or in the folder above: the nine numbers of "
+            "the camera matrix"
+        )
+    fx, _, cx, _, fy, cy, *_ = read_numbers(path, 9)
+    size = image_size(read_file(first))
+    if size is None:
+        raise RecordingError(f"{first}: expected a PNG or JPEG image")
+    # The file counts from the middle of the first pixel, cameras here from its corner.
+    return PinholeCamera(*size, fx, fy, cx + 0.5, cy + 0.5)

@@ -1,0 +1,127 @@
+"""A recording through mapping and local perception: the first look at a new camera."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from hypernav.agents.search import SearchComponents
+from hypernav.core.clock import ModuleClock
+from hypernav.core.embodiment import Embodiment
+from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2, Transform
+from hypernav.core.goal import Goal
+from hypernav.core.observation import Observation
+from hypernav.core.trace import Mode, StepTrace
+from hypernav.robot.recordings.recording import RecordedFrame, Recording
+from hypernav.robot.recordings.upright import world_to_map
+
+
+@dataclass(frozen=True, eq=False)
+class ReplayStep:
+    """One frame, and what mapping and perception made of it.
+
+    Attributes:
+        observation: The frame in the ``map`` frame.
+        trace: Pose, detections, goal area and times; it has no action.
+        grid: The map so far.
+    """
+
+    observation: Observation
+    trace: StepTrace
+    grid: OccupancyGrid
+
+
+class UprightRecording:
+    """A recording on its floor, frame by frame as observations.
+
+    Attributes:
+        recording: The recording.
+        to_map: Transform from its world to the ``map`` frame.
+    """
+
+    def __init__(self, recording: Recording) -> None:
+        """Find the floor.
+
+        Raises:
+            RecordingError: There is none to be seen, or an image cannot be read.
+        """
+        self.recording = recording
+        self.to_map = world_to_map(recording)
+
+    def robot(self, like: Embodiment) -> Embodiment:
+        """A robot with the recording's camera, and with everything else of another."""
+        camera = self.recording.camera
+        values = like.model_dump()
+        values["camera"] |= {
+            "width": camera.width,
+            "height": camera.height,
+            "hfov_deg": math.degrees(camera.hfov),
+            "height_m": float(self._camera_to_map(self.recording.frames[0]).translation[2]),
+        }
+        return Embodiment.model_validate(values)
+
+    def observation(self, frame: RecordedFrame) -> Observation:
+        """A frame as an agent takes it; the robot stands below the camera and looks as it does.
+
+        Raises:
+            RecordingError: An image cannot be read.
+        """
+        camera_to_map = self._camera_to_map(frame)
+        x, y, _ = camera_to_map.translation
+        forward = camera_to_map.rotation[:, 2]
+        return Observation(
+            rgb=self.recording.rgb(frame),
+            depth=self.recording.depth(frame),
+            camera=self.recording.camera,
+            camera_to_map=camera_to_map,
+            robot=Pose2(float(x), float(y), math.atan2(forward[1], forward[0])),
+        )
+
+    def _camera_to_map(self, frame: RecordedFrame) -> Transform:
+        return self.to_map @ frame.camera_to_world
+
+
+def replayed(
+    upright: UprightRecording,
+    components: SearchComponents,
+    goal: Goal | None,
+    *,
+    every: int = 1,
+) -> Iterator[ReplayStep]:
+    """Map every frame, and look for the goal in it if there is one.
+
+    Args:
+        upright: The recording.
+        components: Mapping and local perception, as the search has them.
+        goal: What to look for; None only draws the map.
+        every: Number of frames of which one is taken.
+
+    Raises:
+        RecordingError: An image cannot be read.
+    """
+    world_map, local = components.new_map(), components.local
+    if goal is not None:
+        local.reset(goal)
+    components.log.drain()
+    frames = upright.recording.frames[::every]
+    for number, frame in enumerate(frames):
+        clock = ModuleClock()
+        seen = upright.observation(frame)
+        with clock("map"):
+            world_map.integrate(seen)
+        with clock("local"):
+            detections = [] if goal is None else local.look(seen)
+        target = None if goal is None else local.target
+        trace = StepTrace(
+            step=number,
+            pose=(seen.robot.x, seen.robot.y, seen.robot.yaw),
+            action=None,
+            mode=Mode.LOOK_AROUND,
+            reason=f"frame {frame.colour.name}",
+            destination=None if target is None else target.area.centre,
+            goal_area=[] if target is None else target.area.outlines,
+            detections=detections,
+            exchanges=components.log.drain(),
+            seconds=clock.seconds,
+        )
+        yield ReplayStep(seen, trace, world_map.grid)

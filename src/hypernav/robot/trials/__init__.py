@@ -1,0 +1,1 @@
+"""Trials of a real robot: finished searches, and what was measured by hand."""

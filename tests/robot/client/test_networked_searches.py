@@ -1,0 +1,125 @@
+"""Searches over a real network connection, in this process and between processes."""
+
+import subprocess
+import sys
+import threading
+from contextlib import closing, contextmanager
+
+import numpy as np
+import pytest
+
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.robot.client.links import HttpLink, HttpServer, ServerAddress
+from hypernav.robot.client.robot_client import RobotClient
+from hypernav.robot.client.websocket_link import WebSocketLink
+from hypernav.robot.driving.driven_robot import DrivenRobot
+from hypernav.robot.simulation.base import SimulatedBase
+from hypernav.robot.simulation.faulty_link import FaultyLink, NetworkFaults
+from hypernav.robot.wire.messages import OpenSearch, SearchEnding
+from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
+from hypernav.worlds.simulation import SimulatedWorld
+from servers.robots import TOKEN, real_plan, robot_server
+from small_episodes import episode_from
+from small_worlds import small_config, two_rooms
+
+_FAULTS = NetworkFaults(loss_share=0.2, jitter_s=0.05, duplicate_share=0.2, reorder_share=0.2)
+_HYPERNAV = [sys.executable, "-c", "from hypernav.cli.main import main; main()"]
+
+
+@contextmanager
+def simulated_robot():
+    scene, config = two_rooms().scene, small_config()
+    renderer = CpuRenderer(scene, RenderConfig(threads=1))
+    world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
+    with closing(world):
+        base = SimulatedBase(world, renderer)
+        base.place(episode_from(Pose2(2.0, 1.0, 0.0)), np.random.default_rng(0))
+        yield base
+
+
+@pytest.mark.parametrize("kind", [HttpLink, WebSocketLink])
+def test_a_search_goes_through_whatever_the_network_does(kind, tmp_path):
+    with (
+        robot_server(tmp_path, real_plan, token=TOKEN) as plain,
+        simulated_robot() as base,
+    ):
+        address = ServerAddress("127.0.0.1", plain.port, token=TOKEN)
+        with closing(HttpServer(address)) as server:
+            opened = server.open(OpenSearch(goal="bed", embodiment=base.embodiment))
+            link = FaultyLink(kind(address, opened.id), _FAULTS, np.random.default_rng(1))
+            steps = list(RobotClient(DrivenRobot(base), link))
+            assert steps[-1].reply.ending is SearchEnding.FOUND
+            traces = list(server.trace(opened.id))
+            assert [trace.step for trace in traces] == list(range(len(steps)))
+            assert [trace.action for trace in traces] == [step.reply.action for step in steps]
+            assert server.grid(opened.id).free.any()
+    assert min(link.lost, link.doubled, link.reordered) > 0
+
+
+@pytest.mark.parametrize("kind", [HttpLink, WebSocketLink])
+def test_the_stop_button_of_the_server_ends_the_search(kind, tmp_path):
+    with robot_server(tmp_path, real_plan) as plain, simulated_robot() as base:
+        address = ServerAddress("127.0.0.1", plain.port)
+        with closing(HttpServer(address)) as server:
+            opened = server.open(OpenSearch(goal="bed", embodiment=base.embodiment))
+            client, steps = RobotClient(DrivenRobot(base), kind(address, opened.id)), []
+            for step in client:
+                steps.append(step)
+                if len(steps) == 3:
+                    server.stop(opened.id, "enough")
+    assert steps[-1].reply.ending is SearchEnding.STOPPED
+    assert len(steps) <= 5
+
+
+@pytest.fixture
+def served(tmp_path):
+    """A server in a process of its own; its address."""
+    command = [*_HYPERNAV, "serve", "--port", "0", "--state", str(tmp_path / "state")]
+    server = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    assert server.stderr is not None
+    address = ""
+    for line in server.stderr:
+        if "serving at" in line:
+            address = line.split("serving at ")[1].split(",")[0]
+            break
+    reader = threading.Thread(target=server.stderr.read, daemon=True)
+    reader.start()
+    yield address
+    server.terminate()
+    server.wait(20.0)
+    reader.join(5.0)
+    server.stderr.close()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "options",
+    [
+        ["--link", "http"],
+        ["--link", "websocket", "--motion", "continuous"],
+        ["--loss", "0.2", "--jitter", "0.5", "--duplicates", "0.2", "--reordered", "0.2"],
+    ],
+    ids=["http", "websocket", "faults"],
+)
+def test_the_bed_of_the_small_house_is_found_between_processes(
+    options, served, small_house, tmp_path
+):
+    out = tmp_path / "page"
+    command = [*_HYPERNAV, "robot", "simulate", "bed", "--scene", str(small_house)]
+    command += ["--server", served, "--start", "4.0", "-1.0", "180", *options, "--out", str(out)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "found the bed" in done.stderr
+    assert (out / "index.html").is_file()
+
+
+def test_a_server_that_is_not_there_is_an_error_that_names_it(capsys):
+    done = subprocess.run(
+        [*_HYPERNAV, "robot", "simulate", "bed", "--server", "http://127.0.0.1:9"],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert "127.0.0.1:9" in done.stderr
