@@ -41,6 +41,7 @@ _FARTHEST_MM = 65_535
 _PNG_KIND = struct.Struct(">BB")
 _PNG_KIND_AT = 24
 _GREY_16 = (16, 0)
+_GREYS = 65_536
 _UNDECODABLE = (OSError, SyntaxError, ValueError, struct.error, EOFError, zlib.error)
 """What Pillow raises for broken images."""
 
@@ -211,12 +212,11 @@ def _decoded_labels(packed: PackedObservation, camera: PinholeCamera) -> Labelle
     if packed.labels is None or packed.header.labels is None:
         return None
     numbers = _decoded_grey(packed.labels, camera, "the image of labels")
-    ids = numbers.astype(np.int32) - 1
     names = packed.header.labels.names
-    unnamed = set(np.unique(ids).tolist()) - names.keys() - {-1}
-    if unnamed:
-        ids = np.where(np.isin(ids, list(unnamed)), np.int32(-1), ids)
-    return LabelledPixels(ids, names)
+    ids = np.full(_GREYS, -1, dtype=np.int32)  # what has no name is no instance
+    for number in names:
+        ids[number + 1] = number
+    return LabelledPixels(ids[numbers], names)
 
 
 def _decoded_grey(

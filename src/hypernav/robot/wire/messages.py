@@ -250,7 +250,7 @@ class LabelsPart(Message):
     """
 
     bytes: int = Field(ge=1, le=_MOST_IMAGE_BYTES)
-    names: dict[int, ObjectLabel] = Field(max_length=2000)
+    names: dict[Annotated[int, Field(ge=0, le=65_534)], ObjectLabel] = Field(max_length=2000)
 
 
 class ObservationHeader(ObservationFacts):
