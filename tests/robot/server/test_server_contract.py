@@ -190,8 +190,11 @@ def test_the_status_waits_for_news(link):
     link.observe(search, body_of(0))
     waiting.join(timeout=15.0)
     assert news[0]["version"] > version
-    unchanged = link.call("GET", f"{search}?after=1000000&wait_s=0.05").json
-    assert unchanged["next_sequence"] == 1
+    while link.call("GET", search).json["state"] != "waiting":
+        pass
+    version = link.call("GET", search).json["version"]
+    unchanged = link.call("GET", f"{search}?after={version}&wait_s=0.05").json
+    assert unchanged["version"] == version
 
 
 def test_what_a_robot_says_about_being_blocked_is_in_the_trace(link):

@@ -3,7 +3,7 @@
 import json
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any
 
 import pytest
@@ -13,6 +13,7 @@ from websockets.sync.client import ClientConnection, connect
 from hypernav.core.actions import Action
 from hypernav.evaluation.checks.box_room import BoxRoom
 from hypernav.robot.server.limits import ServerLimits
+from hypernav.robot.wire.frames import MOST_BODY_BYTES
 from servers.robots import TOKEN, RobotLink, body_of, drive, real_plan, robot_server
 
 
@@ -82,6 +83,16 @@ def test_a_mistake_is_said_and_the_conversation_goes_on(link):
         assert (refused["status"], refused["error"]["expected"]) == (409, 0)
         socket.send(body_of(0))
         assert said(socket)["reply"]["sequence"] == 0
+
+
+def test_a_message_too_long_ends_the_connection_and_nothing_else(link):
+    search = link.open()
+    with stream(link, search) as socket:
+        with suppress(ConnectionClosed):  # it may hang up before it has heard all
+            socket.send(bytes(MOST_BODY_BYTES + 1))
+        with pytest.raises(ConnectionClosed):
+            socket.recv(timeout=10.0)
+    assert link.observe(search, body_of(0)).status == 200
 
 
 def test_a_robot_reconnects(link):

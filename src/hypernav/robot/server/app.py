@@ -118,9 +118,9 @@ def _routes(searches: Searches, allowances: Allowances) -> APIRouter:
         after: Annotated[int, Query(ge=-1, le=2**53, description="Version known already.")] = -1,
         wait_s: Annotated[float, Query(ge=0.0, le=LONGEST_WAIT_S)] = 0.0,
     ) -> Status:
-        """The state of a search, as soon as it is newer than the version known already."""
+        """The state of a search, as soon as its version is another than that known already."""
         search = searches.find(name)
-        await search.bell.until(lambda: search.status().version > after, wait_s)
+        await search.bell.until(lambda: search.status().version != after, wait_s)
         return search.status()
 
     @routes.post(f"{SEARCHES}/{{name}}/observations", openapi_extra=_OBSERVATION_BODY)

@@ -8,7 +8,7 @@ from hypernav.core.errors import RequestRefusedError, RunFolderError, WireError
 from hypernav.robot.server.guard import Allowances
 from hypernav.robot.server.search import Search
 from hypernav.robot.server.searches import Searches
-from hypernav.robot.server.turn import Turn
+from hypernav.robot.server.turns import Turn
 from hypernav.robot.wire.messages import ErrorBody, Reply, SearchEnding, StreamMessage
 
 _UNKNOWN = 4404

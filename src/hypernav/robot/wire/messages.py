@@ -354,8 +354,8 @@ class Status(Message):
 
     Attributes:
         id: Name of the search.
-        version: Number that grows with every change; ``GET …/ID?after=VERSION&wait_s=20`` waits for
-            the next one.
+        version: Number of the state, another one after every change; with
+            ``GET …/ID?after=VERSION&wait_s=20`` the next change is waited for.
         goal: What is searched for.
         words: Detector and reasoner in use, for people.
         opened_s: Time of opening, seconds since 1970.
