@@ -43,7 +43,7 @@ _QUOTED = "as quoted by the HyPerNav paper, which did not run it again"
 _VLMNAV_URL = "https://github.com/Jirl-upenn/VLMnav"
 _VLMNAV_REACHED = "within 0.3 m of a view point, also when steps run out there"
 _MACRO = "up to 1.7 m, and any turn"
-_HYPERNAV = "real scans; camera, step of the quoted methods and success distance are not stated"
+_HYPERNAV = "real scans; camera and success distance are not stated"
 
 PUBLISHED: tuple[Published, ...] = (
     Published(
@@ -92,7 +92,7 @@ PUBLISHED: tuple[Published, ...] = (
         "HM3D-OVON val unseen",
         35.2,
         19.6,
-        "real scans; as reported in a table of MetaNav, whose original was not seen",
+        "real scans; the original publication was not seen",
         "as reported by MetaNav",
     ),
     Published(

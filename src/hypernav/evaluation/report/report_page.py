@@ -13,6 +13,7 @@ from hypernav.evaluation.failures.classification import RULES, Failure
 from hypernav.evaluation.protocol import SUCCESS_DISTANCES_M, StopRule
 from hypernav.evaluation.record import EpisodeRecord
 from hypernav.evaluation.report import report_text, tables
+from hypernav.evaluation.report.costs import call_axis, costs
 from hypernav.evaluation.report.published_results import PUBLISHED
 from hypernav.evaluation.report.run_data import RunData
 from hypernav.evaluation.report.table_files import write_csv, write_tex
@@ -56,6 +57,7 @@ def write_report(folder: Path, runs: Sequence[RunData], *, compare: bool = False
 
 def _content(folder: Path, runs: Sequence[RunData], pairs: Sequence[tables.Pair]) -> dict[str, Any]:
     summaries = tables.overall(runs)
+    cost_rows = costs(runs)
     return {
         "runs": runs,
         "title": report_text.title(runs),
@@ -78,6 +80,8 @@ def _content(folder: Path, runs: Sequence[RunData], pairs: Sequence[tables.Pair]
         "by_part": tables.by_part(runs),
         "by_scene": tables.by_scene(runs),
         "modules": tables.module_times(runs),
+        "costs": list(zip(runs, cost_rows, strict=True)),
+        "call_axis": call_axis(cost_rows),
         "questions": tables.questions_a_step(runs),
         "calls": [_calls(run) for run in runs],
         "protocol": report_text.protocol_lines(runs[0]),

@@ -63,6 +63,10 @@ def lead(runs: Sequence[RunData], summaries: Sequence[Summary]) -> str:
     return "; ".join(parts) + "."
 
 
+_STAND_IN = "stand-in"
+"""What the words for people of every reasoner say that stands in for a model."""
+
+
 def warnings(runs: Sequence[RunData]) -> list[str]:
     """Caveats that a reader must know before believing a number."""
     found = []
@@ -73,6 +77,12 @@ def warnings(runs: Sequence[RunData]) -> list[str]:
             "detection). This measures exploration, mapping, planning and stopping, and says "
             "nothing about recognition."
         )
+    found += [
+        f"{run.name} reasons by {run.who['reasoner']}, in place of a model: this measures what "
+        "the method makes of its answers, not how good a model's would be."
+        for run in runs
+        if _STAND_IN in run.who["reasoner"]
+    ]
     for run in runs:
         if len(run.records) < run.wanted:
             found.append(
