@@ -55,7 +55,7 @@ def test_a_reader_is_told_of_what_stands_in_for_a_model(tmp_path):
     with RunStore(folder, RunPlan("houses-val", who=who).configuration([])) as store:
         store.add(record("0"))
     (warning,) = [one for one in warnings(load_runs([folder])) if "in place of a model" in one]
-    assert "told reasons by the truth in view (stand-in)" in warning
+    assert "vlfm reasons by the truth in view (stand-in)" in warning
 
 
 def test_without_any_call_there_is_nothing_to_draw(tmp_path):
