@@ -1,17 +1,23 @@
-"""A server of one search within the test: the contract of `hypernav serve` without a network."""
+"""A server of one search without a network, and a robot without a world."""
 
 import math
+import threading
 from dataclasses import dataclass, field
+
+import numpy as np
 
 from hypernav.agents.search import SearchAgent
 from hypernav.build.agents import build_agent
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.core.actions import Action
+from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import RequestRefusedError
 from hypernav.core.geometry.grid import Cell
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
+from hypernav.core.observation import LabelledPixels
 from hypernav.core.trace import StepTrace
+from hypernav.robot.client.robot import Executed, Sensed
 from hypernav.robot.motion.velocity import Velocity
 from hypernav.robot.wire.frames import decode_observation, unpack_observation
 from hypernav.robot.wire.messages import Reply, SearchEnding
@@ -89,3 +95,38 @@ class AgentLink:
         )
         grid = self.agent.grid
         return any(grid.state_at(*front.xy) is Cell.OCCUPIED for front in fronts)
+
+
+_SMALL = Embodiment.model_validate({"camera": {"width": 16, "height": 12}})
+
+
+class StandIn:
+    """A robot of which every step succeeds, unless it is stopped."""
+
+    def __init__(self, embodiment: Embodiment = _SMALL) -> None:
+        self.embodiment = embodiment
+        self.x = 0.0
+        self.executed: list[Action] = []
+        self.stops = 0
+        self.begun, self.stopped = threading.Event(), threading.Event()
+        self.hangs = False
+
+    def observe(self) -> Sensed:
+        size = (self.embodiment.camera.height, self.embodiment.camera.width)
+        rgb, depth = np.zeros((*size, 3), dtype=np.uint8), np.ones(size, dtype=np.float32)
+        labels = LabelledPixels(np.full(size, -1, dtype=np.int32), {})
+        pose = Pose2(self.x, 0.0, 0.0)
+        return Sensed(rgb, depth, pose, stamp_s=self.x, truth=labels)
+
+    def execute(self, action: Action) -> Executed:
+        self.executed.append(action)
+        self.begun.set()
+        if self.hangs:
+            self.stopped.wait()
+            return Executed.STOPPED
+        self.x += 0.5
+        return Executed.DONE
+
+    def stop(self) -> None:
+        self.stops += 1
+        self.stopped.set()

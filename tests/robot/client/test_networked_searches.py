@@ -11,6 +11,7 @@ import pytest
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.robot.client.links import HttpLink, HttpServer, ServerAddress
 from hypernav.robot.client.robot_client import RobotClient
+from hypernav.robot.client.stop_listener import StopListener
 from hypernav.robot.client.websocket_link import WebSocketLink
 from hypernav.robot.driving.driven_robot import DrivenRobot
 from hypernav.robot.simulation.base import SimulatedBase
@@ -18,6 +19,7 @@ from hypernav.robot.simulation.faulty_link import FaultyLink, NetworkFaults
 from hypernav.robot.wire.messages import OpenSearch, SearchEnding
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.worlds.simulation import SimulatedWorld
+from robot_links import StandIn
 from servers.robots import TOKEN, real_plan, robot_server
 from small_episodes import episode_from
 from small_worlds import small_config, two_rooms
@@ -69,6 +71,26 @@ def test_the_stop_button_of_the_server_ends_the_search(kind, tmp_path):
                     server.stop(opened.id, "enough")
     assert steps[-1].reply.ending is SearchEnding.STOPPED
     assert len(steps) <= 5
+
+
+def test_the_stop_button_ends_a_motion_under_way(tmp_path):
+    """The motion would never end by itself."""
+    with robot_server(tmp_path, real_plan) as plain, simulated_robot() as base:
+        address = ServerAddress("127.0.0.1", plain.port)
+        robot = StandIn(base.embodiment)
+        robot.hangs = True
+        with closing(HttpServer(address)) as server:
+            request = OpenSearch(goal="bed", embodiment=base.embodiment)
+            opened = server.open(request)
+            client = RobotClient(robot, HttpLink(address, opened.id))
+            with StopListener(address, opened.id, client.stop):
+                search = threading.Thread(target=lambda: list(client))
+                search.start()
+                assert robot.begun.wait(60.0)
+                server.stop(opened.id)
+                search.join(60.0)
+    assert not search.is_alive()
+    assert len(robot.executed) == 1
 
 
 @pytest.fixture

@@ -2,56 +2,21 @@
 
 import threading
 
-import numpy as np
 import pytest
 
 from hypernav.core.actions import Action
-from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import (
     LinkLostError,
     RequestRefusedError,
     RobotLinkError,
     ServerUnreachableError,
 )
-from hypernav.core.geometry.transforms import Pose2
 from hypernav.robot.client.links import ServerAddress
-from hypernav.robot.client.robot import Executed, Sensed
 from hypernav.robot.client.robot_client import Patience, RobotClient
 from hypernav.robot.client.watchdog import Watchdog
 from hypernav.robot.wire.frames import unpack_observation
 from hypernav.robot.wire.messages import Reply, SearchEnding
-
-_EMBODIMENT = Embodiment.model_validate({"camera": {"width": 16, "height": 12}})
-
-
-class StandIn:
-    """A robot of which every step succeeds, unless it is stopped."""
-
-    def __init__(self) -> None:
-        self.embodiment = _EMBODIMENT
-        self.x = 0.0
-        self.executed: list[Action] = []
-        self.stops = 0
-        self.begun, self.stopped = threading.Event(), threading.Event()
-        self.hangs = False
-
-    def observe(self) -> Sensed:
-        rgb = np.zeros((12, 16, 3), dtype=np.uint8)
-        depth = np.ones((12, 16), dtype=np.float32)
-        return Sensed(rgb, depth, Pose2(self.x, 0.0, 0.0), stamp_s=self.x)
-
-    def execute(self, action: Action) -> Executed:
-        self.executed.append(action)
-        self.begun.set()
-        if self.hangs:
-            self.stopped.wait()
-            return Executed.STOPPED
-        self.x += 0.5
-        return Executed.DONE
-
-    def stop(self) -> None:
-        self.stops += 1
-        self.stopped.set()
+from robot_links import StandIn
 
 
 class Script:

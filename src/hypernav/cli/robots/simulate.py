@@ -32,6 +32,7 @@ from hypernav.core.metrics import SUCCESS_DISTANCE_M, EpisodeMetrics, measure
 from hypernav.evaluation.recorder import EpisodeRecorder
 from hypernav.robot.client.links import HttpLink, HttpServer, Link, ServerAddress
 from hypernav.robot.client.robot_client import RobotClient
+from hypernav.robot.client.stop_listener import StopListener
 from hypernav.robot.client.websocket_link import WebSocketLink
 from hypernav.robot.driving.driven_robot import DrivenRobot
 from hypernav.robot.simulation.base import MishapConfig, SimulatedBase
@@ -96,7 +97,10 @@ def run(options: Simulate) -> int:
         region = base.world.goal_truth(goal)
         shortest_m = region.distance(*base.position)
         try:
-            with _recording(options, opened) as recorder:
+            with (
+                _recording(options, opened) as recorder,
+                StopListener(address, opened.id, client.stop),
+            ):
                 ending = _search(client, server, opened, recorder, status)
                 metrics = measure(
                     stopped=ending is SearchEnding.FOUND,

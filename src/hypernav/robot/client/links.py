@@ -141,9 +141,10 @@ class HttpServer:
         path = f"{SEARCHES}/{search_id}/replies/{sequence}"
         return self._asked(Reply, "GET", path, timeout_s=timeout_s)
 
-    def status(self, search_id: str) -> Status:
-        """State of a search."""
-        return self._asked(Status, "GET", f"{SEARCHES}/{search_id}")
+    def status(self, search_id: str, *, after: int = -1, wait_s: float = 0.0) -> Status:
+        """State of a search, as soon as it is newer than a version, or after a while."""
+        query = f"after={after}&wait_s={wait_s:g}"
+        return self._asked(Status, "GET", f"{SEARCHES}/{search_id}?{query}")
 
     def trace(self, search_id: str, *, since: int = 0) -> Iterator[StepTrace]:
         """The steps of a search from a step on."""

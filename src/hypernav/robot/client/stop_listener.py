@@ -1,0 +1,67 @@
+"""The stop button of the server, heard at once: also in the middle of a motion."""
+
+import threading
+from collections.abc import Callable
+from types import TracebackType
+
+from hypernav.core.errors import RequestRefusedError, RobotLinkError
+from hypernav.robot.client.links import HttpServer, ServerAddress
+from hypernav.robot.wire.messages import SearchEnding
+
+_WAIT_S = 1.0
+_PAUSE_S = 0.2
+_BY_HAND = frozenset({SearchEnding.STOPPED, SearchEnding.CLOSED})
+
+
+class StopListener:
+    """Waits beside a search until someone presses stop, over a connection of its own.
+
+    Example:
+        >>> with StopListener(address, opened.id, client.stop):  # doctest: +SKIP
+        ...     for step in client:
+        ...         print(step.reply.reason)
+    """
+
+    def __init__(self, address: ServerAddress, search_id: str, on_stop: Callable[[], None]) -> None:
+        """Create it; it listens within a ``with`` block.
+
+        Args:
+            address: The server.
+            search_id: The search.
+            on_stop: Function to call, once, for example `RobotClient.stop`.
+        """
+        self._server = HttpServer(address)
+        self._search_id = search_id
+        self._on_stop = on_stop
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._listen, daemon=True)
+
+    def __enter__(self) -> "StopListener":
+        """Begin to listen."""
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """End listening, a second later at most."""
+        self._ended.set()
+        self._thread.join()
+
+    def _listen(self) -> None:
+        version = -1
+        while not self._ended.is_set():
+            try:
+                status = self._server.status(self._search_id, after=version, wait_s=_WAIT_S)
+            except (RobotLinkError, RequestRefusedError):
+                self._ended.wait(_PAUSE_S)  # the search itself notices what is wrong
+                continue
+            version = status.version
+            if status.ending in _BY_HAND:
+                self._on_stop()
+            if status.ending is not None:
+                break
+        self._server.close()
