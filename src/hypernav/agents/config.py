@@ -62,7 +62,7 @@ class SearchConfig(RoomConfig):
         enter_in_sight: Whether to enter the goal area where the map shows nothing as high as the
             camera between there and the target, if a path leads there.
         enter_fully: Whether to take one more step, into the goal area, where the robot would end up
-            before it because a step is longer than what is left.
+            farther than `stop_distance_m` before it because a step is longer than what is left.
         second_look_must_see: Whether a second look rejects a target that the image should show and
             does not, unless what was seen before outweighs it; else only one that looks more like
             something else.
@@ -70,7 +70,7 @@ class SearchConfig(RoomConfig):
             to where that range ended, also through the unknown, before all else that is unexplored.
     """
 
-    stop_distance_m: float = Field(default=0.15, ge=0.0, le=10.0)
+    stop_distance_m: float = Field(default=0.2, ge=0.0, le=10.0)
     approach_gap_m: float = Field(default=0.15, ge=0.0, le=10.0)
     local_first: bool = False
     patience_steps: int = Field(default=16, ge=0, le=MOST_STEPS)

@@ -146,6 +146,7 @@ class _Search:
             goal,
             local,
             navigator,
+            Navigator(planning, embodiment),
             floor.map,
             self._explore,
             self._look_around,

@@ -8,6 +8,7 @@ from hypernav.agents.phases.explore import Explore
 from hypernav.agents.phases.look_around import LookAround
 from hypernav.agents.phases.step import Decision, PhaseName, Step
 from hypernav.agents.progress import patience_of
+from hypernav.core.actions import Action
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import Mode
@@ -33,6 +34,7 @@ class Approach:
         goal: Goal,
         local: LocalPerception,
         navigator: Navigator,
+        inside: Navigator,
         world_map: TopDownMap,
         explore: Explore,
         look_around: LookAround,
@@ -44,6 +46,7 @@ class Approach:
             goal: Target of the search.
             local: Local perception, which knows the target.
             navigator: Navigator that drives there.
+            inside: Navigator for the last step, into the goal area.
             world_map: Map, which knows what hides the target.
             explore: Exploration, left when the robot goes to the target: local perception wins.
             look_around: Turn around, left likewise.
@@ -52,6 +55,7 @@ class Approach:
         self._goal = goal
         self._local = local
         self._navigator = navigator
+        self._inside = inside
         self._map = world_map
         self._explore = explore
         self._look_around = look_around
@@ -80,9 +84,8 @@ class Approach:
         if _distance_m(robot, goals[0]) > config.stop_distance_m:
             with step.clock("plan"):
                 action = self._navigator.towards(step.grid, robot, *goals)
-                if action is None and self._navigator.arrived and self._config.enter_fully:
-                    inner = target.area.inner_entry_points
-                    action = self._navigator.towards(step.grid, robot, inner)
+                if action is None and self._navigator.arrived and config.enter_fully:
+                    action = self._step_inside(step, target)
             path = self._navigator.path
             leads_there = path is not None and path.gap_m <= config.approach_gap_m
             if path is None or not (leads_there or self.as_near_as_possible):
@@ -105,6 +108,13 @@ class Approach:
                 return PhaseName.LOOK_AROUND
         self._leave_exploration(step)
         return PhaseName.VERIFY
+
+    def _step_inside(self, step: Step, target: Target) -> Action | None:
+        """The next action into the goal area from right before it; None if there is none."""
+        points = target.area.inner_entry_points
+        action, path = self._inside.towards(step.grid, step.robot, points), self._inside.path
+        is_near = path is not None and path.is_sure and path.length_m < _CLOSE_BY_M
+        return action if is_near else None
 
     def _goals(self, target: Target) -> list[Float64[np.ndarray, "_ 2"]]:
         """Sets of positions to go to, in the order of preference."""
