@@ -33,7 +33,7 @@ from hypernav.robot.wire.messages import (
 )
 
 MOST_HEADER_BYTES = 300_000
-MOST_BODY_BYTES = 32_000_000
+MOST_BODY_BYTES = 20_000_000
 """Size of the longest observation: 1920 × 1080 with raw depth and labels fits."""
 
 _MILLIMETRES = 1000.0
