@@ -111,26 +111,28 @@ class RobotClient:
             RequestRefusedError: The server refuses what this robot sends.
         """
         last: ClientStep | None = None
+        pool = ThreadPoolExecutor(1)
         try:
-            with ThreadPoolExecutor(1) as pool:
-                while not self._stopped.is_set():
-                    sensed = self._robot.observe()
-                    blocked = last is not None and self._failed(last, sensed.odometry)
-                    with self.watchdog:
-                        answer = pool.submit(self._answer, sensed, blocked)
-                        self._roll_on(last, answer)
-                        reply = answer.result()
-                    executed = None
-                    if not (reply.done or reply.action in (None, Action.STOP)):
-                        executed = self._execute(reply, sensed)
-                    self.steps += 1
-                    self.blocked += blocked
-                    last = ClientStep(sensed, reply, executed, blocked)
-                    yield last
-                    if executed is None:
-                        return
+            while not self._stopped.is_set():
+                sensed = self._robot.observe()
+                blocked = last is not None and self._failed(last, sensed.odometry)
+                with self.watchdog:
+                    answer = pool.submit(self._answer, sensed, blocked)
+                    self._roll_on(last, answer)
+                    reply = answer.result()
+                executed = None
+                if not (reply.done or reply.action in (None, Action.STOP)):
+                    executed = self._execute(reply, sensed)
+                self.steps += 1
+                self.blocked += blocked
+                last = ClientStep(sensed, reply, executed, blocked)
+                yield last
+                if executed is None:
+                    return
         finally:
+            self._stopped.set()  # nobody waits for an answer any more
             self._robot.stop()
+            pool.shutdown()
             self._link.close()
 
     def stop(self) -> None:

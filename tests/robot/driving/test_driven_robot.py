@@ -1,0 +1,136 @@
+"""A robot that takes velocities drives only where its own depth images show no obstacle."""
+
+import math
+import threading
+
+import numpy as np
+import pytest
+
+from hypernav.core.actions import Action
+from hypernav.core.embodiment import Embodiment
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.robot.client.robot import Executed, Sensed
+from hypernav.robot.driving.base import DepthView
+from hypernav.robot.driving.depth_safety import DepthSafety
+from hypernav.robot.driving.driven_robot import DrivenRobot
+from hypernav.robot.motion.velocity import Velocity
+
+ROBOT = Embodiment.model_validate({"camera": {"width": 80, "height": 60}})
+CAMERA = ROBOT.camera.intrinsics
+
+
+def seen(pole: tuple[float, float] | None = None, robot: Pose2 | None = None) -> DepthView:
+    """An endless floor with a pole of 20 cm radius, as the robot's camera measures it."""
+    to_base = ROBOT.camera.camera_to_base
+    rays = CAMERA.rays() @ to_base.rotation.T
+    down = rays[..., 2] < 0.0
+    depth = np.where(down, -to_base.translation[2] / np.where(down, rays[..., 2], -1.0), np.inf)
+    if pole is not None:
+        x, y = (
+            (robot or Pose2(0.0, 0.0, 0.0))
+            .to_transform()
+            .inverse()
+            .apply(np.array([[*pole, 0.0]]))[0, :2]
+        )
+        a = (rays[..., :2] ** 2).sum(axis=-1)
+        b = -(rays[..., 0] * x + rays[..., 1] * y)
+        root = b**2 - a * (x * x + y * y - 0.2**2)
+        near = np.where(root > 0.0, (-b - np.sqrt(np.maximum(root, 0.0))) / a, np.inf)
+        depth = np.minimum(depth, np.where(near > 0.0, near, np.inf))
+    lens = ROBOT.camera
+    measured = (depth > lens.min_depth_m) & (depth < lens.max_depth_m)
+    return DepthView(np.where(measured, depth, 0.0).astype(np.float32), CAMERA, to_base)
+
+
+class FloorBase:
+    """Wheels that do what they are told, on a floor with a pole that can be taken away."""
+
+    def __init__(self, pole: tuple[float, float] | None = None, *, stuck: bool = False) -> None:
+        self.embodiment = ROBOT
+        self.pose, self.pole, self.stuck = Pose2(0.0, 0.0, 0.0), pole, stuck
+        self.moving, self.ticks = threading.Event(), 0
+        self.pole_stays = 10**9
+
+    def sense(self) -> Sensed:
+        raise NotImplementedError
+
+    def odometry(self) -> Pose2:
+        return self.pose
+
+    def depth_view(self) -> DepthView:
+        return seen(self.pole if self.ticks < self.pole_stays else None, self.pose)
+
+    def drive(self, velocity: Velocity, seconds: float) -> None:
+        self.ticks += 1
+        self.moving.set()
+        if not self.stuck:
+            self.pose = velocity.moved(self.pose, seconds)
+
+    def halt(self) -> None:
+        return None
+
+
+def test_steps_and_turns_are_made_exactly():
+    base = FloorBase()
+    robot = DrivenRobot(base)
+    for action in (Action.MOVE_FORWARD, Action.TURN_LEFT, Action.MOVE_FORWARD, Action.TURN_RIGHT):
+        assert robot.execute(action) is Executed.DONE
+    assert base.pose.x == pytest.approx(0.5 + 0.5 * math.cos(math.radians(30.0)), abs=0.005)
+    assert base.pose.y == pytest.approx(0.5 * math.sin(math.radians(30.0)), abs=0.005)
+    assert base.pose.yaw == pytest.approx(0.0, abs=0.003)
+
+
+def test_it_waits_for_what_is_in_its_way_and_says_so_if_it_stays():
+    base = FloorBase(pole=(0.75, 0.0))
+    robot = DrivenRobot(base, patience_s=2.0)
+    assert robot.execute(Action.MOVE_FORWARD) is Executed.BLOCKED
+    assert base.pose.x + ROBOT.body.radius_m < 0.75 - 0.2
+    assert robot.waits == 1
+
+
+def test_it_goes_on_when_the_way_is_free_again():
+    base = FloorBase(pole=(0.75, 0.0))
+    base.pole_stays = 60
+    robot = DrivenRobot(base)
+    assert robot.execute(Action.MOVE_FORWARD) is Executed.DONE
+    assert base.pose.x == pytest.approx(0.5, abs=0.005)
+
+
+def test_what_is_beside_its_way_is_none_of_its_business():
+    base = FloorBase(pole=(0.8, 0.6))
+    assert DrivenRobot(base).execute(Action.MOVE_FORWARD) is Executed.DONE
+
+
+@pytest.mark.parametrize("action", [Action.MOVE_FORWARD, Action.TURN_LEFT])
+def test_wheels_that_do_not_turn_are_noticed(action):
+    assert DrivenRobot(FloorBase(stuck=True)).execute(action) is Executed.BLOCKED
+
+
+def test_stop_ends_a_motion_from_another_thread():
+    base = FloorBase(pole=(0.6, 0.0))
+    robot, outcome = DrivenRobot(base, patience_s=1e6), []
+    motion = threading.Thread(target=lambda: outcome.append(robot.execute(Action.MOVE_FORWARD)))
+    motion.start()
+    assert base.moving.wait(30.0)
+    robot.stop()
+    motion.join(30.0)
+    assert outcome == [Executed.STOPPED]
+
+
+def test_something_too_near_to_be_measured_makes_it_blind():
+    safety = DepthSafety(ROBOT)
+    robot = Pose2(0.0, 0.0, 0.0)
+    assert not safety.look(seen(), robot).is_blind
+    assert DepthSafety(ROBOT).look(seen(pole=(0.6, 0.0)), robot).is_blind
+
+
+def test_what_came_too_near_to_be_measured_is_remembered():
+    safety = DepthSafety(ROBOT)
+    far, near = Pose2(0.0, 0.0, 0.0), Pose2(0.45, 0.0, 0.0)
+    point = np.array([[0.8, 0.0]])
+    before = safety.look(seen((1.0, 0.0), far), far).obstacles.distances(point)[0]
+    after = safety.look(seen((1.0, 0.0), near), near).obstacles.distances(point)[0]
+    fresh = DepthSafety(ROBOT).look(seen((1.0, 0.0), near), near).obstacles.distances(point)[0]
+    assert before < 0.05
+    assert after < 0.05
+    assert fresh > 0.05
