@@ -16,8 +16,9 @@ class Simulate:
 
     goal: tyro.conf.Positional[str]
     """The object to find: bed, "L-shaped sofa", …"""
-    server: str
-    """Address of the server, for example http://127.0.0.1:8765."""
+    server: str | None = None
+    """Address of the server, for example http://127.0.0.1:8765; else one is started for the
+    search."""
     scene: str = "builtin"
     """The building: builtin, houses:N, offices:N or shops:N, or the path of a GLB."""
     token_file: Path | None = None

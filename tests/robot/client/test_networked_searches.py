@@ -135,6 +135,14 @@ def test_the_bed_of_the_small_house_is_found_between_processes(
     assert (out / "index.html").is_file()
 
 
+@pytest.mark.slow
+def test_without_an_address_a_server_is_started_for_the_search(small_house):
+    command = [*_HYPERNAV, "robot", "simulate", "bed", "--scene", str(small_house)]
+    command += ["--start", "4.0", "-1.0", "180"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+    assert done.returncode == 0, done.stderr
+
+
 def test_a_server_that_is_not_there_is_an_error_that_names_it(capsys):
     done = subprocess.run(
         [*_HYPERNAV, "robot", "simulate", "bed", "--server", "http://127.0.0.1:9"],

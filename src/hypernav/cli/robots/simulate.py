@@ -23,6 +23,7 @@ from hypernav.cli.find import OUTCOME_WORDS, check_start, start_pose
 from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.robot_options import Simulate
+from hypernav.cli.robots.own_server import server_at
 from hypernav.cli.terminal import Terminal
 from hypernav.core.config import check_option, layered
 from hypernav.core.episode import Episode, Outcome
@@ -67,14 +68,14 @@ def run(options: Simulate) -> int:
     """
     check_steps_and_seed(options.max_steps, options.seed)
     check_start(options.start)
-    goal, address = Goal(options.goal), ServerAddress.of(options.server, options.token_file)
-    faults, mishaps = _faults(options), _mishaps(options)
+    goal, faults, mishaps = Goal(options.goal), _faults(options), _mishaps(options)
     if options.out is not None:
         check_folder(options.out)
     config = layered(HyPerNavConfig(), file=options.config, assignments=options.set)
     console = Terminal(quiet=options.quiet)
     with (
-        closing(HttpServer(address)) as server,
+        server_at(options.server) as url,
+        closing(HttpServer(ServerAddress.of(url, options.token_file))) as server,
         console.status("loading the building …") as status,
         _placed(options, config, mishaps) as base,
     ):
@@ -91,7 +92,7 @@ def run(options: Simulate) -> int:
                 key=uuid.uuid4().hex,
             )
         )
-        link = FaultyLink(_link(options, address, opened), faults, rng)
+        link = FaultyLink(_link(options, server.address, opened), faults, rng)
         continuous = options.motion == "continuous"
         client = RobotClient(DrivenRobot(base), link, continuous=continuous)
         region = base.world.goal_truth(goal)
@@ -99,7 +100,7 @@ def run(options: Simulate) -> int:
         try:
             with (
                 _recording(options, opened) as recorder,
-                StopListener(address, opened.id, client.stop),
+                StopListener(server.address, opened.id, client.stop),
             ):
                 ending = _search(client, server, opened, recorder, status)
                 metrics = measure(

@@ -118,11 +118,14 @@ class HttpServer:
     """All requests of the contract, over one connection that is opened anew where it breaks.
 
     One thread at a time may use it.
+
+    Attributes:
+        address: Where the server is.
     """
 
     def __init__(self, address: ServerAddress) -> None:
         """Remember the address; the first request connects."""
-        self._address = address
+        self.address = address
         self._connection: http.client.HTTPConnection | None = None
 
     def open(self, request: OpenSearch) -> SearchOpened:
@@ -199,7 +202,7 @@ class HttpServer:
             return message.model_validate_json(content)
         except ValidationError as error:
             raise LinkLostError(
-                f"{self._address}: an answer that is no {message.__name__}: {content[:100]!r}"
+                f"{self.address}: an answer that is no {message.__name__}: {content[:100]!r}"
             ) from error
 
     def _request(
@@ -211,25 +214,25 @@ class HttpServer:
         timeout_s: float = 30.0,
         kind: str = "application/json",
     ) -> bytes:
-        headers = self._address.headers | ({} if body is None else {"Content-Type": kind})
+        headers = self.address.headers | ({} if body is None else {"Content-Type": kind})
         was_open = self._connection is not None
         try:
             connection = self._connected(timeout_s)
-            connection.request(method, self._address.path + path, body, headers)
+            connection.request(method, self.address.path + path, body, headers)
             response = connection.getresponse()
             content = response.read()
         except (OSError, http.client.HTTPException) as error:
             self.close()
             if was_open and isinstance(error, _CLOSED_MEANWHILE):
                 return self._request(method, path, body, timeout_s=timeout_s, kind=kind)
-            raise LinkLostError(f"{self._address}: {error or type(error).__name__}") from error
+            raise LinkLostError(f"{self.address}: {error or type(error).__name__}") from error
         if response.status >= 400:
             raise refused(response.status, content)
         return content
 
     def _connected(self, timeout_s: float) -> http.client.HTTPConnection:
         if self._connection is None:
-            address = self._address
+            address = self.address
             if address.is_secure:
                 self._connection = http.client.HTTPSConnection(
                     address.host,
