@@ -111,10 +111,11 @@ def robot_server(
     *,
     token: str | None = None,
     limits: ServerLimits | None = None,
+    port: int = 0,
 ) -> Iterator["RobotLink"]:
-    """A server on a free port of this machine, and a client of it."""
+    """A server on a free port of this machine, or a given one, and a client of it."""
     access, limits = Access("127.0.0.1", token), limits or ServerLimits()
-    with Searches(state, plan, limits) as searches, listening("127.0.0.1", 0) as listener:
+    with Searches(state, plan, limits) as searches, listening("127.0.0.1", port) as listener:
         server = uvicorn.Server(server_config(make_app(searches, access, limits)))
         thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]}, daemon=True)
         thread.start()

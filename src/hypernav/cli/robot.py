@@ -2,12 +2,12 @@
 
 import importlib
 
-from hypernav.cli.robot_options import Replay, Report, Simulate
+from hypernav.cli.robot_options import Replay, Report, Simulate, Wait
 
-_MODULES = {Simulate: "simulate", Replay: "replay", Report: "report"}
+_MODULES = {Simulate: "simulate", Wait: "wait", Replay: "replay", Report: "report"}
 
 
-def run(options: Simulate | Replay | Report) -> int:
+def run(options: Simulate | Wait | Replay | Report) -> int:
     """Run a subcommand.
 
     Returns:

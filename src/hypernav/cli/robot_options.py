@@ -66,6 +66,36 @@ class Simulate:
 
 
 @dataclass(frozen=True)
+class Wait:
+    """Let a simulated robot wait for goals from the operator's page of `hypernav serve`."""
+
+    server: str
+    """Address of the server, for example http://127.0.0.1:8765."""
+    name: str = "simulated"
+    """The robot's name on the page."""
+    scene: str = "builtin"
+    """The building: builtin, houses:N, offices:N or shops:N, or the path of a GLB."""
+    token_file: Path | None = None
+    """File with the server's secret."""
+    agent: str | None = None
+    """Agent of the searches: hypernav, frontier; the server's by default."""
+    preset: PresetName | None = None
+    """Values of the method; the server's by default."""
+    start: Annotated[tuple[float, ...] | None, tyro.conf.arg(metavar="X Y YAW")] = None
+    """First start pose in the scene: metres, and degrees counter-clockwise from x; else random."""
+    seed: int = 0
+    """Seed of the random start."""
+    config: Path | None = None
+    """YAML file with the sections embodiment and world."""
+    set: Annotated[tuple[str, ...], tyro.conf.arg(metavar="SECTION.KEY=VALUE")] = field(
+        default_factory=tuple
+    )
+    """Single values of these, for example embodiment.camera.width=320."""
+    quiet: bool = False
+    """Print errors only."""
+
+
+@dataclass(frozen=True)
 class Replay:
     """Look at recorded RGB-D frames as the robot would: draw the map, look for the goal."""
 
@@ -97,6 +127,7 @@ class Report:
 
 Options = (
     Annotated[Simulate, tyro.conf.subcommand("simulate")]
+    | Annotated[Wait, tyro.conf.subcommand("wait")]
     | Annotated[Replay, tyro.conf.subcommand("replay")]
     | Annotated[Report, tyro.conf.subcommand("report")]
 )

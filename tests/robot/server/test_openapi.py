@@ -8,6 +8,10 @@ from servers.robots import RobotLink, body_of, robot_server
 FREELY = ServerLimits(requests_per_s=1e6, burst=1_000_000, searches=20)
 _PATHS = {
     "/v1/health": {"get"},
+    "/v1/robots": {"get"},
+    "/v1/robots/{name}/goal": {"post"},
+    "/v1/robots/{name}/wait": {"post"},
+    "/v1/stop": {"post"},
     "/v1/searches": {"get", "post"},
     "/v1/searches/{name}": {"get"},
     "/v1/searches/{name}/observations": {"post"},

@@ -25,6 +25,7 @@ from hypernav.robot.wire.messages import (
     Status,
     StopRequest,
 )
+from hypernav.robot.wire.waiting import ROBOTS, GivenGoal
 
 MessageT = TypeVar("MessageT", bound=BaseModel)
 _CONNECT_S = 5.0
@@ -148,6 +149,16 @@ class HttpServer:
         """State of a search, as soon as it is newer than a version, or after a while."""
         query = f"after={after}&wait_s={wait_s:g}"
         return self._asked(Status, "GET", f"{SEARCHES}/{search_id}?{query}")
+
+    def wait_for_goal(self, robot: str, *, wait_s: float = 5.0) -> GivenGoal:
+        """Wait for a goal of the operator.
+
+        Args:
+            robot: Name of this robot.
+            wait_s: Longest wait, seconds.
+        """
+        path = f"{ROBOTS}/{robot}/wait?wait_s={wait_s:g}"
+        return self._asked(GivenGoal, "POST", path, timeout_s=wait_s + _CONNECT_S)
 
     def trace(self, search_id: str, *, since: int = 0) -> Iterator[StepTrace]:
         """The steps of a search from a step on."""

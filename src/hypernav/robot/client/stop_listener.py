@@ -58,6 +58,7 @@ class StopListener:
                 status = self._server.status(self._search_id, after=version, wait_s=_WAIT_S)
             except (RobotLinkError, RequestRefusedError):
                 self._ended.wait(_PAUSE_S)  # the search itself notices what is wrong
+                version = -1  # a server that was started again counts anew
                 continue
             version = status.version
             if status.ending in _BY_HAND:

@@ -15,6 +15,8 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.robot.server.guard import API, Access, Allowances, Guard, refusal
 from hypernav.robot.server.limits import ServerLimits
 from hypernav.robot.server.maps import map_png, map_server_file, occupancy_grid
+from hypernav.robot.server.operator.routes import operator_routes
+from hypernav.robot.server.operator.waiting import WaitingRobots
 from hypernav.robot.server.search import Search
 from hypernav.robot.server.searches import Searches
 from hypernav.robot.server.stream import Stream
@@ -74,7 +76,9 @@ def make_app(searches: Searches, access: Access, limits: ServerLimits) -> FastAP
         redoc_url=None,
     )
     allowances = Allowances(limits)
-    app.include_router(_routes(searches, allowances), responses=_REFUSALS)
+    waiting = WaitingRobots()
+    app.include_router(_routes(searches, waiting, allowances), responses=_REFUSALS)
+    app.include_router(operator_routes(searches, waiting), responses=_REFUSALS)
     app.add_exception_handler(RequestRefusedError, _refused)
     app.add_exception_handler(RunFolderError, _storage)
     app.add_exception_handler(HyPerNavError, _invalid)
@@ -85,7 +89,7 @@ def make_app(searches: Searches, access: Access, limits: ServerLimits) -> FastAP
     return app
 
 
-def _routes(searches: Searches, allowances: Allowances) -> APIRouter:
+def _routes(searches: Searches, waiting: WaitingRobots, allowances: Allowances) -> APIRouter:
     routes = APIRouter()
 
     @routes.get(f"{API}/health")
@@ -96,7 +100,14 @@ def _routes(searches: Searches, allowances: Allowances) -> APIRouter:
     @routes.post(SEARCHES, status_code=201)
     async def open_search(request: OpenSearch) -> SearchOpened:
         """Begin a search, or return that of the same key."""
-        search = await run_in_threadpool(searches.open, request)
+        try:
+            search = await run_in_threadpool(searches.open, request)
+        except HyPerNavError as error:
+            waiting.refuse(request.key, str(error))
+            raise
+        if not waiting.take_up(request.key):
+            search.stop("stopped before it began")
+            await run_in_threadpool(search.write_end)
         status = search.status()
         return SearchOpened(
             id=status.id,
@@ -174,9 +185,15 @@ def _routes(searches: Searches, allowances: Allowances) -> APIRouter:
         return StreamingResponse(lines(), media_type="application/x-ndjson")
 
     @routes.get(f"{SEARCHES}/{{name}}/image", response_class=Response)
-    async def image(name: _Name) -> Response:
-        """The last colour image, as the robot sent it."""
-        colour = searches.find(name).colour
+    def image(
+        name: _Name,
+        sequence: Annotated[
+            int | None, Query(ge=0, le=1_000_000, description="Observation; the last one if none.")
+        ] = None,
+    ) -> Response:
+        """The colour image of an observation, as the robot sent it."""
+        search = searches.find(name)
+        colour = search.colour if sequence is None else search.colour_of(sequence)
         if colour is None:
             raise _nothing_yet("image")
         return Response(colour[1], media_type=f"image/{colour[0]}", headers=_LIVE)

@@ -181,6 +181,14 @@ class Search:
         """The answer to any further observation once the search is over; None before."""
         return self._turns.end_reply
 
+    def colour_of(self, sequence: int) -> tuple[str, bytes] | None:
+        """Format and bytes of an observation's colour image; None if it has not come."""
+        with self.reading() as journal:
+            if sequence >= journal.observation_count:
+                return None
+            packed = unpack_observation(journal.observation(sequence))
+        return packed.header.colour.format, packed.colour
+
     @contextmanager
     def reading(self) -> Iterator[Journal]:
         """The journal, opened once more to read it while the search goes on, or after its end."""

@@ -47,6 +47,7 @@ class Searches:
         self._lock = threading.Lock()
         self._searches: dict[str, Search] = {}
         self._keys: dict[str, str] = {}
+        self._stops = 0
 
     def __enter__(self) -> "Searches":
         """Take the folder, and take up what was not finished.
@@ -84,6 +85,7 @@ class Searches:
             RequestRefusedError: Images are too large, or there are too many searches.
             HyPerNavError: No such agent can be built, or the goal can never be found.
         """
+        stops = self._stops
         with self._lock:
             if request.key is not None and request.key in self._keys:
                 return self._searches[self._keys[request.key]]
@@ -96,7 +98,25 @@ class Searches:
                 shutil.rmtree(folder, ignore_errors=True)
                 raise
             self._add(search)
+        if self._stops > stops:
+            search.stop("stopped while it was opened")
+            search.write_end()
         return search
+
+    def stop_all(self, reason: str) -> list[Search]:
+        """Stop every robot at once; `Search.write_end` makes it last.
+
+        Args:
+            reason: Who stops them, or why.
+
+        Returns:
+            The searches that were under way. One that is being opened just now is stopped, too.
+        """
+        self._stops += 1
+        stopped = [search for search in self.all() if not search.is_over]
+        for search in stopped:
+            search.stop(reason)
+        return stopped
 
     def find(self, name: str) -> Search:
         """A search by its name.

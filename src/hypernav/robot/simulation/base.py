@@ -130,6 +130,11 @@ class SimulatedBase:
         """True position ``(x, y, z)``, scene frame, metres."""
         return self._position
 
+    @property
+    def pose(self) -> Pose2:
+        """True pose, scene frame."""
+        return self._pose
+
     def odometry(self) -> Pose2:
         """Pose in the frame of the odometry, which begins at the start."""
         return self._odometry

@@ -1,0 +1,110 @@
+"""The command `hypernav robot wait`: a simulated robot that takes goals from the operator."""
+
+import math
+import time
+from contextlib import closing
+
+import numpy as np
+from rich.markup import escape
+from rich.status import Status
+
+from hypernav.build.presets import HyPerNavConfig
+from hypernav.build.scenes import build_scene
+from hypernav.cli.agent_options import check_steps_and_seed
+from hypernav.cli.find import check_start
+from hypernav.cli.robot_options import Wait
+from hypernav.cli.terminal import Terminal
+from hypernav.core.config import layered
+from hypernav.core.episode import MAX_STEPS, Episode
+from hypernav.core.errors import ConfigError, RequestRefusedError
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
+from hypernav.robot.client.links import HttpLink, HttpServer, ServerAddress
+from hypernav.robot.client.robot_client import RobotClient
+from hypernav.robot.client.stop_listener import StopListener
+from hypernav.robot.driving.driven_robot import DrivenRobot
+from hypernav.robot.simulation.base import SimulatedBase
+from hypernav.robot.wire.messages import OpenSearch, SearchEnding
+from hypernav.robot.wire.waiting import GivenGoal, is_robot_name
+from hypernav.worlds.drawing.renderer import CpuRenderer
+from hypernav.worlds.simulation import SimulatedWorld
+from hypernav.worlds.surface.starts import random_start
+
+_PACE = 2.0
+"""Simulated seconds per real one, so that people can follow, and stop it on the way."""
+_PAUSE_S = 1.0
+
+
+def run(options: Wait) -> int:
+    """Run the command until it is interrupted.
+
+    Raises:
+        RobotLinkError: The server can't be reached.
+        RequestRefusedError: The server refuses the robot.
+    """
+    check_steps_and_seed(MAX_STEPS, options.seed)
+    check_start(options.start)
+    if not is_robot_name(options.name):
+        raise ConfigError(
+            f"--name {options.name:.50}: expected up to 40 letters, digits, _ and -, as in robot-1"
+        )
+    address = ServerAddress.of(options.server, options.token_file)
+    config = layered(HyPerNavConfig(), file=options.config, assignments=options.set)
+    console, rng = Terminal(quiet=options.quiet), np.random.default_rng(options.seed)
+    with console.status("loading the building …") as status:
+        scene = build_scene(options.scene)
+        renderer = CpuRenderer(scene)
+        world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
+        with closing(world), closing(HttpServer(address)) as server:
+            base = SimulatedBase(world, renderer, pace=_PACE)
+            start = _start(options, world, rng)
+            while True:
+                status.update(f"{options.name} waits for a goal from {escape(str(address))}/")
+                given = server.wait_for_goal(options.name)
+                if given.goal is None or given.key is None:
+                    continue
+                base.place(Episode(options.scene, "", Goal(given.goal), start), rng)
+                try:
+                    ending = _search(options, server, address, base, given, status)
+                except RequestRefusedError as refused:
+                    console.print(f"no search for {given.goal}: {refused}", markup=False)
+                    time.sleep(_PAUSE_S)
+                else:
+                    console.print(f"{given.goal}: {ending or 'stopped'}", markup=False)
+                start = base.pose
+
+
+def _start(options: Wait, world: SimulatedWorld, rng: np.random.Generator) -> Pose2:
+    """The pose of ``--start``, or a random one."""
+    if options.start is None:
+        return random_start(world.walkable, rng)
+    x, y, yaw_deg = options.start
+    return Pose2(x, y, math.radians(yaw_deg))
+
+
+def _search(
+    options: Wait,
+    server: HttpServer,
+    address: ServerAddress,
+    base: SimulatedBase,
+    given: GivenGoal,
+    status: Status,
+) -> SearchEnding | None:
+    """Search until the end; None if a stop came before the next answer."""
+    opened = server.open(
+        OpenSearch(
+            goal=given.goal or "",
+            embodiment=base.embodiment,
+            preset=options.preset,
+            agent=options.agent,
+            key=given.key,
+        )
+    )
+    client = RobotClient(DrivenRobot(base), HttpLink(address, opened.id))
+    ending = None
+    with StopListener(address, opened.id, client.stop):
+        for step in client:
+            reply = step.reply
+            ending = reply.ending
+            status.update(escape(f"step {reply.sequence + 1} · {reply.mode} · {reply.reason}"))
+    return ending

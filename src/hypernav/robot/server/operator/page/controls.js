@@ -1,0 +1,117 @@
+// What the operator says: a goal for a robot that waits, and STOP.
+
+import { getJson, pause, post, rememberToken, connection } from "./server.js";
+import { element } from "./elements.js";
+
+const POLL_MS = 1000;
+const AGAIN_MS = 300;
+const REASON = "the operator pressed STOP";
+
+const byId = (id) => document.getElementById(id);
+
+/** The goal box. Calls `onSent()` when a robot was given a goal. */
+export class GoalBox {
+  robots = [];
+  note = "";
+
+  constructor(onSent) {
+    this.onSent = onSent;
+    byId("find").addEventListener("submit", (event) => {
+      event.preventDefault();
+      this.send();
+    });
+    this.poll();
+  }
+
+  async poll() {
+    for (;;) {
+      try {
+        this.show(await getJson("v1/robots"));
+      } catch {
+        this.show([]);
+      }
+      await pause(POLL_MS);
+    }
+  }
+
+  show(robots) {
+    this.robots = robots;
+    const free = robots.filter((robot) => !robot.given);
+    const select = byId("robot");
+    if (free.map((robot) => robot.name).join() !== [...select.options].map((one) => one.value).join()) {
+      const chosen = select.value;
+      select.replaceChildren(...free.map(({ name }) => element("option", { value: name }, name)));
+      if (free.some((robot) => robot.name === chosen)) select.value = chosen;
+    }
+    select.hidden = free.length < 2;
+    byId("send").disabled = free.length === 0;
+    byId("find-words").textContent = this.note || waitingWords(robots, free);
+  }
+
+  async send() {
+    const goal = byId("goal").value.trim();
+    const name = byId("robot").value;
+    if (!goal || !name) return;
+    byId("send").disabled = true;
+    try {
+      await post(`v1/robots/${encodeURIComponent(name)}/goal`, { goal });
+      this.onSent();
+      this.say("");
+    } catch (error) {
+      this.say(`That did not work: ${error.message}`);
+    }
+  }
+
+  say(note) {
+    this.note = note;
+    this.show(this.robots);
+    if (note) setTimeout(() => { if (this.note === note) this.say(""); }, 8000);
+  }
+}
+
+function waitingWords(robots, free) {
+  const told = robots.find((robot) => robot.given);
+  if (told) return `${told.name} was told to find “${told.given.goal}”, and begins.`;
+  const refused = free.find((robot) => robot.refused);
+  if (refused) return `${refused.name} could not begin: ${refused.refused}`;
+  if (free.length === 1) return `${free[0].name} waits for a goal.`;
+  if (free.length) return `${free.length} robots wait for a goal.`;
+  return "No robot waits for a goal.";
+}
+
+/** The button that always wins: pressed once, it is sent until the server has it. */
+export function armStop() {
+  const button = byId("stop");
+  const alarm = byId("alarm");
+  let isSending = false;
+  button.addEventListener("click", async () => {
+    if (isSending) return;
+    isSending = true;
+    while (isSending) {
+      try {
+        await post("v1/stop", { reason: REASON });
+        alarm.hidden = true;
+        isSending = false;
+      } catch (error) {
+        alarm.textContent = `STOP did not reach the server (${error.message}). Trying again … Use the robot’s own emergency stop!`;
+        alarm.hidden = false;
+        await pause(AGAIN_MS);
+      }
+    }
+  });
+}
+
+/** Asks for the token when the server does. */
+export function armToken() {
+  const dialog = byId("token-dialog");
+  const words = byId("token-words");
+  byId("token-form").addEventListener("submit", () => {
+    rememberToken(byId("token").value.trim());
+    connection.enter("connecting");
+    byId("token").value = "";
+    words.textContent = "This token was not accepted. Is it the one in the server’s file?";
+  });
+  connection.addEventListener("state", () => {
+    if (connection.state === "token" && !dialog.open) dialog.showModal();
+  });
+}

@@ -1,0 +1,78 @@
+// One search, followed from its first step to its end, across reconnects and restarts of the server.
+
+import { Refused, getJson, pause, request } from "./server.js";
+
+const WAIT_S = 10;
+const SHORTEST_ROUND_MS = 120;
+const RETRY_MS = 1000;
+
+/** What is known of one search. Calls `onChange(follower)` after every change. */
+export class Follower {
+  status = null;
+  steps = [];
+  map = null;
+
+  constructor(id, onChange) {
+    this.path = `v1/searches/${id}`;
+    this.id = id;
+    this.onChange = onChange;
+    this.ended = new AbortController();
+    this.run();
+  }
+
+  close() {
+    this.ended.abort();
+  }
+
+  async run() {
+    let version = -1;
+    while (!this.ended.signal.aborted) {
+      const began = performance.now();
+      try {
+        const query = `?after=${version}&wait_s=${version < 0 ? 0 : WAIT_S}`;
+        const status = await this.get(query, { waitMs: WAIT_S * 1000 });
+        await this.update(status);
+        version = status.version;
+        // Nothing changes any more.
+        if (status.state === "ended") return;
+      } catch (error) {
+        if (this.ended.signal.aborted) return;
+        if (error instanceof Refused && error.status === 404) return;
+        version = -1; // a server that was started again counts from 0
+        await pause(RETRY_MS);
+      }
+      await pause(Math.max(SHORTEST_ROUND_MS - (performance.now() - began), 0));
+    }
+  }
+
+  async update(status) {
+    const isNew = !this.status || status.next_sequence !== this.status.next_sequence
+      || status.last?.sequence !== this.status.last?.sequence || !status.map !== !this.map;
+    if (isNew && status.next_sequence > 0) {
+      const lines = await (await this.request(`/trace?since=${this.steps.length}`)).text();
+      for (const line of lines.split("\n")) if (line) this.steps.push(JSON.parse(line));
+      if (status.map) await this.updateMap(status.map);
+    }
+    this.status = status;
+    this.onChange(this);
+  }
+
+  async updateMap(extent) {
+    const image = await createImageBitmap(await (await this.request("/map.png")).blob());
+    // The map may have grown since; then the next round has both.
+    if (image.width === extent.columns && image.height === extent.rows) this.map = { image, extent };
+  }
+
+  /** Image of an observation. */
+  async image(sequence) {
+    return createImageBitmap(await (await this.request(`/image?sequence=${sequence}`)).blob());
+  }
+
+  request(path, options) {
+    return request(this.path + path, { signal: this.ended.signal, ...options });
+  }
+
+  get(path, options) {
+    return getJson(this.path + path, { signal: this.ended.signal, ...options });
+  }
+}

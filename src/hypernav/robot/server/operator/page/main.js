@@ -1,0 +1,187 @@
+// The operator's page: follows one search, lists all, and keeps the rest up to date.
+
+import { drawCamera } from "./camera.js";
+import { GoalBox, armStop, armToken } from "./controls.js";
+import { element, swatch } from "./elements.js";
+import { Follower } from "./follower.js";
+import { drawMap } from "./map.js";
+import { connection, getJson, pause } from "./server.js";
+import { Timeline } from "./timeline.js";
+import { ACTIONS, COLORS, MODES, QUESTIONS } from "./vocabulary.js";
+
+const POLL_MS = 1000;
+const CONNECTION = {
+  connecting: "Connecting …",
+  on: "Connected",
+  off: "No connection to the server. Trying again … A robot stands still without it.",
+  token: "The server asks for its token.",
+};
+const STATES = { resuming: "The server was started again and repeats what it has seen", deciding: "deciding …" };
+const LEGEND = [
+  ["robot", COLORS.robot, "M15 8 2 14l3-6-3-6z"],
+  ["path so far", COLORS.trajectory_new, "M0 6h16v4H0z"],
+  ["plan", COLORS.path, "M0 6h6v4H0zM9 6h6v4H9z"],
+  ["destination", COLORS.path, "M7 0h2v7h7v2H9v7H7V9H0V7h7z"],
+  ["chosen block", COLORS.chosen],
+  ["goal area", COLORS.goal],
+  ["obstacle", COLORS.occupied],
+  ["unknown", COLORS.unknown],
+];
+
+const byId = (id) => document.getElementById(id);
+const timeline = new Timeline(show);
+let follower = null;
+let isChosen = false; // by hand, so that a new search doesn't take the page away
+
+function follow(id) {
+  follower?.close();
+  timeline.reset();
+  imageShown = null;
+  follower = new Follower(id, show);
+}
+
+function show() {
+  const { status, steps, map } = follower ?? { status: null };
+  if (!status) return;
+  timeline.show(steps);
+  const step = steps[timeline.shown];
+  const word = status.ending ?? (status.state === "resuming" ? "resuming" : "searching");
+  document.title = `${status.goal}: ${word} · hypernav`;
+  byId("eyebrow").textContent = `Search of ${time(status.opened_s)}`;
+  byId("headline").textContent = headline(status);
+  byId("reason").textContent = reason(status, step);
+  byId("step").textContent = step ? `${step.step + 1} of ${steps.length}` : "–";
+  byId("driven").textContent = step ? `${driven(steps, timeline.shown).toFixed(1)} m` : "–";
+  byId("action").textContent = step && step.action !== null ? ACTIONS[step.action] : "–";
+  byId("words").textContent = status.words.replace("detector ", "").replace(", reasoner ", " · ");
+  drawMap(byId("map"), map, steps, timeline.shown);
+  if (step) {
+    byId("map").setAttribute("aria-label", mapWords(map, step));
+    showCamera(follower, step);
+  }
+  showQuestion(steps.slice(0, timeline.shown + 1));
+}
+
+function headline(status) {
+  const goal = `“${status.goal}”`;
+  const ends = {
+    found: `Found ${goal}`, "gave up": `Gave up looking for ${goal}`, stopped: `Stopped, looking for ${goal}`,
+    closed: `Closed, looking for ${goal}`, failed: `Failed, looking for ${goal}`,
+    "model unavailable": `Stopped: the model did not answer`,
+  };
+  return status.ending ? ends[status.ending] : `Looking for ${goal}`;
+}
+
+function reason(status, step) {
+  if (!timeline.isLive && step) return `${MODES[step.mode]}: ${step.reason}`;
+  if (status.ending && (status.detail || status.ending !== "found")) return sentence(status.detail || "the search has ended");
+  if (status.state === "resuming") return `${STATES.resuming}.`;
+  if (!step) return status.state === "deciding" ? "Deciding about the first image …" : "Waiting for the robot’s first image.";
+  return `${MODES[step.mode]}: ${step.reason}` + (status.state === "deciding" ? " · deciding …" : "");
+}
+
+const sentence = (words) => words.charAt(0).toUpperCase() + words.slice(1) + (/[.!?]$/.test(words) ? "" : ".");
+
+function mapWords(map, step) {
+  const size = map ? `${(map.extent.columns * map.extent.resolution_m).toFixed(1)} by ${(map.extent.rows * map.extent.resolution_m).toFixed(1)} metres` : "none yet";
+  const at = `robot at ${step.pose[0].toFixed(1)}, ${step.pose[1].toFixed(1)}`;
+  const to = step.destination ? `, going to ${step.destination[0].toFixed(1)}, ${step.destination[1].toFixed(1)}` : "";
+  return `Map: ${size}, ${at}${to}`;
+}
+
+function driven(steps, last) {
+  let length = 0;
+  for (let n = 1; n <= last; n += 1) length += Math.hypot(steps[n].pose[0] - steps[n - 1].pose[0], steps[n].pose[1] - steps[n - 1].pose[1]);
+  return length;
+}
+
+let imageShown = null;
+let isFetching = false;
+
+/** Images come one after the other; those that are late are passed over. */
+async function showCamera(from, step) {
+  if (isFetching || imageShown === step) return;
+  isFetching = true;
+  try {
+    const image = await from.image(step.step);
+    if (from !== follower) return;
+    byId("camera-words").textContent = sentence(drawCamera(byId("camera"), image, step));
+    imageShown = step;
+  } catch {
+    await pause(500);
+  } finally {
+    isFetching = false;
+  }
+  const newest = follower.steps[timeline.shown];
+  if (newest && newest !== imageShown) showCamera(follower, newest);
+}
+
+function showQuestion(steps) {
+  const step = steps.findLast((one) => one.exchanges.length);
+  const exchange = step?.exchanges.at(-1);
+  byId("question-box").hidden = !exchange;
+  if (!exchange) {
+    byId("asked").textContent = "Nothing was asked up to this step.";
+    byId("answer").textContent = "";
+    return;
+  }
+  const took = exchange.by_model ? `, after ${exchange.seconds.toFixed(1)} s` : "";
+  byId("asked").textContent = `Step ${step.step + 1}: ${QUESTIONS[exchange.kind] ?? exchange.kind}`;
+  byId("answer").textContent = `${exchange.answer} (${exchange.asked}${took})`;
+  byId("question").textContent = exchange.question;
+}
+
+const time = (seconds) => new Date(seconds * 1000).toLocaleString([], { dateStyle: "medium", timeStyle: "short" });
+
+async function list() {
+  let shown = "";
+  for (;;) {
+    try {
+      const found = await getJson("v1/searches?most=100");
+      const latest = found[0];
+      const isBusy = follower && (isChosen || follower.status?.state !== "ended");
+      if (latest && latest.id !== follower?.id && !isBusy) follow(latest.id);
+      const now = JSON.stringify([follower?.id, found.map(({ id, ending, next_sequence: steps }) => [id, ending, steps])]);
+      if (now !== shown) showList(found);
+      shown = now;
+    } catch {
+      // The connection line says so.
+    }
+    await pause(POLL_MS);
+  }
+}
+
+function showList(searches) {
+  byId("no-searches").hidden = searches.length > 0;
+  const focused = document.activeElement?.dataset?.id;
+  byId("searches").replaceChildren(...searches.map((search) => {
+    const ending = search.ending ?? (search.state === "resuming" ? "resuming" : "under way");
+    const button = element(
+      "button", { type: "button", "data-id": search.id, "aria-current": String(search.id === follower?.id) },
+      element("span", { class: "goal" }, search.goal),
+      element("span", { class: search.ending === "found" ? "good" : "muted" }, ending),
+      element("span", { class: "when" }, `${time(search.opened_s)} · ${search.next_sequence} steps`),
+    );
+    button.addEventListener("click", () => {
+      isChosen = true;
+      follow(search.id);
+      for (const one of byId("searches").querySelectorAll("button")) one.setAttribute("aria-current", String(one === button));
+    });
+    return element("li", {}, button);
+  }));
+  if (focused) byId("searches").querySelector(`[data-id="${focused}"]`)?.focus();
+}
+
+function showConnection() {
+  byId("connection").textContent = CONNECTION[connection.state];
+  byId("connection").dataset.state = connection.state;
+}
+
+byId("legend").replaceChildren(...LEGEND.map(([words, color, shape]) => element("li", {}, swatch(color, shape), words)));
+connection.addEventListener("state", showConnection);
+window.addEventListener("resize", show);
+armToken();
+armStop();
+new GoalBox(() => { isChosen = false; });
+list();
+getJson("v1/health").then(({ version }) => { byId("version").textContent = version; }).catch(() => {});

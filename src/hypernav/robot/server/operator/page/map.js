@@ -1,0 +1,163 @@
+// The map from above, with the robot and what it is about.
+
+import { COLORS } from "./vocabulary.js";
+
+const MARGIN_M = 0.6;
+const LEAST_M = 4;
+
+/** Draws the map and everything on it, sharp on any screen. */
+export function drawMap(canvas, map, steps, shown) {
+  const ratio = window.devicePixelRatio || 1;
+  canvas.width = Math.round(canvas.clientWidth * ratio);
+  canvas.height = Math.round(canvas.clientHeight * ratio);
+  const context = canvas.getContext("2d");
+  context.fillStyle = COLORS.unknown;
+  context.fillRect(0, 0, canvas.width, canvas.height);
+  if (!map || shown < 0) return;
+  const view = fit(canvas, map.extent);
+  const draw = new Painter(context, view, ratio);
+  const step = steps[shown];
+  draw.cells(map);
+  draw.area(step.goal_area);
+  draw.blocks(steps, shown);
+  draw.line(steps.slice(0, shown + 1).map((one) => one.pose), COLORS.trajectory_new, 2);
+  draw.line(step.path, COLORS.path, 2.5, [6, 4]);
+  if (step.destination) draw.destination(step.destination);
+  draw.robot(step.pose);
+  draw.scale();
+}
+
+/** Metres to pixels: `at(x, y)` and `scale` pixels a metre. */
+function fit(canvas, extent) {
+  const { rows, columns, resolution_m: size, origin } = extent;
+  const width = Math.max(columns * size + 2 * MARGIN_M, LEAST_M);
+  const height = Math.max(rows * size + 2 * MARGIN_M, LEAST_M);
+  const scale = Math.min(canvas.width / width, canvas.height / height);
+  const middle = [origin[0] + (columns * size) / 2, origin[1] + (rows * size) / 2];
+  const at = (x, y) => [canvas.width / 2 + (x - middle[0]) * scale, canvas.height / 2 - (y - middle[1]) * scale];
+  return { at, scale };
+}
+
+class Painter {
+  constructor(context, view, ratio) {
+    this.context = context;
+    this.view = view;
+    this.ratio = ratio;
+  }
+
+  cells({ image, extent }) {
+    const [left, bottom] = this.view.at(...extent.origin);
+    const pixel = this.view.scale * extent.resolution_m;
+    this.context.imageSmoothingEnabled = false;
+    this.context.drawImage(image, left, bottom - extent.rows * pixel, extent.columns * pixel, extent.rows * pixel);
+  }
+
+  area(polygons) {
+    const { context } = this;
+    context.beginPath();
+    for (const polygon of polygons) {
+      polygon.forEach(([x, y], n) => (n ? context.lineTo(...this.view.at(x, y)) : context.moveTo(...this.view.at(x, y))));
+      context.closePath();
+    }
+    context.fillStyle = COLORS.goal;
+    context.globalAlpha = 0.45;
+    context.fill("evenodd");
+    context.globalAlpha = 1;
+  }
+
+  /** The blocks of the last question about the map, as long as the robot goes to the chosen one. */
+  blocks(steps, shown) {
+    let asked = shown;
+    while (asked >= 0 && !steps[asked].blocks.length) asked -= 1;
+    if (asked < 0 || steps[shown].mode !== "explore") return;
+    const exchange = steps[asked].exchanges.findLast((one) => one.chosen !== null);
+    const { context, ratio } = this;
+    for (const block of steps[asked].blocks) {
+      const side = block.size_m * this.view.scale;
+      const [left, bottom] = this.view.at(block.x_min, block.y_min);
+      const isChosen = block.number === exchange?.chosen;
+      if (isChosen) {
+        context.globalAlpha = 0.35;
+        context.fillStyle = COLORS.chosen;
+        context.fillRect(left, bottom - side, side, side);
+        context.globalAlpha = 1;
+      }
+      context.strokeStyle = isChosen ? COLORS.chosen : COLORS.block;
+      context.lineWidth = (isChosen ? 2.5 : 1) * ratio;
+      context.strokeRect(left, bottom - side, side, side);
+      const size = Math.min(Math.max(side / 3, 9 * ratio), 16 * ratio);
+      context.font = `600 ${size}px system-ui, sans-serif`;
+      context.textAlign = "left";
+      this.text(String(block.number), left + 3 * ratio, bottom - side + size);
+    }
+  }
+
+  text(words, x, y) {
+    const { context, ratio } = this;
+    context.strokeStyle = COLORS.free;
+    context.lineWidth = 3 * ratio;
+    context.strokeText(words, x, y);
+    context.fillStyle = COLORS.ink;
+    context.fillText(words, x, y);
+  }
+
+  line(points, color, width, dash = []) {
+    const { context, ratio } = this;
+    context.beginPath();
+    for (const [x, y] of points) context.lineTo(...this.view.at(x, y));
+    context.strokeStyle = color;
+    context.lineWidth = width * ratio;
+    context.lineJoin = context.lineCap = "round";
+    context.setLineDash(dash.map((length) => length * ratio));
+    context.stroke();
+    context.setLineDash([]);
+  }
+
+  destination([x, y]) {
+    const [u, v] = this.view.at(x, y);
+    const { context, ratio } = this;
+    context.strokeStyle = COLORS.path;
+    context.lineWidth = 2.5 * ratio;
+    context.beginPath();
+    context.arc(u, v, 7 * ratio, 0, 2 * Math.PI);
+    context.moveTo(u - 11 * ratio, v);
+    context.lineTo(u + 11 * ratio, v);
+    context.moveTo(u, v - 11 * ratio);
+    context.lineTo(u, v + 11 * ratio);
+    context.stroke();
+  }
+
+  robot([x, y, yaw]) {
+    const { context, ratio } = this;
+    const size = Math.max(0.3 * this.view.scale, 11 * ratio);
+    context.save();
+    context.translate(...this.view.at(x, y));
+    context.rotate(-yaw);
+    context.beginPath();
+    for (const [ahead, left] of [[1, 0], [-0.76, 0.64], [-0.38, 0], [-0.76, -0.64]]) context.lineTo(ahead * size, -left * size);
+    context.closePath();
+    context.fillStyle = COLORS.robot;
+    context.strokeStyle = COLORS.paper;
+    context.lineWidth = 3 * ratio;
+    context.stroke();
+    context.fill();
+    context.restore();
+  }
+
+  scale() {
+    const { context, ratio } = this;
+    const metres = [0.5, 1, 2, 5, 10, 20, 50, 100].find((one) => one * this.view.scale > 50 * ratio) ?? 100;
+    const y = context.canvas.height - 10 * ratio;
+    const right = context.canvas.width - 12 * ratio;
+    const left = right - metres * this.view.scale;
+    context.strokeStyle = COLORS.ink;
+    context.lineWidth = 3 * ratio;
+    context.beginPath();
+    context.moveTo(left, y);
+    context.lineTo(right, y);
+    context.stroke();
+    context.font = `600 ${11 * ratio}px system-ui, sans-serif`;
+    context.textAlign = "center";
+    this.text(`${metres} m`, (left + right) / 2, y - 5 * ratio);
+  }
+}

@@ -1,0 +1,75 @@
+"""The paths of the operator: the page, goals for robots that wait, and STOP for all."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Path, Query
+from starlette.concurrency import run_in_threadpool
+from starlette.exceptions import HTTPException
+from starlette.responses import Response
+
+from hypernav.core.goal import Goal
+from hypernav.robot.server.operator.files import page_files
+from hypernav.robot.server.operator.waiting import WaitingRobots
+from hypernav.robot.server.searches import Searches
+from hypernav.robot.wire.messages import Status, StopRequest
+from hypernav.robot.wire.waiting import (
+    LONGEST_WAIT_FOR_GOAL_S,
+    ROBOT_NAME,
+    ROBOTS,
+    STOP_ALL,
+    GivenGoal,
+    GoalRequest,
+    WaitingRobot,
+)
+
+_Name = Annotated[str, Path(pattern=ROBOT_NAME, description="Name of the robot.")]
+
+
+def operator_routes(searches: Searches, waiting: WaitingRobots) -> APIRouter:
+    """The operator's paths.
+
+    Args:
+        searches: All searches.
+        waiting: Robots that wait for a goal.
+    """
+    routes = APIRouter()
+    files = page_files()
+
+    @routes.get("/", include_in_schema=False)
+    async def page() -> Response:
+        return files["index.html"]
+
+    @routes.get("/page/{name}", include_in_schema=False)
+    async def file(name: str) -> Response:
+        if name not in files:
+            raise HTTPException(404, "the page has no such file")
+        return files[name]
+
+    @routes.get(ROBOTS)
+    async def robots() -> list[WaitingRobot]:
+        """The robots that wait for a goal."""
+        return waiting.all()
+
+    @routes.post(f"{ROBOTS}/{{name}}/wait")
+    async def wait(
+        name: _Name,
+        wait_s: Annotated[float, Query(ge=0.0, le=LONGEST_WAIT_FOR_GOAL_S)] = 5.0,
+    ) -> GivenGoal:
+        """Wait for a goal, as a robot; ask again if there is none."""
+        return await waiting.wait(name, wait_s)
+
+    @routes.post(f"{ROBOTS}/{{name}}/goal")
+    async def give(name: _Name, request: GoalRequest) -> GivenGoal:
+        """Give a goal to a robot that waits."""
+        return waiting.give(name, Goal(request.goal))
+
+    @routes.post(STOP_ALL)
+    async def stop_all(request: StopRequest) -> list[Status]:
+        """Stop every robot for good, and take back goals that none has taken up yet."""
+        waiting.withdraw_all()
+        stopped = searches.stop_all(request.reason)
+        for search in stopped:
+            await run_in_threadpool(search.write_end)
+        return [search.status() for search in stopped]
+
+    return routes

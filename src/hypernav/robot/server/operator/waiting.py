@@ -1,0 +1,132 @@
+"""Robots that wait for a goal, and the goals that they are given."""
+
+import secrets
+import time
+from collections import deque
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+from hypernav.core.errors import RequestRefusedError
+from hypernav.core.goal import Goal
+from hypernav.robot.server.bell import Bell
+from hypernav.robot.wire.waiting import GivenGoal, WaitingRobot
+
+_MOST_ROBOTS = 100
+_MOST_WITHDRAWN = 1000
+_FORGOTTEN_S = 10.0
+"""Time without a word after which a robot is no longer waiting, and its goal lapses, seconds."""
+
+
+@dataclass
+class _Robot:
+    heard_s: float
+    asking: int = 0
+    given: GivenGoal | None = None
+    refused: str = ""
+
+
+class WaitingRobots:
+    """Who waits, and for what; for the server's loop alone.
+
+    Attributes:
+        bell: Bell that rings when a goal is given.
+    """
+
+    def __init__(self) -> None:
+        """Begin with no robot."""
+        self.bell = Bell()
+        self._robots: dict[str, _Robot] = {}
+        self._withdrawn: deque[str] = deque(maxlen=_MOST_WITHDRAWN)
+
+    def all(self) -> list[WaitingRobot]:
+        """The robots that wait, by name."""
+        self._forget()
+        found = sorted(self._robots.items())
+        return [
+            WaitingRobot(name=name, given=robot.given, refused=robot.refused)
+            for name, robot in found
+        ]
+
+    async def wait(self, name: str, wait_s: float) -> GivenGoal:
+        """Let a robot wait for a goal, for a while.
+
+        Raises:
+            RequestRefusedError: Too many robots wait.
+        """
+        with self._asking(name) as robot:
+            await self.bell.until(lambda: robot.given is not None, wait_s)
+            return robot.given or GivenGoal()
+
+    def give(self, name: str, goal: Goal) -> GivenGoal:
+        """Give a goal to a robot that waits.
+
+        Raises:
+            RequestRefusedError: It doesn't wait, or was given a goal before.
+        """
+        self._forget()
+        robot = self._robots.get(name)
+        if robot is None:
+            raise RequestRefusedError(
+                f"no robot {name} waits for a goal", error="unknown", status=404
+            )
+        if robot.given is not None:
+            raise RequestRefusedError(
+                f"{name} was told to find {robot.given.goal} just now; press STOP to withdraw it",
+                error="busy",
+                status=409,
+            )
+        robot.given, robot.refused = GivenGoal(goal=goal.text, key=secrets.token_hex(16)), ""
+        self.bell.ring()
+        return robot.given
+
+    def take_up(self, key: str | None) -> bool:
+        """Note that a search was opened with a key.
+
+        Returns:
+            Whether it may go on: its goal was not withdrawn.
+        """
+        for name, robot in list(self._robots.items()):
+            if robot.given is not None and robot.given.key == key:
+                del self._robots[name]
+        return key not in self._withdrawn
+
+    def refuse(self, key: str | None, reason: str) -> None:
+        """Take back a goal for which no search could be opened.
+
+        Args:
+            key: Key of the search.
+            reason: Why, for the operator.
+        """
+        for robot in self._robots.values():
+            if robot.given is not None and robot.given.key == key:
+                robot.given, robot.refused = None, reason
+
+    def withdraw_all(self) -> None:
+        """Take back every goal that is not taken up yet."""
+        for robot in self._robots.values():
+            if robot.given is not None and robot.given.key is not None:
+                self._withdrawn.append(robot.given.key)
+                robot.given = None
+
+    @contextmanager
+    def _asking(self, name: str) -> Iterator[_Robot]:
+        self._forget()
+        robot = self._robots.setdefault(name, _Robot(time.monotonic()))
+        if len(self._robots) > _MOST_ROBOTS:
+            del self._robots[name]
+            raise RequestRefusedError(
+                f"{_MOST_ROBOTS} robots wait, as many as there may be", error="busy", status=429
+            )
+        robot.asking += 1
+        try:
+            yield robot
+        finally:
+            robot.asking -= 1
+            robot.heard_s = time.monotonic()
+
+    def _forget(self) -> None:
+        oldest_s = time.monotonic() - _FORGOTTEN_S
+        for name, robot in list(self._robots.items()):
+            if robot.asking == 0 and robot.heard_s < oldest_s:
+                del self._robots[name]

@@ -1,0 +1,44 @@
+"""A robot on HTTP hears of a stop while it drives."""
+
+import threading
+
+from hypernav.robot.client.links import ServerAddress
+from hypernav.robot.client.stop_listener import StopListener
+from servers.robots import Script, body_of, robot_server
+
+
+def test_it_hears_of_a_stop_and_only_once(tmp_path, monkeypatch):
+    heard = threading.Semaphore(0)
+    with robot_server(tmp_path) as link:
+        search = link.open()
+        address = ServerAddress("127.0.0.1", link.port)
+        with StopListener(address, search.rpartition("/")[2], heard.release):
+            assert not heard.acquire(timeout=0.1)
+            link.call("POST", f"{search}/stop", {})
+            assert heard.acquire(timeout=20.0)
+        assert not heard.acquire(timeout=0.1)
+
+
+def test_an_end_by_the_agent_is_no_stop(tmp_path, monkeypatch):
+    script = Script(length=0)
+    script.gate.set()
+    monkeypatch.setattr("servers.robots.SCRIPT", script)
+    heard = threading.Event()
+    with robot_server(tmp_path) as link:
+        search = link.open()
+        address = ServerAddress("127.0.0.1", link.port)
+        with StopListener(address, search.rpartition("/")[2], heard.set):
+            assert link.observe(search, body_of(0)).json["ending"] == "found"
+    assert not heard.is_set()
+
+
+def test_it_listens_through_an_outage_of_the_server(tmp_path):
+    heard = threading.Event()
+    with robot_server(tmp_path) as link:
+        search, port = link.open(), link.port
+    address = ServerAddress("127.0.0.1", port)
+    with StopListener(address, search.rpartition("/")[2], heard.set):
+        assert not heard.wait(0.1)
+        with robot_server(tmp_path, port=port) as link:
+            link.call("POST", f"{search}/stop", {})
+            assert heard.wait(20.0)

@@ -1,0 +1,263 @@
+"""The operator's page in a real browser, with a simulated robot that waits for goals."""
+
+import re
+import shutil
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import pytest
+from selenium import webdriver
+from selenium.webdriver.common.by import By
+from selenium.webdriver.support.ui import WebDriverWait
+
+from hypernav.core.errors import LinkLostError
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.robot.client.links import HttpLink, HttpServer, ServerAddress
+from hypernav.robot.client.robot_client import RobotClient
+from hypernav.robot.client.stop_listener import StopListener
+from hypernav.robot.driving.driven_robot import DrivenRobot
+from hypernav.robot.server.searches import Searches
+from hypernav.robot.simulation.base import SimulatedBase
+from hypernav.robot.wire.messages import OpenSearch, SearchEnding
+from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
+from hypernav.worlds.simulation import SimulatedWorld
+from servers.robots import TOKEN, body_of, real_plan, robot_server
+from small_episodes import episode_from
+from small_worlds import small_config, two_rooms
+
+pytestmark = pytest.mark.skipif(
+    shutil.which("chromedriver") is None, reason="Chromium and its driver are not installed"
+)
+_PATIENCE_S = 60.0
+
+
+class Page:
+    """The page as a person sees it."""
+
+    def __init__(self, driver: webdriver.Chrome) -> None:
+        self.driver = driver
+
+    def __getattr__(self, name: str) -> Any:
+        return self.driver.find_element(By.ID, name.replace("_", "-"))
+
+    def until(self, is_so: Callable[[], object]) -> None:
+        WebDriverWait(self.driver, _PATIENCE_S, 0.05).until(lambda _: is_so())
+
+    def ask_for(self, goal: str) -> None:
+        self.until(self.send.is_enabled)
+        self.goal.clear()
+        self.goal.send_keys(goal)
+        self.send.click()
+
+    @property
+    def map_size_m(self) -> tuple[float, ...]:
+        """Width and height of the map, as a screen reader hears them."""
+        words = self.map.get_attribute("aria-label") or ""
+        return tuple(map(float, re.findall(r"[\d.]+", words.partition("metres")[0])))
+
+
+@pytest.fixture(scope="module")
+def driver() -> Iterator[webdriver.Chrome]:
+    options = webdriver.ChromeOptions()
+    for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--disable-gpu"):
+        options.add_argument(argument)
+    options.add_argument("--window-size=1200,1000")
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    service = webdriver.ChromeService(shutil.which("chromedriver"))
+    driver = webdriver.Chrome(options, service)
+    yield driver
+    driver.quit()
+
+
+@pytest.fixture
+def page(driver) -> Iterator[Page]:
+    driver.get_log("browser")
+    yield Page(driver)
+    driver.get("about:blank")
+
+
+@dataclass
+class WaitingRobot:
+    """A simulated robot at real speed that takes one goal after the other from the operator.
+
+    Attributes:
+        endings: Endings of its searches; None if a stop came before the next answer.
+        moved_s: Time of its last motion, `time.monotonic`.
+    """
+
+    base: SimulatedBase
+    address: ServerAddress
+    endings: list[SearchEnding | None] = field(default_factory=list)
+    moved_s: float = 0.0
+    is_leaving: threading.Event = field(default_factory=threading.Event)
+
+    def run(self) -> None:
+        drive, start = self.base.drive, Pose2(2.0, 1.0, 0.0)
+
+        def noted(velocity, seconds):
+            drive(velocity, seconds)
+            self.moved_s = time.monotonic()
+
+        self.base.drive = noted
+        with closing(HttpServer(self.address)) as server:
+            while not self.is_leaving.is_set():
+                try:
+                    given = server.wait_for_goal("anna", wait_s=0.5)
+                except LinkLostError:
+                    continue
+                if given.goal is not None:
+                    self.base.place(episode_from(start), np.random.default_rng(0))
+                    self.search(server, given.goal, given.key)
+                    start = self.base.pose
+
+    def search(self, server: HttpServer, goal: str, key: str | None) -> None:
+        request = OpenSearch(goal=goal, key=key, embodiment=self.base.embodiment)
+        opened = server.open(request)
+        client = RobotClient(DrivenRobot(self.base), HttpLink(self.address, opened.id))
+        ending = None
+        with StopListener(self.address, opened.id, client.stop):
+            for step in client:
+                ending = step.reply.ending
+                if self.is_leaving.is_set():
+                    client.stop()
+        self.endings.append(ending)
+
+
+@contextmanager
+def waiting_robot(port: int, pace: float) -> Iterator[WaitingRobot]:
+    scene, config = two_rooms().scene, small_config()
+    renderer = CpuRenderer(scene, RenderConfig(threads=1))
+    world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
+    with closing(world):
+        base = SimulatedBase(world, renderer, pace=pace)
+        robot = WaitingRobot(base, ServerAddress("127.0.0.1", port))
+        thread = threading.Thread(target=robot.run, daemon=True)
+        thread.start()
+        try:
+            yield robot
+        finally:
+            robot.is_leaving.set()
+            thread.join(_PATIENCE_S)
+
+
+@pytest.mark.slow
+def test_stop_stops_a_robot_that_drives_to_its_goal(page, tmp_path, monkeypatch):
+    """Twice, and the better time counts: a busy machine may hold up everything for a while."""
+    stops, delays, stop_all = [], [], Searches.stop_all
+
+    def noted(searches: Searches, reason: str):
+        stops.append(time.monotonic())
+        return stop_all(searches, reason)
+
+    monkeypatch.setattr(Searches, "stop_all", noted)
+    with robot_server(tmp_path, real_plan) as link, waiting_robot(link.port, 1.0) as robot:
+        page.driver.get(f"http://127.0.0.1:{link.port}/")
+        for _ in range(2):
+            before, searches = len(robot.endings), len(stops)
+            page.ask_for("bed")
+            page.until(lambda: "Looking for “bed”" in page.headline.text)
+            page.until(lambda: page.map_size_m)
+            first = page.map_size_m
+            page.until(lambda first=first: page.map_size_m > first)
+            page.stop.click()
+            page.until(lambda before=before: len(robot.endings) > before)
+            page.until(lambda: "Stopped" in page.headline.text)
+            assert "the operator pressed STOP" in page.reason.text.replace("The", "the")
+            assert len(stops) == searches + 1
+            delays.append(robot.moved_s - stops[-1])
+            at = robot.base.pose
+            time.sleep(0.5)
+            assert robot.base.pose == at
+        assert link.call("GET", "/v1/searches").json[0]["ending"] == "stopped"
+    assert robot.endings[-1] in (None, SearchEnding.STOPPED)
+    assert min(delays) < 0.3
+    assert not page.driver.get_log("browser")
+
+
+def test_a_goal_typed_on_the_page_is_found(page, tmp_path):
+    with robot_server(tmp_path, real_plan) as link, waiting_robot(link.port, 50.0):
+        page.driver.get(f"http://127.0.0.1:{link.port}/")
+        page.ask_for("bed")
+        page.until(lambda: page.headline.text == "Found “bed”")
+        page.until(lambda: page.camera_words.text == "Sees “bed”.")
+        page.until(lambda: "found" in page.searches.text)
+        assert page.driver.title.startswith("bed: found")
+        page.events.find_elements(By.TAG_NAME, "button")[-1].click()
+        assert page.step.text.startswith("1 of ")
+        assert page.live.get_attribute("aria-pressed") == "false"
+        page.live.click()
+        assert page.live.get_attribute("aria-pressed") == "true"
+    assert not page.driver.get_log("browser")
+
+
+def test_the_page_survives_a_restart_of_the_server(page, tmp_path):
+    with robot_server(tmp_path) as link:
+        search, port = link.open("quick"), link.port
+        page.driver.get(f"http://127.0.0.1:{port}/")
+        link.observe(search, body_of(0))
+        page.until(lambda: page.step.text == "1 of 1")
+        assert page.connection.text.endswith("Connected")
+    page.until(lambda: "No connection" in page.connection.text)
+    page.stop.click()
+    page.until(lambda: "STOP did not reach the server" in page.alarm.text)
+    with robot_server(tmp_path, port=port) as link:
+        page.until(lambda: page.connection.text.endswith("Connected"))
+        page.until(lambda: page.headline.text == "Stopped, looking for “quick”")
+        assert not page.alarm.is_displayed()
+        assert link.call("GET", search).json["ending"] == "stopped"
+
+
+def test_the_token_is_asked_for_and_kept_in_this_tab(page, tmp_path):
+    with robot_server(tmp_path, token=TOKEN) as link:
+        search = link.open("quick")
+        link.observe(search, body_of(0))
+        page.driver.get(f"http://127.0.0.1:{link.port}/")
+        page.until(page.token.is_displayed)
+        page.token.send_keys("x" * 16 + "\n")
+        page.until(lambda: "not accepted" in page.token_words.text)
+        page.token.send_keys(TOKEN + "\n")
+        page.until(lambda: page.headline.text == "Looking for “quick”")
+        page.driver.refresh()
+        page.until(lambda: page.headline.text == "Looking for “quick”")
+        assert TOKEN not in page.driver.page_source
+
+
+def test_every_control_has_a_name_and_nothing_is_wider_than_a_phone(page, tmp_path):
+    with robot_server(tmp_path) as link:
+        search = link.open("a goal with a very long name " * 5)
+        link.observe(search, body_of(0))
+        page.driver.set_window_size(390, 844)
+        page.driver.get(f"http://127.0.0.1:{link.port}/")
+        page.until(lambda: "a goal" in page.headline.text)
+        page.until(lambda: page.searches.find_elements(By.TAG_NAME, "button"))
+        controls = page.driver.find_elements(By.CSS_SELECTOR, "button, input, select, summary")
+        assert len(controls) >= 8
+        for control in controls:
+            if control.is_displayed():
+                assert control.accessible_name, control.get_attribute("outerHTML")
+        width = page.driver.execute_script(
+            "return [document.documentElement.scrollWidth, innerWidth]"
+        )
+        page.driver.set_window_size(1200, 1000)
+    assert width[0] <= width[1]
+
+
+def test_the_page_loads_nothing_from_elsewhere(tmp_path):
+    with robot_server(tmp_path, token=TOKEN) as link:
+        stranger = link.__class__(link.port)
+        index = stranger.call("GET", "/")
+        assert index.status == 200
+        assert "default-src 'none'" in index.headers["content-security-policy"]
+        assert "unsafe" not in index.headers["content-security-policy"]
+        text = index.content.decode()
+        assert "http:" not in text
+        assert "https:" not in text
+        for name in re.findall(r'(?:src|href)="(page/[^"]+)"', text):
+            assert stranger.call("GET", f"/{name}").status == 200
+        for name in ("nothing.js", "..%2ffiles.py", "%2e%2e/files.py"):
+            assert stranger.call("GET", f"/page/{name}").status == 404
