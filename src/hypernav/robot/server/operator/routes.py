@@ -53,7 +53,7 @@ def operator_routes(searches: Searches, waiting: WaitingRobots) -> APIRouter:
     @routes.post(f"{ROBOTS}/{{name}}/wait")
     async def wait(
         name: _Name,
-        wait_s: Annotated[float, Query(ge=0.0, le=LONGEST_WAIT_FOR_GOAL_S)] = 5.0,
+        wait_s: Annotated[float, Query(ge=0.0, le=LONGEST_WAIT_FOR_GOAL_S)] = 0.0,
     ) -> GivenGoal:
         """Wait for a goal, as a robot; ask again if there is none."""
         return await waiting.wait(name, wait_s)
