@@ -48,7 +48,11 @@ def test_a_signal_ends_it_and_the_searches_stay(tmp_path, number):
     program = "import sys; from hypernav.cli.main import main; main(sys.argv[1:])"
     arguments = ["serve", "--port", "0", "--state", str(tmp_path), "--detector", "ground-truth"]
     with subprocess.Popen(
-        [sys.executable, "-c", program, *arguments], stderr=subprocess.PIPE, text=True
+        [sys.executable, "-c", program, *arguments],
+        stderr=subprocess.PIPE,
+        text=True,
+        # A shell that runs tests in the background hands down SIGINT as ignored.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     ) as server:
         assert server.stderr is not None
         line = next(line for line in server.stderr if "serving at" in line)
