@@ -28,7 +28,8 @@ _NO_DEPTH = "too few points with depth"
 _REJECTED = "rejected before"
 _BESIDE_REJECTED_DEG = 10.0
 _MISS_LOG_ODDS = 1.0
-"""Weight of an image that misses the target: three in ten miss a true one, eight a false one."""
+"""Weight of an image that misses the target; ours, not measured: as if three in ten images missed a
+true target and eight in ten a false one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +129,7 @@ class LocalPerception:
 
     @property
     def is_missed(self) -> bool:
-        """Whether the latest image should show the target and does not, and this outweighs all."""
+        """Whether the latest image lacks the target, and that outweighs all earlier sightings."""
         target = self._target
         return self._missed_now and target is not None and target.log_odds < _MISS_LOG_ODDS
 
