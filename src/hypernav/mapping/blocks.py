@@ -90,10 +90,11 @@ def _counts(
 
 
 def _at_frontier(reach: ReachableArea, window: tuple[slice, slice]) -> tuple[int, int]:
-    """The reachable cell before the middle of the largest frontier in a window."""
+    """The reachable cell before the middle of the largest frontier in a window, 8-connected."""
     frontier = np.ascontiguousarray(reach.frontier[window]).view(np.uint8)
-    rows, columns = np.nonzero(_largest_part(frontier))
-    middle = (round(float(rows.mean())), round(float(columns.mean())))
+    _, _, stats, middles = cv2.connectedComponentsWithStats(frontier, connectivity=8)
+    largest = 1 + int(stats[1:, cv2.CC_STAT_AREA].argmax())
+    middle = (round(middles[largest, 1]), round(middles[largest, 0]))
     row, column = nearest_open_cell(frontier, *middle, max(frontier.shape))
     return reach.look_out(row + window[0].start, column + window[1].start)
 
@@ -106,9 +107,3 @@ def _nearest(
     inner = np.ascontiguousarray(mask[window])
     row, column = nearest_open_cell(inner, to[0] - bottom, to[1] - left, max(inner.shape))
     return row + bottom, column + left
-
-
-def _largest_part(cells: UInt8[np.ndarray, "rows columns"]) -> Bool[np.ndarray, "rows columns"]:
-    """The largest connected part of some cells, 8-connected."""
-    _, parts, stats, _ = cv2.connectedComponentsWithStats(cells, connectivity=8)
-    return parts == 1 + int(stats[1:, cv2.CC_STAT_AREA].argmax())

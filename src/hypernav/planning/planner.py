@@ -18,6 +18,8 @@ from hypernav.planning.motion_kernels import cost_of_line, shortcut
 
 _BESIDE_M = 0.1
 """Gap that comes of the size of the cells, metres."""
+_REACHED = 2
+"""Mark of the passable cells that a path leads to."""
 
 
 @dataclass(frozen=True)
@@ -198,8 +200,8 @@ def _enterable_goal(
     if config.end_in_obstacle == "reachable":
         # Diagonal steps need both neighbours, so what is 8-reachable is 4-connected.
         passable = (costmap.costs > 0.0).view(np.uint8)
-        _, parts = cv2.connectedComponents(passable, connectivity=4)
-        enterable &= parts == parts[here]
+        cv2.floodFill(passable, None, here[::-1], _REACHED, flags=4)
+        enterable &= passable == _REACHED
     wanted = np.zeros(enterable.shape, dtype=bool)
     cells = costmap.grid.cells_of(targets)
     inside = costmap.grid.contains(cells)
