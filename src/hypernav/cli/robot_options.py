@@ -100,13 +100,19 @@ class Replay:
     """Look at recorded RGB-D frames as the robot would: draw the map, look for the goal."""
 
     recording: tyro.conf.Positional[Path]
-    """Folder of a recording: in the format of 3DMatch and 7-Scenes, or of TUM RGB-D."""
+    """A bag of ROS 1 or ROS 2, or a folder in the format of 3DMatch, 7-Scenes or TUM RGB-D."""
     goal: str | None = None
     """The object to look for; needs --detector or --vlm."""
     who: FlatAgentOptions = field(default_factory=AgentOptions)
     """The options that configure the agent."""
     every: int = 1
     """Take every n-th frame only."""
+    colour_topic: str | None = None
+    """Topic of the colour images in a bag with several cameras."""
+    depth_topic: str | None = None
+    """Topic of the depth images, registered to colour."""
+    camera_info_topic: str | None = None
+    """Topic of the colour images' calibration."""
     out: Path | None = None
     """Folder of the results; runs/<time>-<recording> by default."""
     quiet: bool = False

@@ -132,11 +132,23 @@ class RunFolderError(HyPerNavError):
 
 
 class RecordingError(HyPerNavError):
-    """A recording of a chat model is broken, or does not hold the question that was asked."""
+    """A recording, of a chat model or of a camera, is broken or lacks what is asked of it."""
 
 
 class WireError(HyPerNavError):
     """A message between a robot and its server does not follow the contract."""
+
+
+class RosMessageError(HyPerNavError):
+    """A ROS message is broken, or of a kind that can't be used."""
+
+
+class TransformMissingError(HyPerNavError):
+    """The frames of a ROS robot are not connected at the time that is asked for."""
+
+
+class TopicChoiceError(HyPerNavError):
+    """No ROS topic, or more than one, could be the one that is needed."""
 
 
 class RequestRefusedError(HyPerNavError):

@@ -20,6 +20,7 @@ from hypernav.core.goal import Goal
 from hypernav.evaluation.recorder import EpisodeRecorder
 from hypernav.robot.recordings.opening import open_recording
 from hypernav.robot.recordings.replay import UprightRecording, replayed
+from hypernav.robot.ros.topics import CameraTopics
 
 
 def run(options: Replay) -> int:
@@ -30,6 +31,7 @@ def run(options: Replay) -> int:
 
     Raises:
         RecordingError: The recording cannot be read.
+        TopicChoiceError: No topic of a bag fits, or several do.
         ConfigError: There is a goal and nothing that looks for it, or the other way round.
     """
     check_option("--every", options.every, (1, 100_000), "every frame, or fewer")
@@ -47,7 +49,12 @@ def run(options: Replay) -> int:
 
 
 def _replay(options: Replay, folder: Path) -> ExitStatus:
-    upright = UprightRecording(open_recording(options.recording))
+    topics = CameraTopics(options.colour_topic, options.depth_topic, options.camera_info_topic)
+    with closing(open_recording(options.recording, topics)) as recording:
+        return _mapped(options, folder, UprightRecording(recording))
+
+
+def _mapped(options: Replay, folder: Path, upright: UprightRecording) -> ExitStatus:
     config = options.who.resolve()
     config = config.model_copy(update={"embodiment": upright.robot(config.embodiment)})
     goal = None if options.goal is None else Goal(options.goal)

@@ -13,13 +13,14 @@ from hypernav.core.errors import RecordingError
 from hypernav.core.files.image_sizes import image_size
 from hypernav.core.files.reading import read_file
 from hypernav.core.geometry.camera import PinholeCamera
-from hypernav.robot.recordings.recording import (
-    RecordedFrame,
-    Recording,
+from hypernav.robot.recordings.frame_files import (
+    FrameFiles,
     read_lines,
     read_numbers,
+    recording_of_files,
     rigid,
 )
+from hypernav.robot.recordings.recording import Recording
 
 _INTRINSICS = "camera-intrinsics.txt"
 _POSES = "frame-*.pose.txt"
@@ -46,10 +47,10 @@ def read_matched_frames(folder: Path) -> Recording:
         if colour is None or not depth.is_file():
             raise RecordingError(f"{folder}: {stem} has a pose, but no colour or no depth image")
         pose = rigid(np.array(read_numbers(path, 16)).reshape(4, 4), path)
-        frames.append(RecordedFrame(colour, depth, pose, float(len(frames))))
+        frames.append(FrameFiles(colour, depth, pose, float(len(frames))))
     if not frames:
         raise RecordingError(f"{folder}: no frame has a valid pose")
-    return Recording(folder.name, _camera(folder, frames[0].colour), 1000.0, frames)
+    return recording_of_files(folder.name, _camera(folder, frames[0].colour), 1000.0, frames)
 
 
 def _camera(folder: Path, first: Path) -> PinholeCamera:

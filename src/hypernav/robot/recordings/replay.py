@@ -70,8 +70,8 @@ class UprightRecording:
         x, y, _ = camera_to_map.translation
         forward = camera_to_map.rotation[:, 2]
         return Observation(
-            rgb=self.recording.rgb(frame),
-            depth=self.recording.depth(frame),
+            rgb=frame.rgb(),
+            depth=frame.depth(),
             camera=self.recording.camera,
             camera_to_map=camera_to_map,
             robot=Pose2(float(x), float(y), math.atan2(forward[1], forward[0])),
@@ -117,7 +117,7 @@ def replayed(
             pose=(seen.robot.x, seen.robot.y, seen.robot.yaw),
             action=None,
             mode=Mode.LOOK_AROUND,
-            reason=f"frame {frame.colour.name}",
+            reason=f"frame {frame.name}",
             destination=None if target is None else target.area.centre,
             goal_area=[] if target is None else target.area.outlines,
             detections=detections,

@@ -19,12 +19,13 @@ from hypernav.core.files.image_sizes import image_size
 from hypernav.core.files.reading import path_below, read_file
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Transform
-from hypernav.robot.recordings.recording import (
-    RecordedFrame,
-    Recording,
+from hypernav.robot.recordings.frame_files import (
+    FrameFiles,
     read_lines,
     read_numbers,
+    recording_of_files,
 )
+from hypernav.robot.recordings.recording import Recording
 
 _APART_S = 0.02
 """Largest difference of times that belong together, as the benchmark's own tools take it."""
@@ -49,12 +50,12 @@ def read_tum(folder: Path) -> Recording:
     for stamp, colour in colours:
         near, at = (int(np.abs(times - stamp).argmin()) for times in (depth_stamps, stamps))
         if max(abs(depth_stamps[near] - stamp), abs(stamps[at] - stamp)) <= _APART_S:
-            frames.append(RecordedFrame(colour, depths[near][1], poses[at], stamp))
+            frames.append(FrameFiles(colour, depths[near][1], poses[at], stamp))
     if not frames:
         raise RecordingError(
             f"{folder}: no colour image has a depth image and a pose within {_APART_S:g} s"
         )
-    return Recording(folder.name, _camera(folder, frames[0].colour), 5000.0, frames)
+    return recording_of_files(folder.name, _camera(folder, frames[0].colour), 5000.0, frames)
 
 
 def _listed(folder: Path, name: str) -> list[tuple[float, Path]]:

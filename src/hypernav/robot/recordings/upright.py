@@ -60,7 +60,7 @@ def _floor_height(recording: Recording, upright: Transform) -> float:
     every = max(len(recording.frames) // _MOST_FRAMES, 1)
     heights: list[Float64[np.ndarray, " n"]] = []
     for frame in recording.frames[::every]:
-        depth = recording.depth(frame)[::_STRIDE, ::_STRIDE]
+        depth = frame.depth()[::_STRIDE, ::_STRIDE]
         rows, columns = np.nonzero(is_measured(depth, 0.0, _FARTHEST_M))
         points = recording.camera.unproject_pixels(
             rows * _STRIDE, columns * _STRIDE, depth[rows, columns].astype(np.float64)

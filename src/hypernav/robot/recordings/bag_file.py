@@ -1,0 +1,125 @@
+"""A bag as topics and messages, whatever its format and whatever is broken in it."""
+
+import struct
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+from hypernav.core.components.extras import require
+from hypernav.core.errors import RecordingError, RosMessageError, TransformMissingError
+
+_BROKEN = (
+    *(AssertionError, EOFError, LookupError, MemoryError, OSError, OverflowError),
+    *(RosMessageError, TransformMissingError, ValueError, struct.error),
+    *(AttributeError, TypeError),  # the definition of a type, which the bag holds, is another
+)
+"""What damaged bytes raise in the reader of bags, which trusts them, beside its own errors."""
+
+
+class BagFile:
+    """An open bag.
+
+    Attributes:
+        path: Path of the bag.
+    """
+
+    def __init__(self, path: Path) -> None:
+        """Open a bag.
+
+        Raises:
+            RecordingError: It is no bag, or a damaged one.
+            MissingExtraError: The package that reads bags is not installed.
+        """
+        highlevel = require("rosbags.highlevel", extra="bags")
+        typesys = require("rosbags.typesys", extra="bags")
+        self.path = path
+        self._broken = (*_BROKEN, highlevel.AnyReaderError, *_errors())
+        self._stack = ExitStack()
+        # Older bags of ROS 2 don't say what their types are.
+        store = typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)
+        with self.checked():
+            reader = highlevel.AnyReader([path], default_typestore=store)
+            self._reader = self._stack.enter_context(reader)
+            self._connections = {one.topic: one for one in reader.connections if one.msgcount}
+
+    def __enter__(self) -> "BagFile":
+        """The bag itself."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Close the bag."""
+        self._stack.close()
+
+    @contextmanager
+    def checked(self) -> Iterator[None]:
+        """Make one error of all that damaged bytes can raise.
+
+        Raises:
+            RecordingError: Something in the block failed because of the bag.
+        """
+        try:
+            yield
+        except self._broken as error:
+            said = str(error) or type(error).__name__
+            raise RecordingError(f"{self.path} can't be read: {said:.300}") from error
+
+    def topics(self, *types: str) -> list[str]:
+        """The topics with messages of some types."""
+        return sorted(
+            name for name, connection in self._connections.items() if connection.msgtype in types
+        )
+
+    def first(self, topic: str) -> Any:
+        """The first message of a topic.
+
+        Raises:
+            RecordingError: It is broken.
+        """
+        for _, message in self.messages(topic):
+            return message
+        raise RecordingError(f"{self.path}: {topic} holds fewer messages than it says")
+
+    def messages(self, topic: str) -> Iterator[tuple[int, Any]]:
+        """All messages of a topic, each with the key that `message` finds it by.
+
+        Raises:
+            RecordingError: One is broken.
+        """
+        with self.checked():
+            for _, at, data in self._reader.messages([self._connections[topic]]):
+                yield at, self._read(topic, data)
+
+    def message(self, topic: str, at: int) -> Any:
+        """One message.
+
+        Raises:
+            RecordingError: It is broken.
+        """
+        found = self._reader.messages([self._connections[topic]], start=at, stop=at + 1)
+        with self.checked():
+            for _, _, data in found:
+                return self._read(topic, data)
+        raise RecordingError(f"{self.path}: a message of {topic} is not where it was")
+
+    def _read(self, topic: str, data: bytes) -> Any:
+        return self._reader.deserialize(data, self._connections[topic].msgtype)
+
+
+def _errors() -> tuple[type[Exception], ...]:
+    """The errors of what the reader of bags reads with."""
+    names = (
+        ("rosbags.rosbag1", "ReaderError"),
+        ("rosbags.rosbag2", "ReaderError"),
+        ("rosbags.serde", "SerdeError"),
+        ("rosbags.typesys", "TypesysError"),
+        ("apsw", "Error"),
+        ("ruamel.yaml.error", "YAMLError"),
+    )
+    return tuple(getattr(require(module, extra="bags"), name) for module, name in names)

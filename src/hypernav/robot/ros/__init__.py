@@ -1,0 +1,1 @@
+"""What ROS messages mean, whatever library brought them: a bag's reader or DDS."""

@@ -1,0 +1,122 @@
+"""The camera of a ``sensor_msgs/CameraInfo``."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import cv2
+import numpy as np
+from jaxtyping import Float32, UInt8
+
+from hypernav.core.errors import CameraError, RosMessageError
+from hypernav.core.geometry.camera import PinholeCamera
+from hypernav.robot.ros.messages import frame_name
+
+_Maps = tuple[Float32[np.ndarray, "height width"], Float32[np.ndarray, "height width"]]
+_CV_MODELS = ("plumb_bob", "rational_polynomial")
+
+
+@dataclass(frozen=True, eq=False)
+class Calibration:
+    """Intrinsics of an image topic.
+
+    Attributes:
+        camera: Intrinsics without distortion.
+        frame: The optical frame.
+        straightening: For every pixel of the undistorted image its column and its row in the
+            distorted one; None where the images have no distortion.
+    """
+
+    camera: PinholeCamera
+    frame: str
+    straightening: _Maps | None
+
+    def straightened_colour(
+        self, rgb: UInt8[np.ndarray, "height width 3"]
+    ) -> UInt8[np.ndarray, "height width 3"]:
+        """A colour image without distortion.
+
+        Raises:
+            RosMessageError: It has another size than the camera.
+        """
+        return self._straightened(rgb, cv2.INTER_LINEAR)
+
+    def straightened_depth(
+        self, depth: Float32[np.ndarray, "height width"]
+    ) -> Float32[np.ndarray, "height width"]:
+        """A depth image without distortion; depths are never mixed.
+
+        Raises:
+            RosMessageError: It has another size than the camera.
+        """
+        return self._straightened(depth, cv2.INTER_NEAREST)
+
+    def _straightened(self, image: np.ndarray, interpolation: int) -> np.ndarray:
+        height, width = image.shape[:2]
+        if (width, height) != (self.camera.width, self.camera.height):
+            raise RosMessageError(
+                f"expected an image of {self.camera.width} × {self.camera.height} pixels as its "
+                f"camera info says, found {width} × {height}; depth must be registered to colour"
+            )
+        if self.straightening is None:
+            return image
+        return cv2.remap(image, *self.straightening, interpolation)
+
+
+def calibration_of(message: Any, *, rectified: bool) -> Calibration:
+    """The camera that a message describes.
+
+    Args:
+        message: The ``CameraInfo``; ROS 1 writes its matrices in capitals.
+        rectified: Whether the images have no distortion any more (``image_rect``), so that the
+            projection matrix holds, and not the camera matrix and its distortion.
+
+    Raises:
+        RosMessageError: The camera is not calibrated, or cannot exist.
+    """
+    frame = frame_name(message.header.frame_id)
+    if rectified:
+        matrix, distortion = _field(message, "p").reshape(3, 4)[:, :3], np.zeros(0)
+    else:
+        matrix, distortion = _field(message, "k").reshape(3, 3), _field(message, "d")
+    values = np.concatenate([matrix.ravel(), distortion])
+    if not np.isfinite(values).all():
+        raise RosMessageError(f"the camera info of '{frame}' holds numbers that are not finite")
+    try:
+        # ROS counts from the middle of the first pixel, cameras here from its corner.
+        camera = PinholeCamera(
+            message.width,
+            message.height,
+            float(matrix[0, 0]),
+            float(matrix[1, 1]),
+            float(matrix[0, 2]) + 0.5,
+            float(matrix[1, 2]) + 0.5,
+        )
+    except CameraError as error:
+        raise RosMessageError(
+            f"the camera info of '{frame}' is no calibration ({error}); calibrate the camera"
+        ) from error
+    if not distortion.any():
+        return Calibration(camera, frame, None)
+    if message.distortion_model not in _CV_MODELS:
+        raise RosMessageError(
+            f"expected a distortion of {' or '.join(_CV_MODELS)}, found "
+            f"'{message.distortion_model:.40}'; use the rectified topics (image_rect)"
+        )
+    return Calibration(camera, frame, _straightening(message, matrix, distortion))
+
+
+def _field(message: Any, name: str) -> np.ndarray:
+    value = getattr(message, name, None)
+    return np.asarray(getattr(message, name.upper()) if value is None else value, dtype=np.float64)
+
+
+def _straightening(message: Any, matrix: np.ndarray, distortion: np.ndarray) -> _Maps:
+    columns, rows = cv2.initUndistortRectifyMap(
+        matrix,
+        distortion,
+        np.eye(3),
+        matrix,
+        (message.width, message.height),
+        cv2.CV_32FC1,
+    )
+    return columns, rows

@@ -1,0 +1,157 @@
+"""The choice of a camera's topics among those that there are."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from hypernav.core.errors import TopicChoiceError
+from hypernav.robot.ros.images import kind_of
+from hypernav.robot.ros.messages import frame_name
+
+_ALIGN = (
+    "Let the camera's driver align depth to colour (RealSense: align_depth.enable), or run "
+    "depth_image_proc's register node"
+)
+
+
+@dataclass(frozen=True)
+class CameraTopics:
+    """Topics of an RGB-D camera; None where they shall be found.
+
+    Attributes:
+        colour: Colour images.
+        depth: Depth images, registered to colour.
+        camera_info: Calibration of the colour images.
+    """
+
+    colour: str | None = None
+    depth: str | None = None
+    camera_info: str | None = None
+
+
+@dataclass(frozen=True)
+class OfferedTopic:
+    """A topic that could be one of a camera's.
+
+    Attributes:
+        name: Name of the topic.
+        role: What it could be: ``"colour"``, ``"depth"`` or ``"camera_info"``.
+        frame: Frame of its messages.
+    """
+
+    name: str
+    role: str
+    frame: str
+
+
+@dataclass(frozen=True)
+class ChosenTopics:
+    """One topic for each role.
+
+    Attributes:
+        colour: Colour images.
+        depth: Depth images in the same frame.
+        camera_info: Calibration of the colour images.
+    """
+
+    colour: OfferedTopic
+    depth: OfferedTopic
+    camera_info: OfferedTopic
+
+
+def offered_topic(name: str, message: Any) -> OfferedTopic | None:
+    """What a topic could be, by one of its messages; None if it is of no use.
+
+    Args:
+        name: Name of the topic.
+        message: An ``Image``, a ``CompressedImage`` or a ``CameraInfo``.
+    """
+    is_info = hasattr(message, "distortion_model")
+    role = "camera_info" if is_info else kind_of(message)
+    return None if role is None else OfferedTopic(name, role, frame_name(message.header.frame_id))
+
+
+def choose_topics(
+    offered: Iterable[OfferedTopic], wanted: CameraTopics, *, ask: str
+) -> ChosenTopics:
+    """The topics of a camera: those that are wanted, else those that alone fit.
+
+    Of an image that is there raw and compressed the raw one is taken. Depth must be in the frame of
+    colour. Calibration is taken from beside the colour images, as image_transport has it.
+
+    Args:
+        offered: All topics with images and calibrations.
+        wanted: What the user wants.
+        ask: How the user says which one, with ``{role}`` in it, for example ``"--{role}-topic"``.
+
+    Raises:
+        TopicChoiceError: None fits, or several do.
+    """
+    offers = list(offered)
+    colours = _of_role(offers, "colour")
+    colour = _one(colours, wanted.colour, "colour", "sensor_msgs/Image of colour", ask)
+    depths = _of_role(offers, "depth")
+    fitting = [topic for topic in depths if topic.frame == colour.frame]
+    if depths and not fitting and wanted.depth is None:
+        raise TopicChoiceError(
+            f"no depth is registered to {colour.name} (frame '{colour.frame}'); there is "
+            f"{_listed(depths)}. {_ALIGN}"
+        )
+    choices = depths if wanted.depth else fitting
+    depth = _one(choices, wanted.depth, "depth", "sensor_msgs/Image of depth", ask)
+    if depth.frame != colour.frame:
+        raise TopicChoiceError(
+            f"{depth.name} is in the frame '{depth.frame}', and {colour.name} in '{colour.frame}'; "
+            f"expected depth registered to colour. {_ALIGN}"
+        )
+    infos = _of_role(offers, "camera_info")
+    beside = [info for info in infos if _namespace(info.name) == _namespace(_raw(colour.name))]
+    same_frame = [info for info in infos if info.frame == colour.frame]
+    info = _one(
+        infos if wanted.camera_info else (beside or same_frame or infos),
+        wanted.camera_info,
+        "camera_info",
+        "sensor_msgs/CameraInfo",
+        ask,
+    )
+    return ChosenTopics(colour, depth, info)
+
+
+def is_rectified(topic: OfferedTopic) -> bool:
+    """Whether the images of a topic have no distortion, by ROS's convention for its name."""
+    return "rect" in _raw(topic.name).rsplit("/", 1)[-1]
+
+
+def _of_role(offers: Sequence[OfferedTopic], role: str) -> list[OfferedTopic]:
+    return [topic for topic in offers if topic.role == role]
+
+
+def _one(
+    offers: Sequence[OfferedTopic], wanted: str | None, role: str, kind: str, ask: str
+) -> OfferedTopic:
+    option = ask.format(role=role.replace("_", "-"))
+    names = {topic.name for topic in offers}
+    fitting = [t for t in offers if _raw(t.name) == t.name or _raw(t.name) not in names]
+    if wanted is not None:
+        fitting = [topic for topic in offers if topic.name == wanted]
+    if len(fitting) == 1:
+        return fitting[0]
+    if not fitting:
+        found = f"there is {_listed(offers)}" if offers else "there is none at all"
+        raise TopicChoiceError(f"expected a topic {wanted or f'with {kind}'}; {found}")
+    raise TopicChoiceError(
+        f"several topics could be {role}: {_listed(fitting)}; say which one with {option}"
+    )
+
+
+def _raw(name: str) -> str:
+    """The name of the topic of which a compressed topic is the copy."""
+    return name.removesuffix("/compressed").removesuffix("/compressedDepth")
+
+
+def _namespace(name: str) -> str:
+    return name.rsplit("/", 1)[0]
+
+
+def _listed(topics: Sequence[OfferedTopic]) -> str:
+    return ", ".join(f"{topic.name} (frame '{topic.frame}')" for topic in topics)
