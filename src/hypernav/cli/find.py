@@ -26,6 +26,7 @@ from hypernav.core.episode import Episode, Outcome
 from hypernav.core.errors import ConfigError, ModelSetupError, OutputError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
+from hypernav.core.interruptions import interruptions_of_kernels
 from hypernav.evaluation.kernel_warmup import warm_up_in_background
 from hypernav.evaluation.recorder import EpisodeRecorder
 from hypernav.worlds.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
@@ -153,10 +154,11 @@ def _search(
 ) -> KeyboardInterrupt | ModelSetupError | OutputError | None:
     """Run the search to its end; what stopped it before, if anything."""
     try:
-        for step in search:
-            with interruptions_put_off():  # half a frame would spoil the video
-                recorder.add(step.trace, step.grid, step.observation.rgb)
-            status.update(escape(_live_line(step, goal)))
+        with interruptions_of_kernels():
+            for step in search:
+                with interruptions_put_off():  # half a frame would spoil the video
+                    recorder.add(step.trace, step.grid, step.observation.rgb)
+                status.update(escape(_live_line(step, goal)))
     except (KeyboardInterrupt, ModelSetupError, OutputError) as stop:
         return stop
     return None

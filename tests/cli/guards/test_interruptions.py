@@ -2,6 +2,7 @@ import signal
 
 import pytest
 
+from hypernav.cli.guards.crashes import crash_report
 from hypernav.cli.guards.interruptions import (
     Terminated,
     interruptions_put_off,
@@ -44,3 +45,9 @@ def test_a_block_that_puts_it_off_comes_to_its_end(number, error):
 def test_without_an_interruption_nothing_is_raised():
     with sigterm_as_interruption(), interruptions_put_off():
         pass
+
+
+def test_an_interruption_in_a_compiled_function_is_no_crash(tmp_path):
+    with pytest.raises(Terminated), crash_report(tmp_path):
+        raise SystemError("returned a result with an exception set") from Terminated()
+    assert not list(tmp_path.iterdir())

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from hypernav.core.errors import CrashError, HyPerNavError
+from hypernav.core.interruptions import interruptions_of_kernels
 
 CRASH_FILE = "crash.txt"
 
@@ -29,7 +30,8 @@ def crash_report(folder: Path | None = None) -> Iterator[None]:
         ReportedCrashError: The block failed that way; the message names the file.
     """
     try:
-        yield
+        with interruptions_of_kernels():
+            yield
     except CrashError as error:
         raise ReportedCrashError(_told(str(error), error.details, folder)) from error
     except HyPerNavError:

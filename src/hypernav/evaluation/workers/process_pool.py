@@ -17,6 +17,7 @@ from typing import NoReturn
 
 from hypernav.core.episode import Episode
 from hypernav.core.errors import HyPerNavError
+from hypernav.core.interruptions import interruptions_of_kernels
 from hypernav.evaluation.record import EpisodeRecord
 from hypernav.evaluation.workers.resource_usage import peak_memory_mb
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
@@ -128,7 +129,7 @@ def _work(job: Job, pipe: Connection, log: Path) -> None:
     signal.signal(signal.SIGTERM, _leave)  # scene and agent are closed on the way out
     os.dup2(os.open(log, os.O_WRONLY | os.O_APPEND), sys.stderr.fileno())
     try:
-        with closing(EpisodeWorker(job)) as episode_worker:
+        with interruptions_of_kernels(), closing(EpisodeWorker(job)) as episode_worker:
             _send(pipe, None)
             while True:
                 record = episode_worker.run(_receive(pipe))
