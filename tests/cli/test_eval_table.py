@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from eval_runs import apart, record
-from hypernav.cli.eval_table import outcome_lines
+from hypernav.cli.eval_table import outcome_lines, progress_table, result_line
 from hypernav.evaluation.runner import RunProgress
 
 
@@ -25,3 +25,11 @@ def test_why_episodes_do_not_count_is_said_once_for_each_reason():
 
 def test_nothing_is_said_where_all_count():
     assert not any("count" in line for line in lines(record("0"), record("1")))
+
+
+def test_where_none_counts_there_is_no_rate():
+    said = lines(apart("0"), apart("1"))
+    assert not any("nan" in line or "SR" in line for line in said)
+    progress = RunProgress(total=2, records=[apart("0"), apart("1")])
+    assert result_line(progress) == "2 of 2 episodes done, none of them counts"
+    assert progress_table(progress, 1.0).row_count == 2

@@ -132,3 +132,47 @@ def test_another_benchmark_and_single_values_win(data, tmp_path):
     assert run["config"]["embodiment"]["motion"]["forward_m"] == 0.5
     assert run["config"]["embodiment"]["camera"]["width"] == 160
     assert run["protocol"]["success_distance_m"] == 1.0
+
+
+def test_a_run_in_which_nothing_could_be_scored_fails_in_one_line(tmp_path, capsys):
+    data = write_data(tmp_path / "data")
+    mesh = data / "scene_datasets" / "hm3d" / "val" / SCENE / f"{HASH}.glb"
+    whole = mesh.read_bytes()
+    mesh.write_bytes(whole[:-40])
+    quick = ("--max-steps", "2", "--workers", "1", "--episodes", "0:2", *SMALL)
+    command = ("eval", f"hm3d:{data}#v1/val", *quick, "--out", tmp_path / "run")
+    for options in ((), ("--quiet",)):
+        capsys.readouterr()
+        assert hypernav(*command, *options) == 2
+        said = capsys.readouterr().err
+        assert "hypernav: none of the 2 episodes could be scored (SceneError: " in said
+        assert "nan" not in said
+    assert said.count("\n") == 1
+    mesh.write_bytes(whole)
+    assert hypernav(*command, "--quiet") == 0
+
+
+def test_a_run_does_not_go_on_in_another_scene_of_the_same_name(tmp_path, capsys):
+    data = write_data(tmp_path / "data")
+    navmesh = data / "scene_datasets" / "hm3d" / "val" / SCENE / f"{HASH}.basis.navmesh"
+    quick = ("--max-steps", "2", "--workers", "1", "--quiet", "--episodes", "0:1", *SMALL)
+    command = ("eval", f"hm3d:{data}#v1/val", *quick, "--out", tmp_path / "run")
+    assert hypernav(*command) == 0
+    whole = navmesh.read_bytes()
+    navmesh.unlink()
+    assert hypernav(*command) == 2
+    assert "was begun with other files of the scene" in capsys.readouterr().err
+    navmesh.write_bytes(whole)
+    assert hypernav(*command) == 0
+
+
+def test_goals_go_by_the_files_own_words_too(data):
+    plan = RunPlan(f"hm3d:{data}#v1/val", Selection(goals="plant, tv_monitor,couch"))
+    assert [episode.goal.text for episode in plan.episodes()] == ["potted plant", "tv", "couch"]
+
+
+def test_a_slash_at_the_end_of_a_folder_names_no_other_data_set(data):
+    plain, slashed = (RunPlan(f"hm3d:{folder}#v1/val") for folder in (data, f"{data}/"))
+    episodes = plain.episodes()
+    assert slashed.episodes() == episodes
+    assert slashed.configuration(episodes) == plain.configuration(episodes)

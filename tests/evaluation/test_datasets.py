@@ -2,7 +2,7 @@ import pytest
 
 from eval_runs import spec, write_room
 from hypernav.core.errors import ConfigError, EpisodeError, SceneError
-from hypernav.evaluation.datasets import fingerprint, load_episodes, select
+from hypernav.evaluation.datasets import canonical_name, fingerprint, load_episodes, select
 from hypernav.worlds.scenes.loading import load_scene
 from hypernav.worlds.simulation import SimulatedWorld
 from small_worlds import small_config
@@ -81,6 +81,8 @@ def test_starts_must_be_a_number(room):
         ({"scenes": "0"}, "03"),
         ({"scenes": "8", "part": "0:3"}, "1"),
         ({"goals": "bed"}, "012345"),
+        ({"goals": "berth,", "words": {"berth": "bed"}}, "012345"),
+        ({"scenes": "8, ,"}, "14"),
         ({}, "012345"),
     ],
 )
@@ -97,6 +99,8 @@ def test_choosing_episodes(chosen, ids):
         ({"part": "-1:2"}, "expected FIRST:END"),
         ({"scenes": "houses:10"}, "there are 3, from houses:7 to houses:9"),
         ({"goals": "piano"}, "no episode asks for 'piano'"),
+        ({"goals": " ,"}, "--goals ' ,': names nothing"),
+        ({"scenes": ","}, "--scenes ',': names nothing"),
         ({"part": "0:1", "scenes": "9"}, "is left"),
     ],
 )
@@ -123,3 +127,15 @@ def test_every_episode_has_a_seed_of_its_own():
     seeds = {e.seed(0) for e in EPISODES} | {e.seed(1) for e in EPISODES}
     assert len(seeds) == 12
     assert EPISODES[0].seed(0) == spec("0", "houses:7").seed(0)
+
+
+@pytest.mark.parametrize(
+    ("name", "canonical"),
+    [
+        ("hm3d:d2/#v1/val/", "hm3d:d2#v1/val"),
+        ("hm3d:/#val", "hm3d:/#val"),
+        ("houses-val#1000:1004", "houses-val#1000:1004"),
+    ],
+)
+def test_slashes_that_say_nothing_are_left_out(name, canonical):
+    assert canonical_name(name) == canonical

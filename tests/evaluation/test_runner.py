@@ -2,7 +2,14 @@ import pytest
 
 from eval_runs import apart, record, spec
 from hypernav.core.errors import CrashError, ModelUnavailableError, RunFolderError
-from hypernav.evaluation.runner import RunHaltedError, run_episodes
+from hypernav.evaluation.failures.classification import Failure
+from hypernav.evaluation.runner import (
+    NothingScoredError,
+    RunHaltedError,
+    RunProgress,
+    check_scored,
+    run_episodes,
+)
 from hypernav.evaluation.store.run_store import RunStore, read_records
 from hypernav.evaluation.workers.worker_pool import Crashed, Done, Lost, Ready, Refused
 
@@ -170,3 +177,13 @@ def test_a_full_disk_dismisses_the_crew(tmp_path, monkeypatch):
     with pytest.raises(RunFolderError, match="no space"):
         run(tmp_path, pool)
     assert pool.closed
+
+
+def test_a_run_of_which_nothing_counts_has_no_result():
+    away, broken = apart("0"), apart("1").model_copy(update={"failure": Failure.SIMULATOR_ERROR})
+    check_scored(RunProgress([], 0))
+    check_scored(RunProgress([record("0"), away, broken], 3))
+    with pytest.raises(ModelUnavailableError, match="none of the 1 episodes"):
+        check_scored(RunProgress([away], 1))
+    with pytest.raises(NothingScoredError, match="none of the 2 episodes"):
+        check_scored(RunProgress([away, broken], 2))

@@ -19,7 +19,7 @@ from hypernav.evaluation.ablation.ablation_page import write_ablation
 from hypernav.evaluation.ablation.studies import STUDIES
 from hypernav.evaluation.ablation.study import Method, Study, Variant, slug
 from hypernav.evaluation.ablation.study_name import StudyName
-from hypernav.evaluation.runner import crash_of
+from hypernav.evaluation.runner import check_scored, crash_of
 from hypernav.evaluation.store.study_folder import held_folder
 
 
@@ -75,6 +75,7 @@ def _run(variant: Variant, options: Options, folder: Path, console: Terminal, he
     progress = evaluate(replace(options, who=who), folder / variant.slug, console, heading=heading)
     if progress.crashes:
         raise crash_of(progress.crashes)
+    check_scored(progress)
     console.print(f"  {result_line(progress)}", soft_wrap=True)
 
 

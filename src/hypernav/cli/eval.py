@@ -26,8 +26,9 @@ from hypernav.core.metrics import SUCCESS_DISTANCE_M
 from hypernav.datasets.benchmarks import benchmark_of
 from hypernav.evaluation.run_plan import RunPlan, Selection
 from hypernav.evaluation.run_session import RunSession, available_cores
-from hypernav.evaluation.runner import RunProgress, crash_of, run_episodes
+from hypernav.evaluation.runner import RunProgress, check_scored, crash_of, run_episodes
 from hypernav.evaluation.store.run_store import RunStore
+from hypernav.evaluation.store.scene_files import keep_scenes
 from hypernav.evaluation.workers.process_pool import ProcessPool
 from hypernav.evaluation.workers.ray_pool import RayPool
 from hypernav.evaluation.workers.worker import Job
@@ -45,7 +46,7 @@ def run(options: Options) -> int:
         The status of success: every episode is done.
 
     Raises:
-        HyPerNavError: The run cannot be begun, or stopped before its end.
+        HyPerNavError: The run cannot be begun, stopped before its end, or has no result.
         ReportedCrashError: The program failed in some of the episodes.
     """
     check(options)
@@ -58,6 +59,7 @@ def run(options: Options) -> int:
             console.print(line, soft_wrap=True)
         if progress.crashes:
             raise crash_of(progress.crashes)
+        check_scored(progress)
     return ExitStatus.SUCCESS
 
 
@@ -84,6 +86,8 @@ def evaluate(
             console.print(heading)
         if again := store.withdraw(lambda record: not record.counts):
             console.print(f"{again} episodes that don't count are run again")
+        scenes = (episode.scene_id for episode in episodes)
+        keep_scenes(folder, scenes, (record.scene_id for record in store.records.values()))
         if store.records:
             console.print(f"{len(store.records)} of {len(episodes)} episodes are done already")
         pool = _pool(options, folder, plan.config)

@@ -11,7 +11,7 @@ from hypernav.cli.warnings_shown import unusable_answers_line
 from hypernav.evaluation.failures.classification import Failure
 from hypernav.evaluation.runner import RunProgress
 from hypernav.evaluation.statistics import Estimate
-from hypernav.evaluation.summary import failure_counts, summarise
+from hypernav.evaluation.summary import counted, failure_counts, summarise
 
 _LIVE_DRAWS = 1000
 _MOST_REASONS = 3
@@ -54,6 +54,8 @@ def result_line(progress: RunProgress) -> str:
 
 
 def _rates(progress: RunProgress) -> str:
+    if not counted(progress.records):
+        return "none of them counts"
     summary = summarise(progress.records, draws=1)
     return f"SR {100 * summary.success.mean:.1f} %, SPL {summary.spl.mean:.3f}"
 
@@ -78,11 +80,12 @@ def outcome_lines(progress: RunProgress, folder: Path) -> Iterator[str]:
 
 
 def _numbers(progress: RunProgress) -> Iterator[tuple[str, str, str]]:
-    summary = summarise(progress.records, draws=_LIVE_DRAWS)
-    yield "SR", _percent(summary.success), _interval(summary.success)
-    yield "SPL", f"{summary.spl.mean:.3f}", _interval(summary.spl, percent=False)
+    if counted(progress.records):
+        summary = summarise(progress.records, draws=_LIVE_DRAWS)
+        yield "SR", _percent(summary.success), _interval(summary.success)
+        yield "SPL", f"{summary.spl.mean:.3f}", _interval(summary.spl, percent=False)
+        yield "steps", f"{summary.steps.mean:.0f}", "a mean episode"
     calls = _calls(progress)
-    yield "steps", f"{summary.steps.mean:.0f}", "a mean episode"
     if calls:
         yield "models", str(calls), f"calls, {calls / len(progress.records):.1f} an episode"
     counts = failure_counts(progress.records)

@@ -3,7 +3,7 @@
 import difflib
 import hashlib
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -43,7 +43,7 @@ def load_episodes(
         EpisodeError: Its name is not understood, or it is broken.
         SceneError: A scene cannot be used.
     """
-    name, hash_sign, part = dataset.partition("#")
+    name, hash_sign, part = canonical_name(dataset).partition("#")
     if hash_sign and not part:
         raise EpisodeError(f"{dataset}: nothing follows the #; say which part, or leave it out")
     choice = DATA_SOURCES.find(name)
@@ -59,12 +59,20 @@ def load_episodes(
     )
 
 
+def canonical_name(dataset: str) -> str:
+    """A data set's name without slashes that say nothing: ``hm3d:DIR/#val`` is ``hm3d:DIR#val``."""
+    name, hash_sign, part = dataset.partition("#")
+    shorter = name.rstrip("/")
+    return f"{name if shorter.endswith(':') else shorter}{hash_sign}{part.rstrip('/')}"
+
+
 def select(
     episodes: Sequence[Episode],
     *,
     part: str | None = None,
     scenes: str | None = None,
     goals: str | None = None,
+    words: Mapping[str, str] | None = None,
 ) -> list[Episode]:
     """Some of the episodes of a data set.
 
@@ -74,7 +82,9 @@ def select(
         scenes: Scenes with commas between them: the name (``houses:1003``), its last part
             (``1003``), the number or name of an HM3D scene (``802``, ``00802-wcojb4TFT35``), or
             the scene's position in the data set (``3``, from 0).
-        goals: Goals with commas between them.
+        goals: Goals with commas between them, as they are asked for, or as the files of a benchmark
+            call them.
+        words: Words by which categories of the files are asked for, where they differ from them.
 
     Raises:
         EpisodeError: The text is not understood, a scene doesn't exist, or nothing is left.
@@ -84,11 +94,14 @@ def select(
         chosen = chosen[_slice(part, len(chosen))]
     if scenes is not None:
         names = list(dict.fromkeys(episode.scene_id for episode in episodes))
-        wanted = {_scene_named(text.strip(), names) for text in scenes.split(",")}
+        wanted = {_scene_named(text, names) for text in _listed("--scenes", scenes)}
         chosen = [episode for episode in chosen if episode.scene_id in wanted]
     if goals is not None:
-        names = {text.strip() for text in goals.split(",")}
         known = {episode.goal.text for episode in episodes}
+        names = {
+            text if text in known else (words or {}).get(text, text.replace("_", " "))
+            for text in _listed("--goals", goals)
+        }
         if unknown := sorted(names - known):
             close = difflib.get_close_matches(unknown[0], known, n=1)
             hint = f"did you mean '{close[0]}'? " if close else ""
@@ -101,6 +114,14 @@ def select(
     if not chosen:
         raise EpisodeError(f"none of the {len(episodes)} episodes is left by what was chosen")
     return chosen
+
+
+def _listed(option: str, text: str) -> list[str]:
+    """The parts of a list with commas; empty ones, as after a last comma, are left out."""
+    parts = [part.strip() for part in text.split(",") if part.strip()]
+    if not parts:
+        raise EpisodeError(f"{option} '{text:.40}': names nothing")
+    return parts
 
 
 def check_scenes(episodes: Sequence[Episode]) -> None:

@@ -9,6 +9,7 @@ from hypernav.evaluation.run_plan import RunPlan
 from hypernav.evaluation.runner import RunProgress, run_episodes
 from hypernav.evaluation.save_choice import SaveChoice
 from hypernav.evaluation.store.run_store import RunStore
+from hypernav.evaluation.store.scene_files import keep_scenes
 from hypernav.evaluation.workers.process_pool import ProcessPool
 from hypernav.evaluation.workers.worker import Job
 
@@ -56,4 +57,6 @@ def evaluate(
     )
     with RunStore(folder, plan.configuration(episodes)) as store:
         store.withdraw(lambda record: not record.counts)
+        scenes = (episode.scene_id for episode in episodes)
+        keep_scenes(folder, scenes, (record.scene_id for record in store.records.values()))
         return run_episodes(episodes, store, ProcessPool(job), workers=workers, watch=watch)

@@ -10,8 +10,15 @@ from hypernav.build.component_specs import WorldName
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.core.episode import MAX_STEPS, Episode
 from hypernav.core.metrics import SUCCESS_DISTANCE_M
+from hypernav.datasets.benchmarks import benchmark_of
 from hypernav.evaluation.data_sources import Progress
-from hypernav.evaluation.datasets import check_scenes, fingerprint, load_episodes, select
+from hypernav.evaluation.datasets import (
+    canonical_name,
+    check_scenes,
+    fingerprint,
+    load_episodes,
+    select,
+)
 from hypernav.evaluation.protocol import StopRule
 
 
@@ -66,6 +73,7 @@ class RunPlan:
             EpisodeError: There is no such data set, nothing in it is chosen, or a scene is missing.
             SceneError: A scene cannot be used.
         """
+        benchmark = benchmark_of(self.dataset)
         chosen = select(
             load_episodes(
                 self.dataset,
@@ -77,6 +85,7 @@ class RunPlan:
             part=self.selection.episodes,
             scenes=self.selection.scenes,
             goals=self.selection.goals,
+            words={} if benchmark is None else benchmark.words,
         )
         check_scenes(chosen)
         limits = {"max_steps": self.max_steps, "success_distance_m": self.success_distance_m}
@@ -91,7 +100,7 @@ class RunPlan:
         """
         return {
             "hypernav": version("hypernav"),
-            "dataset": self.dataset,
+            "dataset": canonical_name(self.dataset),
             "selection": asdict(self.selection),
             "episodes": {
                 "count": len(episodes),

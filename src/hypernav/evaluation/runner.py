@@ -34,6 +34,10 @@ class RunHaltedError(HyPerNavError):
     """A run stopped before its end; finished episodes are safe, and the same command resumes."""
 
 
+class NothingScoredError(HyPerNavError):
+    """No episode of a run counts: its scenes cannot be used, or its workers were lost."""
+
+
 @dataclass
 class RunProgress:
     """The state of a run, for progress displays.
@@ -197,6 +201,23 @@ def crash_of(crashes: Mapping[Episode, str]) -> CrashError:
     return CrashError(
         f"the program failed in {several}{'/'.join(episode.key)}: {_last_line(error)}",
         "\n\n".join(f"{'/'.join(failed.key)}:\n{error}" for failed, error in crashes.items()),
+    )
+
+
+def check_scored(progress: RunProgress) -> None:
+    """Make sure that a run has a result: at least one of its episodes counts.
+
+    Raises:
+        ModelUnavailableError: None does, for want of the model.
+        NothingScoredError: None does, for other reasons.
+    """
+    records = progress.records
+    if not records or any(record.counts for record in records):
+        return
+    away = all(record.failure is Failure.MODEL_UNAVAILABLE for record in records)
+    raise (ModelUnavailableError if away else NothingScoredError)(
+        f"none of the {len(records)} episodes could be scored ({records[-1].why}); the same "
+        "command runs them again"
     )
 
 

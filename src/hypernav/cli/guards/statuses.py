@@ -11,7 +11,10 @@ class ExitStatus(IntEnum):
     FAILURE = 1
     """The goal was not found; the model has a fault."""
     USAGE = 2
-    """An option, a file or another input cannot be used, or a result cannot be written."""
+    """An option, a file or another input cannot be used, or a result cannot be written.
+
+    Also that of an evaluation of which no episode could be scored.
+    """
     MODEL_UNAVAILABLE = 3
     """A model was unavailable for longer than the patience."""
     CRASH = 70
