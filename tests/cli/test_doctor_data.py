@@ -7,8 +7,9 @@ import pytest
 
 from hypernav.cli.main import main
 from scan_writers.basis_bytes import ktx2
-from scan_writers.data_folder import write_data
-from scan_writers.episodes import HASH, SCENE
+from scan_writers.buildings import two_storeys
+from scan_writers.data_folder import BELOW, write_data
+from scan_writers.episodes import HASH, SCENE, episode, write_split
 
 
 @pytest.fixture
@@ -105,3 +106,49 @@ def test_something_has_to_be_named(capsys):
         main(["doctor"])
     assert stop.value.code == 2
     assert "--vlm SPEC, a model, or --data DIR" in capsys.readouterr().err
+
+
+def test_a_split_without_episodes_is_a_fault_in_the_words_of_eval(data, tmp_path, capsys):
+    shutil.rmtree(data / "datasets" / "objectnav" / "mp3d" / "v1" / "val" / "content")
+    status, lines = examine(capsys, data)
+    words = line_of(lines, "mp3d v1/val:").partition(": ")[2]
+    assert status == 1
+    assert "content, which is missing; unpack the archive again" in words
+    with pytest.raises(SystemExit) as stop:
+        main(["eval", f"mp3d:{data}", "--out", str(tmp_path / "run")])
+    assert stop.value.code == 2
+    assert words.strip() in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("ending", [".glb", ".basis.navmesh", ".semantic.glb"])
+def test_a_file_of_a_scene_that_is_cut_off_is_a_fault(data, capsys, ending):
+    file = data / "scene_datasets" / "hm3d" / "val" / SCENE / f"{HASH}{ending}"
+    file.write_bytes(file.read_bytes()[:-40])
+    status, lines = examine(capsys, data)
+    found = line_of(lines, "hm3d v1/val files:")
+    assert status == 1
+    assert found.startswith("FAULT")
+    assert str(file) in found
+    assert "cut off" in found
+
+
+def test_episodes_that_repeat_in_another_file_are_a_fault(data, capsys):
+    content = data / "datasets" / "objectnav" / "hm3d" / "v1" / "val" / "content"
+    shutil.copy(content / f"{HASH}.json.gz", content / "copy.json.gz")
+    status, lines = examine(capsys, data)
+    assert status == 1
+    assert "two episodes are called 0" in line_of(lines, "hm3d v1/val:")
+
+
+def test_our_own_export_is_recognised(data, capsys):
+    scene = f"hypernav/{SCENE}/{HASH}.glb"
+    own = data.with_name("own")
+    shutil.copytree(
+        data / "scene_datasets" / "hm3d" / "val" / SCENE,
+        own / "scene_datasets" / "hypernav" / SCENE,
+    )
+    found = [episode(0, scene, "chair", BELOW)]
+    write_split(own / "datasets" / "objectnav" / "hypernav" / "houses-val", two_storeys(), found)
+    status, lines = examine(capsys, own)
+    assert (status, lines[-1]) == (0, "all is well")
+    assert "1 episodes in 1 scenes" in line_of(lines, "hypernav hypernav/houses-val:")

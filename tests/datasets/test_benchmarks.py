@@ -3,7 +3,7 @@
 import pytest
 
 from hypernav.core.errors import ConfigError, EpisodeError
-from hypernav.datasets.benchmark_files import found_splits, scene_below, split_of
+from hypernav.datasets.benchmark_files import found_splits, scene_below, scene_in, split_of
 from hypernav.datasets.benchmarks import BENCHMARKS, benchmark_of
 from scan_writers.data_folder import write_data
 from scan_writers.episodes import HASH, SCENE
@@ -73,3 +73,20 @@ def test_a_scene_is_found_in_any_release_and_with_either_kind_of_textures(data):
 @pytest.mark.parametrize("scene_id", ["/etc/passwd.glb", "hm3d/../../x.glb", "", "x"])
 def test_a_scene_id_never_leaves_the_folder(data, scene_id):
     assert scene_below(BENCHMARKS["hm3d"], data, scene_id) is None
+
+
+@pytest.mark.parametrize("name", [f"{HASH}.glb", f"{HASH}.basis.glb"])
+def test_habitats_own_prefix_of_scene_ids_is_taken_away(data, name):
+    expected = data / "scene_datasets" / "hm3d" / "val" / SCENE / f"{HASH}.glb"
+    scene_id = f"data/scene_datasets/hm3d_v0.2/val/{SCENE}/{name}"
+    assert scene_below(BENCHMARKS["hm3d"], data, scene_id) == expected
+    folders = [data / "nowhere", data / "scene_datasets"]
+    assert scene_in(folders, scene_id, BENCHMARKS["hm3d"].scenes) == expected
+    assert scene_in(folders, scene_id) is None
+
+
+def test_the_very_file_of_a_scene_comes_first(tmp_path):
+    for name in ("x.glb", "x.basis.glb", "x.ply"):
+        (tmp_path / name).touch()
+        assert scene_in([tmp_path], name) == tmp_path / name
+    assert scene_in([tmp_path], "y" * 300) is None

@@ -1,7 +1,9 @@
 import copy
+import errno
 import gzip
 import json
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from hypothesis import strategies as st
 from certainty import certain
 from hypernav.core.errors import EpisodeError
 from hypernav.core.geometry.transforms import Pose2
+from hypernav.datasets.habitat_episodes import read_split
 from hypernav.datasets.habitat_files import episode_files, read_episodes, write_episodes
 from hypernav.datasets.habitat_format import EpisodeDataset
 from hypernav.datasets.habitat_frames import (
@@ -210,6 +213,7 @@ def test_a_split_is_its_content_files(tmp_path):
     scenes = [split / "content" / f"{name}.json.gz" for name in "ab"]
     for scene in reversed(scenes):
         write_raw(scene, CONTENT)
+    (split / "content" / "._a.json.gz").write_bytes(b"what macOS keeps beside a file")
     assert episode_files(main) == episode_files(split) == tuple(scenes)
     assert episode_files(scenes[0]) == (scenes[0],)
 
@@ -252,3 +256,45 @@ def test_millions_of_wrong_values_are_counted_not_listed(tmp_path):
     path.write_text(json.dumps({"episodes": [], "goals_by_category": goals}))
     with pytest.raises(EpisodeError, match=r"wrong.json: 20,000 values are not what Habitat's"):
         read_episodes(path)
+
+
+def test_episodes_of_one_name_are_refused_across_files_as_within_one(tmp_path):
+    for name in "ab":
+        write_raw(tmp_path / "val" / "content" / f"{name}.json.gz", CONTENT)
+    with pytest.raises(EpisodeError, match=r"b\.json\.gz: two episodes are called .* another file"):
+        read_split(tmp_path / "val")
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (None, "which is missing"),
+        ((), "which holds no file"),
+        (("a", "b"), "none of the 2 files in .* holds an episode"),
+    ],
+)
+def test_a_split_without_episodes_says_what_is_missing(tmp_path, content, words):
+    write_raw(tmp_path / "val" / "val.json.gz", {"episodes": []})
+    if content is not None:
+        (tmp_path / "val" / "content").mkdir()
+    for name in content or ():
+        write_raw(tmp_path / "val" / "content" / f"{name}.json.gz", {"episodes": []})
+    for path in (tmp_path / "val", tmp_path / "val" / "val.json.gz"):
+        with pytest.raises(EpisodeError, match=words):
+            read_split(path)
+
+
+def test_a_file_is_written_whole_or_not_at_all(tmp_path, monkeypatch):
+    file = tmp_path / "val.json"
+    write_episodes(EpisodeDataset(episodes=[]), file)
+    before = file.read_bytes()
+
+    def full(path, data):
+        path.touch()
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(OSError, match="No space left"):
+        write_episodes(EpisodeDataset(episodes=[], more=1), file)
+    assert file.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [file]

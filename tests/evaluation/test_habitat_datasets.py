@@ -134,8 +134,17 @@ def test_or_below_the_folder_that_is_named(room_file, tmp_path):
     assert [e.scene_id for e in found] == [str(scene)]
 
 
-def test_a_scene_that_is_in_neither_says_where_it_was_looked_for(room_file):
-    with pytest.raises(EpisodeError, match=r"val\.json\.gz: there is no scene .*--scenes-dir"):
+def test_or_with_other_textures_below_the_folder_of_scenes(room_file, tmp_path):
+    scene = write_room(tmp_path / "scene_datasets" / "scans" / "room.basis.glb")
+    for scenes_dir in (None, tmp_path):
+        found = load_episodes(f"habitat:{room_file}", scenes_dir=scenes_dir)
+        assert [e.scene_id for e in found] == [str(scene)]
+
+
+def test_a_scene_that_is_nowhere_says_all_places_where_it_was_looked_for(room_file, tmp_path):
+    (tmp_path / "scene_datasets").mkdir()
+    places = rf"below {room_file.parent} or {tmp_path / 'scene_datasets'};"
+    with pytest.raises(EpisodeError, match=rf"val\.json\.gz: there is no scene .*{places}"):
         load_episodes(f"habitat:{room_file}")
 
 

@@ -1,5 +1,7 @@
 """The files of a benchmark below a data folder: episodes of a split, and scenes."""
 
+import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
@@ -9,6 +11,8 @@ from hypernav.datasets.habitat_files import episode_files
 
 SCENES_FOLDER = "scene_datasets"
 """Folder of all scenes below Habitat's folder of data."""
+_HABITAT_PREFIX = f"data/{SCENES_FOLDER}/"
+"""What habitat-lab takes away from a scene id (its ``DEFAULT_SCENE_PATH_PREFIX``)."""
 _SCENE_SUFFIXES = (".basis.glb", ".glb")
 """Suffixes of a scene in the order of preference; Habitat draws the compressed file."""
 
@@ -75,12 +79,16 @@ def split_of(benchmark: Benchmark, folder: Path, wanted: str = "") -> SplitFolde
 
 def scene_folders(benchmark: Benchmark, folder: Path) -> list[Path]:
     """The folders of a benchmark's scenes that are there, the preferred one first."""
-    bases = (folder / SCENES_FOLDER, folder / "versioned_data", folder)
-    return [base / name for base in bases for name in benchmark.scenes if (base / name).is_dir()]
+    return [
+        base / name
+        for base in _bases(folder)
+        for name in benchmark.scenes
+        if (base / name).is_dir()
+    ]
 
 
 def scene_below(benchmark: Benchmark, folder: Path, scene_id: str) -> Path | None:
-    """The file of a scene; None if it is nowhere.
+    """The file of a benchmark's scene; None if it is nowhere.
 
     The episodes of one scene are used with any release of it: ``hm3d/val/…`` and
     ``hm3d_v0.2/val/…`` are the same houses, the latter with semantic annotations.
@@ -93,14 +101,35 @@ def scene_below(benchmark: Benchmark, folder: Path, scene_id: str) -> Path | Non
     named = PurePosixPath(scene_id)
     if named.is_absolute() or ".." in named.parts:
         return None
-    exact = [folder / SCENES_FOLDER / named, folder / named]
-    releases = [base.joinpath(*named.parts[1:]) for base in scene_folders(benchmark, folder)]
-    for path in (*exact, *releases):
-        stem = path.name.removesuffix(".glb").removesuffix(".basis")
-        for suffix in _SCENE_SUFFIXES:
-            if (file := path.with_name(stem + suffix)).is_file():
+    return scene_in(_bases(folder), scene_id, benchmark.scenes)
+
+
+def scene_in(folders: Sequence[Path], scene_id: str, releases: Sequence[str] = ()) -> Path | None:
+    """The file of a scene in the first folder that has it; None if none has it.
+
+    As in habitat-lab, a scene id may begin with ``data/scene_datasets/``. A scene whose very file
+    is missing is taken with other textures: ``X.glb`` for ``X.basis.glb``, and the reverse.
+
+    Args:
+        folders: Folders that scene ids are paths below.
+        scene_id: Path of the scene as the episodes give it, with ``/``.
+        releases: Folders that may take the place of the id's first one.
+    """
+    named = PurePosixPath(scene_id.removeprefix(_HABITAT_PREFIX))
+    if not named.name:
+        return None
+    paths = [named, *(PurePosixPath(release, *named.parts[1:]) for release in releases)]
+    for place in (folder / path for path in paths for folder in folders):
+        stem = place.name.removesuffix(".glb").removesuffix(".basis")
+        for name in (place.name, *(stem + suffix for suffix in _SCENE_SUFFIXES)):
+            if os.path.isfile(file := place.with_name(name)):  # Unlike Path.is_file, any name.
                 return file
     return None
+
+
+def _bases(folder: Path) -> tuple[Path, ...]:
+    """Folders below a data folder that may hold sets of scenes."""
+    return (folder / SCENES_FOLDER, folder / "versioned_data", folder)
 
 
 def _holds_episodes(folder: Path) -> bool:

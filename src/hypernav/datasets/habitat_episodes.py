@@ -1,6 +1,7 @@
 """Habitat's episodes as `hypernav.core.episode.Episode`."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -9,6 +10,7 @@ from jaxtyping import Float64
 from hypernav.core.episode import Episode, ObjectName
 from hypernav.core.errors import EpisodeError
 from hypernav.core.goal import Goal
+from hypernav.datasets.habitat_files import CONTENT, episode_files, read_episodes
 from hypernav.datasets.habitat_format import EpisodeDataset, ObjectNavEpisode
 from hypernav.datasets.habitat_frames import pose_from_habitat
 
@@ -50,12 +52,68 @@ def episodes_of(
             objects=shared[key].objects,
         )
         if episode.key in found:
-            raise EpisodeError(
-                f"two episodes are called {episode.episode_id} in {entry.scene_id}; results are "
-                "kept by scene and name, so each needs a name of its own"
-            )
+            raise EpisodeError(_repeated(episode))
         found[episode.key] = episode
     return list(found.values())
+
+
+def read_split(
+    path: Path,
+    scene_of: Callable[[str], str] = lambda scene_id: scene_id,
+    words: Mapping[str, str] | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> list[Episode]:
+    """The episodes of all files of a split, in their order.
+
+    Args:
+        path: Folder of the split, or one file, as for `episode_files`.
+        scene_of: Finds the scene that a ``scene_id`` of the files means.
+        words: Words by which a category is asked for, where they differ from its name.
+        progress: Is told how many files of how many are read.
+
+    Raises:
+        EpisodeError: A file is missing or broken, two episodes have one name, or there are none.
+    """
+    found: dict[tuple[str, str], Episode] = {}
+    files = episode_files(path)
+    for done, file in enumerate(files):
+        if progress is not None:
+            progress(done, len(files))
+        try:
+            episodes = episodes_of(read_episodes(file), scene_of, words)
+            for episode in episodes:
+                if episode.key in found:
+                    raise EpisodeError(_repeated(episode) + "; the other one is in another file")
+        except EpisodeError as error:
+            named = str(error).startswith(str(file))
+            raise error if named else EpisodeError(f"{file}: {error}") from error
+        found |= {episode.key: episode for episode in episodes}
+    if not found:
+        raise EpisodeError(_nothing_in(path, files))
+    return list(found.values())
+
+
+def _repeated(episode: Episode) -> str:
+    return (
+        f"two episodes are called {episode.episode_id} in {episode.scene_id}; results are kept by "
+        "scene and name, so each needs a name of its own"
+    )
+
+
+def _nothing_in(path: Path, files: Sequence[Path]) -> str:
+    """What is missing where the files of a split are there, but no episode is in them."""
+    first = files[0]
+    if first.parent.name == CONTENT:
+        return (
+            f"{path}: none of the {len(files)} files in {first.parent} holds an episode; unpack "
+            "the archive again"
+        )
+    content = first.parent / CONTENT
+    state = "which holds no file" if content.is_dir() else "which is missing"
+    return (
+        f"{path}: no episode in {first.name}; Habitat keeps those of each scene in a file in "
+        f"{content}, {state}; unpack the archive again"
+    )
 
 
 class _Goals(NamedTuple):

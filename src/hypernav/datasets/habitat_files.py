@@ -21,6 +21,8 @@ _MOST_ERRORS = 10_000
 """The most errors of which the first is described: pydantic writes all of them out at once."""
 _GZIP_MAGIC = b"\x1f\x8b"
 _SUFFIXES = (".json.gz", ".json")
+CONTENT = "content"
+"""Folder of a split with one file for each scene."""
 _TRIED_TYPES = ("int", "float", "constrained-float", "str")
 """Pydantic's names for the alternatives of a field that may have several types."""
 
@@ -53,7 +55,7 @@ def read_episodes(path: Path | str) -> EpisodeDataset:
 
 
 def write_episodes(dataset: EpisodeDataset, path: Path | str) -> None:
-    """Write an episode file; the same data gives the same bytes.
+    """Write an episode file in one step; the same data gives the same bytes.
 
     Args:
         dataset: Episodes and goals to write.
@@ -70,7 +72,13 @@ def write_episodes(dataset: EpisodeDataset, path: Path | str) -> None:
     if path.name.endswith(".gz"):
         data = gzip.compress(data, mtime=0)
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_bytes(data)
+    fresh = path.with_name(f".{path.name}.new")
+    try:
+        fresh.write_bytes(data)
+        fresh.replace(path)
+    except OSError:
+        fresh.unlink(missing_ok=True)
+        raise
 
 
 def episode_files(path: Path | str) -> tuple[Path, ...]:
@@ -83,22 +91,28 @@ def episode_files(path: Path | str) -> tuple[Path, ...]:
         path: Folder ``val``, or one file.
 
     Returns:
-        The files in ``content``, sorted, if there are any; else the one file.
+        The files in ``content``, sorted, if there are any; else the one file. Hidden files, such as
+        those in which macOS keeps attributes (``._name.json.gz``), are left out.
 
     Raises:
         EpisodeError: There is no such file or no episode file in the folder.
     """
     path = Path(path)
     folder = path if path.is_dir() else path.parent
-    content = sorted(p for p in (folder / "content").glob("*.json*") if p.name.endswith(_SUFFIXES))
+    content = _files_in(folder / CONTENT)
     if content and (path.is_dir() or path.name.split(".")[0] == folder.name):
         return tuple(content)
     if path.is_file():
         return (path,)
-    here = sorted(p for p in path.glob("*.json*") if p.name.endswith(_SUFFIXES))
+    here = _files_in(path)
     if not here:
         raise EpisodeError(f"{path}: no episode file (.json.gz) here; check the path")
     return tuple(here)
+
+
+def _files_in(folder: Path) -> list[Path]:
+    named = (path for path in folder.glob("*.json*") if path.name.endswith(_SUFFIXES))
+    return sorted(path for path in named if not path.name.startswith("."))
 
 
 def _unpacked(path: Path) -> bytes:

@@ -5,7 +5,8 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from hypernav.core.checkup import Finding, State
-from hypernav.core.errors import EpisodeError
+from hypernav.core.embodiment import Embodiment
+from hypernav.core.errors import EpisodeError, SceneError
 from hypernav.datasets.benchmark_files import (
     SCENES_FOLDER,
     SplitFolder,
@@ -14,12 +15,25 @@ from hypernav.datasets.benchmark_files import (
     scene_folders,
 )
 from hypernav.datasets.benchmarks import BENCHMARKS, Benchmark
-from hypernav.datasets.habitat_files import episode_files, read_episodes
+from hypernav.datasets.habitat_episodes import read_split
+from hypernav.worlds.navmesh.files.reader import read_navmesh
 from hypernav.worlds.scans.layout import ScanFiles
+from hypernav.worlds.scenes.gltf_file import check_glb
 
 _NAMED = 4
 """The most missing scenes that are named."""
 _BASIS = ".basis.glb"
+_OWN = Benchmark(
+    name="hypernav",
+    title="generated buildings",
+    embodiment=Embodiment(),
+    source="hypernav houses export",
+    episodes=("datasets/objectnav/hypernav",),
+    splits=(),
+    scenes=("hypernav",),
+    where="write them again: hypernav houses export houses-val --out DIR",
+)
+"""What `hypernav houses export` writes, as a benchmark whose splits are whatever is there."""
 _PARTS = (SCENES_FOLDER, "datasets")
 """Folders of Habitat's data that hold one part of them each."""
 
@@ -41,13 +55,12 @@ def check_data(folder: Path) -> Iterator[Finding]:
         yield Finding("folder", State.FAULT, words, f"name the folder above it: {here.parent}")
         return
     found = False
-    for name in ("hm3d", "mp3d", "ovon"):
-        benchmark = BENCHMARKS[name]
+    for benchmark in (*(BENCHMARKS[name] for name in ("hm3d", "mp3d", "ovon")), _OWN):
         if found_splits(benchmark, folder) or scene_folders(benchmark, folder):
             found = True
             yield from _check_benchmark(benchmark, folder)
-        else:
-            yield Finding(name, State.NOTE, f"nothing of {benchmark.title} is here")
+        elif benchmark is not _OWN:
+            yield Finding(benchmark.name, State.NOTE, f"nothing of {benchmark.title} is here")
     if not found:
         remedy = f"HM3D {BENCHMARKS['hm3d'].where}"
         yield Finding("folder", State.FAULT, f"{folder} holds no benchmark", remedy)
@@ -68,22 +81,16 @@ def _check_benchmark(benchmark: Benchmark, folder: Path) -> Iterator[Finding]:
 
 def _check_split(benchmark: Benchmark, folder: Path, split: SplitFolder) -> Iterator[Finding]:
     check = f"{benchmark.name} {split.version}/{split.name}"
-    counts: dict[str, int] = {}
-    categories: set[str] = set()
     try:
-        for file in episode_files(split.path):
-            for episode in read_episodes(file).episodes:
-                counts[episode.scene_id] = counts.get(episode.scene_id, 0) + 1
-                categories.add(episode.object_category)
+        episodes = read_split(split.path)
     except EpisodeError as error:
         yield Finding(check, State.FAULT, str(error), "download the episodes again")
         return
-    yield Finding(
-        check,
-        State.GOOD,
-        f"{sum(counts.values()):,} episodes in {len(counts)} scenes, {len(categories)} categories",
-    )
-    yield from _check_scenes(benchmark, folder, check, list(counts))
+    scene_ids = list(dict.fromkeys(episode.scene_id for episode in episodes))
+    goals = {episode.goal for episode in episodes}
+    words = f"{len(episodes):,} episodes in {len(scene_ids)} scenes, {len(goals)} categories"
+    yield Finding(check, State.GOOD, words)
+    yield from _check_scenes(benchmark, folder, check, scene_ids)
 
 
 def _check_scenes(
@@ -99,10 +106,34 @@ def _check_scenes(
         yield Finding(f"{check} scenes", state, words, benchmark.where)
     elif meshes:
         yield Finding(f"{check} scenes", State.GOOD, f"all {len(meshes)}")
+    yield from _check_files(check, meshes)
     scans = [scan for mesh in meshes if (scan := ScanFiles.of(mesh)) is not None]
     yield from _check_scans(check, scans)
     if any(scan.mesh.name.endswith(_BASIS) for scan in scans):
         yield _textures(check)
+
+
+def _check_files(check: str, meshes: list[Path]) -> Iterator[Finding]:
+    """Findings about files that are cut off or of another kind."""
+    broken = [error for mesh in meshes for error in _faults_of(mesh)]
+    for error in broken[:_NAMED]:
+        yield Finding(f"{check} files", State.FAULT, error, "download it again")
+    if len(broken) > _NAMED:
+        words = f"{len(broken) - _NAMED} more files are broken"
+        yield Finding(f"{check} files", State.FAULT, words, "download the scenes again")
+
+
+def _faults_of(mesh: Path) -> Iterator[str]:
+    """What is wrong with the files of a scene, by their first bytes and sizes; navmeshes whole."""
+    scan = ScanFiles.of(mesh) or ScanFiles(mesh, navmesh=mesh.with_suffix(".navmesh"))
+    for file in (scan.mesh, scan.semantic_mesh, scan.navmesh):
+        try:
+            if file is not None and file.suffix == ".glb":
+                check_glb(file)
+            elif file is not None and file.suffix == ".navmesh" and file.is_file():
+                read_navmesh(file)
+        except SceneError as error:
+            yield str(error)
 
 
 def _check_scans(check: str, scans: list[ScanFiles]) -> Iterator[Finding]:

@@ -4,7 +4,7 @@ A data set is written ``NAME[:ARGUMENT][#PART]``. A further one is an entry in `
 entry point ``hypernav.datasets`` of another package.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -21,10 +21,9 @@ from hypernav.core.errors import EpisodeError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.whole_numbers import is_whole_number
-from hypernav.datasets.benchmark_files import SCENES_FOLDER, scene_below, split_of
+from hypernav.datasets.benchmark_files import SCENES_FOLDER, scene_below, scene_in, split_of
 from hypernav.datasets.benchmarks import BENCHMARKS, Benchmark
-from hypernav.datasets.habitat_episodes import episodes_of
-from hypernav.datasets.habitat_files import episode_files, read_episodes
+from hypernav.datasets.habitat_episodes import episodes_of, read_split
 from hypernav.houses.episodes.splits import SPLITS, load_split, numbers_of
 from hypernav.worlds.simulation import SimulatedWorld, SimulationConfig
 from hypernav.worlds.surface.starts import random_start
@@ -121,11 +120,13 @@ def habitat_episodes(request: DatasetRequest) -> list[Episode]:
             f"habitat:{path}#{request.part}: nothing follows the file's name; choose episodes with "
             "--episodes, --scenes and --goals"
         )
-    if request.scenes_dir is not None:
-        return _episodes_in(path, request, partial(_scene_below, [request.scenes_dir]))
     own = path if path.is_dir() else path.parent
-    folders = [own, *(above / SCENES_FOLDER for above in own.resolve().parents)]
-    return _episodes_in(path, request, partial(_scene_below, folders))
+    if request.scenes_dir is None:
+        above = (folder / SCENES_FOLDER for folder in own.resolve().parents)
+        folders = [own, *(folder for folder in above if folder.is_dir())]
+    else:
+        folders = [request.scenes_dir, request.scenes_dir / SCENES_FOLDER]
+    return read_split(path, partial(_named_scene, folders), progress=request.tell)
 
 
 def benchmark_episodes(name: str, request: DatasetRequest) -> list[Episode]:
@@ -133,26 +134,7 @@ def benchmark_episodes(name: str, request: DatasetRequest) -> list[Episode]:
     benchmark, folder = BENCHMARKS[name], Path(request.argument)
     split = split_of(benchmark, folder, request.part)
     scene_of = partial(_scene_of, benchmark, request.scenes_dir or folder)
-    return _episodes_in(split.path, request, scene_of, benchmark.words)
-
-
-def _episodes_in(
-    path: Path,
-    request: DatasetRequest,
-    scene_of: Callable[[str], str],
-    words: Mapping[str, str] | None = None,
-) -> list[Episode]:
-    """The episodes of all files of a split."""
-    episodes: list[Episode] = []
-    files = episode_files(path)
-    for done, file in enumerate(files):
-        request.tell(done, len(files))
-        try:
-            episodes += episodes_of(read_episodes(file), scene_of, words)
-        except EpisodeError as error:
-            named = str(error).startswith(str(file))
-            raise error if named else EpisodeError(f"{file}: {error}") from error
-    return episodes
+    return read_split(split.path, scene_of, benchmark.words, request.tell)
 
 
 def _scene_of(benchmark: Benchmark, folder: Path, scene_id: str) -> str:
@@ -160,18 +142,24 @@ def _scene_of(benchmark: Benchmark, folder: Path, scene_id: str) -> str:
     return str(scene_below(benchmark, folder, scene_id) or folder / SCENES_FOLDER / scene_id)
 
 
-def _scene_below(folders: list[Path], scene_id: str) -> str:
+def _named_scene(folders: Sequence[Path], scene_id: str) -> str:
     """The scene that a scene id of an episode file names, in the first folder that has it."""
     if SCENES.knows(scene_id.partition(":")[0]):
         return scene_id
-    for folder in folders:
-        if (folder / scene_id).is_file():
-            return str(folder / scene_id)
+    if (file := scene_in(folders, scene_id, _releases_of(scene_id))) is not None:
+        return str(file)
     raise EpisodeError(
-        f"there is no scene {folders[0] / scene_id}; scene ids of the file are paths below the "
-        f"folder of the file, below {SCENES_FOLDER} in a folder above it, or below --scenes-dir "
-        "FOLDER"
+        f"there is no scene {scene_id} below {' or '.join(map(str, folders))}; scene ids of the "
+        f"file are paths below its folder, below {SCENES_FOLDER} in a folder above it, or below "
+        "--scenes-dir FOLDER"
     )
+
+
+def _releases_of(scene_id: str) -> tuple[str, ...]:
+    """The releases of the scenes that a scene id is about; none if no benchmark knows them."""
+    parts = scene_id.split("/")
+    known = (one.scenes for one in BENCHMARKS.values() if not set(parts).isdisjoint(one.scenes))
+    return next(known, ())
 
 
 DATA_SOURCES: Registry[DataSource] = Registry(

@@ -18,6 +18,8 @@ from hypernav.core.files.reading import path_below, read_file
 from hypernav.worlds.scenes.gltf_format import Accessor, Document, Image
 
 _MAGIC = b"glTF"
+_LEAST_BYTES = 20
+"""Bytes of the header of a GLB and of its first chunk."""
 _JSON_CHUNK, _BINARY_CHUNK = 0x4E4F534A, 0x004E4942
 _DTYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
@@ -206,27 +208,45 @@ class GltfFile:
         return data
 
 
+def check_glb(path: Path) -> None:
+    """Refuse a GLB that is none, or is cut off, by its first bytes and its size alone.
+
+    Raises:
+        SceneError: It is one of these, or cannot be read.
+    """
+    try:
+        with path.open("rb") as file:
+            _checked_length(path, file.read(_LEAST_BYTES), path.stat().st_size)
+    except OSError as error:
+        raise SceneError(f"{path}: cannot be read ({error.strerror or error})") from error
+
+
+def _checked_length(path: Path, head: bytes, size: int) -> int:
+    """The length that the head of a GLB tells, which its size has at least."""
+    if head[:4] != _MAGIC:
+        raise SceneError(
+            f"{path}: is not a GLB file: it begins with {head[:4]!r} instead of {_MAGIC!r}; "
+            "give a binary glTF 2.0 file"
+        )
+    if size < _LEAST_BYTES:
+        raise SceneError(f"{path}: is cut off after {size} bytes; copy the file again")
+    version, length = struct.unpack_from("<II", head, 4)
+    if version != 2:
+        raise SceneError(f"{path}: is glTF {version}, only glTF 2 can be read; convert it first")
+    if length > size:
+        raise SceneError(
+            f"{path}: is cut off: it has {size} of {length} bytes; copy or download the file again"
+        )
+    return length
+
+
 def _split(path: Path, allowance: Allowance) -> tuple[bytes, bytes | None]:
     """The JSON text and the binary chunk of a file."""
     data = read_file(path)
     allowance.take(len(data), "its content")
-    if data[:4] != _MAGIC:
-        if path.suffix.lower() == ".glb":
-            raise SceneError(
-                f"{path}: is not a GLB file: it begins with {data[:4]!r} instead of {_MAGIC!r}; "
-                "give a binary glTF 2.0 file"
-            )
+    if data[:4] != _MAGIC and path.suffix.lower() != ".glb":
         return data, None
-    if len(data) < 20:
-        raise SceneError(f"{path}: is cut off after {len(data)} bytes; copy the file again")
-    version, length = struct.unpack_from("<II", data, 4)
-    if version != 2:
-        raise SceneError(f"{path}: is glTF {version}, only glTF 2 can be read; convert it first")
-    if length > len(data):
-        raise SceneError(
-            f"{path}: is cut off: it has {len(data)} of {length} bytes; "
-            "copy or download the file again"
-        )
+    length = _checked_length(path, data[:_LEAST_BYTES], len(data))
     chunks: dict[int, bytes] = {}
     offset = 12
     while offset + 8 <= length:
