@@ -244,7 +244,9 @@ def test_a_split_visits_houses_in_rounds_and_subsets_agree(box_houses, tmp_path)
     assert set(some.goals_by_category) == {e.goals_key() for e in some.episodes}
     one = load_split("houses-train", numbers=range(6, 7), cache=tmp_path)
     assert one.episodes == [e for e in whole.episodes if e.scene_id == "houses:6"]
-    assert set(one.category_to_task_category_id) == {"bed", "chair"}
+    numbers = one.category_to_task_category_id
+    assert numbers == whole.category_to_task_category_id == {c: k for k, c in enumerate(CATEGORIES)}
+    assert list(numbers)[:6] == list(HABITAT_CATEGORIES)
 
 
 def test_a_broken_cache_file_is_made_again(box_houses, tmp_path, monkeypatch):

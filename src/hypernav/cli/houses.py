@@ -12,6 +12,7 @@ from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.houses_options import Episodes, Export, Show, Splits
 from hypernav.cli.terminal import Terminal
 from hypernav.core.errors import ConfigError, EpisodeError
+from hypernav.core.interruptions import interruptions_of_kernels
 from hypernav.core.whole_numbers import is_whole_number
 from hypernav.houses.building import NOUNS, Building
 from hypernav.houses.episodes.difficulty import Difficulty, difficulty
@@ -19,7 +20,7 @@ from hypernav.houses.episodes.split_files import is_file_name, write_split
 from hypernav.houses.episodes.splits import SPLITS, load_split, numbers_of, split_named
 from hypernav.houses.export.dataset_config import write_dataset_config
 from hypernav.houses.export.files import export_building
-from hypernav.houses.export.habitat_data import export_split
+from hypernav.houses.export.habitat_data import HabitatData, export_split
 from hypernav.houses.export.page import building_page
 
 
@@ -88,22 +89,33 @@ def _export_split(options: Export, split: str, part: str) -> None:
     root = Path("runs") / split if options.out is None else options.out
     check_folder(root)
     console = Terminal(quiet=options.quiet)
-    with _progress(console) as bar:
-        task = bar.add_task("measuring buildings", total=None)
-        dataset = load_split(
-            split,
-            numbers=numbers,
-            progress=lambda done, total: bar.update(task, completed=done, total=total),
+    data = HabitatData(root, split)
+    try:
+        with interruptions_of_kernels(), _progress(console) as bar:
+            task = bar.add_task("measuring buildings", total=None)
+            dataset = load_split(
+                split,
+                numbers=numbers,
+                progress=lambda done, total: bar.update(task, completed=done, total=total),
+            )
+            task = bar.add_task("writing buildings", total=None)
+            export_split(
+                dataset,
+                split,
+                root,
+                progress=lambda done, total: bar.update(task, completed=done, total=total),
+            )
+    except KeyboardInterrupt:
+        console.print(
+            f"interrupted; {len(data.buildings)} buildings of {split} are complete in {root}. Run "
+            "the same command again",
+            soft_wrap=True,
         )
-        task = bar.add_task("writing buildings", total=None)
-        data = export_split(
-            dataset,
-            split,
-            root,
-            progress=lambda done, total: bar.update(task, completed=done, total=total),
-        )
+        raise
+    count = len({episode.scene_id for episode in dataset.episodes})
     console.print(
-        f"{len(dataset.episodes)} episodes of {split} in {root}; for habitat-lab:\n"
+        f"{len(dataset.episodes)} episodes in {count} buildings of {split} written; {root} holds "
+        f"{len(data.buildings)} of its buildings; for habitat-lab:\n"
         f"  habitat.dataset.data_path={data.episodes}\n"
         f"  habitat.dataset.scenes_dir={data.scenes}\n"
         f"  habitat.simulator.scene_dataset={data.dataset_config}\n"

@@ -178,13 +178,16 @@ def _overlap(a: range, b: range) -> bool:
 
 
 def _joined(parts: list[EpisodeDataset], count: int, known: tuple[str, ...]) -> EpisodeDataset:
-    """One data set in rounds, with the goals of its episodes only."""
+    """One data set in rounds, with the goals of its episodes only.
+
+    Every name that is known has its number, whether an episode asks for it or not: habitat-lab
+    keeps the numbers of the last file that it reads, so those of all parts of a split must agree.
+    """
     episodes = _in_rounds([part.episodes for part in parts])[:count]
     goals = {key: found for part in parts for key, found in part.goals_by_category.items()}
     used = dict.fromkeys(episode.goals_key() for episode in episodes)
-    categories = dict.fromkeys(episode.object_category for episode in episodes)
-    names = [*known, *sorted(set(categories).difference(known))]
-    numbers = {name: number for number, name in enumerate(n for n in names if n in categories)}
+    others = {episode.object_category for episode in episodes}.difference(known)
+    numbers = {name: number for number, name in enumerate((*known, *sorted(others)))}
     return EpisodeDataset.model_validate(
         {
             "goals_by_category": {key: goals[key] for key in used},

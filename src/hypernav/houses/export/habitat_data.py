@@ -20,10 +20,12 @@ from typing import Any
 from hypernav.core.errors import EpisodeError
 from hypernav.datasets.benchmark_files import SCENES_FOLDER
 from hypernav.datasets.habitat_episodes import episodes_of
+from hypernav.datasets.habitat_files import CONTENT
 from hypernav.datasets.habitat_format import EpisodeDataset, ObjectGoal, ObjectNavEpisode
 from hypernav.houses.building import Building
 from hypernav.houses.episodes.house_episodes import with_view_points
 from hypernav.houses.episodes.split_files import of_scene, write
+from hypernav.houses.episodes.splits import SPLITS
 from hypernav.houses.export.dataset_config import DATASET_CONFIG, write_dataset_config
 from hypernav.houses.export.files import FIRST_ANNOTATION, export_building
 from hypernav.houses.house_cache import cached_building
@@ -31,6 +33,7 @@ from hypernav.worlds.navmesh.surface import NavmeshSurface
 
 _NAME = "hypernav"
 """Name of the buildings among Habitat's sets of scenes."""
+_EPISODES = ".json.gz"
 _DIGITS = 4
 
 
@@ -62,6 +65,18 @@ class HabitatData:
         folder = self.root / "datasets" / "objectnav" / _NAME / self.split
         return folder / f"{self.split}.json.gz"
 
+    @property
+    def content(self) -> Path:
+        """Folder with the episodes of each building in a file."""
+        return self.episodes.parent / CONTENT
+
+    @property
+    def buildings(self) -> set[str]:
+        """Names of the buildings whose episodes are there, such as ``house_1000``."""
+        return {
+            file.name.removesuffix(_EPISODES) for file in self.content.glob(f"[!.]*{_EPISODES}")
+        }
+
 
 def export_split(
     dataset: EpisodeDataset,
@@ -71,7 +86,10 @@ def export_split(
     cache: Path | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> HabitatData:
-    """Write buildings and episodes of a split. Several splits may share a folder.
+    """Write buildings and episodes of a split. Several splits and parts may share a folder.
+
+    The episodes of a building are written when everything that they need is there, in one step, so
+    that an export that was interrupted leaves whole buildings, and the same export completes it.
 
     Args:
         dataset: What `hypernav.houses.episodes.splits.load_split` gave.
@@ -83,23 +101,37 @@ def export_split(
 
     Raises:
         SceneError: A building cannot be written.
-        EpisodeError: The episodes cannot be written.
+        EpisodeError: The episodes cannot be written, or other buildings of a split of phrases are
+            there.
     """
     data = HabitatData(root, split)
-    write(dataset.model_copy(update={"episodes": [], "goals_by_category": {}}), data.episodes)
     scene_ids = list(dict.fromkeys(episode.scene_id for episode in dataset.episodes))
-    for done, scene_id in enumerate(scene_ids):
+    stems = [Building.named(scene_id).file_stem for scene_id in scene_ids]
+    if SPLITS[split].style == "phrases" and (others := data.buildings.difference(stems)):
+        raise EpisodeError(
+            f"{root} holds {len(others)} other buildings of {split}; the numbers of its phrases "
+            "are those of one export, so export all of them at once, or to a folder of their own"
+        )
+    write(dataset.model_copy(update={"episodes": [], "goals_by_category": {}}), data.episodes)
+    for done, (scene_id, stem) in enumerate(zip(scene_ids, stems, strict=True)):
         if progress is not None:
             progress(done, len(scene_ids))
-        building = Building.named(scene_id)
-        stem = building.file_stem
+        building, content = Building.named(scene_id), data.content / f"{stem}{_EPISODES}"
+        _remove(content)  # until its scene is complete
         files = export_building(building, data.scenes / _NAME / stem)
         part = with_view_points(of_scene(dataset, scene_id), cached_building(building, cache))
         part = _of_file(part, files.glb.relative_to(data.scenes).as_posix(), data.dataset_config)
         part = _measured(part, NavmeshSurface.load(files.navmesh))
-        write(part, data.episodes.parent / "content" / f"{stem}.json.gz")
-    write_dataset_config(data.scenes / _NAME)
+        write_dataset_config(data.scenes / _NAME)
+        write(part, content)
     return data
+
+
+def _remove(content: Path) -> None:
+    try:
+        content.unlink(missing_ok=True)
+    except OSError as error:
+        raise EpisodeError(f"{content}: cannot be replaced ({error.strerror or error})") from error
 
 
 def _of_file(dataset: EpisodeDataset, scene_id: str, config: Path) -> EpisodeDataset:
