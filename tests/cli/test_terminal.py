@@ -1,7 +1,9 @@
 import logging
+import os
 import shlex
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from rich.table import Table
@@ -82,3 +84,19 @@ def test_messages_that_cannot_be_written_are_dropped():
 def test_a_result_that_cannot_be_written_is_an_error():
     expected = "standard output cannot be written (No space left on device)\n"
     assert ended("$say 1 >/dev/full") == (2, "", expected)
+
+
+@pytest.mark.parametrize("command", ["--help", "eval --help"])
+@pytest.mark.parametrize("reader", ["true", "head -1 >/dev/null", "cat >/dev/null"])
+def test_help_that_is_not_read_to_its_end_is_no_crash(command: str, reader: str, tmp_path: Path):
+    program = "from hypernav.cli.main import main; main()"
+    line = f"set -o pipefail; {shlex.join([sys.executable, '-c', program])} {command} | {reader}"
+    done = subprocess.run(
+        ["bash", "-c", line],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=os.environ | {"TMPDIR": str(tmp_path)},
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert not list(tmp_path.glob("hypernav-crash-*"))

@@ -10,14 +10,16 @@ import difflib
 import importlib
 import io
 import itertools
+import os
 import re
-from collections.abc import Sequence
+import sys
+from collections.abc import Iterator, Sequence
 from dataclasses import make_dataclass
 from typing import Any, NoReturn
 
 import tyro
 
-from hypernav.core.errors import ConfigError
+from hypernav.core.errors import ConfigError, OutputError
 
 COMMANDS = {
     "find": "Search for an object in a simulated building and leave a page about it.",
@@ -56,12 +58,36 @@ def run_command(arguments: Sequence[str]) -> int:
     """
     name, *rest = list(arguments) or [""]
     if name in {"-h", "--help"}:
-        _help()
+        with _left_by_its_reader():
+            _help()
     if name not in COMMANDS:
         raise ConfigError(_unknown(name))
     _refuse_empty(rest)
-    options = _parse(name, _with_one_set(rest))
+    with _left_by_its_reader():
+        options = _parse(name, _with_one_set(rest))
     return importlib.import_module(f"hypernav.cli.{name}").run(options)
+
+
+@contextlib.contextmanager
+def _left_by_its_reader() -> Iterator[None]:
+    """End the program quietly where nobody reads its help to the end, as in ``--help | head``.
+
+    Raises:
+        OutputError: The help cannot be written for another reason.
+    """
+    try:
+        try:
+            yield
+        finally:
+            if sys.stdout is not None:
+                sys.stdout.flush()
+    except OSError as error:
+        # What the stream still holds is written when Python ends, and must go somewhere.
+        with open(os.devnull, "w") as nowhere:
+            os.dup2(nowhere.fileno(), sys.stdout.fileno())
+        if isinstance(error, BrokenPipeError):
+            raise SystemExit(0) from None
+        raise OutputError(f"standard output cannot be written ({error.strerror})") from error
 
 
 def _parse(name: str, arguments: list[str]) -> Any:

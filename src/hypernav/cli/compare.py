@@ -1,5 +1,6 @@
 """The command `hypernav compare`: our simulator and habitat-sim, pose by pose."""
 
+import os
 from contextlib import closing
 
 import numpy as np
@@ -11,6 +12,7 @@ from hypernav.cli.agent_options import check_steps_and_seed
 from hypernav.cli.compare_options import Options
 from hypernav.cli.terminal import Terminal
 from hypernav.core.config import check_option
+from hypernav.core.errors import SceneError
 from hypernav.datasets.benchmarks import BENCHMARKS
 from hypernav.evaluation.world_comparison import PoseComparison, compare_worlds
 from hypernav.worlds.habitat.simulator import require_habitat
@@ -26,10 +28,12 @@ def run(options: Options) -> int:
 
     Raises:
         MissingExtraError: habitat-sim is not installed.
-        SceneError: The scene can't be opened.
+        SceneError: The scene is missing or can't be opened.
     """
     check_steps_and_seed(None, options.seed)
     check_option("--poses", options.poses, (1, _MOST_POSES), "poses that are compared")
+    if not os.path.isfile(options.scene):
+        raise SceneError(f"{options.scene}: no such scene file; check the path")
     require_habitat()
     console = Terminal(stderr=False, soft_wrap=True)
     robot = BENCHMARKS[options.benchmark].embodiment

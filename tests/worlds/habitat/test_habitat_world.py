@@ -143,3 +143,10 @@ def test_a_scene_without_a_mesh_is_refused(data):
     scan = data / "scene_datasets" / "mp3d" / HASH / f"{HASH}.glb"
     with pytest.raises(SceneError, match="no navigation mesh beside it"):
         opened(scan, "habitat")
+
+
+def test_a_scene_that_is_missing_is_said_before_habitat_is_asked_for(tmp_path, capsys):
+    with pytest.raises(SystemExit) as stop:
+        main(["compare", str(tmp_path / "nope.glb")])
+    assert stop.value.code == 2
+    assert "nope.glb: no such scene file" in capsys.readouterr().err
