@@ -295,6 +295,6 @@ def test_a_file_is_written_whole_or_not_at_all(tmp_path, monkeypatch):
 
     monkeypatch.setattr(Path, "write_bytes", full)
     with pytest.raises(OSError, match="No space left"):
-        write_episodes(EpisodeDataset(episodes=[], more=1), file)
+        write_episodes(EpisodeDataset(episodes=[], category_to_task_category_id={"bed": 1}), file)
     assert file.read_bytes() == before
     assert list(tmp_path.iterdir()) == [file]

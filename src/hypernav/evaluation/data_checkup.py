@@ -21,7 +21,7 @@ from hypernav.worlds.scans.layout import ScanFiles
 from hypernav.worlds.scenes.gltf_file import check_glb
 
 _NAMED = 4
-"""The most missing scenes that are named."""
+"""The most missing scenes and broken files that are named."""
 _BASIS = ".basis.glb"
 _OWN = Benchmark(
     name="hypernav",
@@ -31,7 +31,7 @@ _OWN = Benchmark(
     episodes=("datasets/objectnav/hypernav",),
     splits=(),
     scenes=("hypernav",),
-    where="write them again: hypernav houses export houses-val --out DIR",
+    where="hypernav houses export houses-val --out DIR",
 )
 """What `hypernav houses export` writes, as a benchmark whose splits are whatever is there."""
 _PARTS = (SCENES_FOLDER, "datasets")
@@ -84,7 +84,8 @@ def _check_split(benchmark: Benchmark, folder: Path, split: SplitFolder) -> Iter
     try:
         episodes = read_split(split.path)
     except EpisodeError as error:
-        yield Finding(check, State.FAULT, str(error), "download the episodes again")
+        remedy = f"get the episodes again; {benchmark.where}"
+        yield Finding(check, State.FAULT, str(error), remedy)
         return
     scene_ids = list(dict.fromkeys(episode.scene_id for episode in episodes))
     goals = {episode.goal for episode in episodes}
@@ -106,21 +107,20 @@ def _check_scenes(
         yield Finding(f"{check} scenes", state, words, benchmark.where)
     elif meshes:
         yield Finding(f"{check} scenes", State.GOOD, f"all {len(meshes)}")
-    yield from _check_files(check, meshes)
+    yield from _check_files(benchmark, check, meshes)
     scans = [scan for mesh in meshes if (scan := ScanFiles.of(mesh)) is not None]
     yield from _check_scans(check, scans)
     if any(scan.mesh.name.endswith(_BASIS) for scan in scans):
         yield _textures(check)
 
 
-def _check_files(check: str, meshes: list[Path]) -> Iterator[Finding]:
+def _check_files(benchmark: Benchmark, check: str, meshes: list[Path]) -> Iterator[Finding]:
     """Findings about files that are cut off or of another kind."""
     broken = [error for mesh in meshes for error in _faults_of(mesh)]
-    for error in broken[:_NAMED]:
-        yield Finding(f"{check} files", State.FAULT, error, "download it again")
-    if len(broken) > _NAMED:
-        words = f"{len(broken) - _NAMED} more files are broken"
-        yield Finding(f"{check} files", State.FAULT, words, "download the scenes again")
+    more = [f"{len(broken) - _NAMED} more files are broken"] if len(broken) > _NAMED else []
+    for words in (*broken[:_NAMED], *more):
+        remedy = f"get these scenes again; {benchmark.where}"
+        yield Finding(f"{check} files", State.FAULT, words, remedy)
 
 
 def _faults_of(mesh: Path) -> Iterator[str]:

@@ -4,6 +4,7 @@ A data set is written ``NAME[:ARGUMENT][#PART]``. A further one is an entry in `
 entry point ``hypernav.datasets`` of another package.
 """
 
+import os
 from collections.abc import Callable, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, replace
@@ -123,7 +124,7 @@ def habitat_episodes(request: DatasetRequest) -> list[Episode]:
     own = path if path.is_dir() else path.parent
     if request.scenes_dir is None:
         above = (folder / SCENES_FOLDER for folder in own.resolve().parents)
-        folders = [own, *(folder for folder in above if folder.is_dir())]
+        folders = [own, *(folder for folder in above if os.path.isdir(folder))]
     else:
         folders = [request.scenes_dir, request.scenes_dir / SCENES_FOLDER]
     return read_split(path, partial(_named_scene, folders), progress=request.tell)
