@@ -59,6 +59,7 @@ def json_text(value) -> str:
 
 
 def write_raw(path, content) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
     path.write_bytes(gzip.compress(json.dumps(content).encode()))
 
 
