@@ -70,8 +70,18 @@ def test_a_scene_is_found_in_any_release_and_with_either_kind_of_textures(data):
     assert scene_below(hm3d, data, "hm3d/val/00803-x/x.basis.glb") is None
 
 
-@pytest.mark.parametrize("scene_id", ["/etc/passwd.glb", "hm3d/../../x.glb", "", "x"])
+@pytest.mark.parametrize(
+    "scene_id",
+    ["{outside}", "data/scene_datasets/{outside}", "hm3d/../../outside.glb", "../outside.glb"],
+)
 def test_a_scene_id_never_leaves_the_folder(data, scene_id):
+    outside = data.with_name("outside.glb")
+    outside.touch()
+    assert scene_below(BENCHMARKS["hm3d"], data, scene_id.format(outside=outside)) is None
+
+
+@pytest.mark.parametrize("scene_id", ["", "x", "data/scene_datasets/"])
+def test_a_scene_id_that_names_nothing_is_found_nowhere(data, scene_id):
     assert scene_below(BENCHMARKS["hm3d"], data, scene_id) is None
 
 

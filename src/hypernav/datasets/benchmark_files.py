@@ -11,7 +11,7 @@ from hypernav.datasets.habitat_files import episode_files
 
 SCENES_FOLDER = "scene_datasets"
 """Folder of all scenes below Habitat's folder of data."""
-_HABITAT_PREFIX = f"data/{SCENES_FOLDER}/"
+_HABITAT_PREFIX = ("data", SCENES_FOLDER)
 """What habitat-lab takes away from a scene id (its ``DEFAULT_SCENE_PATH_PREFIX``)."""
 _SCENE_SUFFIXES = (".basis.glb", ".glb")
 """Suffixes of a scene in the order of preference; Habitat draws the compressed file."""
@@ -115,14 +115,16 @@ def scene_in(folders: Sequence[Path], scene_id: str, releases: Sequence[str] = (
         scene_id: Path of the scene as the episodes give it, with ``/``.
         releases: Folders that may take the place of the id's first one.
     """
-    named = PurePosixPath(scene_id.removeprefix(_HABITAT_PREFIX))
+    parts = PurePosixPath(scene_id).parts
+    named = PurePosixPath(*(parts[2:] if parts[:2] == _HABITAT_PREFIX else parts))
     if not named.name:
         return None
     paths = [named, *(PurePosixPath(release, *named.parts[1:]) for release in releases)]
     for place in (folder / path for path in paths for folder in folders):
         stem = place.name.removesuffix(".glb").removesuffix(".basis")
         for name in (place.name, *(stem + suffix for suffix in _SCENE_SUFFIXES)):
-            if os.path.isfile(file := place.with_name(name)):  # Unlike Path.is_file, any name.
+            # Unlike Path.is_file, this takes a name of any length.
+            if os.path.isfile(file := place.with_name(name)):
                 return file
     return None
 

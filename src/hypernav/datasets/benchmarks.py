@@ -143,6 +143,18 @@ BENCHMARKS = {
 }
 """All benchmarks, by name."""
 
+GENERATED = Benchmark(
+    name="hypernav",
+    title="generated buildings",
+    embodiment=Embodiment(),
+    source="this package",
+    episodes=("datasets/objectnav/hypernav",),
+    splits=(),
+    scenes=("hypernav",),
+    where="hypernav houses export houses-val --out DIR",
+)
+"""What `hypernav houses export` writes. Its splits are whatever is there."""
+
 
 def benchmark_of(dataset: str, name: str | None = None) -> Benchmark | None:
     """The benchmark that a run follows.

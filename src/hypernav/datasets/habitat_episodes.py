@@ -1,6 +1,6 @@
 """Habitat's episodes as `hypernav.core.episode.Episode`."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -74,7 +74,18 @@ def read_split(
     Raises:
         EpisodeError: A file is missing or broken, two episodes have one name, or there are none.
     """
-    found: dict[tuple[str, str], Episode] = {}
+    parts = split_parts(path, scene_of, words, progress)
+    return [episode for part in parts for episode in part]
+
+
+def split_parts(
+    path: Path,
+    scene_of: Callable[[str], str] = lambda scene_id: scene_id,
+    words: Mapping[str, str] | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Iterator[list[Episode]]:
+    """The episodes of a split, one file after the other, as `read_split` reads them."""
+    known: set[tuple[str, str]] = set()
     files = episode_files(path)
     for done, file in enumerate(files):
         if progress is not None:
@@ -82,15 +93,15 @@ def read_split(
         try:
             episodes = episodes_of(read_episodes(file), scene_of, words)
             for episode in episodes:
-                if episode.key in found:
+                if episode.key in known:
                     raise EpisodeError(_repeated(episode) + "; the other one is in another file")
         except EpisodeError as error:
             named = str(error).startswith(str(file))
             raise error if named else EpisodeError(f"{file}: {error}") from error
-        found |= {episode.key: episode for episode in episodes}
-    if not found:
+        known.update(episode.key for episode in episodes)
+        yield episodes
+    if not known:
         raise EpisodeError(_nothing_in(path, files))
-    return list(found.values())
 
 
 def _repeated(episode: Episode) -> str:

@@ -5,7 +5,6 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from hypernav.core.checkup import Finding, State
-from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import EpisodeError, SceneError
 from hypernav.datasets.benchmark_files import (
     SCENES_FOLDER,
@@ -14,8 +13,8 @@ from hypernav.datasets.benchmark_files import (
     scene_below,
     scene_folders,
 )
-from hypernav.datasets.benchmarks import BENCHMARKS, Benchmark
-from hypernav.datasets.habitat_episodes import read_split
+from hypernav.datasets.benchmarks import BENCHMARKS, GENERATED, Benchmark
+from hypernav.datasets.habitat_episodes import split_parts
 from hypernav.worlds.navmesh.files.reader import read_navmesh
 from hypernav.worlds.scans.layout import ScanFiles
 from hypernav.worlds.scenes.gltf_file import check_glb
@@ -23,17 +22,6 @@ from hypernav.worlds.scenes.gltf_file import check_glb
 _NAMED = 4
 """The most missing scenes and broken files that are named."""
 _BASIS = ".basis.glb"
-_OWN = Benchmark(
-    name="hypernav",
-    title="generated buildings",
-    embodiment=Embodiment(),
-    source="hypernav houses export",
-    episodes=("datasets/objectnav/hypernav",),
-    splits=(),
-    scenes=("hypernav",),
-    where="hypernav houses export houses-val --out DIR",
-)
-"""What `hypernav houses export` writes, as a benchmark whose splits are whatever is there."""
 _PARTS = (SCENES_FOLDER, "datasets")
 """Folders of Habitat's data that hold one part of them each."""
 
@@ -55,11 +43,11 @@ def check_data(folder: Path) -> Iterator[Finding]:
         yield Finding("folder", State.FAULT, words, f"name the folder above it: {here.parent}")
         return
     found = False
-    for benchmark in (*(BENCHMARKS[name] for name in ("hm3d", "mp3d", "ovon")), _OWN):
+    for benchmark in (*(BENCHMARKS[name] for name in ("hm3d", "mp3d", "ovon")), GENERATED):
         if found_splits(benchmark, folder) or scene_folders(benchmark, folder):
             found = True
             yield from _check_benchmark(benchmark, folder)
-        elif benchmark is not _OWN:
+        elif benchmark is not GENERATED:
             yield Finding(benchmark.name, State.NOTE, f"nothing of {benchmark.title} is here")
     if not found:
         remedy = f"HM3D {BENCHMARKS['hm3d'].where}"
@@ -81,17 +69,19 @@ def _check_benchmark(benchmark: Benchmark, folder: Path) -> Iterator[Finding]:
 
 def _check_split(benchmark: Benchmark, folder: Path, split: SplitFolder) -> Iterator[Finding]:
     check = f"{benchmark.name} {split.version}/{split.name}"
+    count, scenes, goals = 0, dict[str, None](), set[str]()
     try:
-        episodes = read_split(split.path)
+        for episodes in split_parts(split.path):
+            count += len(episodes)
+            scenes.update(dict.fromkeys(episode.scene_id for episode in episodes))
+            goals.update(episode.goal.text for episode in episodes)
     except EpisodeError as error:
         remedy = f"get the episodes again; {benchmark.where}"
         yield Finding(check, State.FAULT, str(error), remedy)
         return
-    scene_ids = list(dict.fromkeys(episode.scene_id for episode in episodes))
-    goals = {episode.goal for episode in episodes}
-    words = f"{len(episodes):,} episodes in {len(scene_ids)} scenes, {len(goals)} categories"
+    words = f"{count:,} episodes in {len(scenes)} scenes, {len(goals)} categories"
     yield Finding(check, State.GOOD, words)
-    yield from _check_scenes(benchmark, folder, check, scene_ids)
+    yield from _check_scenes(benchmark, folder, check, list(scenes))
 
 
 def _check_scenes(

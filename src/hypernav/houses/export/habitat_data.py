@@ -19,6 +19,7 @@ from typing import Any
 
 from hypernav.core.errors import EpisodeError
 from hypernav.datasets.benchmark_files import SCENES_FOLDER
+from hypernav.datasets.benchmarks import GENERATED
 from hypernav.datasets.habitat_episodes import episodes_of
 from hypernav.datasets.habitat_files import CONTENT
 from hypernav.datasets.habitat_format import EpisodeDataset, ObjectGoal, ObjectNavEpisode
@@ -31,7 +32,7 @@ from hypernav.houses.export.files import FIRST_ANNOTATION, export_building
 from hypernav.houses.house_cache import cached_building
 from hypernav.worlds.navmesh.surface import NavmeshSurface
 
-_NAME = "hypernav"
+_NAME = GENERATED.scenes[0]
 """Name of the buildings among Habitat's sets of scenes."""
 _EPISODES = ".json.gz"
 _DIGITS = 4
@@ -62,8 +63,7 @@ class HabitatData:
     @property
     def episodes(self) -> Path:
         """The split's file: habitat-lab's ``habitat.dataset.data_path``."""
-        folder = self.root / "datasets" / "objectnav" / _NAME / self.split
-        return folder / f"{self.split}.json.gz"
+        return self.root / GENERATED.episodes[0] / self.split / f"{self.split}{_EPISODES}"
 
     @property
     def content(self) -> Path:
