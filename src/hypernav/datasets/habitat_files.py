@@ -3,6 +3,7 @@
 import gzip
 import io
 import json
+import tempfile
 import zlib
 from pathlib import Path
 from typing import Any
@@ -55,7 +56,7 @@ def read_episodes(path: Path | str) -> EpisodeDataset:
 
 
 def write_episodes(dataset: EpisodeDataset, path: Path | str) -> None:
-    """Write an episode file in one step; the same data gives the same bytes.
+    """Write an episode file completely or not at all; the same data gives the same bytes.
 
     Args:
         dataset: Episodes and goals to write.
@@ -72,13 +73,10 @@ def write_episodes(dataset: EpisodeDataset, path: Path | str) -> None:
     if path.name.endswith(".gz"):
         data = gzip.compress(data, mtime=0)
     path.parent.mkdir(parents=True, exist_ok=True)
-    fresh = path.with_name(f".{path.name}.new")
-    try:
+    with tempfile.TemporaryDirectory(dir=path.parent, prefix=".new-") as folder:
+        fresh = Path(folder) / path.name
         fresh.write_bytes(data)
         fresh.replace(path)
-    except OSError:
-        fresh.unlink(missing_ok=True)
-        raise
 
 
 def episode_files(path: Path | str) -> tuple[Path, ...]:

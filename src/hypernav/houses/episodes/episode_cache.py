@@ -2,7 +2,6 @@
 
 import contextlib
 import hashlib
-import tempfile
 from functools import lru_cache
 from pathlib import Path
 
@@ -38,7 +37,7 @@ def cached_episodes(
     dataset = house_episodes(cached_building(building, folder), building, style)
     # The disk may be read-only or full: the episodes are valid all the same.
     with contextlib.suppress(OSError):
-        _write_atomically(dataset, path)
+        write_episodes(dataset, path)
     return dataset
 
 
@@ -54,12 +53,3 @@ def episodes_version() -> str:
         digest.update(source.name.encode())
         digest.update(source.read_bytes())
     return f"v{EPISODES_VERSION}-{digest.hexdigest()[:12]}"
-
-
-def _write_atomically(dataset: EpisodeDataset, path: Path) -> None:
-    """Write a file so that no reader ever sees it incomplete."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=path.parent, prefix=".new-") as folder:
-        fresh = Path(folder) / path.name
-        write_episodes(dataset, fresh)
-        fresh.replace(path)
