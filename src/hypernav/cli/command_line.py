@@ -10,16 +10,15 @@ import difflib
 import importlib
 import io
 import itertools
-import os
 import re
-import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import make_dataclass
 from typing import Any, NoReturn
 
 import tyro
 
-from hypernav.core.errors import ConfigError, OutputError
+from hypernav.cli.terminal import Terminal
+from hypernav.core.errors import ConfigError
 
 COMMANDS = {
     "find": "Search for an object in a simulated building and leave a page about it.",
@@ -58,43 +57,19 @@ def run_command(arguments: Sequence[str]) -> int:
     """
     name, *rest = list(arguments) or [""]
     if name in {"-h", "--help"}:
-        with _left_by_its_reader():
-            _help()
+        _help()
     if name not in COMMANDS:
         raise ConfigError(_unknown(name))
     _refuse_empty(rest)
-    with _left_by_its_reader():
-        options = _parse(name, _with_one_set(rest))
+    options = _parse(name, _with_one_set(rest))
     return importlib.import_module(f"hypernav.cli.{name}").run(options)
-
-
-@contextlib.contextmanager
-def _left_by_its_reader() -> Iterator[None]:
-    """End the program quietly where nobody reads its help to the end, as in ``--help | head``.
-
-    Raises:
-        OutputError: The help cannot be written for another reason.
-    """
-    try:
-        try:
-            yield
-        finally:
-            if sys.stdout is not None:
-                sys.stdout.flush()
-    except OSError as error:
-        # What the stream still holds is written when Python ends, and must go somewhere.
-        with open(os.devnull, "w") as nowhere:
-            os.dup2(nowhere.fileno(), sys.stdout.fileno())
-        if isinstance(error, BrokenPipeError):
-            raise SystemExit(0) from None
-        raise OutputError(f"standard output cannot be written ({error.strerror})") from error
 
 
 def _parse(name: str, arguments: list[str]) -> Any:
     """The options of a command; an error that tyro prints in a box becomes one line."""
     said = io.StringIO()
     try:
-        with contextlib.redirect_stderr(said):
+        with _help_on_terminal(), contextlib.redirect_stderr(said):
             return tyro.cli(
                 importlib.import_module(f"hypernav.cli.{name}_options").Options,
                 prog=f"hypernav {name}",
@@ -119,12 +94,13 @@ def _help() -> NoReturn:
         name: make_dataclass(name, [], namespace={"__doc__": words})
         for name, words in COMMANDS.items()
     }
-    tyro.extras.subcommand_cli_from_dict(
-        commands,
-        prog="hypernav",
-        description="Find objects in buildings never seen before.",
-        args=["--help"],
-    )
+    with _help_on_terminal():
+        tyro.extras.subcommand_cli_from_dict(
+            commands,
+            prog="hypernav",
+            description="Find objects in buildings never seen before.",
+            args=["--help"],
+        )
     raise AssertionError("help ends the program")
 
 
@@ -164,3 +140,8 @@ def _refuse_empty(arguments: Sequence[str]) -> None:
             raise ConfigError(f"{option} is empty; give a value, or leave the option out")
         if before.startswith("--") and "=" not in before and not argument:
             raise ConfigError(f"{before} is empty; give a value, or leave the option out")
+
+
+def _help_on_terminal() -> contextlib.redirect_stdout[Any]:
+    """Let help be cut off by its reader, as in ``--help | head``, as other output may be."""
+    return contextlib.redirect_stdout(Terminal(stderr=False).file)
