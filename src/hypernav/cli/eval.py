@@ -86,8 +86,7 @@ def evaluate(
             console.print(heading)
         if again := store.withdraw(lambda record: not record.counts):
             console.print(f"{again} episodes that don't count are run again")
-        scenes = (episode.scene_id for episode in episodes)
-        keep_scenes(folder, scenes, (record.scene_id for record in store.records.values()))
+        keep_scenes(store, episodes)
         if store.records:
             console.print(f"{len(store.records)} of {len(episodes)} episodes are done already")
         pool = _pool(options, folder, plan.config)

@@ -57,6 +57,5 @@ def evaluate(
     )
     with RunStore(folder, plan.configuration(episodes)) as store:
         store.withdraw(lambda record: not record.counts)
-        scenes = (episode.scene_id for episode in episodes)
-        keep_scenes(folder, scenes, (record.scene_id for record in store.records.values()))
+        keep_scenes(store, episodes)
         return run_episodes(episodes, store, ProcessPool(job), workers=workers, watch=watch)

@@ -4,7 +4,9 @@ import os
 
 import pytest
 
+from eval_runs import record, spec
 from hypernav.core.errors import RunFolderError
+from hypernav.evaluation.store.run_store import RunStore
 from hypernav.evaluation.store.scene_files import SCENES_FILE, keep_scenes
 
 
@@ -15,41 +17,58 @@ def scene(tmp_path):
     return path
 
 
+def begin(folder, scene):
+    """Begin a run of one episode, or go on with it."""
+    with RunStore(folder / "run", {}) as store:
+        keep_scenes(store, [spec("0", str(scene))])
+
+
+def finish_an_episode(folder, scene):
+    with RunStore(folder / "run", {}) as store:
+        store.add(record("0", str(scene)))
+
+
 def test_houses_are_no_files_and_leave_none(tmp_path):
-    keep_scenes(tmp_path, ["houses:1"], ["houses:1"])
-    assert not (tmp_path / SCENES_FILE).exists()
+    finish_an_episode(tmp_path, "houses:1")
+    begin(tmp_path, "houses:1")
+    assert not (tmp_path / "run" / SCENES_FILE).exists()
 
 
 @pytest.mark.parametrize("name", ["room.glb", "objects.json"])
 def test_a_scene_in_which_an_episode_is_done_stays_the_same(tmp_path, scene, name):
-    keep_scenes(tmp_path, [str(scene)], [])
+    begin(tmp_path, scene)
+    finish_an_episode(tmp_path, scene)
     (tmp_path / name).write_bytes(b"two")
     with pytest.raises(RunFolderError, match=r"other files of the scene .*room\.glb: mesh"):
-        keep_scenes(tmp_path, [str(scene)], [str(scene)])
+        begin(tmp_path, scene)
 
 
 def test_the_same_bytes_at_another_time_are_the_same_file(tmp_path, scene):
-    keep_scenes(tmp_path, [str(scene)], [])
+    begin(tmp_path, scene)
+    finish_an_episode(tmp_path, scene)
     os.utime(scene, (1, 1))
-    keep_scenes(tmp_path, [str(scene)], [str(scene)])
+    begin(tmp_path, scene)
 
 
 def test_a_scene_in_which_nothing_is_done_may_be_mended(tmp_path, scene):
-    keep_scenes(tmp_path, [str(scene)], [])
+    begin(tmp_path, scene)
     scene.write_bytes(b"mended")
-    keep_scenes(tmp_path, [str(scene)], [])
-    keep_scenes(tmp_path, [str(scene)], [str(scene)])
+    begin(tmp_path, scene)
+    finish_an_episode(tmp_path, scene)
+    begin(tmp_path, scene)
     scene.write_bytes(b"one")
     with pytest.raises(RunFolderError, match="choose another"):
-        keep_scenes(tmp_path, [str(scene)], [str(scene)])
+        begin(tmp_path, scene)
 
 
 def test_a_folder_that_remembers_no_scene_goes_on(tmp_path, scene):
-    keep_scenes(tmp_path, [str(scene)], [str(scene)])
+    finish_an_episode(tmp_path, scene)
+    begin(tmp_path, scene)
 
 
 @pytest.mark.parametrize("content", ["{", "[]"])
 def test_what_is_remembered_may_not_be_damaged(tmp_path, scene, content):
-    (tmp_path / SCENES_FILE).write_text(content)
+    begin(tmp_path, scene)
+    (tmp_path / "run" / SCENES_FILE).write_text(content)
     with pytest.raises(RunFolderError, match=SCENES_FILE):
-        keep_scenes(tmp_path, [str(scene)], [])
+        begin(tmp_path, scene)

@@ -9,10 +9,12 @@ import json
 from collections.abc import Iterable
 from pathlib import Path
 
+from hypernav.core.episode import Episode
 from hypernav.core.errors import RunFolderError, SceneError
 from hypernav.core.files.json_text import parse_json
 from hypernav.core.files.reading import read_file
 from hypernav.evaluation.store.append_only import write_whole
+from hypernav.evaluation.store.run_store import RunStore
 from hypernav.worlds.scans.layout import ScanFiles
 from hypernav.worlds.scenes.loading import OBJECTS_FILE
 
@@ -21,34 +23,33 @@ SCENES_FILE = "scenes.json"
 _DIGITS = 16
 
 
-def keep_scenes(folder: Path, scenes: Iterable[str], done: Iterable[str]) -> None:
+def keep_scenes(store: RunStore, episodes: Iterable[Episode]) -> None:
     """Remember the files of a run's scenes, or compare them with those that it began with.
 
     Args:
-        folder: Folder of the run, which is open.
-        scenes: All scenes of the run; those that are no files, such as houses, are left out.
-        done: Scenes in which an episode is done.
+        store: Store of the run, open.
+        episodes: All episodes of the run; scenes that are no files, such as houses, are left out.
 
     Raises:
         RunFolderError: A scene in which an episode is done has other files now.
         SceneError: A file cannot be read.
     """
-    known = _read(folder / SCENES_FILE)
-    found = {
-        scene: _digest(Path(scene)) for scene in dict.fromkeys(scenes) if Path(scene).is_file()
-    }
-    changed = sorted(
-        scene for scene in set(done) & known.keys() & found.keys() if known[scene] != found[scene]
-    )
+    path = store.folder / SCENES_FILE
+    known = _read(path)
+    scenes = dict.fromkeys(episode.scene_id for episode in episodes)
+    found = {scene: _digest(Path(scene)) for scene in scenes if Path(scene).is_file()}
+    done = {record.scene_id for record in store.records.values()}
+    both = done & known.keys() & found.keys()
+    changed = sorted(scene for scene in both if known[scene] != found[scene])
     if changed:
         more = f" and {len(changed) - 1} more" if len(changed) > 1 else ""
         raise RunFolderError(
-            f"{folder} was begun with other files of the scene {changed[0]}{more}: mesh, navmesh "
-            "or annotation changed since episodes were done in it. Bring them back, or choose "
-            "another --out"
+            f"{store.folder} was begun with other files of the scene {changed[0]}{more}: mesh, "
+            "navmesh or annotation changed since episodes were done in it. Bring them back, or "
+            "choose another --out"
         )
     if found != known:
-        write_whole(folder / SCENES_FILE, json.dumps(known | found, indent=1) + "\n")
+        write_whole(path, json.dumps(known | found, indent=1) + "\n")
 
 
 def _read(path: Path) -> dict[str, str]:
