@@ -1,9 +1,16 @@
+import os
+import signal
+
+import pytest
+
 from eval_runs import timeless_lines, write_room
 from hypernav.core.actions import Action
 from hypernav.evaluation.evaluate import evaluate
 from hypernav.evaluation.report.report_page import write_report
 from hypernav.evaluation.report.run_data import load_runs
 from hypernav.evaluation.run_plan import RunPlan, Selection
+from hypernav.evaluation.runner import NothingScoredError, check_scored
+from hypernav.evaluation.workers.schedule import ATTEMPTS
 from small_worlds import small_config
 
 
@@ -20,6 +27,12 @@ class Quitter:
 class Buggy(Quitter):
     def act(self, observation):
         raise ZeroDivisionError("a bug of one's own")
+
+
+class Deadly(Quitter):
+    def act(self, observation):
+        os.kill(os.getpid(), signal.SIGKILL)
+        return super().act(observation)
 
 
 def plan(tmp_path):
@@ -45,3 +58,10 @@ def test_a_bug_in_an_agent_is_no_result_and_its_traceback_is_kept(tmp_path):
     # The bug is mended: the episode that has no result is run.
     assert evaluate(plan(tmp_path), tmp_path / "again", Quitter).done_now == 1
     assert len(timeless_lines(tmp_path / "again")) == 1
+
+
+def test_a_run_that_lost_the_workers_of_all_its_episodes_has_no_result(tmp_path):
+    progress = evaluate(plan(tmp_path), tmp_path / "run", Deadly)
+    assert progress.losses == ATTEMPTS
+    with pytest.raises(NothingScoredError, match=f"its worker was lost {ATTEMPTS} times: killed"):
+        check_scored(progress)

@@ -1,4 +1,4 @@
-"""A worker leaves no thread behind, however it ends."""
+"""A worker leaves no thread behind, however it ends, and outlives the faults of its scenes."""
 
 import threading
 from contextlib import closing
@@ -7,8 +7,9 @@ from dataclasses import replace
 import pytest
 
 from eval_runs import write_room
-from hypernav.core.errors import ModelError
+from hypernav.core.errors import CameraError, ModelError, SceneError, StartError, WorldError
 from hypernav.core.geometry.transforms import Pose2
+from hypernav.evaluation.failures.classification import Failure
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
 from small_episodes import episode_from
 from small_worlds import small_config, two_rooms
@@ -61,3 +62,18 @@ def test_a_worker_closes_world_and_agent_also_after_an_error(tmp_path, error):
         assert threads() > before
     assert threads() == before
     assert agent.closed
+
+
+@pytest.mark.parametrize("error", [SceneError, StartError, WorldError, CameraError])
+def test_a_fault_of_the_simulator_is_in_no_rate_and_ends_no_worker(tmp_path, error):
+    agent = Stands(error("out of order"))
+    job = Job(tmp_path, small_config(), make_agent=lambda: agent)
+    episode = replace(episode_from(START), scene_id=str(write_room(tmp_path / "room.glb")))
+    with closing(EpisodeWorker(job)) as worker:
+        failed = worker.run(episode)
+        agent.error = None
+        passed = worker.run(episode)
+    assert not failed.counts
+    assert failed.failure is Failure.SIMULATOR_ERROR
+    assert failed.why == f"{error.__name__}: out of order"
+    assert passed.counts
