@@ -105,7 +105,7 @@ def test_the_command_says_what_the_folder_holds(dataset, tmp_path, monkeypatch, 
         assert hypernav(*command) == 0
     said = capsys.readouterr().err
     assert "holds 1 of its buildings" in said
-    assert f"28 episodes in 1 buildings of {SPLIT} written" in said
+    assert f"28 episodes of {SPLIT} written" in said
     assert "holds 2 of its buildings" in said
 
 
@@ -116,5 +116,5 @@ def test_the_command_says_how_to_complete_what_was_interrupted(
     monkeypatch.setattr(houses, "load_split", lambda *_, **__: dataset)
     assert hypernav("houses", "export", f"{SPLIT}#5:7", "--out", tmp_path / "ex") == 130
     said = capsys.readouterr().err
-    assert f"interrupted; 1 buildings of {SPLIT} are complete in" in said
+    assert f"interrupted; buildings of {SPLIT} that are complete in {tmp_path / 'ex'}: 1." in said
     assert "Run the same command again" in said

@@ -107,14 +107,13 @@ def _export_split(options: Export, split: str, part: str) -> None:
             )
     except KeyboardInterrupt:
         console.print(
-            f"interrupted; {len(data.buildings)} buildings of {split} are complete in {root}. Run "
-            "the same command again",
+            f"interrupted; buildings of {split} that are complete in {root}: "
+            f"{len(data.buildings)}. Run the same command again",
             soft_wrap=True,
         )
         raise
-    count = len({episode.scene_id for episode in dataset.episodes})
     console.print(
-        f"{len(dataset.episodes)} episodes in {count} buildings of {split} written; {root} holds "
+        f"{len(dataset.episodes)} episodes of {split} written; {root} holds "
         f"{len(data.buildings)} of its buildings; for habitat-lab:\n"
         f"  habitat.dataset.data_path={data.episodes}\n"
         f"  habitat.dataset.scenes_dir={data.scenes}\n"
