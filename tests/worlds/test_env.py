@@ -11,9 +11,9 @@ from hypernav.core.actions import Action
 from hypernav.core.embodiment import CameraConfig, Embodiment
 from hypernav.core.errors import GoalError, SceneError, StartError, WorldError
 from hypernav.core.geometry.transforms import Pose2
+from hypernav.worlds.config import NoiseConfig, SimulationConfig
 from hypernav.worlds.env import ENV_ID, ObjectNavConfig, ObjectNavEnv
-from hypernav.worlds.noise import NoiseConfig
-from hypernav.worlds.simulation import SimulatedWorld, SimulationConfig
+from hypernav.worlds.simulation import SimulatedWorld
 
 BED = ("bed", (4.4, 1.0, 0.0), (6.0, 3.0, 0.5))
 SOFA = ("sofa", (0.0, 3.2, 0.0), (1.6, 4.0, 0.8))

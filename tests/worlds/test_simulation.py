@@ -12,8 +12,8 @@ from hypernav.core.embodiment import CameraConfig, Embodiment
 from hypernav.core.errors import StartError, WorldError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.worlds.noise import NoiseConfig
-from hypernav.worlds.simulation import SimulatedWorld, SimulationConfig
+from hypernav.worlds.config import NoiseConfig, SimulationConfig
+from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
 from navmesh_files import content_of, two_floors
 from small_episodes import episode_from

@@ -39,7 +39,7 @@ from hypernav.perception.values.similarity_scorer import SimilarityScorerConfig
 from hypernav.perception.values.truth_scorer import TruthScorerConfig
 from hypernav.perception.values.value_frontier import ValueFrontierConfig
 from hypernav.planning.config import PlanningConfig
-from hypernav.worlds.simulation import SimulationConfig
+from hypernav.worlds.config import SimulationConfig
 
 
 class PriceConfig(RoomConfig):

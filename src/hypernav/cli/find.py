@@ -27,8 +27,8 @@ from hypernav.core.errors import ConfigError, ModelSetupError, OutputError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.interruptions import interruptions_of_kernels
-from hypernav.evaluation.kernel_warmup import warm_up_in_background
 from hypernav.evaluation.recorder import EpisodeRecorder
+from hypernav.evaluation.warmup.background import warm_up_in_background
 from hypernav.worlds.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
 from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start

@@ -26,7 +26,8 @@ from hypernav.datasets.benchmark_files import SCENES_FOLDER, scene_below, scene_
 from hypernav.datasets.benchmarks import BENCHMARKS, Benchmark
 from hypernav.datasets.habitat_episodes import episodes_of, read_split
 from hypernav.houses.episodes.splits import SPLITS, load_split, numbers_of
-from hypernav.worlds.simulation import SimulatedWorld, SimulationConfig
+from hypernav.worlds.config import SimulationConfig
+from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
 
 STARTS_PER_GOAL = 5

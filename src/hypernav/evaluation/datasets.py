@@ -14,7 +14,7 @@ from hypernav.core.episode import Episode
 from hypernav.core.errors import EpisodeError
 from hypernav.core.whole_numbers import is_whole_number
 from hypernav.evaluation.data_sources import DATA_SOURCES, DatasetRequest, Progress
-from hypernav.worlds.simulation import SimulationConfig
+from hypernav.worlds.config import SimulationConfig
 
 
 def load_episodes(

@@ -24,9 +24,10 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.metrics import SUCCESS_DISTANCE_M
 from hypernav.core.observation import Observation
+from hypernav.worlds.config import SimulationConfig
 from hypernav.worlds.scans.loading import open_scene
 from hypernav.worlds.scenes.scene import Scene
-from hypernav.worlds.simulation import SimulatedWorld, SimulationConfig
+from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
 from hypernav.worlds.trial import Trial
 

@@ -9,7 +9,8 @@ from hypernav.core.embodiment import MotionConfig
 from hypernav.core.errors import StartError
 from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.core.world import Position
-from hypernav.worlds.noise import NoiseConfig, noisy_forward, noisy_turn, reported_motion
+from hypernav.worlds.config import NoiseConfig
+from hypernav.worlds.noise import noisy_forward, noisy_turn, reported_motion
 from hypernav.worlds.surface.walkable_surface import WalkableSurface
 
 _ROUNDING_M = 1e-5

@@ -4,11 +4,9 @@ import math
 
 import numpy as np
 from jaxtyping import Float32, Float64
-from pydantic import Field
 
 from hypernav.core.actions import Action
 from hypernav.core.components.abilities import Closes
-from hypernav.core.config import RoomConfig
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.episode import Episode
 from hypernav.core.errors import WorldError
@@ -18,36 +16,17 @@ from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels, Observation
 from hypernav.core.world import Instance, Position, RenderedView, Renderer
+from hypernav.worlds.config import SimulationConfig
 from hypernav.worlds.drawing.rays import RayCaster
 from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.goal_objects import named_as_goals
 from hypernav.worlds.navmesh.surface import NavmeshSurface
-from hypernav.worlds.noise import NoiseConfig, noisy_depth
+from hypernav.worlds.noise import noisy_depth
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.simulated_robot import SimulatedRobot, check_start
 from hypernav.worlds.surface.goal_regions import GoalRegion, GoalRegions
-from hypernav.worlds.surface.storeys import CELL_M
 from hypernav.worlds.surface.walkable import WalkableGrid
 from hypernav.worlds.surface.walkable_surface import WalkableSurface
-
-
-class SimulationConfig(RoomConfig):
-    """How a robot is simulated.
-
-    Attributes:
-        sliding: Slide along obstacles instead of stopping at them; off, as in Habitat's challenges.
-        noise: Noise of sensors and motion; none by default.
-        labels: Whether observations carry ground-truth labels.
-        cell_m: Side of the walkable surface's cells, metres; a navigation mesh has none.
-        floor_z: Height of the storey's floor in the scene frame, metres; None takes the largest
-            storey. A navigation mesh has all storeys.
-    """
-
-    sliding: bool = False
-    noise: NoiseConfig = NoiseConfig()
-    labels: bool = True
-    cell_m: float = Field(default=CELL_M, ge=0.01, le=0.5)
-    floor_z: float | None = Field(default=None, ge=-1000.0, le=1000.0)
 
 
 class SimulatedWorld:

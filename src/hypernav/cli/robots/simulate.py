@@ -40,8 +40,8 @@ from hypernav.robot.simulation.base import MishapConfig, SimulatedBase
 from hypernav.robot.simulation.faulty_link import FaultyLink, NetworkFaults
 from hypernav.robot.simulation.person import PersonConfig
 from hypernav.robot.wire.messages import OpenSearch, SearchEnding, SearchOpened
+from hypernav.worlds.config import NoiseConfig
 from hypernav.worlds.drawing.renderer import CpuRenderer
-from hypernav.worlds.noise import NoiseConfig
 from hypernav.worlds.simulation import SimulatedWorld
 
 _PACE = 5.0

@@ -9,8 +9,8 @@ from hypernav.evaluation.statistics import Estimate
 from hypernav.evaluation.summary import Summary
 from hypernav.houses.building import NOUNS
 from hypernav.show import captions
+from hypernav.worlds.config import NoiseConfig
 from hypernav.worlds.goal_sight import MIN_VISIBLE_SHARE
-from hypernav.worlds.noise import NoiseConfig
 
 SIGNIFICANT = 0.05
 

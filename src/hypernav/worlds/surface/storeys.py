@@ -9,12 +9,10 @@ from jaxtyping import Float32, Int32
 from hypernav.core.embodiment import BodyConfig
 from hypernav.core.errors import SceneError
 from hypernav.mapping.inflation import inflate
+from hypernav.worlds.config import CELL_M
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.columns_kernels import floors_of_columns, rasterise
 from hypernav.worlds.surface.walkable_kernels import label_components, mark_cliffs
-
-CELL_M = 0.05
-"""Default side of a cell, as in Habitat's navigation meshes."""
 
 _MOST_CELLS = 10_000_000
 _MOST_INTERVALS = 20_000_000

@@ -11,10 +11,11 @@ from hypernav.core.embodiment import BodyConfig
 from hypernav.core.errors import SceneError, StartError
 from hypernav.core.geometry.bounds import has_cell
 from hypernav.core.world import Position
+from hypernav.worlds.config import CELL_M
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.box_distance import is_near_box
 from hypernav.worlds.surface.geodesic import DistanceField, FreeSpace
-from hypernav.worlds.surface.storeys import CELL_M, Storey, find_storey
+from hypernav.worlds.surface.storeys import Storey, find_storey
 from hypernav.worlds.surface.walkable_kernels import label_components, slide, walk
 
 _SMALLEST_ISLAND_M2 = 1.0

@@ -1,22 +1,9 @@
-"""The warm-up of compiled kernels on the first run on a machine.
+"""What the warm-up process does: one of everything that a first search needs compiled.
 
-Numba compiles a kernel on its first call, once on a machine, and keeps it on disk. It holds
-Python's global lock meanwhile, so only another process can compile at the same time. While this
-process builds the world and its walkable surface, the warm-up process draws one triangle, lets
-an agent search an empty room and walks on a navigation mesh. So it compiles the kernels of drawing,
-mapping and planning, about half of all, in the order in which this process needs them, and then
-those of scans, which are for the next run if this one has no scan.
+Run as a module, so that the program that waits for it loads none of this.
 """
 
-import os
-import subprocess
-import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from pathlib import Path
-
 import numpy as np
-from numba.extending import is_jitted
 
 from hypernav.build.agents import build_agent
 from hypernav.build.presets import preset
@@ -24,7 +11,6 @@ from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.evaluation.checks.box_room import DOOR, BoxRoom
-from hypernav.mapping import integrate_kernels
 from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.navmesh.files.reader import navmesh_of
 from hypernav.worlds.navmesh.files.writer import navmesh_bytes
@@ -35,51 +21,7 @@ from hypernav.worlds.scenes.scene import Material
 from hypernav.worlds.scenes.scene_assembly import MeshPart, SceneObject, assemble
 from hypernav.worlds.surface.walkable import WalkableGrid
 
-FIRST_RUN = "first run: compiling for this machine, once, takes a quarter of a minute or more …"
-
 _STEPS = 12
-
-
-def is_compiled() -> bool:
-    """Whether the kernels are compiled on this machine, judged by the first of them.
-
-    What an older version of the source or another version of Python left behind doesn't count.
-    """
-    source = Path(integrate_kernels.__file__)
-    kernel = integrate_kernels.integrate_frame
-    if not is_jitted(kernel):
-        return True  # NUMBA_DISABLE_JIT: nothing is compiled at all
-    folder = kernel.stats.cache_path
-    if folder is None:
-        return False
-    python = f"py{sys.version_info.major}{sys.version_info.minor}"
-    indices = Path(folder).glob(f"{source.stem}.{kernel.__name__}-*.{python}.nbi")
-    return any(index.stat().st_mtime >= source.stat().st_mtime for index in indices)
-
-
-@contextmanager
-def warm_up_in_background(say: Callable[[str], object]) -> Iterator[None]:
-    """Compile kernels in another process while the block runs, unless they are compiled already.
-
-    Nothing depends on that process: kernels that it has not compiled in time are compiled here.
-
-    Args:
-        say: Function that is called with the message that this run takes longer.
-    """
-    if is_compiled():
-        yield
-        return
-    say(FIRST_RUN)
-    if (os.cpu_count() or 1) < 2:
-        yield
-        return
-    silent = subprocess.DEVNULL
-    command = [sys.executable, "-m", "hypernav.evaluation.kernel_warmup"]
-    with subprocess.Popen(command, stdin=silent, stdout=silent, stderr=silent) as process:
-        try:
-            yield
-        finally:
-            process.kill()
 
 
 def warm_up() -> None:

@@ -1,0 +1,68 @@
+"""Configuration of simulated robots. It is part of every configuration, and loads no simulator."""
+
+from pydantic import Field
+
+from hypernav.core.config import RoomConfig
+
+CELL_M = 0.05
+"""Default side of the walkable surface's cells, metres, as in Habitat's navigation meshes."""
+
+
+class NoiseConfig(RoomConfig):
+    """Kinds and sizes of noise; 0 switches a kind off.
+
+    Realistic values for a RealSense or Kinect on a small robot: ``depth_sigma_m=0.002``,
+    ``depth_edge_px=1``, ``forward_sigma=0.02``, ``turn_sigma_deg=1.0``, ``odometry_sigma=0.01``,
+    ``odometry_turn_sigma_deg=0.5``.
+
+    Attributes:
+        depth_sigma_m: Standard deviation of depth at 1 m; it grows with the square of the distance,
+            as for every sensor that triangulates.
+        depth_edge_px: Pixels without a return on either side of a depth edge.
+        depth_edge_jump: Share by which neighbouring depths differ at an edge.
+        forward_sigma: Standard deviation of a forward step, as a share of its length.
+        turn_sigma_deg: Standard deviation of a turn, degrees.
+        odometry_sigma: Standard deviation of the reported motion, as a share of its length. The
+            errors add up: the reported pose drifts from the true one.
+        odometry_turn_sigma_deg: Standard deviation of the reported rotation of an action that turns
+            the robot, degrees.
+    """
+
+    depth_sigma_m: float = Field(default=0.0, ge=0.0, le=100.0)
+    depth_edge_px: int = Field(default=0, ge=0, le=100)
+    depth_edge_jump: float = Field(default=0.1, gt=0.0, le=10.0)
+    forward_sigma: float = Field(default=0.0, ge=0.0, le=100.0)
+    turn_sigma_deg: float = Field(default=0.0, ge=0.0, le=180.0)
+    odometry_sigma: float = Field(default=0.0, ge=0.0, le=100.0)
+    odometry_turn_sigma_deg: float = Field(default=0.0, ge=0.0, le=180.0)
+
+    @property
+    def is_off(self) -> bool:
+        """Whether no kind of noise is switched on."""
+        return not (
+            self.depth_sigma_m
+            or self.depth_edge_px
+            or self.forward_sigma
+            or self.turn_sigma_deg
+            or self.odometry_sigma
+            or self.odometry_turn_sigma_deg
+        )
+
+
+class SimulationConfig(RoomConfig):
+    """How a robot is simulated.
+
+    Attributes:
+        sliding: Slide along obstacles instead of stopping at them; off, as in Habitat's challenges.
+        noise: Noise of sensors and motion; none by default.
+        labels: Whether observations carry ground-truth labels.
+        cell_m: Side of the walkable surface's cells, metres; a navigation mesh has none.
+        floor_z: Height of the storey's floor in the scene frame, metres; None takes the largest
+            storey. A navigation mesh has all storeys.
+    """
+
+    sliding: bool = False
+    noise: NoiseConfig = NoiseConfig()
+    labels: bool = True
+    cell_m: float = Field(default=CELL_M, ge=0.01, le=0.5)
+    floor_z: float | None = Field(default=None, ge=-1000.0, le=1000.0)
