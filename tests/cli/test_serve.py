@@ -3,12 +3,16 @@
 import signal
 import subprocess
 import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
 
 import pytest
 
 from hypernav.cli.command_line import run_command
 from hypernav.core.errors import ConfigError, MissingExtraError
-from servers.robots import RobotLink, body_of
+from servers.robots import Answer, RobotLink, body_of
 
 
 @pytest.mark.parametrize(
@@ -43,12 +47,29 @@ def test_nobody_loads_the_server_unasked():
     assert not {"fastapi", "uvicorn", "websockets", "starlette"} & set(loaded.stdout.split())
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_ends_it_and_the_searches_stay(tmp_path, number):
-    program = "import sys; from hypernav.cli.main import main; main(sys.argv[1:])"
-    arguments = ["serve", "--port", "0", "--state", str(tmp_path), "--detector", "ground-truth"]
+@dataclass
+class Ended:
+    """A server in a process of its own that was ended by a signal while requests waited."""
+
+    number: int
+    status: int
+    said: str
+    modules: set[str]
+    folder: Path
+    waited: list[Answer]
+
+
+@pytest.fixture(scope="module", params=[signal.SIGINT, signal.SIGTERM])
+def ended(request, tmp_path_factory) -> Ended:
+    state = tmp_path_factory.mktemp("state")
+    program = (
+        "import atexit, sys; atexit.register(lambda: print(*sys.modules))\n"
+        "from hypernav.cli.main import main; main(sys.argv[1:])"
+    )
+    arguments = ["serve", "--port", "0", "--state", str(state), "--detector", "ground-truth"]
     with subprocess.Popen(
         [sys.executable, "-c", program, *arguments],
+        stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
         # A shell that runs tests in the background hands down SIGINT as ignored.
@@ -57,12 +78,38 @@ def test_a_signal_ends_it_and_the_searches_stay(tmp_path, number):
         assert server.stderr is not None
         line = next(line for line in server.stderr if "serving at" in line)
         link = RobotLink(int(line.partition("http://127.0.0.1:")[2].partition(",")[0]))
-        search = link.open(deadline_s=0.05, preset="paper")
-        assert link.observe(search, body_of(0)).status == 200
-        server.send_signal(number)
-        said = server.stderr.read()
-        assert server.wait(timeout=60.0) == 128 + number
-    assert "Traceback" not in said
-    folder = tmp_path / "searches" / search.rpartition("/")[2]
-    assert (folder / "observations.bin").stat().st_size > 0
-    assert not (folder / "end.json").exists()
+        search = link.open(deadline_s=30.0, preset="paper")
+        assert link.observe(search, body_of(0)).json["hold"] is False
+        version = link.call("GET", search).json["version"]
+        polls = [
+            ("GET", f"{search}?after={version}&wait_s=30"),
+            ("POST", "/v1/robots/anna/wait?wait_s=5"),
+        ]
+        with ThreadPoolExecutor() as pool:
+            waiting = [pool.submit(link.call, *poll) for poll in polls]
+            while not link.call("GET", "/v1/robots").json:
+                time.sleep(0.01)
+            server.send_signal(request.param)
+            output, said = server.communicate(timeout=60.0)
+            waited = [answer.result() for answer in waiting]
+    folder = state / "searches" / search.rpartition("/")[2]
+    return Ended(request.param, server.returncode, said, set(output.split()), folder, waited)
+
+
+def test_a_signal_ends_it_and_the_searches_stay(ended):
+    assert ended.status == 128 + ended.number
+    assert (ended.folder / "observations.bin").stat().st_size > 0
+    assert not (ended.folder / "end.json").exists()
+
+
+def test_requests_that_wait_are_answered_at_its_end(ended):
+    assert [answer.status for answer in ended.waited] == [200, 200]
+    assert "Traceback" not in ended.said
+    assert "ERROR" not in ended.said
+
+
+def test_it_loads_nothing_of_the_simulator(ended):
+    assert "hypernav.robot.server.search" in ended.modules
+    simulator = {name for name in ended.modules if name.startswith("hypernav.worlds.")}
+    assert simulator == {"hypernav.worlds.config"}  # settings, which each configuration has
+    assert not any(name.startswith("hypernav.houses") for name in ended.modules)

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import uvicorn
 
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.presets import preset
@@ -22,11 +21,10 @@ from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending, Mode, StepTrace
 from hypernav.evaluation.checks.box_room import BoxRoom
 from hypernav.robot.server.agents import AgentPlan, PlanAgent
-from hypernav.robot.server.app import make_app
 from hypernav.robot.server.guard import Access
 from hypernav.robot.server.limits import ServerLimits
 from hypernav.robot.server.searches import Searches
-from hypernav.robot.server.serving import listening, server_config
+from hypernav.robot.server.serving import RobotServer, listening
 from hypernav.robot.wire.frames import pack_observation
 from hypernav.robot.wire.messages import ObservationFacts, OpenSearch, PlanarPose
 
@@ -116,7 +114,7 @@ def robot_server(
     """A server on a free port of this machine, or a given one, and a client of it."""
     access, limits = Access("127.0.0.1", token), limits or ServerLimits()
     with Searches(state, plan, limits) as searches, listening("127.0.0.1", port) as listener:
-        server = uvicorn.Server(server_config(make_app(searches, access, limits)))
+        server = RobotServer(searches, access, limits)
         thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]}, daemon=True)
         thread.start()
         end = time.monotonic() + 10.0

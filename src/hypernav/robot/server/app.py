@@ -59,11 +59,14 @@ _OBSERVATION_BODY = {
 }
 
 
-def make_app(searches: Searches, access: Access, limits: ServerLimits) -> FastAPI:
+def make_app(
+    searches: Searches, waiting: WaitingRobots, access: Access, limits: ServerLimits
+) -> FastAPI:
     """The application around the searches of a server.
 
     Args:
         searches: Opened searches.
+        waiting: Robots that wait for a goal.
         access: Who may come in.
         limits: Limits of the server.
     """
@@ -76,7 +79,6 @@ def make_app(searches: Searches, access: Access, limits: ServerLimits) -> FastAP
         redoc_url=None,
     )
     allowances = Allowances(limits)
-    waiting = WaitingRobots()
     app.include_router(_routes(searches, waiting, allowances), responses=_REFUSALS)
     app.include_router(operator_routes(searches, waiting), responses=_REFUSALS)
     app.add_exception_handler(RequestRefusedError, _refused)

@@ -13,6 +13,7 @@ class Bell:
         """Begin with nobody waiting."""
         self._lock = threading.Lock()
         self._waiting: dict[asyncio.Event, asyncio.AbstractEventLoop] = {}
+        self._is_closed = False
 
     def ring(self) -> None:
         """Let all who wait look again."""
@@ -21,12 +22,17 @@ class Bell:
                 with suppress(RuntimeError):  # a loop that was closed waits for nothing
                     loop.call_soon_threadsafe(event.set)
 
-    async def until(self, is_so: Callable[[], bool], timeout_s: float) -> bool:
+    def close(self) -> None:
+        """Let all who wait go, now and from now on: the server ends."""
+        self._is_closed = True
+        self.ring()
+
+    async def until(self, is_so: Callable[[], bool], timeout_s: float | None) -> bool:
         """Wait until something is so, for a while.
 
         Args:
             is_so: What is waited for; whoever changes it rings afterwards.
-            timeout_s: Longest wait, seconds.
+            timeout_s: Longest wait, seconds; None waits as long as the server lives.
 
         Returns:
             Whether it is so.
@@ -36,7 +42,7 @@ class Bell:
             self._waiting[event] = asyncio.get_running_loop()
         try:
             async with asyncio.timeout(timeout_s):
-                while not is_so():
+                while not (is_so() or self._is_closed):
                     await event.wait()
                     event.clear()
         except TimeoutError:

@@ -5,7 +5,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 import uvicorn
-from fastapi import FastAPI
 
 from hypernav.core.errors import ConfigError
 from hypernav.core.files.reading import read_file
@@ -13,6 +12,7 @@ from hypernav.robot.server.agents import PlanAgent
 from hypernav.robot.server.app import make_app
 from hypernav.robot.server.guard import Access
 from hypernav.robot.server.limits import ServerLimits
+from hypernav.robot.server.operator.waiting import WaitingRobots
 from hypernav.robot.server.searches import Searches
 from hypernav.robot.wire.frames import MOST_BODY_BYTES
 
@@ -82,26 +82,43 @@ def serve(
     """
     check_access(access)
     with listening(access.host, port) as listener, Searches(state, plan, limits) as searches:
-        config = server_config(make_app(searches, access, limits))
         host = f"[{access.host}]" if ":" in access.host else access.host
         on_start(f"http://{host}:{listener.getsockname()[1]}")
-        uvicorn.Server(config).run(sockets=[listener])
+        RobotServer(searches, access, limits).run(sockets=[listener])
 
 
-def server_config(app: FastAPI) -> uvicorn.Config:
-    """How uvicorn runs the application."""
-    return uvicorn.Config(
-        app,
-        ws="websockets-sansio",
-        ws_max_size=MOST_BODY_BYTES,
-        ws_per_message_deflate=False,  # images do not get any smaller
-        log_config=None,
-        access_log=False,
-        server_header=False,
-        proxy_headers=False,  # nobody may say that it comes from elsewhere
-        lifespan="off",
-        timeout_graceful_shutdown=_PATIENCE_S,
-    )
+class RobotServer(uvicorn.Server):
+    """Uvicorn with the application in it."""
+
+    def __init__(self, searches: Searches, access: Access, limits: ServerLimits) -> None:
+        """Create it; `run` serves.
+
+        Args:
+            searches: Opened searches.
+            access: Who may come in.
+            limits: Limits of the server.
+        """
+        self._searches, self._waiting = searches, WaitingRobots()
+        super().__init__(
+            uvicorn.Config(
+                make_app(searches, self._waiting, access, limits),
+                ws="websockets-sansio",
+                ws_max_size=MOST_BODY_BYTES,
+                ws_per_message_deflate=False,  # images do not get any smaller
+                log_config=None,
+                access_log=False,
+                server_header=False,
+                proxy_headers=False,  # nobody may say that it comes from elsewhere
+                lifespan="off",
+                timeout_graceful_shutdown=_PATIENCE_S,
+            )
+        )
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """End; requests that wait for something to happen are answered at once."""
+        for bell in (self._waiting.bell, *(search.bell for search in self._searches.all())):
+            bell.close()
+        await super().shutdown(sockets)
 
 
 def listening(host: str, port: int) -> socket.socket:

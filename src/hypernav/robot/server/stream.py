@@ -13,7 +13,6 @@ from hypernav.robot.wire.messages import ErrorBody, Reply, SearchEnding, StreamM
 
 _UNKNOWN = 4404
 _ENDED_BY_HAND = frozenset({SearchEnding.STOPPED, SearchEnding.CLOSED})
-_FOR_EVER_S = 3600.0
 
 
 class Stream:
@@ -82,17 +81,16 @@ class Stream:
             if turn in self._followed:
                 return
             self._followed.add(turn)
-            while not await search.bell.until(lambda: turn.is_answered, _FOR_EVER_S):
-                pass
+            is_answered = await search.bell.until(lambda: turn.is_answered, None)
             self._followed.discard(turn)
+            if not is_answered:
+                return
         await self._send_result(turn)
 
     async def _push_stop(self, search: Search) -> None:
         """Tell the robot at once when someone presses stop."""
-        while not await search.bell.until(lambda: search.is_over, _FOR_EVER_S):
-            pass
-        status = search.status()
-        if status.ending in _ENDED_BY_HAND:
+        await search.bell.until(lambda: search.is_over, None)
+        if search.status().ending in _ENDED_BY_HAND:
             await self._send(StreamMessage(reply=search.end_reply))
 
     async def _send_result(self, turn: Turn) -> None:
