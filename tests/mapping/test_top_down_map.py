@@ -200,6 +200,30 @@ def test_looking_over_a_low_table_does_not_clear_it():
     assert before <= {cell for cell, state in known(world_map).items() if state == Cell.OCCUPIED}
 
 
+PERSON = ((2.0, -0.2, 0.0), (2.4, 0.2, 1.7))
+DISTANT_WALL = ((7.0, -9.0, 0.0), (7.2, 9.0, 2.5))
+
+
+def test_who_stood_before_a_distant_wall_and_left_is_forgotten():
+    """The wall is measured, but too far away to be drawn."""
+    reach = {"max_depth_m": 10.0}
+    world_map = map_of([FLOOR, DISTANT_WALL, PERSON], [HERE], **reach)
+    assert len(points(world_map, Cell.OCCUPIED)) > 0
+    for _ in range(CONFIG.max_evidence):
+        world_map.integrate(view_of([FLOOR, DISTANT_WALL], HERE, **reach))
+    assert len(points(world_map, Cell.OCCUPIED)) == 0
+    assert world_map.grid.state_at(2.1, 0.0) == Cell.FREE
+
+
+def test_where_nothing_is_measured_nobody_has_left():
+    """No return may also mean that something is too near."""
+    world_map = map_of([FLOOR, DISTANT_WALL, PERSON], [HERE])
+    before = points(world_map, Cell.OCCUPIED)
+    for _ in range(CONFIG.max_evidence):
+        world_map.integrate(view_of([FLOOR, DISTANT_WALL], HERE))
+    np.testing.assert_array_equal(points(world_map, Cell.OCCUPIED), before)
+
+
 def test_what_is_too_near_to_be_measured_is_kept():
     wall = ((1.0, -2.0, 0.0), (1.2, 2.0, 2.0))
     world_map = map_of([FLOOR, wall], [HERE])

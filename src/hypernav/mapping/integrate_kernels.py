@@ -28,6 +28,8 @@ from numba.extending import register_jitable
 from hypernav.core.geometry import depth as depth_rule
 
 UNKNOWN, FREE, OCCUPIED = 0, 1, 2
+BELIEVED_RANGES = 3.0
+"""Depth, in ranges of the sensor, from which on it is no measurement but a code, as 65.535 m is."""
 
 is_measured = register_jitable(no_cfunc_wrapper=True)(depth_rule.is_measured)
 
@@ -108,12 +110,30 @@ def state_of(evidence, seen, bumps, row, column, enough):
 
 
 @register_jitable(no_cfunc_wrapper=True)
+def depth_at(depth, u, v):
+    """Depth of the pixel that holds (u, v); 0 beside the image."""
+    if u < 0.0 or v < 0.0 or u >= depth.shape[1] or v >= depth.shape[0]:
+        return np.float32(0.0)
+    return depth[int(v), int(u)]
+
+
+@register_jitable(no_cfunc_wrapper=True)
 def ends_behind(depth, lens, u, v, behind):
     """Whether the pixel that holds (u, v) measured something beyond `behind` metres of depth."""
-    if u < 0.0 or v < 0.0 or u >= depth.shape[1] or v >= depth.shape[0]:
-        return False
-    d = depth[int(v), int(u)]
+    d = depth_at(depth, u, v)
     return is_measured(d, lens[4], lens[5]) and d > behind
+
+
+@register_jitable(no_cfunc_wrapper=True)
+def passes(depth, lens, u, v, behind):
+    """Whether the ray of the pixel that holds (u, v) ends beyond `behind` metres of depth.
+
+    A measurement beyond the sensor's range is too inexact to be drawn; that the ray came so far is
+    sure. Without it, a person who stood before a distant wall would stay on the map for ever.
+    """
+    d = depth_at(depth, u, v)
+    is_far = is_measured(d, lens[5], BELIEVED_RANGES * lens[5])
+    return (is_far or is_measured(d, lens[4], lens[5])) and d > behind
 
 
 @register_jitable(no_cfunc_wrapper=True)
@@ -156,13 +176,13 @@ def sees_through(depth, lens, pose, x, y, h, sizes, margins):
     behind = z + margins[0] + margins[1] * z
     u = lens[0] * (pose[0] * x + pose[1] * y + pose[2] * h + pose[3]) / z + lens[2]
     v = lens[1] * (pose[4] * x + pose[5] * y + pose[6] * h + pose[7]) / z + lens[3]
-    if not ends_behind(depth, lens, u, v, behind):
+    if not passes(depth, lens, u, v, behind):
         return False
     du, dv = lens[0] * sizes[0] / 2 / z, lens[1] * sizes[1] / 2 / z
     for corner in range(4):
         u_corner = u + du if corner & 1 else u - du
         v_corner = v + dv if corner & 2 else v - dv
-        if not ends_behind(depth, lens, u_corner, v_corner, behind):
+        if not passes(depth, lens, u_corner, v_corner, behind):
             return False
     return True
 

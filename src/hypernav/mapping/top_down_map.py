@@ -113,7 +113,8 @@ class TopDownMap:
     def integrate(self, observation: Observation) -> None:
         """Add one frame to the map.
 
-        Depth that is 0, NaN, infinite or at and beyond the sensor's limits is ignored. A frame
+        Depth that is 0, NaN, infinite or at the sensor's limits is ignored, as is what is too near.
+        What is beyond its range is not drawn, but the ray has passed what lies before. A frame
         doesn't clear the voxels that it hits.
 
         Args:

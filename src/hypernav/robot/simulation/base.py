@@ -240,8 +240,7 @@ class SimulatedBase:
         return drawn_into(view, camera, pose, self.person, self._position[2])
 
     def _measured(self, view: RenderedView) -> Float32[np.ndarray, "height width"]:
-        """Depth as the sensor measures it."""
-        camera = self.embodiment.camera
+        """Depth as the sensor measures it: not cut off where it becomes too inexact to be drawn."""
         depth = noisy_depth(view.depth, self.world.config.noise, self._rng)
-        measured = is_measured(depth, camera.min_depth_m, camera.max_depth_m)
+        measured = is_measured(depth, self.embodiment.camera.min_depth_m)
         return np.where(measured, depth, np.float32(0.0))
