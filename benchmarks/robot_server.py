@@ -26,7 +26,8 @@ from hypernav.core.embodiment import Embodiment
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels
 from hypernav.robot.wire.frames import pack_observation
-from hypernav.robot.wire.messages import ObservationFacts, PlanarPose
+from hypernav.robot.wire.requests import ObservationFacts
+from hypernav.robot.wire.values import PlanarPose
 
 STEPS = 100
 ROBOTS = 4

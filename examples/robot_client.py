@@ -23,7 +23,7 @@ from hypernav.robot.client.links import HttpLink, HttpServer, ServerAddress
 from hypernav.robot.client.robot import Executed, Sensed
 from hypernav.robot.client.robot_client import RobotClient
 from hypernav.robot.client.stop_listener import StopListener
-from hypernav.robot.wire.messages import OpenSearch
+from hypernav.robot.wire.requests import OpenSearch
 
 
 class MyRobot:

@@ -20,7 +20,7 @@ from hypernav.core.trace import StepTrace
 from hypernav.robot.client.robot import Executed, Sensed
 from hypernav.robot.motion.velocity import Velocity
 from hypernav.robot.wire.frames import decode_observation, unpack_observation
-from hypernav.robot.wire.messages import Reply, SearchEnding
+from hypernav.robot.wire.replies import Reply, SearchEnding
 
 
 @dataclass

@@ -26,7 +26,8 @@ from hypernav.robot.server.limits import ServerLimits
 from hypernav.robot.server.searches import Searches
 from hypernav.robot.server.serving import RobotServer, listening
 from hypernav.robot.wire.frames import pack_observation
-from hypernav.robot.wire.messages import ObservationFacts, OpenSearch, PlanarPose
+from hypernav.robot.wire.requests import ObservationFacts, OpenSearch
+from hypernav.robot.wire.values import PlanarPose
 
 TOKEN = "a-secret-of-many-characters"
 

@@ -35,7 +35,7 @@ def run(options: Options) -> int:
     from hypernav.robot.server.guard import Access
     from hypernav.robot.server.limits import ServerLimits
     from hypernav.robot.server.serving import check_access, read_token, serve
-    from hypernav.robot.wire.messages import OpenSearch
+    from hypernav.robot.wire.requests import OpenSearch
 
     check_option("--port", options.port, (0, 65_535), "ports are whole numbers")
     check_option("--max-searches", options.max_searches, (1, 1000), "each takes a thread")

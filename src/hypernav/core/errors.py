@@ -155,7 +155,7 @@ class RequestRefusedError(HyPerNavError):
     """A robot's server refuses a request.
 
     Attributes:
-        error: Kind of the refusal, one word (`hypernav.robot.wire.messages.ErrorBody`).
+        error: Kind of the refusal, one word (`hypernav.robot.wire.replies.ErrorBody`).
         status: HTTP status that goes with it.
         expected: Sequence number that is expected, where a number was refused.
     """

@@ -16,7 +16,8 @@ from hypernav.robot.client.websocket_link import WebSocketLink
 from hypernav.robot.driving.driven_robot import DrivenRobot
 from hypernav.robot.simulation.base import SimulatedBase
 from hypernav.robot.simulation.faulty_link import FaultyLink, NetworkFaults
-from hypernav.robot.wire.messages import OpenSearch, SearchEnding
+from hypernav.robot.wire.replies import SearchEnding
+from hypernav.robot.wire.requests import OpenSearch
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.worlds.simulation import SimulatedWorld
 from robot_links import StandIn

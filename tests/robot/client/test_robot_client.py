@@ -15,7 +15,7 @@ from hypernav.robot.client.links import ServerAddress
 from hypernav.robot.client.robot_client import Patience, RobotClient
 from hypernav.robot.client.watchdog import Watchdog
 from hypernav.robot.wire.frames import unpack_observation
-from hypernav.robot.wire.messages import Reply, SearchEnding
+from hypernav.robot.wire.replies import Reply, SearchEnding
 from robot_links import StandIn
 
 

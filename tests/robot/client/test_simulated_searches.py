@@ -18,7 +18,7 @@ from hypernav.robot.driving.driven_robot import DrivenRobot
 from hypernav.robot.simulation.base import MishapConfig, SimulatedBase
 from hypernav.robot.simulation.faulty_link import FaultyLink, NetworkFaults
 from hypernav.robot.simulation.person import PersonConfig
-from hypernav.robot.wire.messages import SearchEnding
+from hypernav.robot.wire.replies import SearchEnding
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.worlds.simulation import SimulatedWorld
 from robot_links import AgentLink

@@ -29,7 +29,7 @@ def test_the_agent_decides_as_it_would_without_a_network(tmp_path):
     from hypernav.build.agents import build_agent
     from hypernav.core.goal import Goal
     from hypernav.robot.wire.frames import decode_observation, unpack_observation
-    from hypernav.robot.wire.messages import OpenSearch
+    from hypernav.robot.wire.requests import OpenSearch
 
     request = OpenSearch(goal="door", embodiment=BoxRoom().embodiment)
     plan, room, lens = real_plan(request), BoxRoom(), request.embodiment.camera

@@ -13,7 +13,9 @@ from hypernav.evaluation.field_study import ALL_GOALS, TrialResult, study_rows
 from hypernav.robot.server.state.journal import EndRecord, Journal, SearchRecord
 from hypernav.robot.trials.field_trial import read_trial
 from hypernav.robot.wire.frames import pack_observation
-from hypernav.robot.wire.messages import ObservationFacts, OpenSearch, PlanarPose, SearchEnding
+from hypernav.robot.wire.replies import SearchEnding
+from hypernav.robot.wire.requests import ObservationFacts, OpenSearch
+from hypernav.robot.wire.values import PlanarPose
 
 
 def finished(

@@ -18,7 +18,8 @@ from hypernav.robot.wire.frames import (
     pack_observation,
     unpack_observation,
 )
-from hypernav.robot.wire.messages import ObservationFacts, PlanarPose
+from hypernav.robot.wire.requests import ObservationFacts
+from hypernav.robot.wire.values import PlanarPose
 
 CAMERA = CameraConfig(width=40, height=30)
 FACTS = ObservationFacts(sequence=7, stamp_s=12.5, base_to_odom=PlanarPose(x=1.0, yaw=0.5))

@@ -10,14 +10,9 @@ from pydantic import ValidationError
 
 from hypernav.core.actions import Action
 from hypernav.core.geometry.camera import optical_to_base
-from hypernav.robot.wire.messages import (
-    Intrinsics,
-    ObservationFacts,
-    OpenSearch,
-    PlanarPose,
-    Reply,
-    StreamMessage,
-)
+from hypernav.robot.wire.replies import Reply, StreamMessage
+from hypernav.robot.wire.requests import Intrinsics, ObservationFacts, OpenSearch
+from hypernav.robot.wire.values import PlanarPose
 
 POSES = st.builds(
     PlanarPose,

@@ -39,7 +39,8 @@ from hypernav.robot.driving.driven_robot import DrivenRobot
 from hypernav.robot.simulation.base import MishapConfig, SimulatedBase
 from hypernav.robot.simulation.faulty_link import FaultyLink, NetworkFaults
 from hypernav.robot.simulation.person import PersonConfig
-from hypernav.robot.wire.messages import OpenSearch, SearchEnding, SearchOpened
+from hypernav.robot.wire.replies import SearchEnding, SearchOpened
+from hypernav.robot.wire.requests import OpenSearch
 from hypernav.worlds.config import NoiseConfig
 from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.simulation import SimulatedWorld

@@ -24,7 +24,8 @@ from hypernav.robot.client.robot_client import RobotClient
 from hypernav.robot.client.stop_listener import StopListener
 from hypernav.robot.driving.driven_robot import DrivenRobot
 from hypernav.robot.simulation.base import SimulatedBase
-from hypernav.robot.wire.messages import OpenSearch, SearchEnding
+from hypernav.robot.wire.replies import SearchEnding
+from hypernav.robot.wire.requests import OpenSearch
 from hypernav.robot.wire.waiting import GivenGoal, is_robot_name
 from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.simulation import SimulatedWorld

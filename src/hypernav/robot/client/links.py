@@ -16,15 +16,9 @@ from pydantic import BaseModel, ValidationError
 from hypernav.core.errors import LinkLostError, RequestRefusedError, RobotLinkError
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.trace import StepTrace
-from hypernav.robot.wire.messages import (
-    SEARCHES,
-    ErrorBody,
-    OpenSearch,
-    Reply,
-    SearchOpened,
-    Status,
-    StopRequest,
-)
+from hypernav.robot.wire.replies import ErrorBody, Reply, SearchOpened, Status
+from hypernav.robot.wire.requests import OpenSearch, StopRequest
+from hypernav.robot.wire.values import SEARCHES
 from hypernav.robot.wire.waiting import ROBOTS, GivenGoal
 
 MessageT = TypeVar("MessageT", bound=BaseModel)

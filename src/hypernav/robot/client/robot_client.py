@@ -16,7 +16,9 @@ from hypernav.robot.client.links import Link
 from hypernav.robot.client.robot import Executed, FollowsPaths, Robot, Sensed
 from hypernav.robot.client.watchdog import Watchdog
 from hypernav.robot.wire.frames import pack_observation
-from hypernav.robot.wire.messages import ObservationFacts, PlanarPose, Reply, RigidMatrix
+from hypernav.robot.wire.replies import Reply
+from hypernav.robot.wire.requests import ObservationFacts
+from hypernav.robot.wire.values import PlanarPose, RigidMatrix
 
 _LOG = logging.getLogger(__name__)
 _MADE_SHARE = 0.6

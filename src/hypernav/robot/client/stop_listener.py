@@ -6,7 +6,7 @@ from types import TracebackType
 
 from hypernav.core.errors import RequestRefusedError, RobotLinkError
 from hypernav.robot.client.links import HttpServer, ServerAddress
-from hypernav.robot.wire.messages import SearchEnding
+from hypernav.robot.wire.replies import SearchEnding
 
 _WAIT_S = 1.0
 _PAUSE_S = 0.2

@@ -8,7 +8,8 @@ from pydantic import ValidationError
 from hypernav.core.components.extras import require
 from hypernav.core.errors import LinkLostError, RequestRefusedError
 from hypernav.robot.client.links import ServerAddress
-from hypernav.robot.wire.messages import SEARCHES, Reply, StreamMessage
+from hypernav.robot.wire.replies import Reply, StreamMessage
+from hypernav.robot.wire.values import SEARCHES
 
 _CONNECT_S = 5.0
 

@@ -11,7 +11,7 @@ from hypernav.core.components.protocols import Agent
 from hypernav.core.errors import ConfigError
 from hypernav.core.goal import Goal
 from hypernav.robot.server.state.journal import MODEL_FILE
-from hypernav.robot.wire.messages import OpenSearch
+from hypernav.robot.wire.requests import OpenSearch
 
 
 @dataclass(frozen=True)

@@ -20,18 +20,9 @@ from hypernav.robot.server.operator.waiting import WaitingRobots
 from hypernav.robot.server.search import Search
 from hypernav.robot.server.searches import Searches
 from hypernav.robot.server.stream import Stream
-from hypernav.robot.wire.messages import (
-    LONGEST_WAIT_S,
-    SEARCHES,
-    ErrorBody,
-    Health,
-    OpenSearch,
-    Reply,
-    SearchEnding,
-    SearchOpened,
-    Status,
-    StopRequest,
-)
+from hypernav.robot.wire.replies import ErrorBody, Health, Reply, SearchEnding, SearchOpened, Status
+from hypernav.robot.wire.requests import OpenSearch, StopRequest
+from hypernav.robot.wire.values import LONGEST_WAIT_S, SEARCHES
 
 _Name = Annotated[str, Path(pattern=r"^[0-9a-f]{32}$", description="Name of the search.")]
 _Number = Annotated[int, Path(ge=0, le=1_000_000, description="Number of the observation.")]

@@ -12,7 +12,7 @@ from hypernav.core.trace import StepTrace
 from hypernav.robot.server.replies import reply_of, reply_out_of_steps
 from hypernav.robot.server.state.journal import Journal, StepRecord
 from hypernav.robot.wire.frames import PackedObservation, decode_observation, unpack_observation
-from hypernav.robot.wire.messages import ObservationFacts
+from hypernav.robot.wire.requests import ObservationFacts
 
 _LOG = logging.getLogger(__name__)
 _BLOCKED = "the robot says that it was blocked"

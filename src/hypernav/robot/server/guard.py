@@ -18,7 +18,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from hypernav.core.errors import RequestRefusedError
 from hypernav.robot.server.limits import ServerLimits
 from hypernav.robot.wire.frames import MOST_BODY_BYTES
-from hypernav.robot.wire.messages import ErrorBody
+from hypernav.robot.wire.replies import ErrorBody
 
 API = "/v1"
 _OBSERVATIONS = "/observations"

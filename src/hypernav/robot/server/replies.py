@@ -12,7 +12,7 @@ from hypernav.core.trace import Ending, StepTrace
 from hypernav.robot.motion.config import DriveConfig
 from hypernav.robot.motion.obstacles import MapObstacles
 from hypernav.robot.motion.pure_pursuit import PurePursuit
-from hypernav.robot.wire.messages import Reply, SearchEnding, Velocity
+from hypernav.robot.wire.replies import Reply, SearchEnding, Velocity
 
 _SURROUNDINGS_M = 3.0
 _SUGGESTED_S = 1.0

@@ -19,7 +19,7 @@ from hypernav.robot.server.state.journal import EndRecord, Journal, StepRecord
 from hypernav.robot.server.turns import Turn, Turns
 from hypernav.robot.server.worker import Worker
 from hypernav.robot.wire.frames import PackedObservation, unpack_observation
-from hypernav.robot.wire.messages import MapExtent, Reply, SearchEnding, SearchState, Status
+from hypernav.robot.wire.replies import MapExtent, Reply, SearchEnding, SearchState, Status
 
 _LOG = logging.getLogger(__name__)
 

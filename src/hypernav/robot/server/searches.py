@@ -18,7 +18,7 @@ from hypernav.robot.server.decisions import Decisions
 from hypernav.robot.server.limits import ServerLimits
 from hypernav.robot.server.search import Search
 from hypernav.robot.server.state.journal import Journal, SearchRecord
-from hypernav.robot.wire.messages import OpenSearch
+from hypernav.robot.wire.requests import OpenSearch
 
 _LOG = logging.getLogger(__name__)
 _PATIENCE_S = 2.0

@@ -9,7 +9,7 @@ from hypernav.robot.server.guard import Allowances
 from hypernav.robot.server.search import Search
 from hypernav.robot.server.searches import Searches
 from hypernav.robot.server.turns import Turn
-from hypernav.robot.wire.messages import ErrorBody, Reply, SearchEnding, StreamMessage
+from hypernav.robot.wire.replies import ErrorBody, Reply, SearchEnding, StreamMessage
 
 _UNKNOWN = 4404
 _ENDED_BY_HAND = frozenset({SearchEnding.STOPPED, SearchEnding.CLOSED})

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from hypernav.core.actions import Action
 from hypernav.core.errors import RequestRefusedError, RunFolderError, WireError
 from hypernav.robot.server.state.journal import EndRecord
-from hypernav.robot.wire.messages import Reply
+from hypernav.robot.wire.replies import Reply
 
 
 @dataclass(eq=False)

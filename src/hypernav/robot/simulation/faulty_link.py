@@ -8,7 +8,7 @@ from pydantic import Field
 from hypernav.core.config import RoomConfig
 from hypernav.core.errors import LinkLostError, RequestRefusedError
 from hypernav.robot.client.links import Link
-from hypernav.robot.wire.messages import Reply
+from hypernav.robot.wire.replies import Reply
 
 
 class NetworkFaults(RoomConfig):

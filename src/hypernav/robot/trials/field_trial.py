@@ -15,7 +15,7 @@ from hypernav.core.files.yaml_text import parse_yaml
 from hypernav.core.metrics import EpisodeMetrics, measure
 from hypernav.robot.server.state.journal import Journal
 from hypernav.robot.wire.frames import first_mistake, unpack_observation
-from hypernav.robot.wire.messages import SearchEnding
+from hypernav.robot.wire.replies import SearchEnding
 
 TRIAL_FILE = "trial.yaml"
 _MOST_BYTES = 10_000

@@ -23,14 +23,14 @@ from hypernav.core.files.image_sizes import image_size
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.observation import LabelledPixels, Observation
-from hypernav.robot.wire.messages import (
-    MAP_REACH_M,
+from hypernav.robot.wire.requests import (
     ColourPart,
     DepthPart,
     LabelsPart,
     ObservationFacts,
     ObservationHeader,
 )
+from hypernav.robot.wire.values import MAP_REACH_M
 
 MOST_HEADER_BYTES = 300_000
 MOST_BODY_BYTES = 20_000_000

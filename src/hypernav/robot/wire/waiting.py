@@ -17,7 +17,7 @@ from typing import Annotated
 from pydantic import Field
 
 from hypernav.core.goal import MAX_GOAL_LENGTH
-from hypernav.robot.wire.messages import Message
+from hypernav.robot.wire.values import Message
 
 ROBOTS = "/v1/robots"
 """Path of the robots that wait; that of one is ``ROBOTS/NAME``."""

@@ -23,7 +23,8 @@ from hypernav.robot.client.stop_listener import StopListener
 from hypernav.robot.driving.driven_robot import DrivenRobot
 from hypernav.robot.server.searches import Searches
 from hypernav.robot.simulation.base import SimulatedBase
-from hypernav.robot.wire.messages import OpenSearch, SearchEnding
+from hypernav.robot.wire.replies import SearchEnding
+from hypernav.robot.wire.requests import OpenSearch
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.worlds.simulation import SimulatedWorld
 from servers.robots import TOKEN, body_of, real_plan, robot_server

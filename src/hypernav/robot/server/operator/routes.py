@@ -11,7 +11,8 @@ from hypernav.core.goal import Goal
 from hypernav.robot.server.operator.files import page_files
 from hypernav.robot.server.operator.waiting import WaitingRobots
 from hypernav.robot.server.searches import Searches
-from hypernav.robot.wire.messages import Status, StopRequest
+from hypernav.robot.wire.replies import Status
+from hypernav.robot.wire.requests import StopRequest
 from hypernav.robot.wire.waiting import (
     LONGEST_WAIT_FOR_GOAL_S,
     ROBOT_NAME,

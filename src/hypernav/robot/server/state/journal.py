@@ -32,7 +32,9 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.trace import StepTrace
 from hypernav.mapping.ros_map import load_ros_map, save_ros_map
 from hypernav.robot.server.state.append_only import AppendOnlyFile
-from hypernav.robot.wire.messages import Message, OpenSearch, Reply, SearchEnding, SearchId
+from hypernav.robot.wire.replies import Reply, SearchEnding
+from hypernav.robot.wire.requests import OpenSearch
+from hypernav.robot.wire.values import Message, SearchId
 
 MODEL_FILE = "model.jsonl"
 _MAP_FILE = "map.yaml"

@@ -1,0 +1,177 @@
+"""What the server sends: replies to observations, the state of a search, refusals."""
+
+from enum import StrEnum
+
+from hypernav.core.actions import Action
+from hypernav.core.trace import Mode
+from hypernav.robot.wire.values import Message, SearchId
+
+
+class SearchOpened(Message):
+    """The answer to `OpenSearch`.
+
+    Attributes:
+        id: Name of the search, for all paths.
+        next_sequence: Number of the observation that is expected next: 0 for a new search.
+        version: Version of hypernav on the server.
+        words: Detector and reasoner in use, for people.
+    """
+
+    id: SearchId
+    next_sequence: int
+    version: str
+    words: str
+
+
+class Velocity(Message):
+    """A suggestion for a robot that drives continuously, in its base frame (REP 103).
+
+    Attributes:
+        linear_m_s: Speed forward, metres a second.
+        angular_rad_s: Rotation to the left, radians a second.
+    """
+
+    linear_m_s: float
+    angular_rad_s: float
+
+
+class SearchEnding(StrEnum):
+    """Endings of a search."""
+
+    FOUND = "found"
+    """The agent says that the goal is here."""
+    GAVE_UP = "gave up"
+    """The agent knows of nothing left to try, or the steps ran out."""
+    STOPPED = "stopped"
+    """Someone pressed stop."""
+    MODEL_UNAVAILABLE = "model unavailable"
+    """A model did not answer; this says nothing about the search."""
+    FAILED = "failed"
+    """The server could not go on; its log says why."""
+    CLOSED = "closed"
+    """The search was closed before its end."""
+
+
+class Reply(Message):
+    """The answer to an observation.
+
+    Attributes:
+        sequence: Number of the observation.
+        hold: Whether the decision is still pending: stand still, and ask again.
+        action: What to do, once; STOP when the search is over, None while it is on hold.
+        destination: Position ``(x, y)`` that the robot is going to, ``map`` frame, metres.
+        path: Rest of the path there, from the robot on, ``map`` frame, metres.
+        clearance_m: Distance from the robot to the nearest obstacle on the map, metres; None if
+            there is none within 3 m.
+        velocity: Suggestion for continuous driving at the pose of the observation.
+        mode: What the agent is about.
+        reason: Reason for the action, in one short sentence for people.
+        done: Whether the search is over.
+        ending: How it ended.
+    """
+
+    sequence: int
+    hold: bool = False
+    action: Action | None = None
+    destination: tuple[float, float] | None = None
+    path: tuple[tuple[float, float], ...] = ()
+    clearance_m: float | None = None
+    velocity: Velocity | None = None
+    mode: Mode | None = None
+    reason: str = ""
+    done: bool = False
+    ending: SearchEnding | None = None
+
+
+class MapExtent(Message):
+    """Where the present map lies: cell (0, 0) is the lower left, and the PNG's last row."""
+
+    rows: int
+    columns: int
+    resolution_m: float
+    origin: tuple[float, float]
+
+
+class SearchState(StrEnum):
+    """States of a search."""
+
+    RESUMING = "resuming"
+    """The server was restarted and repeats what it has seen."""
+    WAITING = "waiting"
+    """The robot is to send the next observation."""
+    DECIDING = "deciding"
+    """The last observation is not answered yet."""
+    ENDED = "ended"
+    """The search is over."""
+
+
+class Status(Message):
+    """The present state of a search.
+
+    Attributes:
+        id: Name of the search.
+        version: Number of the state, another one after every change; with
+            ``GET …/ID?after=VERSION&wait_s=20`` the next change is waited for.
+        goal: What is searched for.
+        words: Detector and reasoner in use, for people.
+        opened_s: Time of opening, seconds since 1970.
+        state: What the search is waiting for.
+        next_sequence: Number of the observation that is expected next.
+        last: The last answer; None before the first.
+        pose: Last pose of the robot ``(x, y, yaw)``, ``map`` frame.
+        map: Extent of the map; None before the first answer.
+        ending: How the search ended; None as long as it goes on.
+        detail: Why it was stopped or failed, for people.
+    """
+
+    id: SearchId
+    version: int
+    goal: str
+    words: str
+    opened_s: float
+    state: SearchState
+    next_sequence: int
+    last: Reply | None = None
+    pose: tuple[float, float, float] | None = None
+    map: MapExtent | None = None
+    ending: SearchEnding | None = None
+    detail: str = ""
+
+
+class Health(Message):
+    """That the server is there.
+
+    Attributes:
+        version: Version of hypernav on the server.
+    """
+
+    version: str
+
+
+class ErrorBody(Message):
+    """The body of every refusal, whatever its HTTP status.
+
+    Attributes:
+        error: Kind of the refusal, one word: "sequence", "pending", "invalid", "unknown",
+            "too-large", "busy", "unauthorised", "forbidden", "storage", "internal", …
+        message: What was expected, what was found and what to do, for people.
+        expected: Sequence number that is expected, where a number was refused.
+    """
+
+    error: str
+    message: str
+    expected: int | None = None
+
+
+class StreamMessage(Message):
+    """A text message of the server over the WebSocket: a reply or a refusal.
+
+    Attributes:
+        reply: Answer to an observation; also pushed, unasked, when someone presses stop.
+        error: Refusal of the latest message.
+        status: HTTP status that goes with the refusal.
+    """
+
+    reply: Reply | None = None
+    error: ErrorBody | None = None
+    status: int = 200

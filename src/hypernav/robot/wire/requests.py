@@ -1,0 +1,167 @@
+"""What a robot sends: the search that it opens, its observations, and stop."""
+
+import math
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from hypernav.core.config import MOST_STEPS
+from hypernav.core.embodiment import Embodiment
+from hypernav.core.geometry.camera import PinholeCamera
+from hypernav.core.geometry.transforms import Transform
+from hypernav.core.goal import MAX_GOAL_LENGTH
+from hypernav.core.labels import ObjectLabel
+from hypernav.robot.wire.values import LONGEST_WAIT_S, Message, PlanarPose, RigidMatrix
+
+_MOST_IMAGE_BYTES = 100_000_000
+
+
+class Intrinsics(Message):
+    """Focal lengths and principal point of the camera, pixels; the image begins at (0, 0).
+
+    Attributes:
+        fx: Horizontal focal length.
+        fy: Vertical focal length.
+        cx: Column coordinate of the principal point.
+        cy: Row coordinate of the principal point.
+    """
+
+    fx: float = Field(gt=1.0, le=1e5)
+    fy: float = Field(gt=1.0, le=1e5)
+    cx: float = Field(ge=-1e4, le=1e5)
+    cy: float = Field(ge=-1e4, le=1e5)
+
+
+class OpenSearch(Message):
+    """The request for a search.
+
+    Attributes:
+        goal: What to find, as text.
+        embodiment: Body, camera and actions of the robot; missing values are those of
+            Habitat's HM3D robot.
+        intrinsics: Calibration of the camera; None means square pixels, ``hfov_deg`` and a central
+            principal point. With it, ``hfov_deg`` is calculated.
+        preset: Values of the method; None takes the server's.
+        agent: Name of an agent; None takes the server's.
+        max_steps: Number of observations after which the search ends as given up.
+        deadline_s: Longest wait for an answer before the reply says ``hold``, seconds.
+        key: Word that the robot makes up once a search. Opening again with the same key gives the
+            same search, so that a lost answer leaves no second one behind.
+    """
+
+    goal: str = Field(min_length=1, max_length=MAX_GOAL_LENGTH)
+    embodiment: Embodiment = Embodiment()
+    intrinsics: Intrinsics | None = None
+    preset: Literal["default", "paper"] | None = None
+    agent: Annotated[str, Field(pattern=r"^[a-z][a-z0-9-]{0,39}$")] | None = None
+    max_steps: int = Field(default=500, ge=1, le=MOST_STEPS)
+    deadline_s: float = Field(default=1.0, ge=0.05, le=LONGEST_WAIT_S)
+    key: Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{8,64}$")] | None = None
+
+    @model_validator(mode="after")
+    def _field_of_view_is_possible(self) -> "OpenSearch":
+        hfov_deg = math.degrees(self.camera.hfov)
+        if not 1.0 <= hfov_deg <= 170.0:
+            raise ValueError(
+                f"the intrinsics mean a horizontal field of view of {hfov_deg:.1f} degrees, "
+                "expected hfov_deg from 1 to 170"
+            )
+        return self
+
+    @property
+    def camera(self) -> PinholeCamera:
+        """The camera model of the images to come."""
+        camera = self.embodiment.camera
+        if self.intrinsics is None:
+            return camera.intrinsics
+        return PinholeCamera(camera.width, camera.height, **self.intrinsics.model_dump())
+
+    @property
+    def robot(self) -> Embodiment:
+        """The robot, with the field of view that its calibration means."""
+        if self.intrinsics is None:
+            return self.embodiment
+        values = self.embodiment.model_dump()
+        values["camera"]["hfov_deg"] = math.degrees(self.camera.hfov)
+        return Embodiment.model_validate(values)
+
+
+class ObservationFacts(Message):
+    """What an observation says beside its images.
+
+    Attributes:
+        sequence: Number of the observation in its search, from 0 without gaps.
+        stamp_s: Time at which the images were taken, on the robot's clock, seconds.
+        base_to_odom: Pose of the robot in the frame of its odometry, which drifts but never jumps.
+        odom_to_map: Pose of the odometry frame in the ``map`` frame, by localisation; may jump.
+            Without localisation both frames are one.
+        camera_to_base: Pose of the camera on the robot: the transform from the optical to the base
+            frame. None takes height and pitch of the search's embodiment.
+        blocked: Whether the robot says that its last motion did not happen; noted in the trace.
+    """
+
+    sequence: int = Field(ge=0, le=MOST_STEPS)
+    stamp_s: float = Field(ge=0.0, le=1e12)
+    base_to_odom: PlanarPose
+    odom_to_map: PlanarPose = PlanarPose()
+    camera_to_base: RigidMatrix | None = None
+    blocked: bool = False
+
+    @property
+    def base_to_map(self) -> Transform:
+        """Pose of the robot in the ``map`` frame."""
+        return self.odom_to_map.transform @ self.base_to_odom.transform
+
+
+class ColourPart(Message):
+    """The colour image: format, and number of bytes after the header."""
+
+    format: Literal["jpeg", "png"]
+    bytes: int = Field(ge=1, le=_MOST_IMAGE_BYTES)
+
+
+class DepthPart(Message):
+    """The depth image, of the same size and seen by the same camera.
+
+    ``png-mm`` is a 16-bit grey PNG in millimetres, ``float32`` little-endian metres row by row; 0,
+    and in the latter NaN, where there is no return.
+    """
+
+    format: Literal["png-mm", "float32"]
+    bytes: int = Field(ge=1, le=_MOST_IMAGE_BYTES)
+
+
+class LabelsPart(Message):
+    """True labels, which a simulated robot may add for a server without a model.
+
+    Attributes:
+        bytes: Size of a 16-bit grey PNG: numbers of instances plus 1, 0 where there is none.
+        names: Labels of the instances.
+    """
+
+    bytes: int = Field(ge=1, le=_MOST_IMAGE_BYTES)
+    names: dict[Annotated[int, Field(ge=0, le=65_534)], ObjectLabel] = Field(max_length=2000)
+
+
+class ObservationHeader(ObservationFacts):
+    """The first line of an observation: facts, and which images follow in this order.
+
+    Attributes:
+        colour: The colour image.
+        depth: The depth image.
+        labels: True labels, in simulation only.
+    """
+
+    colour: ColourPart
+    depth: DepthPart
+    labels: LabelsPart | None = None
+
+
+class StopRequest(Message):
+    """The stop button.
+
+    Attributes:
+        reason: Who pressed it, or why; shown to people.
+    """
+
+    reason: str = Field(default="", max_length=200)
