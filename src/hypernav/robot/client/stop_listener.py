@@ -2,10 +2,10 @@
 
 import threading
 from collections.abc import Callable
-from types import TracebackType
 
 from hypernav.core.errors import RequestRefusedError, RobotLinkError
 from hypernav.robot.client.links import HttpServer, ServerAddress
+from hypernav.robot.client.side_thread import SideThread
 from hypernav.robot.wire.replies import SearchEnding
 
 _WAIT_S = 1.0
@@ -13,8 +13,10 @@ _PAUSE_S = 0.2
 _BY_HAND = frozenset({SearchEnding.STOPPED, SearchEnding.CLOSED})
 
 
-class StopListener:
+class StopListener(SideThread):
     """Waits beside a search until someone presses stop, over a connection of its own.
+
+    It ends a second after the ``with`` block, at the latest.
 
     Example:
         >>> with StopListener(address, opened.id, client.stop):  # doctest: +SKIP
@@ -33,31 +35,14 @@ class StopListener:
         self._server = HttpServer(address)
         self._search_id = search_id
         self._on_stop = on_stop
-        self._ended = threading.Event()
-        self._thread = threading.Thread(target=self._listen, daemon=True)
 
-    def __enter__(self) -> "StopListener":
-        """Begin to listen."""
-        self._thread.start()
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        """End listening, a second later at most."""
-        self._ended.set()
-        self._thread.join()
-
-    def _listen(self) -> None:
+    def _work_until(self, block_ended: threading.Event) -> None:
         version = -1
-        while not self._ended.is_set():
+        while not block_ended.is_set():
             try:
                 status = self._server.status(self._search_id, after=version, wait_s=_WAIT_S)
             except (RobotLinkError, RequestRefusedError):
-                self._ended.wait(_PAUSE_S)  # the search itself notices what is wrong
+                block_ended.wait(_PAUSE_S)  # the search itself notices what is wrong
                 version = -1  # a server that was started again counts anew
                 continue
             version = status.version

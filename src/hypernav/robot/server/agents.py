@@ -1,6 +1,7 @@
 """Agents for searches: each search has one of its own, built for its robot."""
 
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -43,13 +44,12 @@ class AgentPlan:
         built = build_agent(
             self.config, self.specs, record=folder / MODEL_FILE if asks else None, resume=True
         )
-        try:
+        with ExitStack() as failed:
+            failed.callback(built.close)
             _check_explains(built.agent)
             built.check_goal(goal)
             built.agent.reset(goal)
-        except BaseException:
-            built.close()
-            raise
+            failed.pop_all()
         return built
 
 

@@ -2,6 +2,7 @@
 
 import logging
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 
@@ -33,6 +34,7 @@ class Search:
         grid: Map after the last decision; None before the first.
         pose: Last pose of the robot ``(x, y, yaw)``, ``map`` frame; None before the first.
         colour: Format and bytes of the last colour image; None before the first.
+        heard_s: When its robot was last heard of, or it was taken up, on `time.monotonic`.
     """
 
     _decisions: Decisions  # from `go_on`, before a worker asks it
@@ -48,6 +50,7 @@ class Search:
         self.grid: OccupancyGrid | None = None
         self.pose: tuple[float, float, float] | None = None
         self.colour: tuple[str, bytes] | None = None
+        self.heard_s = time.monotonic()
         self._journal = journal
         self._lock = threading.RLock()
         self._version = 0
@@ -82,8 +85,8 @@ class Search:
         Args:
             decisions: Agent that has its goal and has seen nothing.
         """
-        self._worker = Worker(f"search {self.record.id[:8]}")
         self._decisions = decisions
+        self._worker = Worker(f"search {self.record.id[:8]}", self._fail)
         if (last := self._turns.last) is not None:
             self._is_resuming = True
             self._worker.submit(lambda: self._resume(last))
@@ -98,6 +101,7 @@ class Search:
             WireError: The observation is broken.
             RequestRefusedError: Another number is expected.
         """
+        self.heard_s = time.monotonic()
         packed = unpack_observation(body)
         with self._lock:
             turn = self._turns.known(packed.header.sequence)
@@ -115,6 +119,7 @@ class Search:
         Raises:
             RequestRefusedError: The number is not the last one.
         """
+        self.heard_s = time.monotonic()
         with self._lock:
             return self._turns.asked_again(sequence)
 
@@ -259,6 +264,12 @@ class Search:
         self.stop(detail, ending)
         self.write_end()
 
+    def _fail(self) -> None:
+        """End the search after a fault of ours: no robot waits for an answer that never comes."""
+        with self._ending_at_errors():
+            self._finish(SearchEnding.FAILED, "an error of the server, whose log says more")
+        self._release()
+
     def _release(self) -> None:
         self._decisions.close()
         self._journal.close()
@@ -270,7 +281,7 @@ class Search:
 
     @contextmanager
     def _ending_at_errors(self) -> Iterator[None]:
-        """End the search if the block fails: no robot waits for an answer that never comes."""
+        """End the search if the block fails for a reason that can be told."""
         try:
             try:
                 yield
@@ -279,9 +290,6 @@ class Search:
             except HyPerNavError as error:
                 _LOG.error("search %s: %s", self.record.id, error)
                 self._finish(SearchEnding.FAILED, str(error))
-            except Exception:  # a fault of ours; the robot is told, and the log has the traceback
-                _LOG.exception("search %s failed", self.record.id)
-                self._finish(SearchEnding.FAILED, "an error of the server, whose log says more")
         except RunFolderError as error:
             _LOG.error("search %s: %s", self.record.id, error)
 

@@ -3,6 +3,7 @@
 import queue
 import threading
 from collections.abc import Callable
+from contextlib import ExitStack
 
 Job = Callable[[], object]
 
@@ -12,21 +13,24 @@ class Worker:
 
     Compiled kernels, image decoding and questions to a model all release Python's lock. The thread
     is a daemon: a model that does not answer keeps no server from ending, and what is cut off so is
-    resumed as after a crash.
+    resumed as after a crash. A job that raises ends the thread, and Python reports its traceback on
+    standard error (`threading.excepthook`).
     """
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, on_failure: Job) -> None:
         """Start the thread.
 
         Args:
             name: Name of the thread, for people.
+            on_failure: Function to call in the thread if a job raises: no other job will be done.
         """
+        self._on_failure = on_failure
         self._jobs: queue.SimpleQueue[Job | None] = queue.SimpleQueue()
         self._thread = threading.Thread(target=self._work, name=name, daemon=True)
         self._thread.start()
 
     def submit(self, job: Job) -> None:
-        """Add a job, which must not raise."""
+        """Add a job."""
         self._jobs.put(job)
 
     def end(self) -> None:
@@ -38,5 +42,8 @@ class Worker:
         self._thread.join(timeout_s)
 
     def _work(self) -> None:
-        while (job := self._jobs.get()) is not None:
-            job()
+        with ExitStack() as failed:
+            failed.callback(self._on_failure)
+            while (job := self._jobs.get()) is not None:
+                job()
+            failed.pop_all()

@@ -1,0 +1,34 @@
+"""A thread beside a ``with`` block."""
+
+import threading
+from abc import ABC, abstractmethod
+from types import TracebackType
+
+
+class SideThread(ABC):
+    """Works in a thread of its own while a ``with`` block runs, and has ended after it.
+
+    The block may wait for the network, or hang; the thread goes on.
+    """
+
+    def __enter__(self) -> None:
+        """Begin to work."""
+        self._block_ended = threading.Event()
+        self._thread = threading.Thread(
+            target=self._work_until, args=(self._block_ended,), daemon=True
+        )
+        self._thread.start()
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Wait until the work has ended."""
+        self._block_ended.set()
+        self._thread.join()
+
+    @abstractmethod
+    def _work_until(self, block_ended: threading.Event) -> None:
+        """Work, and come back soon after the block has ended."""
