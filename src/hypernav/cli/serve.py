@@ -39,6 +39,7 @@ def run(options: Options) -> int:
 
     check_option("--port", options.port, (0, 65_535), "ports are whole numbers")
     check_option("--max-searches", options.max_searches, (1, 1000), "each takes a thread")
+    check_option("--idle-minutes", options.idle_minutes, (0.0, 1e6), "a year has half a million")
     if options.who.record is not None:
         raise ConfigError("--record: a server records the exchanges of every search in --state")
     token = None if options.token_file is None else read_token(options.token_file)
@@ -71,7 +72,7 @@ def run(options: Options) -> int:
             soft_wrap=True,
         )
 
-    limits = ServerLimits(searches=options.max_searches)
+    limits = ServerLimits(searches=options.max_searches, idle_s=60.0 * options.idle_minutes)
     with warm_up_in_background(console.print):
         serve(access, options.port, options.state, plan, limits, on_start=say)
     return ExitStatus.SUCCESS

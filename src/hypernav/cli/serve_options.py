@@ -20,5 +20,7 @@ class Options:
     """Folder of all searches; those under way go on from it after a restart."""
     max_searches: int = 8
     """Maximum number of searches under way at once."""
+    idle_minutes: float = 60.0
+    """Minutes without a word of its robot after which a search ends if another needs the slot."""
     who: FlatAgentOptions = field(default_factory=AgentOptions)
     """The options that configure the agents."""

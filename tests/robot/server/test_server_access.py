@@ -2,6 +2,7 @@
 
 import os
 import socket
+import time
 
 import pytest
 
@@ -97,6 +98,20 @@ def test_searches_are_limited(tmp_path):
         assert first.rpartition("/")[2] in refused.json["message"]
         link.call("POST", f"{first}/close")
         link.open()
+
+
+def test_a_search_of_which_nothing_is_heard_gives_its_slot_to_one_that_needs_it(tmp_path):
+    with robot_server(tmp_path, limits=ServerLimits(searches=2, idle_s=0.5)) as link:
+        forgotten, heard = link.open("quick"), link.open("quick")
+        time.sleep(0.5)
+        link.observe(heard, body_of(0))
+        assert link.call("GET", forgotten).json["ending"] is None
+        link.call("POST", "/v1/searches", {"goal": "bed", "agent": "no-such"})
+        assert link.call("GET", forgotten).json["ending"] is None
+        link.open("quick")
+        assert link.call("GET", forgotten).json["ending"] == "closed"
+        assert "not heard of" in link.observe(forgotten, body_of(0)).json["reason"]
+        assert link.call("GET", heard).json["ending"] is None
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,8 @@ class ServerLimits(RoomConfig):
 
     Attributes:
         searches: Searches under way at once, each with a thread and a map.
+        idle_s: Time without a word of its robot after which a search gives its slot to another
+            robot that needs one, seconds.
         kept: Searches in the state folder, finished ones included.
         pixels: Pixels of a camera image.
         requests_per_s: Requests and messages of one address a second, on average.
@@ -19,6 +21,7 @@ class ServerLimits(RoomConfig):
     """
 
     searches: int = Field(default=8, ge=1, le=1000)
+    idle_s: float = Field(default=3600.0, ge=0.0, le=1e9)
     kept: int = Field(default=10_000, ge=1, le=1_000_000)
     pixels: int = Field(default=2_100_000, ge=64, le=10_000_000)
     requests_per_s: float = Field(default=200.0, gt=0.0, le=1e6)

@@ -18,7 +18,9 @@ from hypernav.robot.server.decisions import Decisions
 from hypernav.robot.server.limits import ServerLimits
 from hypernav.robot.server.search import Search
 from hypernav.robot.server.state.journal import Journal, SearchRecord
+from hypernav.robot.wire.replies import SearchEnding
 from hypernav.robot.wire.requests import OpenSearch
+from hypernav.robot.wire.values import SEARCHES
 
 _LOG = logging.getLogger(__name__)
 _PATIENCE_S = 2.0
@@ -90,6 +92,7 @@ class Searches:
             if request.key is not None and request.key in self._keys:
                 return self._searches[self._keys[request.key]]
             self._check_room(request)
+            forgotten = self._forgotten()
             name = secrets.token_hex(16)
             folder = self._folder / name
             try:
@@ -98,6 +101,10 @@ class Searches:
                 shutil.rmtree(folder, ignore_errors=True)
                 raise
             self._add(search)
+        if forgotten is not None:
+            ended = SearchEnding.CLOSED
+            forgotten.stop("its robot was not heard of, and another needed the slot", ended)
+            forgotten.write_end()
         if self._stops > stops:
             search.stop("stopped while it was opened")
             search.write_end()
@@ -168,6 +175,28 @@ class Searches:
             return
         self._add(search)
 
+    def _forgotten(self) -> Search | None:
+        """The search whose slot is needed, and whose robot was not heard of; None if there is room.
+
+        Raises:
+            RequestRefusedError: All robots were heard of.
+        """
+        under_way = [search for search in self._searches.values() if not search.is_over]
+        if len(under_way) < self._limits.searches:
+            return None
+        quietest = min(under_way, key=lambda search: search.heard_s)
+        idle_s = time.monotonic() - quietest.heard_s
+        if idle_s < self._limits.idle_s:
+            raise RequestRefusedError(
+                f"{len(under_way)} searches are under way, as many as there may be; close one by "
+                f"POST {SEARCHES}/ID/close. That of which nothing was heard for longest, "
+                f"{quietest.record.id}, ends by itself after another "
+                f"{(self._limits.idle_s - idle_s) / 60.0:.0f} minutes without a word",
+                error="busy",
+                status=429,
+            )
+        return quietest
+
     def _add(self, search: Search) -> None:
         self._searches[search.record.id] = search
         if search.record.request.key is not None:
@@ -182,14 +211,6 @@ class Searches:
                 f"{limits.pixels:,} are taken; send smaller ones",
                 error="too-large",
                 status=422,
-            )
-        under_way = [search for search in self._searches.values() if not search.is_over]
-        if len(under_way) >= limits.searches:
-            raise RequestRefusedError(
-                f"{len(under_way)} searches are under way, as many as there may be; stop or close "
-                f"one: {', '.join(search.record.id for search in under_way[:3])}, …",
-                error="busy",
-                status=429,
             )
         if len(self._searches) >= limits.kept:
             raise RequestRefusedError(
