@@ -109,14 +109,15 @@ class StandIn:
         self.executed: list[Action] = []
         self.stops = 0
         self.begun, self.stopped = threading.Event(), threading.Event()
-        self.hangs = False
+        self.hangs = self.camera_hangs = False
 
     def observe(self) -> Sensed:
         size = (self.embodiment.camera.height, self.embodiment.camera.width)
         rgb, depth = np.zeros((*size, 3), dtype=np.uint8), np.ones(size, dtype=np.float32)
         labels = LabelledPixels(np.full(size, -1, dtype=np.int32), {})
         pose = Pose2(self.x, 0.0, 0.0)
-        return Sensed(rgb, depth, pose, stamp_s=self.x, truth=labels)
+        stamp_s = 0.0 if self.camera_hangs else self.x
+        return Sensed(rgb, depth, pose, stamp_s=stamp_s, truth=labels)
 
     def execute(self, action: Action) -> Executed:
         self.executed.append(action)

@@ -178,5 +178,9 @@ class LinkLostError(RobotLinkError):
     """A request of a robot or its answer got lost; nobody knows which."""
 
 
+class CameraHangsError(HyPerNavError):
+    """A robot has moved, and its images are those of before."""
+
+
 class ServerUnreachableError(RobotLinkError):
     """A robot's server gave no answer for longer than the patience; the robot stands still."""

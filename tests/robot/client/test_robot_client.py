@@ -6,6 +6,7 @@ import pytest
 
 from hypernav.core.actions import Action
 from hypernav.core.errors import (
+    CameraHangsError,
     LinkLostError,
     RequestRefusedError,
     RobotLinkError,
@@ -115,6 +116,16 @@ def test_stop_ends_a_motion_under_way_and_allows_no_other():
     assert link.asked == [0]
 
 
+def test_images_of_before_a_motion_end_the_search():
+    robot = StandIn()
+    robot.camera_hangs = True
+    link = Script(go(0), go(1))
+    with pytest.raises(CameraHangsError, match=r"moved 0\.50 m"):
+        list(RobotClient(robot, link))
+    assert robot.executed == [Action.MOVE_FORWARD]
+    assert robot.stops > 0
+
+
 def test_after_stop_nothing_begins():
     robot, link = StandIn(), Script(go(0))
     client = RobotClient(robot, link)
@@ -123,42 +134,38 @@ def test_after_stop_nothing_begins():
     assert robot.executed == []
 
 
-class FakeTimer:
-    """A timer whose time the test lets pass."""
+class FakeClock:
+    """Time that passes only when the test says so."""
 
-    def __init__(self, seconds, act) -> None:
-        self.seconds, self.act, self.cancelled = seconds, act, False
-        self.started = False
-        timers.append(self)
+    def __init__(self) -> None:
+        self._changed = threading.Condition()
+        self._now_s = 0.0
 
-    def start(self) -> None:
-        self.started = True
-
-    def cancel(self) -> None:
-        self.cancelled = True
+    def wait(self, event: threading.Event, seconds: float) -> bool:
+        with self._changed:
+            while self._now_s < seconds and not event.is_set():
+                self._changed.wait(0.001)
+            return self._now_s < seconds
 
     def pass_time(self, seconds: float) -> None:
-        if self.started and not self.cancelled and seconds >= self.seconds:
-            self.act()
-
-
-timers: list[FakeTimer] = []
+        with self._changed:
+            self._now_s += seconds
 
 
 @pytest.mark.parametrize(("seconds", "stops"), [(0.49, 0), (0.5, 1), (9.0, 1)])
 def test_the_watchdog_stops_the_robot_at_the_deadline(seconds, stops):
-    robot = StandIn()
-    watchdog = Watchdog(0.5, robot.stop, timer=FakeTimer)
+    robot, clock = StandIn(), FakeClock()
+    watchdog = Watchdog(0.5, robot.stop, wait=clock.wait)
     with watchdog:
-        timers[-1].pass_time(seconds)
+        clock.pass_time(seconds)
     assert robot.stops == watchdog.times_late == stops
 
 
-def test_an_answer_in_time_calls_the_watchdog_off():
-    robot = StandIn()
-    with Watchdog(0.5, robot.stop, timer=FakeTimer):
+def test_after_an_answer_in_time_the_watchdog_does_nothing():
+    robot, clock = StandIn(), FakeClock()
+    with Watchdog(0.5, robot.stop, wait=clock.wait):
         pass
-    timers[-1].pass_time(9.0)
+    clock.pass_time(9.0)
     assert robot.stops == 0
 
 

@@ -19,7 +19,13 @@ ROBOT = Embodiment.model_validate({"camera": {"width": 80, "height": 60}})
 CAMERA = ROBOT.camera.intrinsics
 
 
-def seen(pole: tuple[float, float] | None = None, robot: Pose2 | None = None) -> DepthView:
+def seen(
+    pole: tuple[float, float] | None = None,
+    robot: Pose2 | None = None,
+    *,
+    stamp_s: float = 0.0,
+    missing: float = 0.0,
+) -> DepthView:
     """An endless floor with a pole of 20 cm radius, as the robot's camera measures it."""
     to_base = ROBOT.camera.camera_to_base
     rays = CAMERA.rays() @ to_base.rotation.T
@@ -39,7 +45,8 @@ def seen(pole: tuple[float, float] | None = None, robot: Pose2 | None = None) ->
         depth = np.minimum(depth, np.where(near > 0.0, near, np.inf))
     lens = ROBOT.camera
     measured = (depth > lens.min_depth_m) & (depth < lens.max_depth_m)
-    return DepthView(np.where(measured, depth, 0.0).astype(np.float32), CAMERA, to_base)
+    image = np.where(measured, depth, missing).astype(np.float32)
+    return DepthView(image, CAMERA, to_base, stamp_s)
 
 
 class FloorBase:
@@ -50,6 +57,7 @@ class FloorBase:
         self.pose, self.pole, self.stuck = Pose2(0.0, 0.0, 0.0), pole, stuck
         self.moving, self.ticks = threading.Event(), 0
         self.pole_stays = 10**9
+        self.camera_hangs_at = 10**9
 
     def sense(self) -> Sensed:
         raise NotImplementedError
@@ -58,7 +66,8 @@ class FloorBase:
         return self.pose
 
     def depth_view(self) -> DepthView:
-        return seen(self.pole if self.ticks < self.pole_stays else None, self.pose)
+        pole = self.pole if self.ticks < self.pole_stays else None
+        return seen(pole, self.pose, stamp_s=min(self.ticks, self.camera_hangs_at) / 10.0)
 
     def drive(self, velocity: Velocity, seconds: float) -> None:
         self.ticks += 1
@@ -117,11 +126,25 @@ def test_stop_ends_a_motion_from_another_thread():
     assert outcome == [Executed.STOPPED]
 
 
-def test_something_too_near_to_be_measured_makes_it_blind():
+@pytest.mark.parametrize("missing", [0.0, math.nan, math.inf])
+def test_something_too_near_to_be_measured_makes_it_blind(missing):
     safety = DepthSafety(ROBOT)
     robot = Pose2(0.0, 0.0, 0.0)
-    assert not safety.look(seen(), robot).is_blind
-    assert DepthSafety(ROBOT).look(seen(pole=(0.6, 0.0)), robot).is_blind
+    assert not safety.look(seen(missing=missing), robot).is_blind
+    assert DepthSafety(ROBOT).look(seen(pole=(0.6, 0.0), missing=missing), robot).is_blind
+
+
+def test_a_camera_that_hangs_makes_it_blind():
+    base = FloorBase()
+    base.camera_hangs_at = 3
+    assert DrivenRobot(base, patience_s=1.0).execute(Action.MOVE_FORWARD) is Executed.BLOCKED
+    assert base.pose.x < 0.3
+
+
+def test_a_slow_camera_does_not():
+    safety = DepthSafety(ROBOT)
+    looks = [safety.look(seen(stamp_s=tick // 3), Pose2(0.0, 0.0, 0.0)) for tick in range(12)]
+    assert not any(ahead.is_blind for ahead in looks)
 
 
 def test_what_came_too_near_to_be_measured_is_remembered():

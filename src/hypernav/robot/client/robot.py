@@ -22,10 +22,11 @@ class Sensed:
 
     Attributes:
         rgb: Colour image.
-        depth: Depth image of the same camera, metres along the optical axis; 0 where there is no
-            return.
+        depth: Depth image of the same camera, metres along the optical axis; 0, NaN or infinite
+            where there is no return.
         odometry: Pose of the base in the frame of its odometry, which drifts but never jumps.
-        stamp_s: Time at which the images were taken, on the robot's clock, seconds.
+        stamp_s: Time at which the images were taken, on the robot's clock, seconds. Images of
+            before a motion end the search.
         odom_to_map: Pose of the odometry frame in the ``map`` frame, by localisation; may jump.
             Without localisation both frames are one.
         camera_to_base: Pose of the camera on the robot; None takes that of the embodiment.

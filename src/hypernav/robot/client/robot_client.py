@@ -10,7 +10,12 @@ from dataclasses import dataclass
 from functools import partial
 
 from hypernav.core.actions import Action
-from hypernav.core.errors import LinkLostError, RequestRefusedError, ServerUnreachableError
+from hypernav.core.errors import (
+    CameraHangsError,
+    LinkLostError,
+    RequestRefusedError,
+    ServerUnreachableError,
+)
 from hypernav.core.geometry.transforms import Pose2, Transform, wrap_angle
 from hypernav.robot.client.links import Link
 from hypernav.robot.client.robot import Executed, FollowsPaths, Robot, Sensed
@@ -26,6 +31,8 @@ _MADE_SHARE = 0.6
 _FIRST_PAUSE_S, _LONGEST_PAUSE_S = 0.05, 2.0
 """Pauses between attempts: doubled from the first to the longest."""
 _SHORTEST_PATH_M = 0.1
+_MOVED_M, _TURNED_RAD = 0.1, math.radians(5.0)
+"""Motion after which images must be new."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,12 +118,15 @@ class RobotClient:
         Raises:
             ServerUnreachableError: No answer for too long.
             RequestRefusedError: The server refuses what this robot sends.
+            CameraHangsError: The robot has moved, and its images are those of before.
         """
         last: ClientStep | None = None
         pool = ThreadPoolExecutor(1)
         try:
             while not self._stopped.is_set():
                 sensed = self._robot.observe()
+                if last is not None:
+                    _check_images(last.sensed, sensed)
                 blocked = last is not None and self._failed(last, sensed.odometry)
                 with self.watchdog:
                     answer = pool.submit(self._answer, sensed, blocked)
@@ -252,6 +262,21 @@ class RobotClient:
         if refusal.status in (429, 503):
             return False
         raise refusal
+
+
+def _check_images(before: Sensed, now: Sensed) -> None:
+    """Refuse images that the camera took before the last motion.
+
+    Raises:
+        CameraHangsError: They are those of before, and odometry has moved.
+    """
+    moved_m = before.odometry.distance_to(*now.odometry.xy)
+    turned_rad = abs(wrap_angle(now.odometry.yaw - before.odometry.yaw))
+    if now.stamp_s == before.stamp_s and (moved_m > _MOVED_M or turned_rad > _TURNED_RAD):
+        raise CameraHangsError(
+            f"the robot moved {moved_m:.2f} m and turned {math.degrees(turned_rad):.0f}°, but its "
+            f"images are still those of {now.stamp_s:.3f} s; does the camera hang? The robot stands"
+        )
 
 
 def _is_path(path: Sequence[tuple[float, float]]) -> bool:

@@ -18,14 +18,17 @@ class DepthView:
     """A depth image for safety alone; a coarse one at a high rate does.
 
     Attributes:
-        depth: Depth, metres along the optical axis; 0 where there is no return.
+        depth: Depth, metres along the optical axis; 0, NaN or infinite where there is no return.
         camera: Intrinsics of the image.
         camera_to_base: Pose of the camera on the robot.
+        stamp_s: Time at which the image was taken, on any clock, seconds: of a camera that hangs it
+            stays the same.
     """
 
     depth: Float32[np.ndarray, "height width"]
     camera: PinholeCamera
     camera_to_base: Transform
+    stamp_s: float
 
 
 @runtime_checkable

@@ -4,6 +4,7 @@ The check is the robot's own. Whatever the server says, and however late, the ro
 where its latest images show no obstacle.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,6 +27,8 @@ _APART_M = 0.02
 _BLIND_SHARE = 0.25
 """Share of the floor before the robot without a return above which the camera is blind."""
 _LEAST_FLOOR_PIXELS = 10
+_MOST_REPEATED = 2
+"""Number of times that one image may be looked at again: cameras are slower than commands."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,8 +37,8 @@ class Ahead:
 
     Attributes:
         obstacles: Points of obstacles, in the frame of the robot's pose.
-        is_blind: Whether the floor before the robot has no return, so that something must be too
-            near for the camera to measure, or covers it.
+        is_blind: Whether the camera hangs, or the floor before the robot has no return, so that
+            something must be too near to be measured, or covers the camera.
     """
 
     obstacles: PointObstacles
@@ -56,6 +59,8 @@ class DepthSafety:
         self._nearest_m = embodiment.camera.min_depth_m
         self._remembered = np.zeros((0, 2))
         self._ages = np.zeros(0, dtype=np.int64)
+        self._stamp_s = math.nan
+        self._repeated = 0
 
     def look(self, view: DepthView, robot: Pose2) -> Ahead:
         """Look at the latest image.
@@ -64,6 +69,8 @@ class DepthSafety:
             view: The depth image.
             robot: Pose of the robot, in whose frame the points shall be.
         """
+        self._repeated = self._repeated + 1 if view.stamp_s == self._stamp_s else 0
+        self._stamp_s = view.stamp_s
         rays = view.camera.rays() @ view.camera_to_base.rotation.T
         now = robot.to_transform().apply(self._hindering(view, rays))[:, :2]
         self._forget_seen(view, robot)
@@ -72,7 +79,8 @@ class DepthSafety:
         kept = np.unique(np.round(now[near] / _APART_M), axis=0) * _APART_M
         self._remembered = np.vstack([self._remembered, kept])
         self._ages = np.concatenate([self._ages, np.zeros(len(kept), dtype=np.int64)])
-        return Ahead(obstacles, self._is_blind(view, rays))
+        is_blind = self._repeated > _MOST_REPEATED or self._sees_no_floor(view, rays)
+        return Ahead(obstacles, is_blind)
 
     def _hindering(
         self, view: DepthView, rays: Float64[np.ndarray, "height width 3"]
@@ -95,7 +103,7 @@ class DepthSafety:
         kept = ~is_seen & (self._ages < _REMEMBERED_VIEWS)
         self._remembered, self._ages = points[kept], self._ages[kept] + 1
 
-    def _is_blind(self, view: DepthView, rays: Float64[np.ndarray, "height width 3"]) -> bool:
+    def _sees_no_floor(self, view: DepthView, rays: Float64[np.ndarray, "height width 3"]) -> bool:
         """Whether too little of the floor in the robot's way has a return."""
         eye = view.camera_to_base.translation
         down = rays[..., 2] < 0.0
@@ -104,4 +112,4 @@ class DepthSafety:
         floor = (depth < _REACH_M) & (np.abs(beside) < self._body.radius_m)
         if np.count_nonzero(floor) < _LEAST_FLOOR_PIXELS:
             return False
-        return bool(np.mean(view.depth[floor] <= 0.0) > _BLIND_SHARE)
+        return bool(np.mean(~is_measured(view.depth[floor])) > _BLIND_SHARE)

@@ -160,7 +160,8 @@ class SimulatedBase:
         """A coarse depth image."""
         self._renderer.colours = False
         depth = self._measured(self._view(self._coarse))
-        return DepthView(depth, self._coarse, self.embodiment.camera.camera_to_base)
+        to_base = self.embodiment.camera.camera_to_base
+        return DepthView(depth, self._coarse, to_base, self.now_s)
 
     def drive(self, velocity: Velocity, seconds: float) -> None:
         """Drive with a velocity, and let the person live."""
