@@ -206,11 +206,10 @@ DISTANT_WALL = ((7.0, -9.0, 0.0), (7.2, 9.0, 2.5))
 
 def test_who_stood_before_a_distant_wall_and_left_is_forgotten():
     """The wall is measured, but too far away to be drawn."""
-    reach = {"max_depth_m": 10.0}
-    world_map = map_of([FLOOR, DISTANT_WALL, PERSON], [HERE], **reach)
+    world_map = map_of([FLOOR, DISTANT_WALL, PERSON], [HERE], max_depth_m=10.0)
     assert len(points(world_map, Cell.OCCUPIED)) > 0
     for _ in range(CONFIG.max_evidence):
-        world_map.integrate(view_of([FLOOR, DISTANT_WALL], HERE, **reach))
+        world_map.integrate(view_of([FLOOR, DISTANT_WALL], HERE, max_depth_m=10.0))
     assert len(points(world_map, Cell.OCCUPIED)) == 0
     assert world_map.grid.state_at(2.1, 0.0) == Cell.FREE
 
