@@ -113,7 +113,7 @@ def state_of(evidence, seen, bumps, row, column, enough):
 def depth_at(depth, u, v):
     """Depth of the pixel that holds (u, v); 0 beside the image."""
     if u < 0.0 or v < 0.0 or u >= depth.shape[1] or v >= depth.shape[0]:
-        return np.float32(0.0)
+        return 0.0
     return depth[int(v), int(u)]
 
 
