@@ -39,8 +39,12 @@ class SearchConfig(RoomConfig):
         end_when_explored: Whether a search ends when nothing is left to explore; else it forgets
             what was visited, turns once around and goes on until the step limit (paper).
         look_around_at_start: Whether to turn once around before the first step.
+        finish_first_look: Whether to finish this turn also where the goal is in sight already
+            (VLFM).
         look_again_before_giving_up: Whether, when nothing is left to explore, to forget visited
             positions and bumps, turn once around, and only then give up.
+        claim_when_explored: Whether to say that the goal is here, instead of giving up, when
+            nothing is left to explore; VLFM's code does.
         look_across_boundary: Whether to turn, at a destination, to what is still unexplored around
             it.
         least_unseen_m2: Unseen floor that an image must be able to show to be worth turning for, at
@@ -79,7 +83,9 @@ class SearchConfig(RoomConfig):
     give_up_when_stuck: bool = True
     end_when_explored: bool = True
     look_around_at_start: bool = True
+    finish_first_look: bool = False
     look_again_before_giving_up: bool = True
+    claim_when_explored: bool = False
     look_across_boundary: bool = True
     least_unseen_m2: float | None = Field(default=1.0, ge=0.0, le=1000.0)
     drop_explored: bool = True

@@ -133,6 +133,7 @@ class _Search:
         self._watcher = explorer if isinstance(explorer, Watches) else None
         self._explainer = explorer if isinstance(explorer, Explains) else None
         self._motion = embodiment.motion
+        self._finishes_first_look = config.look_around_at_start and config.finish_first_look
         # Each keeps to its own plan: steps that lead to two positions by turns lead to neither.
         navigator = Navigator(planning, embodiment)
         roaming = Navigator(planning, embodiment)
@@ -229,6 +230,8 @@ class _Search:
 
     def _first_phase(self) -> PhaseName:
         """Local perception comes first: a goal in sight is gone to, unless no path leads there."""
+        if self._finishes_first_look and self._steps < self._motion.turns_of_a_circle:
+            return PhaseName.LOOK_AROUND
         if self._local.target is None:
             self._approach.forget()
             self._second_look.cancel()

@@ -19,6 +19,7 @@ from hypernav.core.components.abilities import (
     Closes,
     Reports,
     looks_at_colours,
+    warning_of,
 )
 from hypernav.core.components.protocols import (
     Agent,
@@ -86,7 +87,7 @@ class BuiltAgent:
     @property
     def warnings(self) -> list[str]:
         """Sentences to show before a search: what stands in for something, and the remedy."""
-        told = (self.segmenter.warning, reasoner_warning(self.chosen))
+        told = (self.segmenter.warning, reasoner_warning(self.chosen), warning_of(self.agent))
         return [warning for warning in told if warning]
 
     @property
@@ -304,6 +305,7 @@ def _offers(config: HyPerNavConfig, log: ExchangeLog) -> dict[str, Any]:
         "log": log,
         "embodiment": config.embodiment,
         "mapping": config.mapping,
+        "prompted": config.prompted,
         "clearances_m": config.planning.clearances_m(config.embodiment.body),
         "fallback": GeometricReasoner(log, config.geometric),
     }

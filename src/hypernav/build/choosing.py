@@ -7,7 +7,15 @@ from typing import Any
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.construction import asked_by, section_of
 from hypernav.build.presets import HyPerNavConfig
-from hypernav.build.registries import AGENTS, DETECTORS, ROLES, SEGMENTERS, Factory, Role
+from hypernav.build.registries import (
+    AGENTS,
+    DETECTORS,
+    NATIVE_AGENTS,
+    ROLES,
+    SEGMENTERS,
+    Factory,
+    Role,
+)
 from hypernav.core.components.abilities import gives_masks
 from hypernav.core.components.registry import Choice, Registry
 from hypernav.core.errors import ConfigError
@@ -26,6 +34,7 @@ class ChosenComponents:
         reasoner: Reasoner that the agent asks where to go, or what a view is worth.
         segmenter: Segmenter of the pixels in a box; None where detections carry their masks.
         presence: Whether the chat model checks the presence of the goal before STOP.
+        native: Whether the agent has its own stop and moves.
     """
 
     agent: Choice[Factory]
@@ -34,6 +43,7 @@ class ChosenComponents:
     reasoner: Choice[Factory] | None
     segmenter: Choice[Factory] | None
     presence: bool
+    native: bool = False
 
     @property
     def by_kind(self) -> dict[str, Choice[Factory]]:
@@ -61,6 +71,7 @@ class ChosenComponents:
 
     def as_dict(self) -> dict[str, str | None]:
         """Specifications that choose the same components again, for ``result.json``."""
+        native = {"mode": "native"} if self.native else {}
         return {
             "agent": self.agent.spec,
             "vlm": self.vlm,
@@ -68,6 +79,7 @@ class ChosenComponents:
             "reasoner": "none" if self.reasoner is None else self.reasoner.spec,
             "segmenter": "none" if self.segmenter is None else self.segmenter.spec,
             "presence": "vlm" if self.presence else "none",
+            **native,
         }
 
 
@@ -87,7 +99,8 @@ def choose_components(specs: ComponentSpecs, *, presence: bool = True) -> Chosen
         ContractError: A component of another package can't be built.
     """
     model = specs.vlm is not None
-    agent = AGENTS.find(specs.agent)
+    has_own = specs.native and NATIVE_AGENTS.knows(specs.agent)
+    agent = (NATIVE_AGENTS if has_own else AGENTS).find(specs.agent)
     asked = set(asked_by(agent))
     drives_itself = hasattr(agent.load(), "act")
     if not drives_itself:
@@ -105,7 +118,9 @@ def choose_components(specs: ComponentSpecs, *, presence: bool = True) -> Chosen
             )
         segmenter = None
     looks_once_more = model and presence and not drives_itself
-    chosen = ChosenComponents(agent, specs.vlm, detector, reasoner, segmenter, looks_once_more)
+    chosen = ChosenComponents(
+        agent, specs.vlm, detector, reasoner, segmenter, looks_once_more, specs.native
+    )
     _check_model(chosen)
     return chosen
 

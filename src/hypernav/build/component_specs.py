@@ -3,7 +3,14 @@
 from dataclasses import dataclass
 from typing import Literal
 
-PresetName = Literal["default", "paper"]
+PresetName = Literal[
+    "default",
+    "paper",
+    "vlfm-as-released",
+    "navvlm-as-released",
+    "vlmnav-as-released",
+    "pivot-as-released",
+]
 
 BenchmarkName = Literal["hm3d", "mp3d", "ovon", "hypernav-paper"]
 """Benchmarks whose published robot and limits a run can take (`hypernav.datasets.benchmarks`)."""
@@ -24,6 +31,7 @@ class ComponentSpecs:
         detector: Detector of the goal.
         reasoner: Reasoner that the agent asks where to go, or what a view is worth.
         segmenter: Segmenter of the pixels in a box.
+        native: Whether the agent has its own stop and moves, as published, where it has any.
     """
 
     agent: str = "hypernav"
@@ -31,3 +39,9 @@ class ComponentSpecs:
     detector: str | None = None
     reasoner: str | None = None
     segmenter: str | None = None
+    native: bool = False
+
+    @property
+    def name(self) -> str:
+        """Name of the agent for people, which says if it is in native mode."""
+        return f"{self.agent} (native)" if self.native else self.agent

@@ -3,9 +3,10 @@
 import math
 from typing import Any
 
-from pydantic import Field, model_validator
+from pydantic import BaseModel, Field, model_validator
 
 from hypernav.agents.config import SearchConfig
+from hypernav.agents.prompted import PromptedConfig
 from hypernav.build.component_specs import PresetName
 from hypernav.core.config import RoomConfig
 from hypernav.core.embodiment import Embodiment
@@ -107,6 +108,7 @@ class HyPerNavConfig(RoomConfig):
         dynavlm: Points and memory in DyNaVLM's style.
         geometric_arrows: Choice of arrows without a model.
         chat_arrows: Question about arrows to a chat model.
+        prompted: Budget and stop of agents that make long moves (native mode).
         own: Sections of components from other packages.
     """
 
@@ -143,6 +145,7 @@ class HyPerNavConfig(RoomConfig):
     dynavlm: DynavlmConfig = DynavlmConfig()
     geometric_arrows: GeometricArrowsConfig = GeometricArrowsConfig()
     chat_arrows: ChatArrowsConfig = ChatArrowsConfig()
+    prompted: PromptedConfig = PromptedConfig()
     own: OwnConfig = OwnConfig()
 
     @model_validator(mode="after")
@@ -174,13 +177,52 @@ class HyPerNavConfig(RoomConfig):
         return near_m + max(local.entry_reach_m - dilated_m, 0.0)
 
 
+_ARROWS_AS_RELEASED: dict[str, Any] = {
+    "sight": {"marks": {"slide": False}, "blind_step_m": 0.2},
+}
+_ANSWERS_AS_RELEASED: dict[str, Any] = {"count_short": True, "outage_is_no_answer": True}
+_AS_RELEASED: dict[str, dict[str, Any]] = {
+    "vlfm-as-released": {
+        "value_frontier": {"visited_radius_m": 0.0},
+        "search": {"look_again_before_giving_up": False, "claim_when_explored": True},
+    },
+    "navvlm-as-released": {"navvlm": {"visited_radius_m": 0.0, "clear_rows": True}},
+    "vlmnav-as-released": {
+        "vlmnav": {**_ARROWS_AS_RELEASED, "moves": {"space_explored": False}},
+        "chat_arrows": _ANSWERS_AS_RELEASED,
+    },
+    "pivot-as-released": {
+        "pivot": {**_ARROWS_AS_RELEASED, "zero_is_last": True},
+        "chat_arrows": _ANSWERS_AS_RELEASED,
+    },
+}
+"""What the released code of published methods does otherwise than it means to, or than we do."""
+
+
+def with_changes(base: HyPerNavConfig, changes: dict[str, Any]) -> HyPerNavConfig:
+    """A configuration with some values changed, given section by section."""
+    return HyPerNavConfig.model_validate(_merged(base, changes))
+
+
+def _merged(base: BaseModel, changes: dict[str, Any]) -> dict[str, Any]:
+    values = base.model_dump()
+    for key, change in changes.items():
+        inner = getattr(base, key)
+        values[key] = _merged(inner, change) if isinstance(inner, BaseModel) else change
+    return values
+
+
 def preset(name: PresetName) -> HyPerNavConfig:
     """A named configuration: the published method, or the one measured to be better.
+
+    ``…-as-released`` is ``default`` with the mistakes of a published method's released code.
 
     Which sentence of the paper each value comes from, and which values are ours: docs/method.md.
     """
     if name == "default":
         return HyPerNavConfig()
+    if name != "paper":
+        return with_changes(HyPerNavConfig(), _AS_RELEASED[name])
     return HyPerNavConfig(
         mapping=MappingConfig(pass_weight=0, free_footprint=False, block_destination="middle"),
         local=LocalConfig(

@@ -255,7 +255,33 @@ AGENTS: Registry[Factory] = Registry(
 """Explorers, for which the search of this package drives, and whole agents
 (`Explorer` and `Agent` of `hypernav.core.components.protocols`)."""
 
-COMPONENTS = (AGENTS, DETECTORS, SEGMENTERS, *(role.registry for role in ROLES.values()))
+NATIVE_AGENTS: Registry[Factory] = Registry(
+    "agent",
+    "hypernav.native_agents",
+    [
+        Entry(
+            "vlmnav",
+            "hypernav.agents.prompted:NativeVlmnav",
+            words="VLMnav's arrows",
+            section="vlmnav",
+        ),
+        Entry(
+            "pivot",
+            "hypernav.agents.prompted:NativePivot",
+            words="PIVOT's marks",
+            section="pivot",
+        ),
+    ],
+)
+"""Whole agents that take the place of explorers of the same name with ``--native``."""
+
+COMPONENTS = (
+    AGENTS,
+    NATIVE_AGENTS,
+    DETECTORS,
+    SEGMENTERS,
+    *(role.registry for role in ROLES.values()),
+)
 """The registries of all that an agent is made of."""
 
 SCENES: "Registry[Callable[..., Scene]]" = Registry(

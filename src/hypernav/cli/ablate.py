@@ -46,7 +46,7 @@ def _run_variants(options: Options) -> ExitStatus:
         who.build(config_of(options)).close()  # what cannot be built cannot be varied
         _show(study, with_left_out=options.only is None)
         return ExitStatus.SUCCESS
-    name = f"{options.dataset}-{who.agent}-{who.preset}-{options.study}"
+    name = f"{options.dataset}-{who.name}-{who.preset}-{options.study}"
     folder = options.out or Path("runs") / f"{folder_name(name)}-ablation"
     check_folder(folder)
     console = Terminal(quiet=options.quiet)

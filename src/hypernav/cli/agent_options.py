@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import tyro
 
 from hypernav.build.component_specs import ComponentSpecs, PresetName
+from hypernav.core.errors import ConfigError
 
 if TYPE_CHECKING:
     from hypernav.build.agents import BuiltAgent
@@ -25,6 +26,8 @@ class AgentOptions:
     """Agent: hypernav, frontier, vlfm, navvlm, vlmnav, pivot, dynavlm-style or module:Name."""
     preset: PresetName = "default"
     """Values of the method: the published ones, or those that measured better."""
+    native: bool = False
+    """A published method's own camera, step and stop, not those that all agents share."""
     vlm: str | None = None
     """Vision-language model: openai:URL[#MODEL], local:PATH_OR_ID or replay:FILE."""
     detector: str | None = None
@@ -45,26 +48,55 @@ class AgentOptions:
     @property
     def specs(self) -> ComponentSpecs:
         """Specifications of agent, model, detector, reasoner and segmenter, as requested."""
-        return ComponentSpecs(self.agent, self.vlm, self.detector, self.reasoner, self.segmenter)
+        return ComponentSpecs(
+            self.agent, self.vlm, self.detector, self.reasoner, self.segmenter, self.native
+        )
+
+    @property
+    def name(self) -> str:
+        """Name of the agent on screens and in results, which says if it is in native mode."""
+        return self.specs.name
+
+    def step_limit(self, default: int) -> int:
+        """The step limit of native mode; else the default.
+
+        Raises:
+            ConfigError: The agent has no native mode.
+        """
+        from hypernav.build.native import step_limit_of
+
+        return step_limit_of(self.agent) if self.native else default
 
     def resolve(self, robot: "Embodiment | None" = None) -> "HyPerNavConfig":
         """The whole configuration: preset, robot, file, environment and single values, in order.
 
         Args:
-            robot: Robot of a benchmark; None takes the preset's.
+            robot: Robot of a benchmark; None takes the preset's. Native mode has its own.
 
         Raises:
             ConfigError: A file that cannot be read, a wrong key or an impossible value.
         """
         from hypernav.build.choosing import choose_components, with_own_sections
+        from hypernav.build.native import native_config
         from hypernav.build.presets import preset
         from hypernav.core.config import layered
 
+        self._check_preset()
         base = preset(self.preset)
         base = base if robot is None else base.model_copy(update={"embodiment": robot})
+        base = native_config(self.agent, base) if self.native else base
         config = layered(base, file=self.config, assignments=self.set)
         chosen = choose_components(self.specs, presence=config.presence.enabled)
         return with_own_sections(config, chosen)
+
+    def _check_preset(self) -> None:
+        """Refuse the mistakes of another method's code, which would change nothing."""
+        method, _, rest = self.preset.partition("-")
+        if rest and method != self.agent:
+            raise ConfigError(
+                f"--preset {self.preset} is for --agent {method}, and this is {self.agent}; "
+                "use --preset default"
+            )
 
     def build(self, config: "HyPerNavConfig | None" = None) -> "BuiltAgent":
         """Build the agent.
@@ -85,7 +117,7 @@ class AgentOptions:
     def describe(self, parts: "BuiltAgent") -> dict[str, Any]:
         """Description for ``result.json``: words for people, specifications for repeating a run."""
         return {
-            "agent": self.agent,
+            "agent": self.name,
             "preset": self.preset,
             "detector": parts.detector_words,
             "reasoner": parts.reasoner_words,

@@ -50,7 +50,7 @@ def run(options: Options) -> int:
         ReportedCrashError: The program failed in some of the episodes.
     """
     check(options)
-    folder = options.out or Path("runs") / folder_name(f"{options.dataset}-{options.who.agent}")
+    folder = options.out or Path("runs") / folder_name(f"{options.dataset}-{options.who.name}")
     check_folder(folder)
     console = Terminal(quiet=options.quiet)
     with crash_report(folder):
@@ -166,7 +166,7 @@ def plan_of(options: Options, config: HyPerNavConfig) -> RunPlan:
         dataset=options.dataset,
         selection=Selection(options.episodes, options.scenes, options.goals),
         config=config,
-        max_steps=steps if options.max_steps is None else options.max_steps,
+        max_steps=options.max_steps or options.who.step_limit(steps),
         success_distance_m=(
             distance_m if options.success_distance is None else options.success_distance
         ),

@@ -22,7 +22,7 @@ from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.terminal import Terminal
 from hypernav.cli.warnings_shown import unusable_answers_line, warnings_on
 from hypernav.core.config import check_option
-from hypernav.core.episode import Episode, Outcome
+from hypernav.core.episode import MAX_STEPS, Episode, Outcome
 from hypernav.core.errors import ConfigError, ModelSetupError, OutputError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
@@ -82,17 +82,18 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
             SimulatedWorld(build_scene(options.scene), config.world, config.embodiment)
         ) as world,
     ):
+        steps = options.max_steps or options.who.step_limit(MAX_STEPS)
         rng = np.random.default_rng(options.seed)
         start = start_pose(options.start, world, goal, rng)
-        episode = Episode(options.scene, "", goal, start, max_steps=options.max_steps)
+        episode = Episode(options.scene, "", goal, start, max_steps=steps)
         search = EpisodeRun(parts.agent, world, episode, rng=rng, told=parts.truth)
         with EpisodeRecorder(
             folder,
             goal=goal.text,
-            agent=options.who.agent,
+            agent=options.who.name,
             detector=parts.detector_words,
             reasoner=parts.reasoner_words,
-            step_limit=options.max_steps,
+            step_limit=steps,
         ) as recorder:
             status.update("the first step …")
             stopped_by = _search(search, recorder, status, goal.text)

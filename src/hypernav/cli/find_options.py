@@ -24,8 +24,8 @@ class Options:
     """Start pose in the scene: metres, and degrees counter-clockwise from x; else random."""
     seed: int = 0
     """Seed of the random start and of all noise."""
-    max_steps: int = 500
-    """Maximum number of steps."""
+    max_steps: int | None = None
+    """Maximum number of steps; 500 by default, or those of --native."""
     out: Path | None = None
     """Folder of the results; runs/<time>-<goal> by default."""
     quiet: bool = False

@@ -57,6 +57,8 @@ class SimulationConfig(RoomConfig):
         noise: Noise of sensors and motion; none by default.
         labels: Whether observations carry ground-truth labels.
         cell_m: Side of the walkable surface's cells, metres; a navigation mesh has none.
+        judge_eye_m: Height above the floor from which a goal must be visible for a view point of
+            it, metres; None takes the camera's. It stays when only the camera is another.
         floor_z: Height of the storey's floor in the scene frame, metres; None takes the largest
             storey. A navigation mesh has all storeys.
     """
@@ -65,4 +67,5 @@ class SimulationConfig(RoomConfig):
     noise: NoiseConfig = NoiseConfig()
     labels: bool = True
     cell_m: float = Field(default=CELL_M, ge=0.01, le=0.5)
+    judge_eye_m: float | None = Field(default=None, gt=0.0, le=10.0)
     floor_z: float | None = Field(default=None, ge=-1000.0, le=1000.0)

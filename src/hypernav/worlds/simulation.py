@@ -222,7 +222,7 @@ class SimulatedWorld:
         return self.regions.of(goal, view_points, self._instances)
 
     def _regions_on(self, walkable: WalkableSurface) -> GoalRegions:
-        eye_height_m = self.embodiment.camera.height_m
+        eye_height_m = self.config.judge_eye_m or self.embodiment.camera.height_m
         return GoalRegions(self.scene, walkable, self._rays, eye_height_m=eye_height_m)
 
     def _surface_at(self, z: float | None) -> WalkableSurface:

@@ -72,6 +72,8 @@ class End:
             )
             return Decision(Action.TURN_LEFT, Mode.APPROACH, reason)
         reason = "nothing is left to explore"
+        if self._config.claim_when_explored:
+            return Decision(Action.STOP, Mode.STOP, reason, ending=Ending.FOUND)
         return Decision(None, Mode.STOP, reason, ending=Ending.GAVE_UP)
 
     def _goes_on(self, robot: Pose2) -> bool:

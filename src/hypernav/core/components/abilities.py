@@ -124,6 +124,11 @@ def looks_at_colours(component: object) -> bool:
     return bool(getattr(component, "looks_at_colours", True))
 
 
+def warning_of(component: object) -> str:
+    """What a component says of itself that people must know before a search; empty if nothing."""
+    return str(getattr(component, "warning", ""))
+
+
 def gives_masks(detector: object) -> bool:
     """Whether a detector, or its class, says that all its detections carry their masks."""
     return bool(getattr(detector, "gives_masks", False))

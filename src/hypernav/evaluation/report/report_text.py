@@ -83,6 +83,12 @@ def warnings(runs: Sequence[RunData]) -> list[str]:
         for run in runs
         if _STAND_IN in run.who["reasoner"]
     ]
+    found += [
+        f"{run.name} has the camera, step and stop of its publication (native mode): its numbers "
+        "belong beside no run of common mode."
+        for run in runs
+        if run.is_native
+    ]
     for run in runs:
         if len(run.records) < run.wanted:
             found.append(

@@ -58,7 +58,20 @@ class RunData:
     @property
     def is_told_truth(self) -> bool:
         """Whether the simulator told the robot what it sees."""
-        return str(self.who.get("parts", {}).get("detector", "")) == "ground-truth"
+        parts = self.who.get("parts", {})
+        asks_to_stop = self.is_native and parts.get("detector") == "none"
+        told = asks_to_stop and parts.get("vlm") is None
+        return told or str(parts.get("detector", "")) == "ground-truth"
+
+    @property
+    def is_native(self) -> bool:
+        """Whether the method had its own camera, step and stop, not those that all share."""
+        return is_native(self.configuration)
+
+
+def is_native(configuration: dict[str, Any]) -> bool:
+    """Whether the configuration of a run is one of native mode."""
+    return configuration["who"].get("parts", {}).get("mode") == "native"
 
 
 def load_runs(folders: Sequence[Path]) -> list[RunData]:
@@ -66,12 +79,13 @@ def load_runs(folders: Sequence[Path]) -> list[RunData]:
 
     Raises:
         RunFolderError: A folder is not that of a run, is damaged, of an older version, or holds
-            no episode yet.
+            no episode yet; or runs in native and in common mode are mixed.
     """
     configurations = [read_configuration(folder) for folder in folders]
     for folder, configuration in zip(folders, configurations, strict=True):
         _check_sections(folder, configuration)
         _check_version(folder, configuration)
+    _check_modes(folders, configurations)
     runs = []
     for folder, name, configuration in zip(
         folders, _names(folders, configurations), configurations, strict=True
@@ -82,6 +96,17 @@ def load_runs(folders: Sequence[Path]) -> list[RunData]:
             raise RunFolderError(f"{folder} holds no episode that counts yet; run it first")
         runs.append(RunData(folder, name, configuration, records, read_sessions(folder)))
     return runs
+
+
+def _check_modes(folders: Sequence[Path], configurations: Sequence[dict[str, Any]]) -> None:
+    """Refuse to set robots of different kinds beside each other."""
+    by_mode = {is_native(one): folder for folder, one in zip(folders, configurations, strict=True)}
+    if len(by_mode) > 1:
+        raise RunFolderError(
+            f"{by_mode[True]} is of native mode and {by_mode[False]} of common mode: their robots, "
+            "steps and stops differ, so nobody could tell what a difference between them means; "
+            "make a report of each mode"
+        )
 
 
 def _check_sections(folder: Path, configuration: dict[str, Any]) -> None:

@@ -268,7 +268,7 @@ def _agent_of(job: Job) -> tuple[Agent, dict[str, str], bool, object]:
         return agent, words, looks_at_colours(agent), agent
     parts = build_agent(job.config, job.specs)
     words = {
-        "agent": job.specs.agent,
+        "agent": job.specs.name,
         "detector": parts.detector_words,
         "reasoner": parts.reasoner_words,
         "segmenter": parts.segmenter.words,

@@ -49,6 +49,8 @@ class AreaConfig(RoomConfig):
         gap_m: Largest distance from an area to floor that the robot can reach, metres; ours.
         visited_radius_m: Distance from an area that was reached or given up, metres, within which
             another counts as none; ours: the original may go to and fro.
+        clear_rows: Whether a row of the map that holds anything outside the largest piece is
+            dropped altogether: a mistake of the original.
         map_px: Side of the map's image, pixels; ours.
     """
 
@@ -59,6 +61,7 @@ class AreaConfig(RoomConfig):
     least_cells: int = Field(default=6, ge=1, le=100_000)
     gap_m: float = Field(default=1.0, ge=0.0, le=10.0)
     visited_radius_m: float = Field(default=0.5, ge=0.0, le=100.0)
+    clear_rows: bool = False
     map_px: int = Field(default=480, ge=64, le=4096)
 
 
@@ -215,7 +218,7 @@ class AreaExplorer:
                 at_row + rows.start, at_column + columns.start, depth[measured].astype(np.float64)
             )
         )
-        return _largest_piece(grid, points[:, :2], self._config.least_cells)
+        return _largest_piece(grid, points[:, :2], self._config)
 
 
 def _square(seen: Observation, direction: Direction, config: AreaConfig) -> tuple[slice, slice]:
@@ -230,7 +233,7 @@ def _square(seen: Observation, direction: Direction, config: AreaConfig) -> tupl
 
 
 def _largest_piece(
-    grid: OccupancyGrid, points: Float64[np.ndarray, "n 2"], least: int
+    grid: OccupancyGrid, points: Float64[np.ndarray, "n 2"], config: AreaConfig
 ) -> Int64[np.ndarray, "m 2"]:
     cells = grid.cells_of(points)
     covered: Bool[np.ndarray, "rows columns"] = np.zeros(grid.cells.shape, dtype=bool)
@@ -239,9 +242,12 @@ def _largest_piece(
     kernel = np.ones((_JOINED_CELLS, _JOINED_CELLS), np.uint8)
     _, parts = cv2.connectedComponents(cv2.dilate(covered.view(np.uint8), kernel))
     sizes = np.bincount(parts[covered], minlength=1)
-    if not sizes.any() or sizes.max() < least:
+    if not sizes.any() or sizes.max() < config.least_cells:
         return np.empty((0, 2), dtype=np.int64)
-    return np.argwhere(covered & (parts == sizes.argmax()))
+    kept = covered & (parts == sizes.argmax())
+    if config.clear_rows:
+        kept[(covered & ~kept).any(axis=1)] = False
+    return np.argwhere(kept)
 
 
 def _past(

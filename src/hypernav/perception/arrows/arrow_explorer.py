@@ -20,6 +20,7 @@ from hypernav.mapping.reachable_area import ReachableArea
 from hypernav.perception.arrows.arrow_sight import ArrowConfig, ArrowSight
 from hypernav.perception.arrows.object_graph import ObjectGraph, ObjectGraphConfig
 from hypernav.perception.arrows.proposals import (
+    DEFAULT_MOVES,
     BiasedConfig,
     BiasedProposer,
     IsOpen,
@@ -92,6 +93,7 @@ class ArrowExplorer:
     def reset(self, goal: Goal) -> None:
         """Forget everything."""
         self._goal = goal
+        self._only_defaults = False
         self._sight.reset()
         if self._memory is not None:
             self._memory.forget()
@@ -107,6 +109,10 @@ class ArrowExplorer:
         """The arrows of the latest choice; see `hypernav.core.components.abilities.Explains`."""
         return self._sight.take_insight()
 
+    def offer_default_moves(self) -> None:
+        """Offer nothing but the default moves at the next choice: the goal may be right here."""
+        self._only_defaults = True
+
     def next_destination(
         self, grid: OccupancyGrid, robot: Pose2, trajectory: Sequence[tuple[float, float]]
     ) -> Destination:
@@ -117,8 +123,12 @@ class ArrowExplorer:
         """
         sight = self._sight
         directions, may_turn = sight.look(), sight.may_turn
-        is_open = self._open_around(grid, robot)
-        moves = self._proposer.propose(directions, robot, is_open, may_turn=may_turn)
+        only_defaults, self._only_defaults = self._only_defaults, False
+        if only_defaults:
+            may_turn, moves = False, list(DEFAULT_MOVES)
+        else:
+            is_open = self._open_around(grid, robot)
+            moves = self._proposer.propose(directions, robot, is_open, may_turn=may_turn)
         arrows = sight.marked(moves, directions)
         if not arrows:
             why = "no arrow fits into the image"

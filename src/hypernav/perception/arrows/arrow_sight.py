@@ -35,6 +35,8 @@ class ArrowConfig(RoomConfig):
             code).
         arrival_m: Distance from the end of a move within which it is done, metres; ours: the
             original moves through walls of no simulator at all, and exactly.
+        blind_step_m: Length of the step ahead where an answer names nothing, metres; 0.2 in
+            VLMnav's code. None takes the robot's own step (ours).
     """
 
     floor: FreeRangeConfig = FreeRangeConfig()
@@ -42,6 +44,7 @@ class ArrowConfig(RoomConfig):
     marks: MarkConfig = MarkConfig()
     turn_rest: int = Field(default=3, ge=0, le=1000)
     arrival_m: float = Field(default=0.25, gt=0.0, le=10.0)
+    blind_step_m: float | None = Field(default=None, gt=0.0, le=10.0)
 
 
 class ArrowSight:
@@ -183,12 +186,10 @@ class ArrowSight:
         )
 
     def step_ahead(self, reason: str) -> Destination:
-        """The destination one step ahead, for an answer that names nothing.
-
-        Ours is the robot's step; VLMnav's code moves 0.2 m.
-        """
+        """The destination one step ahead, for an answer that names nothing."""
         self._rested += 1
-        end = _ahead(self.observation.robot, 0.0, self._embodiment.motion.forward_m)
+        length_m = self._config.blind_step_m or self._embodiment.motion.forward_m
+        end = _ahead(self.observation.robot, 0.0, length_m)
         return self._move_to(end, reason, 1)
 
     def _move_to(self, end: tuple[float, float], reason: str, steps: int) -> Destination:

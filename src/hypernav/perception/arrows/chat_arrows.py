@@ -10,6 +10,7 @@ from hypernav.core.arrows import TURN_AROUND, ArrowChoice, ArrowView
 from hypernav.core.chat import Question
 from hypernav.core.components.protocols import ChatModel
 from hypernav.core.config import RoomConfig
+from hypernav.core.errors import ModelUnavailableError
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
 from hypernav.models.chat.answer_parsing import shortened, without_thinking
@@ -38,9 +39,15 @@ class ChatArrowsConfig(RoomConfig):
 
     Attributes:
         max_tokens: Limit on the length of an answer, tokens (VLMnav's code).
+        count_short: Whether the question says one arrow less than there are where the robot may not
+            turn around: a mistake of VLMnav's code.
+        outage_is_no_answer: Whether a model that isn't available counts as an answer without a
+            number, which is a step ahead, as in VLMnav's code; else the episode ends as such.
     """
 
     max_tokens: int = Field(default=500, ge=8, le=100_000)
+    count_short: bool = False
+    outage_is_no_answer: bool = False
 
 
 class ChatArrowReasoner:
@@ -70,10 +77,17 @@ class ChatArrowReasoner:
         """The arrows that the model names, the best first; none if it names none.
 
         Raises:
-            ModelUnavailableError: The model did not answer within the configured patience.
+            ModelUnavailableError: The model did not answer within the configured patience, and this
+            isn't configured to count as an answer.
         """
         question = arrow_question(view, goal, self._config)
-        answer = self._chat.ask(question)
+        try:
+            answer = self._chat.ask(question)
+        except ModelUnavailableError as error:
+            if not self._config.outage_is_no_answer:
+                raise
+            self._unread += 1
+            return ArrowChoice((), f"no answer: {shortened(str(error))}")
         said = without_thinking(answer.text)
         numbers = () if answer.fault is not None else named_numbers(said, view)
         remarks = [] if numbers else [answer.detail or "it names none of the numbers"]
@@ -89,6 +103,8 @@ class ChatArrowReasoner:
 def arrow_question(view: ArrowView, goal: Goal, config: ChatArrowsConfig) -> Question:
     """The question to a model about the arrows in an image."""
     last = len(view.arrows)
+    if config.count_short and not view.may_turn:
+        last = max(last - 1, 1)
     arrows = f"Red arrows with the numbers 1 to {last} show places that it can go to."
     if last == 1:
         arrows = "The red arrow with the number 1 shows a place that it can go to."

@@ -47,6 +47,8 @@ class PivotConfig(RoomConfig):
         inner: Share of the image's sides within which marks lie.
         apart_px: Least distance between marks at an image height of 1080 pixels.
         length_m: Length of every move, metres; depth is not asked.
+        zero_is_last: Whether number 0 means the last mark instead of turning around: a mistake of
+            VLMnav's code.
         seed: Seed of the marks; every search of one goal draws the same (ours).
     """
 
@@ -57,6 +59,7 @@ class PivotConfig(RoomConfig):
     inner: float = Field(default=0.9, gt=0.0, le=1.0)
     apart_px: float = Field(default=100.0, ge=0.0, le=1000.0)
     length_m: float = Field(default=1.7, gt=0.0, le=20.0)
+    zero_is_last: bool = False
     seed: int = Field(default=0, ge=0, le=MOST_SEED)
 
     @model_validator(mode="after")
@@ -169,9 +172,12 @@ class PivotExplorer:
             numbers: dict[int, None] = {}
             for _ in range(config.calls if arrows else 0):
                 choice = self._reasoner.choose(view, self._goal)
-                if TURN_AROUND in choice.numbers[:1]:
+                chosen = choice.numbers
+                if config.zero_is_last:
+                    chosen = tuple(one or arrows[-1].number for one in chosen)
+                if TURN_AROUND in chosen[:1]:
                     return sight.around(choice.reason)
-                numbers |= dict.fromkeys(choice.numbers)
+                numbers |= dict.fromkeys(chosen)
             named = [view.arrow(number) for number in numbers if number != TURN_AROUND]
             proposer.fit(np.array([arrow.pixel for arrow in named]).reshape(-1, 2))
         if not named:

@@ -88,7 +88,7 @@ class BiasedConfig(RoomConfig):
     space_explored: bool = True
 
 
-_DEFAULT_MOVES = tuple(Move(math.radians(angle), 1.5) for angle in (45.9, 11.5, -11.5, -45.9))
+DEFAULT_MOVES = tuple(Move(math.radians(angle), 1.5) for angle in (45.9, 11.5, -11.5, -45.9))
 """What VLMnav offers where nothing is free and the robot may not turn around."""
 
 
@@ -123,7 +123,7 @@ class BiasedProposer:
             Move(float(headings[k]), min(float(lengths[k]), config.most_m))
             for k in sorted(chosen, reverse=True)
         ]
-        return moves or ([] if may_turn else list(_DEFAULT_MOVES))
+        return moves or ([] if may_turn else list(DEFAULT_MOVES))
 
     def _far_from(
         self,

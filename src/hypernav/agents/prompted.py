@@ -1,0 +1,322 @@
+"""Agents that ask a model about every image and make one long move after the other (native mode).
+
+There is no detector, no map and no planner: a model says whether the robot is at the goal, and
+which move to make; the move is then made without looking. Source: Goetting, Singh and Loquercio,
+"End-to-End Navigation with Vision-Language Models", 2024, and its released code.
+"""
+
+import math
+from collections import deque
+from collections.abc import Callable
+from typing import Any
+
+from pydantic import Field
+
+from hypernav.core.actions import Action
+from hypernav.core.clock import ModuleClock
+from hypernav.core.components.abilities import Explains, Reports, Watches
+from hypernav.core.components.protocols import ArrowReasoner, ChatModel, Explorer
+from hypernav.core.config import RoomConfig
+from hypernav.core.destination import Destination
+from hypernav.core.embodiment import Embodiment, MotionConfig
+from hypernav.core.errors import WorldError
+from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
+from hypernav.core.observation import Observation
+from hypernav.core.trace import Ending, ExchangeLog, Mode, StepTrace
+from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.top_down_map import TopDownMap
+from hypernav.perception.arrows.arrow_explorer import VlmnavConfig, vlmnav
+from hypernav.perception.arrows.pivot import PivotConfig, PivotExplorer
+from hypernav.perception.arrows.stop_checks import (
+    ChatStopCheck,
+    StopCheck,
+    StopCheckConfig,
+    TruthStopCheck,
+)
+
+_PAPER = MotionConfig()
+"""Actions that moves are counted in, whatever the robot's own: 0.5 m and 30 degrees."""
+
+
+class PromptedConfig(RoomConfig):
+    """Budget and stop of an agent that makes long moves.
+
+    Attributes:
+        most_moves: Number of moves after which the search is given up (VLMnav's code).
+        most_actions: Number of actions of 0.5 m and 30 degrees after which it is given up: the
+            budget of all other agents (ours).
+        yes_to_stop: Number of times in a row that the robot must be said to be at the goal (two in
+            VLMnav's code).
+        stop: The question whether it is.
+    """
+
+    most_moves: int = Field(default=40, ge=1, le=100_000)
+    most_actions: int = Field(default=500, ge=1, le=1_000_000)
+    yes_to_stop: int = Field(default=2, ge=1, le=100)
+    stop: StopCheckConfig = StopCheckConfig()
+
+
+class ConsecutiveYes:
+    """Stops after so many yes in a row."""
+
+    def __init__(self, wanted: int) -> None:
+        """Begin without any yes.
+
+        Args:
+            wanted: Number of times in a row.
+        """
+        self._wanted = wanted
+        self._heard = 0
+
+    def hears(self, yes: bool) -> bool:
+        """Whether this answer makes the robot stop."""
+        self._heard = self._heard + 1 if yes else 0
+        return self._heard >= self._wanted
+
+
+def actions_to(destination: Destination, robot: Pose2, motion: MotionConfig) -> list[Action]:
+    """The actions of a move: a turn, then straight ahead; as exactly as the robot's actions allow.
+
+    Args:
+        destination: End of the move, or a heading to turn to on the spot.
+        robot: Pose of the robot.
+        motion: Effect of its actions.
+    """
+    turn, length_m = _move(destination, robot)
+    turns = round(math.degrees(abs(turn)) / motion.turn_angle_deg)
+    side = Action.TURN_LEFT if turn > 0 else Action.TURN_RIGHT
+    actions = [side] * turns + [Action.MOVE_FORWARD] * round(length_m / motion.forward_m)
+    return actions or [Action.MOVE_FORWARD]
+
+
+def paper_actions(destination: Destination, robot: Pose2) -> int:
+    """Number of actions of 0.5 m and 30 degrees that a move stands for: 3 + 3 for 90° and 1.5 m."""
+    turn, length_m = _move(destination, robot)
+    turns = math.ceil(math.degrees(abs(turn)) / _PAPER.turn_angle_deg - 1e-6)
+    return max(turns + math.ceil(length_m / _PAPER.forward_m - 1e-6), 1)
+
+
+def _move(destination: Destination, robot: Pose2) -> tuple[float, float]:
+    """Turn, radians, and way straight ahead, metres."""
+    length_m = robot.distance_to(*destination.xy)
+    if destination.face is None:
+        return robot.bearing_to(*destination.xy), length_m
+    return math.remainder(destination.face - robot.yaw, math.tau), length_m
+
+
+class PromptedAgent:
+    """Asks whether it is at the goal, then which move to make; makes it, and asks again."""
+
+    def __init__(
+        self,
+        explorer: Explorer,
+        stop: StopCheck,
+        embodiment: Embodiment,
+        mapping: MappingConfig,
+        log: ExchangeLog,
+        config: PromptedConfig,
+        *,
+        on_yes: Callable[[], None] | None = None,
+    ) -> None:
+        """Begin with no search under way.
+
+        Args:
+            explorer: Explorer that chooses the moves from images.
+            stop: Check whether the robot is at the goal.
+            embodiment: What the robot is.
+            mapping: Cells of the map, which is drawn for people alone.
+            log: Log of all questions, for the trace.
+            config: Budget and stop.
+            on_yes: What to do after a yes that isn't the last one that is needed.
+        """
+        self._explorer = explorer
+        self._stop = stop
+        self._embodiment = embodiment
+        self._mapping = mapping
+        self._log = log
+        self._config = config
+        self._on_yes = on_yes
+        self._map: TopDownMap | None = None
+        self._trace: StepTrace | None = None
+        self._moves = self._spent = 0
+
+    @property
+    def embodiment(self) -> Embodiment:
+        """What the robot is that the agent was built for."""
+        return self._embodiment
+
+    @property
+    def warning(self) -> str:
+        """What stands in for the stop question, to be shown before a search; empty if nothing."""
+        if not isinstance(self._stop, TruthStopCheck):
+            return ""
+        return "stops by the truth in view, in place of a vision-language model (--vlm)"
+
+    def reset(self, goal: Goal) -> None:
+        """Forget everything and begin a new search."""
+        self._goal = goal
+        self._explorer.reset(goal)
+        self._log.drain()
+        self._map = TopDownMap(self._mapping, self._embodiment)
+        self._yes = ConsecutiveYes(self._config.yes_to_stop)
+        self._left = deque[Action]()
+        self._destination: Destination | None = None
+        self._trajectory: list[tuple[float, float]] = []
+        self._trace = None
+        self._moves = self._spent = 0
+
+    def act(self, observation: Observation) -> Action | None:
+        """Go on with the move, or choose the next one.
+
+        Raises:
+            ModelUnavailableError: The model did not answer.
+        """
+        world_map, clock, events = self._world_map, ModuleClock(), list[str]()
+        self._trajectory.append(observation.robot.xy)
+        action: Action | None
+        if self._left:
+            action = self._left.popleft()
+            reason = self._destination.reason if self._destination else ""
+        else:
+            with clock("map"):
+                world_map.integrate(observation)
+            with clock("global"):
+                action, reason = self._choose(observation, events)
+        ending = Ending.of(action)
+        self._trace = StepTrace(
+            step=len(self._trajectory) - 1,
+            pose=(observation.robot.x, observation.robot.y, observation.robot.yaw),
+            action=action,
+            mode=Mode.EXPLORE if ending is None else Mode.STOP,
+            reason=reason,
+            destination=self._destination.xy if self._destination and ending is None else None,
+            exchanges=self._log.drain(),
+            events=events,
+            insight=self._explorer.take_insight() if isinstance(self._explorer, Explains) else None,
+            ending=ending,
+            seconds=clock.seconds,
+        )
+        return action
+
+    def _choose(self, observation: Observation, events: list[str]) -> tuple[Action | None, str]:
+        """The first action of the next move, or the end of the search, and the reason."""
+        config, robot, grid = self._config, observation.robot, self._world_map.grid
+        here = self._stop.is_here(observation, self._goal)
+        if self._yes.hears(here):
+            events.append("goal reached")
+            return Action.STOP, f"here is the {self._goal.thing}"
+        if self._moves >= config.most_moves:
+            return None, f"{config.most_moves} moves are made"
+        if self._spent >= config.most_actions:
+            return None, f"the moves made are worth {config.most_actions} actions"
+        if here:
+            events.append("said to be at the goal")
+            if self._on_yes is not None:
+                self._on_yes()
+        if isinstance(self._explorer, Watches):
+            self._explorer.watch(observation, grid)
+        destination = self._explorer.next_destination(grid, robot, self._trajectory)
+        if destination is None:
+            return None, "no move is left"
+        self._destination = destination
+        self._moves += 1
+        self._spent += paper_actions(destination, robot)
+        self._left.extend(actions_to(destination, robot, self._embodiment.motion))
+        return self._left.popleft(), destination.reason
+
+    def take_report(self) -> dict[str, Any]:
+        """Moves since the reset, the actions of 0.5 m and 30° that they are worth, and faults."""
+        report = {"moves": self._moves, "actions_of_half_a_metre": self._spent}
+        return report | (self._stop.take_report() if isinstance(self._stop, Reports) else {})
+
+    @property
+    def last_step(self) -> StepTrace:
+        """The trace of the latest `act`."""
+        if self._trace is None:
+            raise WorldError("the agent has not acted yet; call reset(goal), then act(observation)")
+        return self._trace
+
+    @property
+    def grid(self) -> OccupancyGrid:
+        """The map drawn so far, of the images that moves were chosen from; for people alone."""
+        return self._world_map.grid
+
+    @property
+    def _world_map(self) -> TopDownMap:
+        if self._map is None:
+            raise WorldError("no search is under way; call reset(goal) first")
+        return self._map
+
+
+class NativeVlmnav(PromptedAgent):
+    """VLMnav with its own stop and moves."""
+
+    def __init__(
+        self,
+        arrow_reasoner: ArrowReasoner,
+        embodiment: Embodiment,
+        mapping: MappingConfig,
+        clearances_m: tuple[float, ...],
+        log: ExchangeLog,
+        prompted: PromptedConfig,
+        chat: ChatModel | None = None,
+        config: VlmnavConfig | None = None,
+    ) -> None:
+        """Put it together.
+
+        Args:
+            arrow_reasoner: Reasoner that chooses an arrow.
+            embodiment: What the robot is.
+            mapping: Cells of the map.
+            clearances_m: Distances from obstacles, metres.
+            log: Log of all questions, for the trace.
+            prompted: Budget and stop.
+            chat: Chat model for the stop question; None stops by the truth.
+            config: Arrows.
+        """
+        explorer = vlmnav(arrow_reasoner, embodiment, mapping, clearances_m, config)
+        stop = _stop_check(chat, log, prompted.stop)
+        super().__init__(
+            explorer,
+            stop,
+            embodiment,
+            mapping,
+            log,
+            prompted,
+            on_yes=explorer.offer_default_moves,
+        )
+
+
+class NativePivot(PromptedAgent):
+    """PIVOT with VLMnav's stop and moves."""
+
+    def __init__(
+        self,
+        arrow_reasoner: ArrowReasoner,
+        embodiment: Embodiment,
+        mapping: MappingConfig,
+        log: ExchangeLog,
+        prompted: PromptedConfig,
+        chat: ChatModel | None = None,
+        config: PivotConfig | None = None,
+    ) -> None:
+        """Put it together.
+
+        Args:
+            arrow_reasoner: Reasoner that chooses marks.
+            embodiment: What the robot is.
+            mapping: Cells of the map.
+            log: Log of all questions, for the trace.
+            prompted: Budget and stop.
+            chat: Chat model for the stop question; None stops by the truth.
+            config: Rounds of marks.
+        """
+        explorer = PivotExplorer(arrow_reasoner, embodiment, config)
+        stop = _stop_check(chat, log, prompted.stop)
+        super().__init__(explorer, stop, embodiment, mapping, log, prompted)
+
+
+def _stop_check(chat: ChatModel | None, log: ExchangeLog, config: StopCheckConfig) -> StopCheck:
+    return TruthStopCheck(log, config) if chat is None else ChatStopCheck(chat, log, config)

@@ -1,0 +1,143 @@
+"""The question whether the robot is at the goal, for methods that ask it instead of detecting."""
+
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+from jaxtyping import Bool
+from pydantic import Field
+
+from hypernav.core.chat import Question
+from hypernav.core.components.protocols import ChatModel
+from hypernav.core.config import RoomConfig
+from hypernav.core.geometry.depth import is_measured
+from hypernav.core.goal import Goal
+from hypernav.core.observation import Observation
+from hypernav.core.trace import Exchange, ExchangeLog
+from hypernav.perception.exchanges import exchange_of
+from hypernav.perception.local.ground_truth import GroundTruthDetector
+
+_PROMPT = (
+    "A robot looks for a {goal}. The picture is what its camera sees now. Is the robot already "
+    "VERY close to a real {goal}? Take care not to mistake another piece of furniture for it. If "
+    "there is none, if it is far away or if you aren't sure, say no. Answer yes or no."
+)
+
+
+class StopCheckConfig(RoomConfig):
+    """The question whether to stop.
+
+    Attributes:
+        prompt: Text of the question, in substance VLMnav's; ``{goal}`` is filled in.
+        near_m: Distance up to which the stand-in, which no model is, says yes, metres; ours.
+    """
+
+    prompt: str = _PROMPT
+    near_m: float = Field(default=1.0, gt=0.0, le=10.0)
+
+
+@runtime_checkable
+class StopCheck(Protocol):
+    """Tells whether the robot is at the goal."""
+
+    def is_here(self, observation: Observation, goal: Goal) -> bool:
+        """Whether the image shows the goal right before the robot."""
+        ...
+
+
+class ChatStopCheck:
+    """Asks a vision-language model."""
+
+    def __init__(
+        self, chat: ChatModel, log: ExchangeLog, config: StopCheckConfig | None = None
+    ) -> None:
+        """Create the check.
+
+        Args:
+            chat: Chat model to ask.
+            log: Log of all questions and answers, for the trace.
+            config: Configuration of the question.
+        """
+        self._chat = chat
+        self._log = log
+        self._config = config or StopCheckConfig()
+        self._unsure = 0
+
+    def take_report(self) -> dict[str, Any]:
+        """Number of answers that were neither yes nor no since the last call."""
+        report, self._unsure = {"unsure_stop_checks": self._unsure}, 0
+        return report
+
+    def is_here(self, observation: Observation, goal: Goal) -> bool:
+        """Ask yes or no; anything else is a no.
+
+        Raises:
+            ModelUnavailableError: The model did not answer within the configured patience.
+        """
+        question = Question(
+            kind="stop",
+            text=goal.named_in(self._config.prompt),
+            images=(observation.rgb,),
+            allowed=("yes", "no"),
+            max_tokens=8,
+        )
+        answer = self._chat.ask(question)
+        remarks = []
+        if answer.fault is not None:
+            self._unsure += 1
+            remarks = [f"{answer.detail}; taken for no"]
+        self._log.record(exchange_of(question, answer, remarks=remarks))
+        return answer.fault is None and answer.value == "yes"
+
+
+class TruthStopCheck:
+    """Says by true labels and depth whether the goal is near: a stand-in for a model.
+
+    Ours; nothing like it was published.
+    """
+
+    def __init__(self, log: ExchangeLog, config: StopCheckConfig | None = None) -> None:
+        """Create the check.
+
+        Args:
+            log: Log of all answers, for the trace.
+            config: Distance up to which the goal is near.
+        """
+        self._log = log
+        self._config = config or StopCheckConfig()
+        self._detector = GroundTruthDetector()
+
+    def is_here(self, observation: Observation, goal: Goal) -> bool:
+        """Whether labelled pixels of the goal are near.
+
+        Raises:
+            LabelsMissingError: The world supplies no labels.
+        """
+        found = self._detector.detect(observation, goal)
+        distances = [
+            _floor_distance(observation, one.mask) for one in found if one.mask is not None
+        ]
+        away_m = min(distances, default=np.inf)
+        here = bool(away_m <= self._config.near_m)
+        seen = f"{away_m:.1f} m away" if np.isfinite(away_m) else "not in view"
+        self._log.record(
+            Exchange(
+                kind="stop",
+                asked="truth",
+                question=f"Is the {goal.thing} within {self._config.near_m:g} m?",
+                answer=f"{'yes' if here else 'no'}: {seen}",
+            )
+        )
+        return here
+
+
+def _floor_distance(observation: Observation, mask: Bool[np.ndarray, "height width"]) -> float:
+    """Distance from the robot to the nearest masked pixel with depth, along the floor, metres."""
+    depth = observation.depth
+    rows, columns = np.nonzero(mask & is_measured(depth))
+    if not len(rows):
+        return np.inf
+    points = observation.camera.unproject_pixels(
+        rows, columns, depth[rows, columns].astype(np.float64)
+    )
+    at = observation.camera_to_map.apply(points)[:, :2]
+    return float(np.hypot(*(at - np.array(observation.robot.xy)).T).min())
