@@ -55,6 +55,8 @@ class Asked:
             return "choose block"
         if self.text.startswith("Is there "):
             return "verify"
+        if "Is the robot already VERY close" in self.text:
+            return "stop"
         if self.text.startswith("What is the thing in the middle"):
             return "crop"
         if "is what its camera sees now. " in self.text and "red arrow" in self.text.lower():

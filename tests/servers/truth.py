@@ -27,6 +27,7 @@ from hypernav.core.trace import ExchangeLog
 from hypernav.models.chat.vlm_families import family_named
 from hypernav.perception.areas.chat_guide import ChatGuide
 from hypernav.perception.areas.truth_guide import TruthGuide
+from hypernav.perception.arrows.stop_checks import TruthStopCheck
 from hypernav.perception.arrows.chat_arrows import ChatArrowReasoner
 from hypernav.perception.explorers.vlm_reasoner import VlmReasoner
 from hypernav.perception.local.crop_check import crop_of
@@ -212,6 +213,8 @@ class TruthfulBrain:
                 return self._point()
             case "score view":
                 return self._score()
+            case "stop":
+                return self._stop(asked)
         return "I was not asked a question that I know."
 
     def _happens(self, rate: float) -> bool:
@@ -270,6 +273,13 @@ class TruthfulBrain:
         assert self._truth.scored is not None
         chance = chance_in_view(*self._truth.scored)
         return "yes" if chance is not None and chance > 0.3 else "no"
+
+    def _stop(self, asked: Asked) -> str:
+        match = re.match(r"A robot looks for (?:an? )?(.+?)\. The picture", asked.text)
+        goal = Goal(match[1] if match else "nothing")
+        view = _recognised(asked.images[0], self._truth.observations)
+        assert isinstance(view, Observation)
+        return "yes" if TruthStopCheck(ExchangeLog()).is_here(view, goal) else "no"
 
     def _look_closer(self, asked: Asked) -> str:
         if self._happens(self.errors.babble):

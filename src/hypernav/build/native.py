@@ -42,8 +42,8 @@ def step_limit_of(agent: str) -> int:
     """
     if agent not in _STEP_LIMITS:
         raise ConfigError(
-            f"--native: {agent} has no robot or stop of its own; those of {', '.join(_STEP_LIMITS)} "
-            "are known. Drop --native"
+            f"--native: {agent} has no robot or stop of its own; known are those of "
+            f"{', '.join(_STEP_LIMITS)}; drop --native"
         )
     return _STEP_LIMITS[agent]
 
