@@ -74,7 +74,8 @@ def test_mistakes_are_off_unless_a_preset_of_released_code_is_asked_for():
     default = preset("default")
     assert default.vlmnav.moves.space_explored
     assert not default.search.claim_when_explored
-    assert not (default.pivot.zero_is_last or default.navvlm.clear_rows)
+    assert not default.pivot.zero_is_last
+    assert not default.navvlm.clear_rows
     assert default.chat_arrows == ChatArrowsConfig(count_short=False, outage_is_no_answer=False)
     assert preset("vlfm-as-released").search.claim_when_explored
     assert preset("navvlm-as-released").navvlm.clear_rows

@@ -27,8 +27,8 @@ from hypernav.core.trace import ExchangeLog
 from hypernav.models.chat.vlm_families import family_named
 from hypernav.perception.areas.chat_guide import ChatGuide
 from hypernav.perception.areas.truth_guide import TruthGuide
-from hypernav.perception.arrows.stop_checks import TruthStopCheck
 from hypernav.perception.arrows.chat_arrows import ChatArrowReasoner
+from hypernav.perception.arrows.stop_checks import ChatStopCheck, TruthStopCheck
 from hypernav.perception.explorers.vlm_reasoner import VlmReasoner
 from hypernav.perception.local.crop_check import crop_of
 from hypernav.perception.local.ground_truth import GroundTruthDetector
@@ -135,7 +135,7 @@ def watching(truth: Truth) -> Iterator[Truth]:
     is_present, reset = VlmPresenceCheck.is_present, SimulatedWorld.reset
     looked_at = VlmDetector._looked_at
     about_arrows, about_direction = ChatArrowReasoner.choose, ChatGuide.direct
-    about_view = ChatScorer.score
+    about_view, is_here = ChatScorer.score, ChatStopCheck.is_here
 
     def watched_image(self: VlmDetector, observation: Observation, goal: Goal) -> Question:
         truth.see(observation)
@@ -176,7 +176,12 @@ def watching(truth: Truth) -> Iterator[Truth]:
         truth.see(observation)
         return is_present(self, observation, goal)
 
+    def watched_stop(self: ChatStopCheck, observation: Observation, goal: Goal) -> bool:
+        truth.see(observation)
+        return is_here(self, observation, goal)
+
     with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(ChatStopCheck, "is_here", watched_stop)
         patch.setattr(VlmDetector, "question", watched_image)
         patch.setattr(VlmReasoner, "question", watched_map)
         patch.setattr(VlmPresenceCheck, "is_present", watched_presence)
