@@ -6,6 +6,7 @@ from typing import Any
 from pydantic import BaseModel, Field, model_validator
 
 from hypernav.agents.config import SearchConfig
+from hypernav.agents.policy import PolicyConfig
 from hypernav.agents.prompted import PromptedConfig
 from hypernav.build.component_specs import PresetName
 from hypernav.core.config import RoomConfig
@@ -109,6 +110,7 @@ class HyPerNavConfig(RoomConfig):
         geometric_arrows: Choice of arrows without a model.
         chat_arrows: Question about arrows to a chat model.
         prompted: Budget and stop of agents that make long moves (native mode).
+        policy: Choice of an action by a trained policy.
         own: Sections of components from other packages.
     """
 
@@ -146,6 +148,7 @@ class HyPerNavConfig(RoomConfig):
     geometric_arrows: GeometricArrowsConfig = GeometricArrowsConfig()
     chat_arrows: ChatArrowsConfig = ChatArrowsConfig()
     prompted: PromptedConfig = PromptedConfig()
+    policy: PolicyConfig = PolicyConfig()
     own: OwnConfig = OwnConfig()
 
     @model_validator(mode="after")

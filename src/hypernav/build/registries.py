@@ -250,6 +250,20 @@ AGENTS: Registry[Factory] = Registry(
             words="points in DyNaVLM's style",
             section="dynavlm",
         ),
+        Entry(
+            "pirlnav",
+            "hypernav.agents.policy:PirlnavAgent",
+            form="pirlnav:FILE",
+            words="PIRLNav's policy ({files})",
+            section="policy",
+        ),
+        Entry(
+            "zson",
+            "hypernav.agents.policy:ZsonAgent",
+            form="zson:FILE",
+            words="ZSON's policy ({files})",
+            section="policy",
+        ),
     ],
 )
 """Explorers, for which the search of this package drives, and whole agents

@@ -1,0 +1,285 @@
+"""Agents that a trained policy drives: PIRLNav and ZSON, with weights of your own."""
+
+import math
+import zlib
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from jaxtyping import Float32
+from pydantic import Field
+
+from hypernav.core.actions import Action
+from hypernav.core.components.extras import require
+from hypernav.core.config import MOST_SEED, RoomConfig
+from hypernav.core.embodiment import CameraConfig, Embodiment
+from hypernav.core.errors import ConfigError, GoalError, ModelError
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
+from hypernav.core.labels import same_name
+from hypernav.core.observation import Observation
+from hypernav.models.policies.architecture import PIRLNAV, ZSON
+from hypernav.models.policies.network import EXTRA, PolicyNetwork
+
+_HM3D_CAMERA = {"width": 640, "height": 480, "hfov_deg": 79.0, "height_m": 0.88, "pitch_deg": 0.0}
+_SQUARE_CAMERA = {"width": 128, "height": 128, "hfov_deg": 90.0, "height_m": 1.25, "pitch_deg": 0.0}
+_MOTION = {"forward_m": 0.25, "turn_angle_deg": 30.0}
+_PIRLNAV_GOALS = ("chair", "bed", "potted plant", "toilet", "tv", "sofa")
+"""Goals in the order of their numbers."""
+
+
+class PolicyConfig(RoomConfig):
+    """Choice of an action by its score.
+
+    Attributes:
+        choice: "sample" draws an action by its probability, as the published evaluations of
+            policies that were trained by reward do; "mode" takes the likeliest (PIRLNav's, of its
+            policies that were trained by imitation alone).
+        seed: Seed of the draws; equal searches draw equal actions (ours).
+        goals: File of goal vectors, safetensors, a vector for each goal by its words, for ZSON:
+            CLIP's (RN50) of the bare words.
+    """
+
+    choice: Literal["sample", "mode"] = "sample"
+    seed: int = Field(default=0, ge=0, le=MOST_SEED)
+    goals: str = ""
+
+
+class PolicyAgent:
+    """Lets a recurrent policy choose every action; it has neither map nor plan."""
+
+    def __init__(
+        self,
+        network: PolicyNetwork,
+        embodiment: Embodiment,
+        cameras: tuple[dict[str, float], ...],
+        config: PolicyConfig,
+    ) -> None:
+        """Refuse a robot that the policy was not trained on.
+
+        Args:
+            network: The policy.
+            embodiment: What the robot is.
+            cameras: Cameras that the policy was trained with.
+            config: Choice of an action.
+
+        Raises:
+            ConfigError: Camera, step or turn are others.
+        """
+        check_robot(network.architecture.name, embodiment, cameras)
+        self._network = network
+        self._embodiment = embodiment
+        self._config = config
+        self._state: Any = None
+
+    @property
+    def embodiment(self) -> Embodiment:
+        """What the robot is that the agent was built for."""
+        return self._embodiment
+
+    def reset(self, goal: Goal) -> None:
+        """Forget everything and begin a new search.
+
+        Raises:
+            GoalError: The policy doesn't know the goal.
+        """
+        self._goal = self.goal_input(goal)
+        self._state = self._network.first_state()
+        self._last_action = 0
+        self._start: Pose2 | None = None
+        self._rng = np.random.default_rng([self._config.seed, zlib.crc32(goal.text.encode())])
+
+    def check_goal(self, goal: Goal) -> None:
+        """Refuse a goal that the policy doesn't know.
+
+        Raises:
+            GoalError: It doesn't.
+        """
+        self.goal_input(goal)
+
+    def goal_input(self, goal: Goal) -> int | Float32[np.ndarray, "n"]:
+        """The goal as the policy reads it: a number, or a vector."""
+        raise NotImplementedError
+
+    def act(self, observation: Observation) -> Action:
+        """The action that the policy chooses; looks up and down, which no robot here can, never."""
+        pose = None
+        if self._network.architecture.has_pose:
+            self._start = self._start or observation.robot
+            pose = pose_input(observation.robot, self._start)
+        logits, self._state = self._network.step(
+            observation.rgb,
+            self._state,
+            last_action=self._last_action,
+            goal=self._goal,
+            pose=pose,
+        )
+        action = self._chosen(logits[: len(Action)].astype(np.float64))
+        self._last_action = int(action) + 1
+        return action
+
+    def _chosen(self, logits: np.ndarray) -> Action:
+        if self._config.choice == "mode":
+            return Action(int(logits.argmax()))
+        chances = np.exp(logits - logits.max())
+        return Action(int(self._rng.choice(len(chances), p=chances / chances.sum())))
+
+
+class PirlnavAgent(PolicyAgent):
+    """PIRLNav's policy, for its six goals.
+
+    Source: Ramrakhya et al., "PIRLNav: Pretraining with Imitation and RL Finetuning for
+    ObjectNav", 2023. Ours: looking up and down is masked; images are not shifted and recoloured at
+    random, as its configuration does even in evaluation.
+    """
+
+    def __init__(
+        self, path: str, embodiment: Embodiment, config: PolicyConfig | None = None
+    ) -> None:
+        """Load a checkpoint.
+
+        Args:
+            path: Converted checkpoint, safetensors.
+            embodiment: What the robot is.
+            config: Choice of an action.
+
+        Raises:
+            ConfigError: The robot is not the one of its training.
+            MissingExtraError: torch or safetensors is not installed.
+            ModelError: The file can't be used.
+        """
+        check_robot(PIRLNAV.name, embodiment, (_HM3D_CAMERA,))
+        network = PolicyNetwork.load(Path(path), PIRLNAV)
+        super().__init__(network, embodiment, (_HM3D_CAMERA,), config or PolicyConfig())
+
+    def goal_input(self, goal: Goal) -> int:
+        """The number of a goal.
+
+        Raises:
+            GoalError: It has none.
+        """
+        for number, name in enumerate(_PIRLNAV_GOALS):
+            if same_name(goal.text, name):
+                return number
+        raise GoalError(
+            f"PIRLNav was trained for {', '.join(_PIRLNAV_GOALS)} alone, and the goal is "
+            f"'{goal.text}'"
+        )
+
+
+class ZsonAgent(PolicyAgent):
+    """ZSON's policy, for any goal that there is a vector for.
+
+    Source: Majumdar et al., "ZSON: Zero-Shot Object-Goal Navigation using Multimodal Goal
+    Embeddings", 2022.
+    """
+
+    def __init__(
+        self, path: str, embodiment: Embodiment, config: PolicyConfig | None = None
+    ) -> None:
+        """Load a checkpoint and the goals' vectors.
+
+        Args:
+            path: Converted checkpoint, safetensors.
+            embodiment: What the robot is.
+            config: Choice of an action; file of the goals' vectors.
+
+        Raises:
+            ConfigError: The robot is not one of its training, or no file of vectors is named.
+            MissingExtraError: torch or safetensors is not installed.
+            ModelError: A file can't be used.
+        """
+        config = config or PolicyConfig()
+        cameras = (_HM3D_CAMERA, _SQUARE_CAMERA)
+        check_robot(ZSON.name, embodiment, cameras)
+        network = PolicyNetwork.load(Path(path), ZSON)
+        super().__init__(network, embodiment, cameras, config)
+        self._vectors = read_vectors(config.goals)
+
+    def goal_input(self, goal: Goal) -> Float32[np.ndarray, "n"]:
+        """The vector of a goal.
+
+        Raises:
+            GoalError: The file holds none.
+        """
+        for name, vector in self._vectors.items():
+            if same_name(goal.text, name):
+                return vector
+        raise GoalError(
+            f"{self._config.goals} holds no vector for '{goal.text}'; it has "
+            f"{', '.join(self._vectors)}"
+        )
+
+
+def pose_input(robot: Pose2, start: Pose2) -> tuple[float, float, float]:
+    """GPS and compass of Habitat, which look from the start: ``(x, -y)``, metres, and the heading.
+
+    Args:
+        robot: Pose of the robot, ``map`` frame.
+        start: Pose at the start of the search, same frame.
+    """
+    away_x, away_y = robot.x - start.x, robot.y - start.y
+    ahead = math.cos(start.yaw) * away_x + math.sin(start.yaw) * away_y
+    left = math.cos(start.yaw) * away_y - math.sin(start.yaw) * away_x
+    return ahead, -left, math.remainder(robot.yaw - start.yaw, math.tau)
+
+
+def check_robot(name: str, embodiment: Embodiment, cameras: tuple[dict[str, float], ...]) -> None:
+    """Refuse a robot that a policy was not trained on, and say what differs.
+
+    Raises:
+        ConfigError: Camera, step or turn are others.
+    """
+    motion = embodiment.motion.model_dump()
+    wrong = [
+        f"embodiment.motion.{key} is {motion[key]:g} instead of {value:g}"
+        for key, value in _MOTION.items()
+        if motion[key] != value
+    ]
+    wrong += min((_differences(embodiment.camera, camera) for camera in cameras), key=len)
+    if wrong:
+        raise ConfigError(
+            f"{name} was trained on one robot, and any other breaks it: {', '.join(wrong)}; set "
+            "them so with --set"
+        )
+
+
+def _differences(camera: CameraConfig, trained: dict[str, float]) -> list[str]:
+    values = camera.model_dump()
+    return [
+        f"embodiment.camera.{key} is {values[key]:g} instead of {value:g}"
+        for key, value in trained.items()
+        if values[key] != value
+    ]
+
+
+def read_vectors(path: str) -> dict[str, Float32[np.ndarray, "n"]]:
+    """Vectors of goals, by their words, each of length 1.
+
+    Raises:
+        ConfigError: No file is named.
+        MissingExtraError: safetensors is not installed.
+        ModelError: The file can't be read, or holds something else.
+    """
+    if not path:
+        raise ConfigError(
+            "zson compares images with vectors of goals: name a file of them, safetensors with a "
+            f"vector of {ZSON.goal_size} numbers (CLIP RN50, of the bare words) for each goal, "
+            "--set policy.goals=FILE"
+        )
+    safetensors = require("safetensors", extra=EXTRA)
+    reader = require("safetensors.numpy", extra=EXTRA)
+    try:
+        vectors = reader.load_file(path)
+    except (OSError, safetensors.SafetensorError) as error:
+        raise ModelError(f"{path} can't be read as safetensors: {error}") from error
+    for name, vector in vectors.items():
+        if vector.shape != (ZSON.goal_size,) or not np.linalg.norm(vector) > 0.0:
+            raise ModelError(
+                f"{path}: '{name}' has the shape {vector.shape}; expected a vector of "
+                f"{ZSON.goal_size} numbers that are not all 0"
+            )
+    return {
+        name: (vector / np.linalg.norm(vector)).astype(np.float32)
+        for name, vector in vectors.items()
+    }

@@ -1,0 +1,1 @@
+"""Trained navigation policies of others, whose weights are read from safetensors."""

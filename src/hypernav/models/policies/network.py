@@ -1,0 +1,203 @@
+"""One forward step of PIRLNav's or ZSON's policy."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float32, UInt8
+
+from hypernav.core.components.extras import require
+from hypernav.core.errors import ModelError
+from hypernav.models.policies.architecture import BLOCKS, GROUPS, PolicyArchitecture
+
+EXTRA = "policies"
+_LEAST_VARIANCE = 1e-2
+_NAMED = 5
+"""Number of weights that a message names."""
+
+
+class PolicyNetwork:
+    """A policy's weights, and what they make of an image, a goal, a pose and the last action.
+
+    Batches are of one. The weights stay as they are, so nothing here is a torch module.
+    """
+
+    def __init__(self, weights: Mapping[str, Any], architecture: PolicyArchitecture) -> None:
+        """Check the weights.
+
+        Args:
+            weights: Tensors by name, float32.
+            architecture: Dimensions of the policy.
+
+        Raises:
+            MissingExtraError: torch is not installed.
+            ModelError: Weights are missing, unknown or of another shape; the message names some.
+        """
+        self._torch = require("torch", extra=EXTRA)
+        _check_shapes(weights, architecture)
+        self._weights = weights
+        self.architecture = architecture
+
+    @staticmethod
+    def load(path: Path, architecture: PolicyArchitecture) -> "PolicyNetwork":
+        """Read weights from a safetensors file; nothing is ever unpickled.
+
+        Raises:
+            MissingExtraError: torch or safetensors is not installed.
+            ModelError: The file is missing, of another format, or holds another network.
+        """
+        require("torch", extra=EXTRA)
+        safetensors = require("safetensors", extra=EXTRA)
+        reader = require("safetensors.torch", extra=EXTRA)
+        try:
+            weights = reader.load_file(str(path))
+        except (OSError, safetensors.SafetensorError) as error:
+            raise ModelError(
+                f"{path} can't be read as safetensors ({error}); a checkpoint of "
+                f"{architecture.name} is converted once by scripts/convert_policy.py"
+            ) from error
+        return PolicyNetwork(weights, architecture)
+
+    def first_state(self) -> Any:
+        """The state of a search that has not begun: zeros, ``(layers, hidden)``."""
+        size = (self.architecture.state_layers, self.architecture.hidden)
+        return self._torch.zeros(size)
+
+    def step(
+        self,
+        rgb: UInt8[np.ndarray, "height width 3"],
+        state: Any,
+        *,
+        last_action: int,
+        goal: int | Float32[np.ndarray, "n"],
+        pose: tuple[float, float, float] | None = None,
+    ) -> tuple[Float32[np.ndarray, "actions"], Any]:
+        """Scores of the actions, and the next state.
+
+        Args:
+            rgb: Camera image; it is shrunk to the policy's short side and cut to a square.
+            state: State of the step before.
+            last_action: Number of the last action plus one; 0 at the start.
+            goal: Number of the goal, or its vector.
+            pose: GPS ``(x, z)``, metres, and compass, radians; None where the policy has no pose.
+
+        Returns:
+            Logits of the actions; state, which is a tensor.
+        """
+        torch, weights = self._torch, self._weights
+        with torch.inference_mode():
+            inputs = [self._see(self._prepared(rgb))]
+            if pose is not None:
+                x, z, heading = pose
+                gps = torch.tensor([x, z], dtype=torch.float32)
+                compass = torch.tensor([np.cos(heading), np.sin(heading)], dtype=torch.float32)
+                inputs.append(self._linear("gps_embedding", gps))
+                inputs.append(self._linear("compass_embedding", compass))
+            if isinstance(goal, int):
+                inputs.append(weights["goal_embedding.weight"][goal])
+            else:
+                inputs.append(torch.from_numpy(goal))
+            inputs.append(weights["prev_action_embedding.weight"][last_action])
+            state = self._remember(torch.cat(inputs), state)
+            logits = self._linear("action", state[1])
+        return logits.numpy(), state
+
+    def _prepared(self, rgb: UInt8[np.ndarray, "height width 3"]) -> Any:
+        """The middle of the image, normalised; ``(1, 3, side, side)``."""
+        torch, side = self._torch, self.architecture.image_px
+        image = torch.from_numpy(np.ascontiguousarray(rgb)).permute(2, 0, 1)[None].float()
+        height, width = image.shape[2:]
+        scale = side / min(height, width)
+        size = (round(height * scale), round(width * scale))
+        # Habitat's transform keeps whole grades, and cuts their fractions off.
+        image = torch.nn.functional.interpolate(image, size=size, mode="area").floor()
+        top, left = (size[0] - side) // 2, (size[1] - side) // 2
+        image = image[:, :, top : top + side, left : left + side] / 255.0
+        mean, variance = (self._weights[f"running_mean_and_var.{k}"] for k in ("_mean", "_var"))
+        return (image - mean) * variance.clamp(min=_LEAST_VARIANCE).rsqrt()
+
+    def _see(self, image: Any) -> Any:
+        """What the encoder makes of an image, a vector."""
+        functional = self._torch.nn.functional
+        x = functional.conv2d(image, self._weights["backbone.conv1.0.weight"], stride=2, padding=3)
+        x = self._norm("backbone.conv1.1", x).relu()
+        x = functional.max_pool2d(x, kernel_size=3, stride=2, padding=1)
+        for layer, blocks in enumerate(BLOCKS):
+            for block in range(blocks):
+                stride = 2 if layer > 0 and block == 0 else 1
+                x = self._bottleneck(f"backbone.layer{layer + 1}.{block}", x, stride)
+        x = functional.conv2d(x, self._weights["compression.0.weight"], padding=1)
+        x = self._norm("compression.1", x, groups=1).relu().flatten()
+        for k in range(len(self.architecture.visual)):
+            x = self._linear(f"visual_fc.{k}", x).relu()
+        return x
+
+    def _bottleneck(self, name: str, x: Any, stride: int) -> Any:
+        functional, weights = self._torch.nn.functional, self._weights
+        y = functional.conv2d(x, weights[f"{name}.convs.0.weight"])
+        y = self._norm(f"{name}.convs.1", y).relu()
+        y = functional.conv2d(y, weights[f"{name}.convs.3.weight"], stride=stride, padding=1)
+        y = self._norm(f"{name}.convs.4", y).relu()
+        y = self._norm(f"{name}.convs.7", functional.conv2d(y, weights[f"{name}.convs.6.weight"]))
+        if f"{name}.downsample.0.weight" in weights:
+            x = functional.conv2d(x, weights[f"{name}.downsample.0.weight"], stride=stride)
+            x = self._norm(f"{name}.downsample.1", x)
+        return (x + y).relu()
+
+    def _norm(self, name: str, x: Any, groups: int = GROUPS) -> Any:
+        weight, bias = self._weights[f"{name}.weight"], self._weights[f"{name}.bias"]
+        return self._torch.nn.functional.group_norm(x, groups, weight, bias)
+
+    def _linear(self, name: str, x: Any) -> Any:
+        return self._weights[f"{name}.weight"] @ x + self._weights[f"{name}.bias"]
+
+    def _remember(self, x: Any, state: Any) -> Any:
+        """The next state of both recurrent layers."""
+        outputs, cells = [], []
+        for layer in range(2):
+            if self.architecture.cell == "gru":
+                x = self._gru(layer, x, state[layer])
+            else:
+                x, cell = self._lstm(layer, x, state[layer], state[2 + layer])
+                cells.append(cell)
+            outputs.append(x)
+        return self._torch.stack(outputs + cells)
+
+    def _gru(self, layer: int, x: Any, before: Any) -> Any:
+        from_x, from_before = self._gates(layer, x, before, 3)
+        reset = (from_x[0] + from_before[0]).sigmoid()
+        keep = (from_x[1] + from_before[1]).sigmoid()
+        new = (from_x[2] + reset * from_before[2]).tanh()
+        return (1.0 - keep) * new + keep * before
+
+    def _lstm(self, layer: int, x: Any, before: Any, cell: Any) -> tuple[Any, Any]:
+        from_x, from_before = self._gates(layer, x, before, 4)
+        enter, forget, new, leave = (a + b for a, b in zip(from_x, from_before, strict=True))
+        cell = forget.sigmoid() * cell + enter.sigmoid() * new.tanh()
+        return leave.sigmoid() * cell.tanh(), cell
+
+    def _gates(self, layer: int, x: Any, before: Any, count: int) -> tuple[Any, Any]:
+        weights = self._weights
+        from_x = weights[f"rnn.weight_ih_l{layer}"] @ x + weights[f"rnn.bias_ih_l{layer}"]
+        from_before = weights[f"rnn.weight_hh_l{layer}"] @ before
+        from_before = from_before + weights[f"rnn.bias_hh_l{layer}"]
+        return from_x.chunk(count), from_before.chunk(count)
+
+
+def _check_shapes(weights: Mapping[str, Any], architecture: PolicyArchitecture) -> None:
+    expected = architecture.shapes()
+    found = {name: tuple(tensor.shape) for name, tensor in weights.items()}
+    faults = [f"{name} is missing" for name in expected if name not in found]
+    faults += [f"{name} is unknown" for name in found if name not in expected]
+    faults += [
+        f"{name} is {found[name]} instead of {shape}"
+        for name, shape in expected.items()
+        if found.get(name, shape) != shape
+    ]
+    if faults:
+        more = f" and {len(faults) - _NAMED} more" if len(faults) > _NAMED else ""
+        raise ModelError(
+            f"this is no checkpoint of {architecture.name}: {', '.join(faults[:_NAMED])}{more}; "
+            "convert the published file with scripts/convert_policy.py"
+        )
