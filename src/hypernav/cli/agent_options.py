@@ -23,8 +23,8 @@ class AgentOptions:
     """The agent and its components. It can be pickled, so that every process builds its own."""
 
     agent: str = "hypernav"
-    """Agent: hypernav, frontier, vlfm, navvlm, vlmnav, pivot, dynavlm-style, pirlnav:FILE, zson:FILE
-    or module:Name."""
+    """Agent: hypernav, frontier, vlfm, navvlm, vlmnav, pivot, dynavlm-style, pirlnav:FILE,
+    zson:FILE or module:Name."""
     preset: PresetName = "default"
     """Values of the method: the published ones, or those that measured better."""
     native: bool = False
