@@ -62,8 +62,14 @@ class StandIn(dict):
     def __setstate__(self, _: Any) -> None:
         """Ignore its content."""
 
+    def __call__(self, *_: Any, **__: Any) -> "StandIn":
+        """Another stand-in, for what a function would have given."""
+        return StandIn()
+
     def append(self, _: Any) -> None:
         """Ignore an element."""
+
+    extend = append
 
 
 class SafeUnpickler(pickle.Unpickler):

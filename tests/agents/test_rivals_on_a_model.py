@@ -7,9 +7,11 @@ import pytest
 
 from hypernav.build.agents import build_agent
 from hypernav.build.component_specs import ComponentSpecs
+from hypernav.build.native import native_config
 from hypernav.core.episode import Outcome
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.worlds.episode_run import EpisodeRun
+from hypernav.worlds.simulation import SimulatedWorld
 from servers.scripted import ScriptedServer
 from servers.truth import Truth, TruthfulBrain, watching
 from small_episodes import episode_from
@@ -58,3 +60,20 @@ def test_one_model_can_do_all(server: ScriptedServer):
     result, kinds, _ = searched(server, "vlmnav", None)
     assert result.outcome is Outcome.FOUND
     assert {"ground", "choose arrow", "verify"} <= kinds
+
+
+@pytest.mark.parametrize("agent", ["vlmnav", "pivot"])
+def test_in_native_mode_the_model_is_asked_to_stop_and_nothing_is_detected(
+    server: ScriptedServer, agent: str
+):
+    config = native_config(agent, small_config(chat=QUICK))
+    camera = config.embodiment.camera.model_copy(update={"width": 160, "height": 90})
+    robot = config.embodiment.model_copy(update={"camera": camera})
+    config = config.model_copy(update={"embodiment": robot})
+    world = SimulatedWorld(two_rooms().scene, config.world, robot)
+    parts = build_agent(config, ComponentSpecs(agent=agent, vlm=server.spec, native=True))
+    run = EpisodeRun(parts.agent, world, episode_from(START, "bed", max_steps=300))
+    kinds = {one.kind for step in run for one in step.trace.exchanges if one.by_model}
+    assert kinds == {"stop", "choose arrow"}
+    assert parts.warnings == []
+    assert parts.take_report()["fallbacks"]["moves"] > 0

@@ -293,6 +293,13 @@ def test_it_looks_around_once_more_before_it_gives_up(look_again, circles):
     assert look_again or turned == 10
 
 
+def test_it_may_claim_the_goal_where_it_would_give_up():
+    agent = search(search={"claim_when_explored": True, "look_again_before_giving_up": False})
+    steps, result = run(agent, "piano")
+    assert (steps[-1].action, steps[-1].ending) == (Action.STOP, Ending.FOUND)
+    assert result.outcome is not Outcome.FOUND
+
+
 def test_an_agent_without_a_goal_says_what_to_do():
     with pytest.raises(WorldError, match=r"call reset\(goal\) first"):
         search().grid  # noqa: B018

@@ -30,8 +30,8 @@ def missed(episode_id, scene_id, failure=Failure.NEVER_SEEN, **values):
     return record(episode_id, scene_id, failure=failure, stopped=False, **values)
 
 
-def written(folder, records, agent="hypernav", wanted=None):
-    configuration = RunPlan("houses-val", who=WHO | {"agent": agent}).configuration([])
+def written(folder, records, agent="hypernav", wanted=None, **who):
+    configuration = RunPlan("houses-val", who=WHO | {"agent": agent} | who).configuration([])
     configuration["episodes"] |= {"count": wanted or len(records), "scenes": 2}
     with RunStore(folder, configuration) as store:
         for line in records:
@@ -212,3 +212,19 @@ def test_intervals_do_not_depend_on_which_worker_was_done_first(tmp_path):
     )
     first, second = (tables.overall([run]) for run in runs)
     assert first == second
+
+
+def test_native_and_common_mode_share_no_report(tmp_path, good):
+    native = written(
+        tmp_path / "native",
+        [record("0", "a", goal="bed")],
+        agent="vlmnav (native)",
+        parts={"detector": "none", "vlm": None, "mode": "native"},
+    )
+    with pytest.raises(RunFolderError, match="make a report of each mode"):
+        load_runs([good, native])
+    (run,) = load_runs([native])
+    assert run.name == "vlmnav (native)"
+    assert run.is_told_truth  # no model says when to stop
+    assert any("native mode" in warning for warning in report_text.warnings([run]))
+    assert not load_runs([good])[0].is_native

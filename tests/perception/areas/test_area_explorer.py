@@ -18,7 +18,7 @@ from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.config import MappingConfig
-from hypernav.perception.areas.area_explorer import AreaConfig, AreaExplorer
+from hypernav.perception.areas.area_explorer import AreaConfig, AreaExplorer, _largest_piece
 from hypernav.perception.areas.chat_guide import ChatGuide, direction_in
 from hypernav.perception.areas.truth_guide import TruthGuide
 from images import thing_before_wall
@@ -148,3 +148,13 @@ def test_the_stand_in_points_to_the_likely_room():
     assert guide.direct(GuideView(seen, alike), Goal("oven")).direction is Direction.EXPLORE
     nothing = replace(seen, truth=LabelledPixels(certain(seen.truth).ids, {}))
     assert guide.direct(GuideView(nothing, windows), Goal("oven")).direction is Direction.EXPLORE
+
+
+@pytest.mark.parametrize(("clear_rows", "rows"), [(False, {20, 21, 22}), (True, {21, 22})])
+def test_a_row_with_anything_besides_the_largest_piece_may_be_dropped(clear_rows, rows):
+    grid = OccupancyGrid(np.zeros((60, 60), np.uint8), 0.05, (0.0, 0.0))
+    cells = [(row, column) for row in (20, 21, 22) for column in range(10, 16)] + [(20, 40)]
+    points = np.array([grid.centre_of(row, column) for row, column in cells])
+    kept = _largest_piece(grid, points, AreaConfig(clear_rows=clear_rows))
+    assert set(kept[:, 0].tolist()) == rows
+    assert kept[:, 1].max() == 15
