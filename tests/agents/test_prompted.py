@@ -73,10 +73,11 @@ def acted(agent: PromptedAgent, most: int = 100) -> list[Action | None]:
     room, actions = BoxRoom(embodiment=agent.embodiment), list[Action | None]()
     agent.reset(Goal("bed"))
     for _ in range(most):
-        actions.append(agent.act(room.observe()))
-        if actions[-1] in (None, Action.STOP):
+        action = agent.act(room.observe())
+        actions.append(action)
+        if action is None or action is Action.STOP:
             break
-        room.step(actions[-1])
+        room.step(action)
     return actions
 
 

@@ -3,10 +3,10 @@
 import math
 import zlib
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, Protocol, runtime_checkable
 
 import numpy as np
-from jaxtyping import Float32
+from jaxtyping import Float32, UInt8
 from pydantic import Field
 
 from hypernav.core.actions import Action
@@ -18,7 +18,7 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.labels import same_name
 from hypernav.core.observation import Observation
-from hypernav.models.policies.architecture import PIRLNAV, ZSON
+from hypernav.models.policies.architecture import PIRLNAV, ZSON, PolicyArchitecture
 from hypernav.models.policies.network import EXTRA, PolicyNetwork
 
 _HM3D_CAMERA = {"width": 640, "height": 480, "hfov_deg": 79.0, "height_m": 0.88, "pitch_deg": 0.0}
@@ -45,12 +45,38 @@ class PolicyConfig(RoomConfig):
     goals: str = ""
 
 
+@runtime_checkable
+class RecurrentPolicy(Protocol):
+    """Scores actions, and remembers what it saw in a state that it hands on."""
+
+    @property
+    def architecture(self) -> PolicyArchitecture:
+        """Dimensions of the policy."""
+        ...
+
+    def first_state(self) -> Any:
+        """The state of a search that has not begun."""
+        ...
+
+    def step(
+        self,
+        rgb: UInt8[np.ndarray, "height width 3"],
+        state: Any,
+        *,
+        last_action: int,
+        goal: int | Float32[np.ndarray, "n"],
+        pose: tuple[float, float, float] | None = None,
+    ) -> tuple[Float32[np.ndarray, "actions"], Any]:
+        """Logits of the actions, and the next state; see `PolicyNetwork.step`."""
+        ...
+
+
 class PolicyAgent:
     """Lets a recurrent policy choose every action; it has neither map nor plan."""
 
     def __init__(
         self,
-        network: PolicyNetwork,
+        network: RecurrentPolicy,
         embodiment: Embodiment,
         cameras: tuple[dict[str, float], ...],
         config: PolicyConfig,

@@ -41,7 +41,8 @@ class Options:
     save: SaveChoice = "none"
     """Episodes that keep their page and video: all, the failed ones, or none."""
     max_steps: int | None = None
-    """Maximum number of steps of an episode; by default the benchmark's, else 500."""
+    """Maximum number of steps of an episode; by default that of --native or of the benchmark,
+    else 500."""
     success_distance: float | None = None
     """Distance to a view point that counts as reached, metres, by default the benchmark's, else
     0.1; reports show all others, too."""

@@ -37,7 +37,12 @@ class PolicyNetwork:
         self._torch = require("torch", extra=EXTRA)
         _check_shapes(weights, architecture)
         self._weights = weights
-        self.architecture = architecture
+        self._architecture = architecture
+
+    @property
+    def architecture(self) -> PolicyArchitecture:
+        """Dimensions of the policy."""
+        return self._architecture
 
     @staticmethod
     def load(path: Path, architecture: PolicyArchitecture) -> "PolicyNetwork":
