@@ -9,13 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import hypernav
-from hypernav.agents.prompted import (
-    ConsecutiveYes,
-    PromptedAgent,
-    PromptedConfig,
-    actions_to,
-    paper_actions,
-)
+from hypernav.agents.long_moves import actions_to, paper_actions
+from hypernav.agents.prompted import ConsecutiveYes, PromptedAgent, PromptedConfig
 from hypernav.build.agents import build_agent
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.native import native_config

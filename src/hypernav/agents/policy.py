@@ -9,10 +9,11 @@ import numpy as np
 from jaxtyping import Float32, UInt8
 from pydantic import Field
 
+from hypernav.agents.trained_robots import HM3D_CAMERA, SQUARE_CAMERA, Camera, check_robot
 from hypernav.core.actions import Action
 from hypernav.core.components.extras import require
 from hypernav.core.config import MOST_SEED, RoomConfig
-from hypernav.core.embodiment import CameraConfig, Embodiment
+from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import ConfigError, GoalError, ModelError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
@@ -21,9 +22,6 @@ from hypernav.core.observation import Observation
 from hypernav.models.policies.architecture import PIRLNAV, ZSON, PolicyArchitecture
 from hypernav.models.policies.network import EXTRA, PolicyNetwork
 
-_HM3D_CAMERA = {"width": 640, "height": 480, "hfov_deg": 79.0, "height_m": 0.88, "pitch_deg": 0.0}
-_SQUARE_CAMERA = {"width": 128, "height": 128, "hfov_deg": 90.0, "height_m": 1.25, "pitch_deg": 0.0}
-_MOTION = {"forward_m": 0.25, "turn_angle_deg": 30.0}
 _PIRLNAV_GOALS = ("chair", "bed", "potted plant", "toilet", "tv", "sofa")
 """Goals in the order of their numbers."""
 
@@ -78,7 +76,7 @@ class PolicyAgent:
         self,
         network: RecurrentPolicy,
         embodiment: Embodiment,
-        cameras: tuple[dict[str, float], ...],
+        cameras: tuple[Camera, ...],
         config: PolicyConfig,
     ) -> None:
         """Refuse a robot that the policy was not trained on.
@@ -174,9 +172,9 @@ class PirlnavAgent(PolicyAgent):
             MissingExtraError: torch or safetensors is not installed.
             ModelError: The file can't be used.
         """
-        check_robot(PIRLNAV.name, embodiment, (_HM3D_CAMERA,))
+        check_robot(PIRLNAV.name, embodiment, (HM3D_CAMERA,))
         network = PolicyNetwork.load(Path(path), PIRLNAV)
-        super().__init__(network, embodiment, (_HM3D_CAMERA,), config or PolicyConfig())
+        super().__init__(network, embodiment, (HM3D_CAMERA,), config or PolicyConfig())
 
     def goal_input(self, goal: Goal) -> int:
         """The number of a goal.
@@ -216,7 +214,7 @@ class ZsonAgent(PolicyAgent):
             ModelError: A file can't be used.
         """
         config = config or PolicyConfig()
-        cameras = (_HM3D_CAMERA, _SQUARE_CAMERA)
+        cameras = (HM3D_CAMERA, SQUARE_CAMERA)
         check_robot(ZSON.name, embodiment, cameras)
         network = PolicyNetwork.load(Path(path), ZSON)
         super().__init__(network, embodiment, cameras, config)
@@ -248,35 +246,6 @@ def pose_input(robot: Pose2, start: Pose2) -> tuple[float, float, float]:
     ahead = math.cos(start.yaw) * away_x + math.sin(start.yaw) * away_y
     left = math.cos(start.yaw) * away_y - math.sin(start.yaw) * away_x
     return ahead, -left, math.remainder(robot.yaw - start.yaw, math.tau)
-
-
-def check_robot(name: str, embodiment: Embodiment, cameras: tuple[dict[str, float], ...]) -> None:
-    """Refuse a robot that a policy was not trained on, and say what differs.
-
-    Raises:
-        ConfigError: Camera, step or turn are others.
-    """
-    motion = embodiment.motion.model_dump()
-    wrong = [
-        f"embodiment.motion.{key} is {motion[key]:g} instead of {value:g}"
-        for key, value in _MOTION.items()
-        if motion[key] != value
-    ]
-    wrong += min((_differences(embodiment.camera, camera) for camera in cameras), key=len)
-    if wrong:
-        raise ConfigError(
-            f"{name} was trained on one robot, and any other breaks it: {', '.join(wrong)}; set "
-            "them so with --set"
-        )
-
-
-def _differences(camera: CameraConfig, trained: dict[str, float]) -> list[str]:
-    values = camera.model_dump()
-    return [
-        f"embodiment.camera.{key} is {values[key]:g} instead of {value:g}"
-        for key, value in trained.items()
-        if values[key] != value
-    ]
 
 
 def read_vectors(path: str) -> dict[str, Float32[np.ndarray, "n"]]:

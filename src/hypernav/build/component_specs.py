@@ -3,6 +3,9 @@
 from dataclasses import dataclass
 from typing import Literal
 
+RobotPresetName = Literal["default", "paper"]
+"""Presets that a robot may ask a server for."""
+
 PresetName = Literal[
     "default",
     "paper",

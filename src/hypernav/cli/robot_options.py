@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 import tyro
 
-from hypernav.build.component_specs import PresetName
+from hypernav.build.component_specs import RobotPresetName
 from hypernav.cli.agent_options import AgentOptions, FlatAgentOptions
 
 
@@ -29,7 +29,7 @@ class Simulate:
     """Steps and turns one by one, or smooth driving along the path."""
     agent: str | None = None
     """Agent of the search: hypernav, frontier; the server's by default."""
-    preset: PresetName | None = None
+    preset: RobotPresetName | None = None
     """Values of the method; the server's by default."""
     start: Annotated[tuple[float, ...] | None, tyro.conf.arg(metavar="X Y YAW")] = None
     """Start pose in the scene: metres, and degrees counter-clockwise from x; else random."""
@@ -79,7 +79,7 @@ class Wait:
     """File with the server's secret."""
     agent: str | None = None
     """Agent of the searches: hypernav, frontier; the server's by default."""
-    preset: PresetName | None = None
+    preset: RobotPresetName | None = None
     """Values of the method; the server's by default."""
     start: Annotated[tuple[float, ...] | None, tyro.conf.arg(metavar="X Y YAW")] = None
     """First start pose in the scene: metres, and degrees counter-clockwise from x; else random."""

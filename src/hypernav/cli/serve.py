@@ -42,6 +42,8 @@ def run(options: Options) -> int:
     check_option("--idle-minutes", options.idle_minutes, (0.0, 1e6), "a year has half a million")
     if options.who.record is not None:
         raise ConfigError("--record: a server records the exchanges of every search in --state")
+    if options.who.native:
+        raise ConfigError("--native: a real robot has a camera and a step of its own; drop it")
     token = None if options.token_file is None else read_token(options.token_file)
     access = Access(options.host, token)
     check_access(access)
