@@ -121,6 +121,32 @@ def test_similarity_is_a_number_that_depends_on_both_sides(tiny: Tiny, device: s
     assert model.similarity(one, "a bed") == model.similarity(one, "a bed")
 
 
+def test_the_contrasting_head_of_blip2_says_the_cosine_of_the_query_that_fits_best(
+    tiny: Tiny, device: str
+):
+    """As VLFM takes it; the matching head of the same model says something else."""
+    path = str(tiny("blip2"))
+    model = ImageTextSimilarity(path, SimilarityConfig(device=device, dtype="float32", head="itc"))
+    said: list[Any] = []
+    model._model.register_forward_hook(lambda _, args, outputs: said.append(outputs))
+    values = [
+        model.similarity(image(number), text)
+        for number in (0, 1)
+        for text in ("a bed", "a long red sofa")
+    ]
+    cosines = []
+    for outputs in said:
+        queries = outputs.image_embeds[0].double().cpu().numpy()
+        words = outputs.text_embeds[0].double().cpu().numpy()
+        assert np.linalg.norm(queries, axis=1) == pytest.approx(np.ones(4), abs=1e-5)
+        assert np.linalg.norm(words) == pytest.approx(1.0, abs=1e-5)
+        cosines.append(float((queries @ words).max()))
+    assert len(set(cosines)) == 4
+    assert values == pytest.approx(np.clip(cosines, 0.0, 1.0), abs=1e-5)
+    matching = ImageTextSimilarity(path, SimilarityConfig(device=device, dtype="float32"))
+    assert matching.similarity(image(0), "a bed") != values[0]
+
+
 @pytest.mark.parametrize("load", [SamSegmenter, ZeroShotDetector, ImageTextSimilarity])
 def test_a_model_of_another_kind_is_refused(tiny: Tiny, load: Callable[[str], object]):
     with pytest.raises(ModelError):
