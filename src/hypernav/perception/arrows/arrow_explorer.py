@@ -12,12 +12,10 @@ from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.insight import Insight
-from hypernav.core.observation import Observation
 from hypernav.core.sightings import Sightings
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.reachable_area import ReachableArea
-from hypernav.perception.arrows.arrow_sight import ArrowConfig, ArrowSight
+from hypernav.perception.arrows.arrow_sight import ArrowConfig, ArrowSight, MoveExplorer
 from hypernav.perception.arrows.object_graph import ObjectGraph, ObjectGraphConfig
 from hypernav.perception.arrows.proposals import (
     DEFAULT_MOVES,
@@ -57,7 +55,7 @@ class DynavlmConfig(RoomConfig):
     graph: ObjectGraphConfig = ObjectGraphConfig()
 
 
-class ArrowExplorer:
+class ArrowExplorer(MoveExplorer):
     """Draws moves into the image, asks for one of them, makes it, and asks again."""
 
     def __init__(
@@ -81,7 +79,7 @@ class ArrowExplorer:
             memory: Memory of things, which the reasoner is told of; None for none.
             sightings: What was seen besides the goal, for the memory.
         """
-        self._sight = sight
+        super().__init__(sight)
         self._proposer = proposer
         self._reasoner = reasoner
         self._mapping = mapping
@@ -97,17 +95,6 @@ class ArrowExplorer:
         self._sight.reset()
         if self._memory is not None:
             self._memory.forget()
-
-    def remember_visit(self, x: float, y: float) -> None:
-        """Nothing: what was looked at is remembered, not where a move ended."""
-
-    def watch(self, observation: Observation, grid: OccupancyGrid) -> None:
-        """Keep the image, in case that a move is to be chosen."""
-        self._sight.observation = observation
-
-    def take_insight(self) -> Insight | None:
-        """The arrows of the latest choice; see `hypernav.core.components.abilities.Explains`."""
-        return self._sight.take_insight()
 
     def offer_default_moves(self) -> None:
         """Offer nothing but the default moves at the next choice: the goal may be right here."""

@@ -11,6 +11,7 @@ from hypernav.core.arrows import Arrow, ArrowView
 from hypernav.core.config import RoomConfig
 from hypernav.core.destination import Destination
 from hypernav.core.embodiment import Embodiment
+from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.insight import ImageMark, Insight
 from hypernav.core.observation import Observation
@@ -200,6 +201,29 @@ class ArrowSight:
             arrival_m=self._config.arrival_m,
             most_steps=steps + _SPARE_STEPS,
         )
+
+
+class MoveExplorer:
+    """What explorers share that choose one move after the other from the image in view."""
+
+    def __init__(self, sight: ArrowSight) -> None:
+        """Take the sight.
+
+        Args:
+            sight: Images, and moves in them.
+        """
+        self._sight = sight
+
+    def remember_visit(self, x: float, y: float) -> None:
+        """Nothing: where a move ended says nothing about the next one."""
+
+    def watch(self, observation: Observation, grid: OccupancyGrid) -> None:
+        """Keep the image, in case that a move is to be chosen."""
+        self._sight.observation = observation
+
+    def take_insight(self) -> Insight | None:
+        """The arrows of the latest choice; see `hypernav.core.components.abilities.Explains`."""
+        return self._sight.take_insight()
 
 
 def _ahead(robot: Pose2, heading: float, length_m: float) -> tuple[float, float]:

@@ -22,9 +22,7 @@ from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.insight import Insight
-from hypernav.core.observation import Observation
-from hypernav.perception.arrows.arrow_sight import ArrowConfig, ArrowSight
+from hypernav.perception.arrows.arrow_sight import ArrowConfig, ArrowSight, MoveExplorer
 from hypernav.perception.arrows.proposals import FreeDirections, Move
 from hypernav.show.drawing.arrows import ArrowStyle
 
@@ -111,7 +109,7 @@ class GaussianProposer:
             self.deviation = best.std(axis=0)
 
 
-class PivotExplorer:
+class PivotExplorer(MoveExplorer):
     """Asks for the best of random marks, draws new ones around these, and goes to the last best.
 
     Its 10 questions a move are 9 here: the tenth, whether to stop, is the presence check that all
@@ -133,7 +131,7 @@ class PivotExplorer:
         """
         self._reasoner = arrow_reasoner
         self._config = config or PivotConfig()
-        self._sight = ArrowSight(embodiment, self._config.sight, ArrowStyle())
+        super().__init__(ArrowSight(embodiment, self._config.sight, ArrowStyle()))
         self.reset(Goal("nothing yet"))
 
     def reset(self, goal: Goal) -> None:
@@ -141,17 +139,6 @@ class PivotExplorer:
         self._goal = goal
         self._rng = np.random.default_rng([self._config.seed, zlib.crc32(goal.text.encode())])
         self._sight.reset()
-
-    def remember_visit(self, x: float, y: float) -> None:
-        """Nothing: PIVOT has no memory."""
-
-    def watch(self, observation: Observation, grid: OccupancyGrid) -> None:
-        """Keep the image, in case that a move is to be chosen."""
-        self._sight.observation = observation
-
-    def take_insight(self) -> Insight | None:
-        """The arrows of the latest choice; see `hypernav.core.components.abilities.Explains`."""
-        return self._sight.take_insight()
 
     def next_destination(
         self, grid: OccupancyGrid, robot: Pose2, trajectory: Sequence[tuple[float, float]]
