@@ -2,6 +2,7 @@
 
 import math
 import zlib
+from abc import ABC, abstractmethod
 from pathlib import Path
 from typing import Any, Literal, Protocol, runtime_checkable
 
@@ -69,7 +70,7 @@ class RecurrentPolicy(Protocol):
         ...
 
 
-class PolicyAgent:
+class PolicyAgent(ABC):
     """Lets a recurrent policy choose every action; it has neither map nor plan."""
 
     def __init__(
@@ -121,9 +122,13 @@ class PolicyAgent:
         """
         self.goal_input(goal)
 
+    @abstractmethod
     def goal_input(self, goal: Goal) -> int | Float32[np.ndarray, "n"]:
-        """The goal as the policy reads it: a number, or a vector."""
-        raise NotImplementedError
+        """The goal as the policy reads it: a number, or a vector.
+
+        Raises:
+            GoalError: The policy doesn't know the goal.
+        """
 
     def act(self, observation: Observation) -> Action:
         """The action that the policy chooses; looks up and down, which no robot here can, never."""

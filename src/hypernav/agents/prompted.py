@@ -14,7 +14,7 @@ from pydantic import Field
 from hypernav.agents.long_moves import actions_to, paper_actions
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
-from hypernav.core.components.abilities import Explains, Reports, Watches
+from hypernav.core.components.abilities import Explains, Reports, Watches, warning_of
 from hypernav.core.components.protocols import ArrowReasoner, ChatModel, Explorer
 from hypernav.core.config import RoomConfig
 from hypernav.core.destination import Destination
@@ -116,9 +116,7 @@ class PromptedAgent:
     @property
     def warning(self) -> str:
         """What stands in for the stop question, to be shown before a search; empty if nothing."""
-        if not isinstance(self._stop, TruthStopCheck):
-            return ""
-        return "stops by the truth in view, in place of a vision-language model (--vlm)"
+        return warning_of(self._stop)
 
     def reset(self, goal: Goal) -> None:
         """Forget everything and begin a new search."""

@@ -95,6 +95,8 @@ class TruthStopCheck:
     Ours; nothing like it was published.
     """
 
+    warning = "stops by the truth in view, in place of a vision-language model (--vlm)"
+
     def __init__(self, log: ExchangeLog, config: StopCheckConfig | None = None) -> None:
         """Create the check.
 
