@@ -2,9 +2,10 @@ import math
 
 import pytest
 
-from hypernav.core.trace import DetectionRecord, Exchange, Mode
+from hypernav.core.trace import DetectionRecord, Exchange, Mode, StepTrace
 from hypernav.show import captions
 from hypernav.show.drawing import palette
+from hypernav.show.video.frame import EpisodeInfo
 
 
 def test_the_gist_of_a_long_prompt_is_its_question() -> None:
@@ -83,6 +84,16 @@ def test_what_is_seen_is_said_of_the_best_detection(sighting: DetectionRecord) -
     assert captions.detections_caption([]) == "goal not in view"
     assert captions.detections_caption([far]) == "“bed” not accepted: too far"
     assert captions.detections_caption([far, sighting]) == "sees “bed”, 83% sure"
+
+
+def test_who_asks_to_stop_says_what_was_answered_and_nothing_of_detections() -> None:
+    asked = Exchange(kind="stop", asked="truth", question="Is it near?", answer="no: 2.0 m away")
+    step = StepTrace(
+        step=0, pose=(0.0, 0.0, 0.0), action=None, mode=Mode.EXPLORE, exchanges=[asked]
+    )
+    assert captions.camera_caption(step) == "is the goal right here? “no: 2.0 m away”"
+    assert not EpisodeInfo("bed", "pivot (native)", captions.ITS_OWN).has_detector
+    assert EpisodeInfo("bed", "pivot", "ground truth").has_detector
 
 
 def test_an_unknown_kind_of_question_keeps_its_name() -> None:

@@ -43,6 +43,7 @@ from hypernav.perception.local.attention import Attention
 from hypernav.perception.local.depth_cut import DepthCutSegmenter
 from hypernav.perception.local.local_perception import LocalPerception
 from hypernav.perception.local.presence import VlmPresenceCheck
+from hypernav.show.captions import ITS_OWN
 
 _PROTOCOLS = {"detector": Detector, "segmenter": Segmenter}
 
@@ -190,7 +191,7 @@ def build_agent(
             sightings=sightings,
         )
     model = "" if chat is None or chosen.vlm is None else model_words(chosen.vlm, chat.identify)
-    detector_words = chosen.detector.words(model=model) if chosen.detector else "its own"
+    detector_words = chosen.detector.words(model=model) if chosen.detector else ITS_OWN
     published = config.local.published_segmenter
     return BuiltAgent(
         agent=agent,

@@ -25,6 +25,9 @@ MODES_EXPLAINED: dict[Mode, str] = {
     Mode.STOP: "It has ended its search.",
 }
 
+ITS_OWN = "its own"
+"""Name of the detector of an agent that does all itself."""
+
 QUESTIONS: dict[str, str] = {
     "ground": "Is it in the image?",
     "choose block": "Where to look next?",
@@ -35,6 +38,7 @@ QUESTIONS: dict[str, str] = {
     "choose arrow": "Which arrow to follow?",
     "choose direction": "Which way leads there?",
     "score view": "Does it look as if it were near?",
+    "stop": "Is the robot there?",
 }
 
 MODULES: dict[str, str] = {
@@ -121,12 +125,15 @@ def detections_caption(detections: list[DetectionRecord]) -> str:
 
 def camera_caption(step: StepTrace) -> str:
     """Question about the camera image of a step and its answer, in one line."""
-    asked = [exchange for exchange in step.exchanges if exchange.kind in {"ground", "attention"}]
+    kinds = {"ground", "attention", "stop"}
+    asked = [exchange for exchange in step.exchanges if exchange.kind in kinds]
     if not asked:
         return detections_caption(step.detections)
     answer = " ".join(asked[-1].answer.replace("```json", "").replace("```", "").split())
     if asked[-1].kind == "attention":
         return f"not looked at, {answer}"
+    if asked[-1].kind == "stop":
+        return f"is the goal right here? {quoted(answer)}"
     return f"{detections_caption(step.detections)}  ·  {asked[-1].asked}: {quoted(answer)}"
 
 

@@ -29,6 +29,7 @@ from hypernav.evaluation.recorder import EpisodeRecorder
 from hypernav.evaluation.save_choice import SaveChoice
 from hypernav.evaluation.storyboard import Image, Storyboard
 from hypernav.perception.exchanges import unusable_answers
+from hypernav.show.captions import ITS_OWN
 from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
 from hypernav.worlds.habitat.simulator import HabitatRenderer
@@ -264,7 +265,7 @@ def _agent_of(job: Job) -> tuple[Agent, dict[str, str], bool, object]:
     if job.make_agent is not None:
         agent = job.make_agent()
         kinds = ("detector", "reasoner", "segmenter")
-        words = {"agent": type(agent).__name__} | dict.fromkeys(kinds, "its own")
+        words = {"agent": type(agent).__name__} | dict.fromkeys(kinds, ITS_OWN)
         return agent, words, looks_at_colours(agent), agent
     parts = build_agent(job.config, job.specs)
     words = {

@@ -204,6 +204,10 @@ def _fallbacks(result: Mapping[str, Any]) -> str:
         told.append(f"{counts['geometric_choices']} blocks chosen by the geometric rule instead")
     if counts.get("unsure_presence_checks"):
         told.append(f"{counts['unsure_presence_checks']} checks neither yes nor no")
+    if counts.get("unsure_stop_checks"):
+        told.append(f"{counts['unsure_stop_checks']} answers whether to stop neither yes nor no")
+    if counts.get("unread_arrow_answers"):
+        told.append(f"{counts['unread_arrow_answers']} answers that named no arrow")
     return "; ".join(told)
 
 

@@ -56,6 +56,11 @@ class EpisodeInfo:
     step_limit: int | None = None
 
     @property
+    def has_detector(self) -> bool:
+        """Whether every image is searched for the goal; agents of other kinds look as they like."""
+        return self.detector != captions.ITS_OWN
+
+    @property
     def credits(self) -> str:
         """Agent, detector and reasoner, on one line."""
         parts = [self.agent]
@@ -153,8 +158,9 @@ def _draw_notes(
     reason = captions.sentence(step.reason or captions.MODES_EXPLAINED[step.mode])
     line = shortened(reason, 17, width, bold=True)
     draw_text(frame, line, (_MARGIN, _NOTES_TOP + 9), 17, bold=True)
-    sees = shortened(f"Camera: {captions.camera_caption(step)}", 14, width)
-    draw_text(frame, sees, (_MARGIN, _NOTES_TOP + 33), 14, color=palette.MUTED)
+    if title.has_detector or step.exchanges or step.detections:
+        sees = shortened(f"Camera: {captions.camera_caption(step)}", 14, width)
+        draw_text(frame, sees, (_MARGIN, _NOTES_TOP + 33), 14, color=palette.MUTED)
     if decision is not None:
         shapes.rectangle(
             frame, (_MARGIN, _NOTES_TOP + 47), (_MARGIN + width, _NOTES_TOP + 48), palette.FAINT
