@@ -30,7 +30,7 @@ def recorded(tmp_path_factory):
     folder = tmp_path_factory.mktemp("recorded")
     with recorder(folder) as files:
         for step in episode():
-            files.add(step.trace, step.grid, step.observation.rgb)
+            files.add(step.trace, step.grid, step.observation)
         files.finish({"goal": "bed", "outcome": "not_found", "distance_to_goal_m": float("inf")})
     return folder, files.steps
 
@@ -85,7 +85,7 @@ def test_leaving_early_keeps_trace_and_a_playable_video(tmp_path):
     def leave_after_three_steps():
         with recorder(tmp_path) as files:
             for count, step in enumerate(episode()):
-                files.add(step.trace, step.grid, step.observation.rgb)
+                files.add(step.trace, step.grid, step.observation)
                 if count == 2:
                     raise KeyboardInterrupt
 

@@ -141,7 +141,7 @@ class Listed(EpisodeRecorder):
     def __init__(self):
         self.listed, self.colours = [], {}
 
-    def add(self, step, grid, image):
+    def record(self, step, grid, image):
         self.listed.append(step.step)
         if image is not None:
             self.colours[step.step] = int(image[0, 0, 0])

@@ -4,7 +4,7 @@ import json
 import math
 import tempfile
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
@@ -16,7 +16,9 @@ from jaxtyping import UInt8
 
 from hypernav.core.errors import OutputError
 from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.observation import Observation
 from hypernav.core.trace import StepTrace
+from hypernav.core.view import json_values
 from hypernav.evaluation.store.append_only import LineFile
 from hypernav.mapping.ros_map import save_ros_map
 from hypernav.perception.exchanges import unusable_answers
@@ -29,6 +31,8 @@ _RESERVE_BYTES = 2_000_000
 
 class EpisodeRecorder:
     """Writes trace and video while the episode runs, and maps, result and page when it ends.
+
+    It is a `hypernav.core.view.View`.
 
     An interruption loses nothing that was recorded: the trace is flushed step by step, and leaving
     the ``with`` block finishes the video in any case.
@@ -97,6 +101,10 @@ class EpisodeRecorder:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
+        """Close all files."""
+        self.close()
+
+    def close(self) -> None:
         """Close all files; a video that cannot be finished is removed, for it would not play."""
         self._reserve.close()
         self._trace.close()
@@ -109,6 +117,12 @@ class EpisodeRecorder:
         return sum(map(unusable_answers, self.steps), Counter[str]())
 
     def add(
+        self, step: StepTrace, grid: OccupancyGrid | None, observation: Observation | None
+    ) -> None:
+        """Record a step with what the camera saw; see `record`."""
+        self.record(step, grid, None if observation is None else observation.rgb)
+
+    def record(
         self,
         step: StepTrace,
         grid: OccupancyGrid | None,
@@ -135,7 +149,7 @@ class EpisodeRecorder:
                 self._grid = grid
                 self._video.add(image, step, grid)
 
-    def finish(self, result: dict[str, Any]) -> None:
+    def finish(self, result: Mapping[str, Any]) -> None:
         """Write the files that are complete only at the end of the episode.
 
         Args:
@@ -144,7 +158,7 @@ class EpisodeRecorder:
         Raises:
             OutputError: Some of them could not be written; the message names them.
         """
-        result = {key: _finite(value) for key, value in result.items()}
+        result = json_values(result)
         self._reserve.close()
         missing = [
             name
@@ -173,11 +187,11 @@ class EpisodeRecorder:
             return False
         return True
 
-    def _write_result(self, result: dict[str, Any]) -> None:
+    def _write_result(self, result: Mapping[str, Any]) -> None:
         text = json.dumps(result, indent=2, ensure_ascii=False, allow_nan=False)
         (self.folder / "result.json").write_text(text + "\n", encoding="utf-8")
 
-    def _finish_video(self, result: dict[str, Any]) -> None:
+    def _finish_video(self, result: Mapping[str, Any]) -> None:
         try:
             self._video.finish(result)
         finally:
@@ -195,7 +209,7 @@ class EpisodeRecorder:
         if self._grid is not None:
             write_map_png(self.folder / "map.png", self._grid, self.steps)
 
-    def _write_page(self, result: dict[str, Any]) -> None:
+    def _write_page(self, result: Mapping[str, Any]) -> None:
         page = partial(
             write_page,
             self.folder,
@@ -224,10 +238,6 @@ def _written_to(folder: Path) -> Iterator[None]:
             f"{folder} cannot be written ({error.strerror}); what was recorded up to now is there. "
             "Free some space, or choose another folder"
         ) from error
-
-
-def _finite(value: Any) -> Any:
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def _tum_line(step: StepTrace) -> str:

@@ -82,7 +82,7 @@ class Storyboard:
         for number, step in enumerate(self._steps):
             frame = frames.get(number)
             if frame is None:
-                recorder.add(step, None, None)
+                recorder.record(step, None, None)
             else:
                 image = frame.image if frame.image is not None else draw(frame.camera_to_scene)
-                recorder.add(step, frame.grid, image)
+                recorder.record(step, frame.grid, image)

@@ -77,7 +77,7 @@ def _mapped(options: Replay, folder: Path, upright: UprightRecording) -> ExitSta
             sightings = 0
             steps = replayed(upright, parts.agent.components, goal, every=options.every)
             for step in steps:
-                recorder.add(step.trace, step.grid, step.observation.rgb)
+                recorder.add(step.trace, step.grid, step.observation)
                 sightings += any(one.accepted for one in step.trace.detections)
                 status.update(f"frame {step.trace.step + 1}: {escape(step.trace.reason)}")
             count = len(recorder.steps)

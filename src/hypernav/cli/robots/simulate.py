@@ -152,7 +152,7 @@ def _search(
         status.update(escape(f"step {reply.sequence + 1} · {reply.mode} · {reply.reason}"))
         if recorder is not None:
             for trace in server.trace(opened.id, since=len(recorder.steps)):
-                recorder.add(trace, server.grid(opened.id), step.sensed.rgb)
+                recorder.record(trace, server.grid(opened.id), step.sensed.rgb)
     return ending
 
 

@@ -140,7 +140,7 @@ class EpisodeWorker:
                 _count(step, questions, tokens)
                 unusable += unusable_answers(step.trace)
                 if recorder is not None:
-                    recorder.add(step.trace, step.grid, step.observation.rgb)
+                    recorder.add(step.trace, step.grid, step.observation)
                 elif save == "failures":
                     storyboard.watch(step, world.camera_to_scene, coloured=place.renderer.colours)
             result = run.result()
