@@ -3,6 +3,7 @@
 import math
 import re
 from contextlib import closing
+from dataclasses import asdict
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -16,10 +17,11 @@ from hypernav.build.scenes import build_scene
 from hypernav.cli.agent_options import check_steps_and_seed
 from hypernav.cli.find_options import Options
 from hypernav.cli.guards.crashes import crash_report
-from hypernav.cli.guards.interruptions import interruptions_put_off
+from hypernav.cli.guards.interruptions import Terminated, interruptions_put_off
 from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.terminal import Terminal
+from hypernav.cli.views.opening import Views, check_views, opened_views
 from hypernav.cli.warnings_shown import unusable_answers_line, warnings_on
 from hypernav.core.config import check_option
 from hypernav.core.episode import MAX_STEPS, Episode, Outcome
@@ -29,6 +31,7 @@ from hypernav.core.goal import Goal
 from hypernav.core.interruptions import interruptions_of_kernels
 from hypernav.evaluation.recorder import EpisodeRecorder
 from hypernav.evaluation.warmup.background import warm_up_in_background
+from hypernav.show.video.frame import EpisodeInfo
 from hypernav.worlds.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
 from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
@@ -61,6 +64,7 @@ def run(options: Options) -> int:
     goal = Goal(options.goal)
     folder = options.out or _new_folder(goal)
     check_folder(folder)
+    check_views(options.views)
     with crash_report(folder):
         return _find(options, goal, folder)
 
@@ -87,16 +91,18 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
         start = start_pose(options.start, world, goal, rng)
         episode = Episode(options.scene, "", goal, start, max_steps=steps)
         search = EpisodeRun(parts.agent, world, episode, rng=rng, told=parts.truth)
-        with EpisodeRecorder(
-            folder,
+        info = EpisodeInfo(
             goal=goal.text,
             agent=options.who.name,
             detector=parts.detector_words,
             reasoner=parts.reasoner_words,
             step_limit=steps,
-        ) as recorder:
-            status.update("the first step …")
-            stopped_by = _search(search, recorder, status, goal.text)
+        )
+        with (
+            EpisodeRecorder(folder, **asdict(info)) as recorder,
+            opened_views(options.views, info, recorder) as views,
+        ):
+            stopped_by = _search(search, views, console, status, goal.text)
             status.update("writing the page …")
             with interruptions_put_off():
                 outcome = search.result(
@@ -112,12 +118,14 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
                     **parts.take_report(),
                     "config": config.model_dump(mode="json"),
                 }
-                unwritten = _finish(recorder, result, console)
+                unwritten = _finish(views, result, console)
                 stopped_by = stopped_by or unwritten
                 status.stop()
                 if not isinstance(stopped_by, ModelSetupError):
                     _say(console, goal, outcome, folder, holds_goal=search.trial.holds_goal)
                     _warn(console, outcome, recorder)
+            if not isinstance(stopped_by, Terminated | ModelSetupError):
+                views.stay(console)
     if stopped_by is not None:
         raise stopped_by
     if outcome.outcome is Outcome.MODEL_UNAVAILABLE:
@@ -151,26 +159,27 @@ def start_pose(
 
 
 def _search(
-    search: EpisodeRun, recorder: EpisodeRecorder, status: Status, goal: str
+    search: EpisodeRun, views: Views, console: Terminal, status: Status, goal: str
 ) -> KeyboardInterrupt | ModelSetupError | OutputError | None:
     """Run the search to its end; what stopped it before, if anything."""
     try:
+        views.await_watchers(console, status)
+        status.update("the first step …")
         with interruptions_of_kernels():
             for step in search:
                 with interruptions_put_off():  # half a frame would spoil the video
-                    recorder.add(step.trace, step.grid, step.observation.rgb)
+                    views.add(step.trace, step.grid, step.observation)
                 status.update(escape(_live_line(step, goal)))
+                views.keep_pace()
     except (KeyboardInterrupt, ModelSetupError, OutputError) as stop:
         return stop
     return None
 
 
-def _finish(
-    recorder: EpisodeRecorder, result: dict[str, Any], console: Console
-) -> OutputError | None:
+def _finish(views: Views, result: dict[str, Any], console: Console) -> OutputError | None:
     """Write the page and all other files; the error, which is told, if some could not be."""
     try:
-        recorder.finish(result)
+        views.finish(result)
     except OutputError as error:
         console.print(f"[red]{escape(str(error))}[/]", soft_wrap=True)
         return error

@@ -7,6 +7,7 @@ from typing import Annotated
 import tyro
 
 from hypernav.cli.agent_options import AgentOptions, FlatAgentOptions
+from hypernav.cli.views.options import FlatViewOptions, ViewOptions
 
 
 @dataclass(frozen=True)
@@ -28,5 +29,7 @@ class Options:
     """Maximum number of steps; 500 by default, or those of --native."""
     out: Path | None = None
     """Folder of the results; runs/<time>-<goal> by default."""
+    views: FlatViewOptions = field(default_factory=ViewOptions)
+    """The options that choose views."""
     quiet: bool = False
     """Print errors only."""

@@ -111,6 +111,10 @@ class OutputError(HyPerNavError):
     """A result cannot be written: an impossible name, no permission, a full disk."""
 
 
+class ViewError(HyPerNavError):
+    """A search cannot be shown live: its viewer does not start, or no address is free."""
+
+
 class CrashError(HyPerNavError):
     """The program itself failed in another process.
 

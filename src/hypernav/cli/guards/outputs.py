@@ -33,3 +33,14 @@ def check_folder(folder: Path) -> None:
             f"{folder} cannot be written ({error.strerror}); choose a folder where files can be "
             "made"
         ) from error
+
+
+def check_file(path: Path) -> None:
+    """Make sure that a file can be made, or replaced.
+
+    Raises:
+        OutputError: It cannot; the message names the file and the reason.
+    """
+    if path.is_dir():
+        raise OutputError(f"{path} is a folder; name a file in it")
+    check_folder(path.parent)

@@ -1,0 +1,1 @@
+"""The views of a search that a command opens beside its page and video."""

@@ -1,0 +1,134 @@
+"""The views of a search: opened by their options, told everything together, left when all is seen.
+
+The packages behind them are imported only where they are asked for.
+"""
+
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, closing, contextmanager
+from typing import Any
+
+from rich.markup import escape
+from rich.status import Status
+
+from hypernav.cli.guards.interruptions import Terminated
+from hypernav.cli.guards.outputs import check_file
+from hypernav.cli.terminal import Terminal
+from hypernav.cli.views.options import ViewOptions
+from hypernav.core.components.extras import require
+from hypernav.core.config import check_option
+from hypernav.core.errors import OutputError
+from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.observation import Observation
+from hypernav.core.trace import StepTrace
+from hypernav.core.view import View, WatchedView
+from hypernav.show.video.frame import EpisodeInfo
+
+_LOOK_S = 0.05
+_PACE_TO_WATCH = 5.0
+
+
+def check_views(options: ViewOptions) -> None:
+    """Refuse views that cannot be opened, before anything is loaded.
+
+    Raises:
+        ConfigError: The pace is impossible.
+        MissingExtraError: A package is not installed.
+        OutputError: A file cannot be written.
+    """
+    if options.pace is not None:
+        check_option("--pace", options.pace, (0.01, 1000.0), "steps a second")
+    if options.view == "foxglove" or options.mcap is not None:
+        require("foxglove", extra="foxglove")
+    if options.mcap is not None:
+        check_file(options.mcap)
+
+
+class Views:
+    """All views of one search as one `hypernav.core.view.View`, at a pace that people can follow.
+
+    Attributes:
+        watched: Those of them that somebody connects to.
+    """
+
+    def __init__(self, views: Sequence[View], pace: float | None) -> None:
+        """Take views that are open.
+
+        Args:
+            views: The views, closed by whoever opened them.
+            pace: Largest number of steps a second; None chooses one for whoever watches.
+        """
+        self._views = views
+        self.watched = [view for view in views if isinstance(view, WatchedView)]
+        pace = pace or (_PACE_TO_WATCH if self.watched else None)
+        self._step_s = 0.0 if pace is None else 1.0 / pace
+        self._next_s = 0.0
+
+    def add(
+        self, step: StepTrace, grid: OccupancyGrid | None, observation: Observation | None
+    ) -> None:
+        """Show a step on all of them."""
+        for view in self._views:
+            view.add(step, grid, observation)
+
+    def finish(self, result: Mapping[str, Any]) -> None:
+        """Show the result on all of them.
+
+        Raises:
+            OutputError: Some could not be written; all others are.
+        """
+        errors = []
+        for view in self._views:
+            try:
+                view.finish(result)
+            except OutputError as error:
+                errors.append(str(error))
+        if errors:
+            raise OutputError("; ".join(errors))
+
+    def keep_pace(self) -> None:
+        """Wait until the next step may be shown."""
+        time.sleep(max(self._next_s - time.monotonic(), 0.0))
+        self._next_s = time.monotonic() + self._step_s
+
+    def await_watchers(self, console: Terminal, status: Status) -> None:
+        """Wait until somebody looks: a simulated search would be over before that."""
+        for view in self.watched:
+            console.print(f"open {escape(view.address)}", soft_wrap=True)
+            status.update("waiting; the search begins when it is opened …")
+            while not view.has_watcher():
+                time.sleep(_LOOK_S)
+
+    def stay(self, console: Terminal) -> None:
+        """Let those who watch look on until Ctrl-C."""
+        if any(view.has_watcher() for view in self.watched):
+            console.print("  it can be looked at until Ctrl-C", soft_wrap=True)
+            try:
+                while True:
+                    time.sleep(3600.0)
+            except Terminated:
+                raise
+            except KeyboardInterrupt:
+                pass
+
+
+@contextmanager
+def opened_views(options: ViewOptions, info: EpisodeInfo, recorder: View) -> Iterator[Views]:
+    """Open the views that the options ask for, and close them at the end of the block.
+
+    Args:
+        options: The options, which `check_views` has looked at.
+        info: Goal and components of the search.
+        recorder: The view that every search has, its page and video; the caller closes it.
+    """
+    with ExitStack() as opened:
+        views = [recorder]
+        if options.mcap is not None:
+            from hypernav.show.views.foxglove_view import McapView
+
+            views.append(opened.enter_context(closing(McapView(options.mcap, info))))
+        if options.view == "foxglove":
+            from hypernav.show.views.foxglove_view import FoxgloveView
+
+            views.append(opened.enter_context(closing(FoxgloveView(info))))
+        yield Views(views, options.pace)

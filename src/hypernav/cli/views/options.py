@@ -1,0 +1,22 @@
+"""The options that choose views, shared by all commands that show a search."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+import tyro
+
+
+@dataclass(frozen=True)
+class ViewOptions:
+    """Where to show the search beside its own page and video."""
+
+    view: Literal["foxglove"] | None = None
+    """Watch the search as it goes: foxglove, at a WebSocket that Foxglove opens."""
+    mcap: Path | None = None
+    """File to record the search in for Foxglove and other readers of MCAP."""
+    pace: float | None = None
+    """Largest number of steps a second, to watch them; 5 with --view foxglove, else no limit."""
+
+
+FlatViewOptions = Annotated[ViewOptions, tyro.conf.arg(name="")]

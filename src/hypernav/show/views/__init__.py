@@ -1,0 +1,1 @@
+"""Views of a search in programs that others made: rerun and Foxglove."""

@@ -1,0 +1,62 @@
+"""What the views show of one observation and one map, small enough to send and to keep."""
+
+import math
+
+import cv2
+import numpy as np
+from jaxtyping import Float32, UInt8
+
+from hypernav.core.geometry.depth import is_measured
+from hypernav.core.geometry.grid import Cell, OccupancyGrid
+from hypernav.core.observation import Observation
+from hypernav.show.drawing import palette
+
+_MOST_POINTS = 6000
+"""Points of a cloud: every eighth pixel of an image of 640 × 480, 70 kB a step."""
+_JPEG_QUALITY = 80
+
+
+def _cell_colors() -> UInt8[np.ndarray, "3 4"]:
+    colors = np.zeros((len(Cell), 4), dtype=np.uint8)
+    colors[Cell.FREE] = (*palette.FREE, 255)
+    colors[Cell.OCCUPIED] = (*palette.OCCUPIED, 255)
+    return colors
+
+
+_CELL_COLORS = _cell_colors()
+
+
+def colour_jpeg(observation: Observation) -> bytes:
+    """The colour image as a JPEG file."""
+    quality = [cv2.IMWRITE_JPEG_QUALITY, _JPEG_QUALITY]
+    _, data = cv2.imencode(".jpg", observation.rgb[..., ::-1], quality)
+    return data.tobytes()
+
+
+def cloud(
+    observation: Observation, most_points: int = _MOST_POINTS
+) -> tuple[Float32[np.ndarray, "n 3"], UInt8[np.ndarray, "n 3"]]:
+    """Points of an evenly thinned depth image, and their colours.
+
+    Args:
+        observation: Frame with depth and colour.
+        most_points: Largest number of points.
+
+    Returns:
+        Points in the ``map`` frame, metres, and RGB. Pixels without a depth have no point.
+    """
+    height, width = observation.depth.shape
+    stride = math.ceil(math.sqrt(height * width / most_points))
+    window = np.s_[stride // 2 :: stride, stride // 2 :: stride]
+    depth = observation.depth[window]
+    rows, columns = np.nonzero(is_measured(depth))
+    points = observation.camera.unproject_pixels(
+        rows * stride + stride // 2, columns * stride + stride // 2, depth[rows, columns]
+    )
+    points = observation.camera_to_map.apply(points).astype(np.float32)
+    return points, observation.rgb[window][rows, columns]
+
+
+def map_colors(grid: OccupancyGrid) -> UInt8[np.ndarray, "rows columns 4"]:
+    """The colours of the cells, RGBA, first row lowest; unknown cells are transparent."""
+    return _CELL_COLORS[grid.cells]

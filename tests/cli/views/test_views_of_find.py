@@ -1,0 +1,139 @@
+"""`hypernav find` with views beside its page and video."""
+
+import contextlib
+import json
+import signal
+import subprocess
+import sys
+import threading
+
+import pytest
+from websockets.sync.client import connect
+from websockets.typing import Subprotocol
+
+from box_scenes import room_glb
+from hypernav.cli.main import main
+from hypernav.cli.views import opening
+from mcap_files import counts_of
+
+SMALL = ("--set", "embodiment.camera.width=160", "embodiment.camera.height=120")
+_PROTOCOL = Subprotocol("foxglove.sdk.v1")
+COMMAND = (sys.executable, "-c", "from hypernav.cli.main import main; main()", "find")
+
+
+@pytest.fixture(scope="module")
+def glb(tmp_path_factory):
+    """A room with a bed as a GLB whose nodes carry the names."""
+    return room_glb(tmp_path_factory.mktemp("scene") / "room.glb")
+
+
+def hypernav(*arguments):
+    """Run the command; returns its exit status."""
+    with pytest.raises(SystemExit) as stop:
+        main([str(argument) for argument in arguments])
+    return stop.value.code
+
+
+@pytest.fixture
+def without(monkeypatch):
+    """Makes a package one that is not installed."""
+
+    def take_away(name):
+        monkeypatch.setitem(sys.modules, name, None)
+
+    return take_away
+
+
+def test_a_recorded_search_has_the_trace_of_an_unrecorded_one(glb, tmp_path):
+    search = ("find", "bed", "--scene", glb, "--seed", 5, "--quiet")
+    assert hypernav(*search, "--out", tmp_path / "a", *SMALL) == 0
+    files = ("--mcap", tmp_path / "b.mcap")
+    assert hypernav(*search, "--out", tmp_path / "b", *files, *SMALL) == 0
+    traces = [(tmp_path / name / "trace.jsonl").read_bytes() for name in ("a", "b")]
+    assert traces[0] == traces[1]
+    steps = traces[0].count(b"\n")
+    assert counts_of(tmp_path / "b.mcap")["/camera/image"] == steps
+
+
+def test_ctrl_c_leaves_files_that_open(glb, tmp_path):
+    files = ("--mcap", str(tmp_path / "search.mcap"))
+    options = ("piano", "--scene", str(glb), "--out", str(tmp_path / "out"), "--pace", "10")
+    with subprocess.Popen(
+        [*COMMAND, *options, *files, *SMALL], stderr=subprocess.PIPE, text=True
+    ) as process:
+        trace = tmp_path / "out" / "trace.jsonl"
+        while process.poll() is None and not (trace.exists() and trace.read_text().count("\n") > 2):
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                process.wait(0.05)
+        process.send_signal(signal.SIGINT)
+        assert process.wait(60) == 130
+    steps = trace.read_text().count("\n")
+    assert 2 < steps < 500
+    assert counts_of(tmp_path / "search.mcap")["/step"] == steps
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("--mcap", "x.mcap"), r"pip install 'hypernav\[foxglove\]'"),
+        (("--view", "foxglove"), r"pip install 'hypernav\[foxglove\]'"),
+    ],
+)
+def test_a_missing_package_is_named_with_its_extra(options, words, glb, tmp_path, without, capsys):
+    without("foxglove")
+    assert hypernav("find", "bed", "--scene", glb, "--out", tmp_path / "out", *options) == 2
+    said = capsys.readouterr().err
+    assert words.replace("\\", "") in said
+    assert said.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("option", ["--mcap"])
+def test_a_folder_in_place_of_a_file_is_refused_before_the_search(option, glb, tmp_path, capsys):
+    assert hypernav("find", "bed", "--scene", glb, option, tmp_path, "--out", tmp_path / "o") == 2
+    assert "is a folder; name a file in it" in capsys.readouterr().err
+
+
+def test_an_impossible_pace_is_refused(glb, tmp_path, capsys):
+    assert hypernav("find", "bed", "--scene", glb, "--out", tmp_path, "--pace", 0) == 2
+    assert "--pace" in capsys.readouterr().err
+
+
+def test_a_search_waits_for_foxglove_and_sends_it_every_step(glb, tmp_path, monkeypatch):
+    """A client of the protocol takes the place of the program, which has no screen here."""
+    waiting, steps = threading.Event(), []
+
+    class Told(opening.Views):
+        def await_watchers(self, console, status):
+            self.url = "ws://" + self.watched[0].address.partition("ws://")[2].partition(" ")[0]
+            watcher = threading.Thread(target=watch, args=(self.url,), daemon=True)
+            watcher.start()
+            super().await_watchers(console, status)
+            waiting.set()
+
+        def stay(self, console):
+            gone.wait(30)
+
+    gone = threading.Event()
+
+    def watch(url):
+        with connect(url, subprotocols=[_PROTOCOL], max_size=None) as socket:
+            for message in socket:
+                if isinstance(message, str):
+                    said = json.loads(message)
+                    topics = {c["topic"]: c["id"] for c in said.get("channels", [])}
+                    if "/step" in topics:
+                        asked = {"id": 7, "channelId": topics["/step"]}
+                        socket.send(json.dumps({"op": "subscribe", "subscriptions": [asked]}))
+                    continue
+                steps.append(json.loads(message[13:]))
+                if steps[-1]["ending"]:
+                    break
+        gone.set()
+
+    monkeypatch.setattr("hypernav.cli.views.opening.Views", Told)
+    options = ("--view", "foxglove", "--pace", 1000, "--quiet")
+    assert hypernav("find", "bed", "--scene", glb, "--out", tmp_path, *options, *SMALL) == 0
+    assert waiting.is_set()
+    assert [step["step"] for step in steps] == list(range(len(steps)))
+    assert steps[-1]["ending"] == "found"
