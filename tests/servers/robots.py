@@ -184,14 +184,17 @@ class RobotLink:
         return reply
 
 
-def body_of(sequence: int, room: BoxRoom | None = None, **facts: Any) -> bytes:
-    """An observation in a room as bytes."""
+def body_of(
+    sequence: int, room: BoxRoom | None = None, *, depth: float | None = None, **facts: Any
+) -> bytes:
+    """An observation in a room as bytes; a depth given is that of every pixel."""
     seen = (room or BoxRoom()).observe()
     x, y = seen.robot.xy
     pose = PlanarPose(x=x, y=y, yaw=seen.robot.yaw)
     values = {"stamp_s": 0.1 * sequence, "base_to_odom": pose} | facts
     said = ObservationFacts(sequence=sequence, **values)
-    return pack_observation(said, seen.rgb, seen.depth, seen.truth)
+    far = seen.depth if depth is None else np.full_like(seen.depth, depth)
+    return pack_observation(said, seen.rgb, far, seen.truth)
 
 
 def drive(

@@ -182,8 +182,8 @@ class LinkLostError(RobotLinkError):
     """A request of a robot or its answer got lost; nobody knows which."""
 
 
-class CameraHangsError(HyPerNavError):
-    """A robot has moved, and its images are those of before."""
+class SensorError(HyPerNavError):
+    """What a robot senses can't be true: the camera hangs, odometry has wrong signs or units."""
 
 
 class ServerUnreachableError(RobotLinkError):

@@ -6,10 +6,10 @@ import pytest
 
 from hypernav.core.actions import Action
 from hypernav.core.errors import (
-    CameraHangsError,
     LinkLostError,
     RequestRefusedError,
     RobotLinkError,
+    SensorError,
     ServerUnreachableError,
 )
 from hypernav.robot.client.links import ServerAddress
@@ -120,7 +120,7 @@ def test_images_of_before_a_motion_end_the_search():
     robot = StandIn()
     robot.camera_hangs = True
     link = Script(go(0), go(1))
-    with pytest.raises(CameraHangsError, match=r"moved 0\.50 m"):
+    with pytest.raises(SensorError, match=r"moved 0\.50 m"):
         list(RobotClient(robot, link))
     assert robot.executed == [Action.MOVE_FORWARD]
     assert robot.stops > 0

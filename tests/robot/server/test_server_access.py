@@ -3,10 +3,12 @@
 import os
 import socket
 import time
+from contextlib import ExitStack, closing
 
 import pytest
 
 from hypernav.core.errors import ConfigError
+from hypernav.robot.server import request_heads
 from hypernav.robot.server.guard import Access
 from hypernav.robot.server.limits import ServerLimits
 from hypernav.robot.server.serving import check_access, listening, read_token
@@ -88,6 +90,53 @@ def test_too_many_requests_are_told_to_wait(tmp_path):
         assert statuses == [200, 200, 200, 429, 429]
         assert link.call("GET", "/v1/health").headers["retry-after"] == "1"
         assert link.call("POST", f"/v1/searches/{'0' * 32}/stop", {}).status == 404  # not limited
+
+
+def exchanged(port: int, sent: bytes) -> bytes:
+    """All that the server says before it closes the connection."""
+    with closing(socket.create_connection(("127.0.0.1", port), timeout=20.0)) as connection:
+        connection.sendall(sent)
+        received = b""
+        while more := connection.recv(65_536):
+            received += more
+    return received
+
+
+HEALTH = b"GET /v1/health HTTP/1.1\r\nhost: localhost\r\n"
+
+
+def test_half_a_request_head_ends_the_connection(link, monkeypatch):
+    monkeypatch.setattr(request_heads, "_HEAD_S", 0.2)
+    assert exchanged(link.port, HEALTH) == b""
+    received = exchanged(link.port, HEALTH + b"\r\n" + HEALTH)
+    assert received.startswith(b"HTTP/1.1 200")
+    assert received.count(b"HTTP/1.1") == 1
+
+
+def test_large_request_heads_are_refused(link):
+    assert link.call("GET", "/v1/health", headers={"x": "y" * 10_000}).status == 200
+    assert exchanged(link.port, HEALTH + b"x: " + 40_000 * b"y").startswith(b"HTTP/1.1 400")
+
+
+def test_a_body_of_two_lengths_is_refused(link):
+    head = b"POST /v1/stop HTTP/1.1\r\nhost: localhost\r\ncontent-length: 2\r\n"
+    body = b"transfer-encoding: chunked\r\n\r\n2\r\n{}\r\n0\r\n\r\n"
+    received = exchanged(link.port, head + body + HEALTH + b"\r\n")
+    assert received.startswith(b"HTTP/1.1 400")
+    assert received.count(b"HTTP/1.1") == 1
+
+
+def test_connections_that_wait_do_not_keep_stop_out(link, monkeypatch):
+    monkeypatch.setattr(request_heads, "_MOST_CONNECTIONS", 4)
+    monkeypatch.setattr(request_heads, "_HEAD_S", 60.0)
+    with ExitStack() as opened:
+        address = ("127.0.0.1", link.port)
+        waiting = [
+            opened.enter_context(closing(socket.create_connection(address, timeout=20.0)))
+            for _ in range(10)
+        ]
+        assert link.call("POST", "/v1/stop", {}).status == 200
+        assert waiting[0].recv(1) == b""
 
 
 def test_searches_are_limited(tmp_path):

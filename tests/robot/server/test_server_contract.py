@@ -1,5 +1,6 @@
 """Laws of the contract: who is answered what, whatever comes, in whatever order, however often."""
 
+import json
 import threading
 import time
 
@@ -174,6 +175,18 @@ def test_an_error_of_ours_stops_the_robot_and_tells_no_secrets(link, script, mon
     assert b"inner workings" not in answer.content + link.call("GET", search).content
     assert link.observe(search, body_of(1)).json["ending"] == "failed"
     assert [str(hooked.exc_value) for hooked in reported] == ["inner workings"]
+
+
+def test_a_robot_that_sees_no_depth_is_not_told_to_drive(link, script):
+    search, room = link.open("quick", deadline_s=20.0), BoxRoom()
+    replies = [link.observe(search, body_of(n, room, depth=0.0)).json for n in range(24)]
+    assert all(reply["action"] != Action.MOVE_FORWARD for reply in replies)
+    assert "no depth" in replies[0]["reason"]
+    assert replies[0]["velocity"]["linear_m_s"] == 0.0
+    assert replies[-1]["ending"] == "failed"
+    assert "24 images without any depth between" in replies[-1]["reason"]
+    trace = link.call("GET", f"{search}/trace").content.splitlines()
+    assert [json.loads(step)["action"] for step in trace] == [r["action"] for r in replies[:-1]]
 
 
 def test_opening_again_with_a_key_gives_the_same_search(link):

@@ -11,13 +11,13 @@ from functools import partial
 
 from hypernav.core.actions import Action
 from hypernav.core.errors import (
-    CameraHangsError,
     LinkLostError,
     RequestRefusedError,
     ServerUnreachableError,
 )
 from hypernav.core.geometry.transforms import Pose2, Transform, wrap_angle
 from hypernav.robot.client.links import Link
+from hypernav.robot.client.plausible_sensing import PlausibleSensing
 from hypernav.robot.client.robot import Executed, FollowsPaths, Robot, Sensed
 from hypernav.robot.client.watchdog import Watchdog
 from hypernav.robot.wire.frames import pack_observation
@@ -31,8 +31,6 @@ _MADE_SHARE = 0.6
 _FIRST_PAUSE_S, _LONGEST_PAUSE_S = 0.05, 2.0
 """Pauses between attempts: doubled from the first to the longest."""
 _SHORTEST_PATH_M = 0.1
-_MOVED_M, _TURNED_RAD = 0.1, math.radians(5.0)
-"""Motion after which images must be new."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,6 +107,7 @@ class RobotClient:
         self._sequence = next_sequence
         self._patience = patience or Patience()
         self._stopped, self._moving = threading.Event(), threading.Event()
+        self._plausible = PlausibleSensing(robot.embodiment)
         self.watchdog = Watchdog(self._patience.deadline_s, robot.stop)
         self.steps = self.blocked = self.resent = 0
 
@@ -118,16 +117,15 @@ class RobotClient:
         Raises:
             ServerUnreachableError: No answer for too long.
             RequestRefusedError: The server refuses what this robot sends.
-            CameraHangsError: The robot has moved, and its images are those of before.
+            SensorError: What the robot senses can't be true.
         """
         last: ClientStep | None = None
         pool = ThreadPoolExecutor(1)
         try:
             while not self._stopped.is_set():
                 sensed = self._robot.observe()
-                if last is not None:
-                    _check_images(last.sensed, sensed)
                 blocked = last is not None and self._failed(last, sensed.odometry)
+                self._plausible.check(sensed, None if last is None else last.reply.action, blocked)
                 with self.watchdog:
                     answer = pool.submit(self._answer, sensed, blocked)
                     self._roll_on(last, answer)
@@ -262,21 +260,6 @@ class RobotClient:
         if refusal.status in (429, 503):
             return False
         raise refusal
-
-
-def _check_images(before: Sensed, now: Sensed) -> None:
-    """Refuse images that the camera took before the last motion.
-
-    Raises:
-        CameraHangsError: They are those of before, and odometry has moved.
-    """
-    moved_m = before.odometry.distance_to(*now.odometry.xy)
-    turned_rad = abs(wrap_angle(now.odometry.yaw - before.odometry.yaw))
-    if now.stamp_s == before.stamp_s and (moved_m > _MOVED_M or turned_rad > _TURNED_RAD):
-        raise CameraHangsError(
-            f"the robot moved {moved_m:.2f} m and turned {math.degrees(turned_rad):.0f}°, but its "
-            f"images are still those of {now.stamp_s:.3f} s; does the camera hang? The robot stands"
-        )
 
 
 def _is_path(path: Sequence[tuple[float, float]]) -> bool:

@@ -5,7 +5,10 @@ from collections.abc import Callable
 from typing import cast
 
 from hypernav.build.agents import BuiltAgent
+from hypernav.core.actions import Action
 from hypernav.core.components.protocols import ExplainsItself
+from hypernav.core.errors import SensorError
+from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.observation import Observation
 from hypernav.core.trace import StepTrace
@@ -16,6 +19,9 @@ from hypernav.robot.wire.requests import ObservationFacts
 
 _LOG = logging.getLogger(__name__)
 _BLOCKED = "the robot says that it was blocked"
+_BLIND = "the camera measures no depth, turning instead of driving"
+_MOST_BLIND = 24
+"""Number of images without depth, one after the other, after which a search ends."""
 
 
 class Decisions:
@@ -39,6 +45,7 @@ class Decisions:
         self._request = journal.record.request
         self._camera = self._request.camera
         self._camera_to_base = self._request.embodiment.camera.camera_to_base
+        self._blind = 0
 
     def decode(self, packed: PackedObservation) -> Observation:
         """The observation as the agent takes it; nothing else changes.
@@ -54,6 +61,7 @@ class Decisions:
         Raises:
             ModelUnavailableError: A model did not answer.
             ModelSetupError: A model can never answer.
+            SensorError: The camera has measured no depth for long.
             HyPerNavError: The agent cannot go on.
         """
         if facts.sequence >= self._request.max_steps:
@@ -97,4 +105,37 @@ class Decisions:
     def _act(self, observation: Observation) -> StepTrace:
         self._built.agent.act(observation)
         self.grid = self._agent.grid.cropped().copy()
-        return self._agent.last_step
+        trace = self._agent.last_step
+        return trace if self._sees(observation) else _turning(trace)
+
+    def _sees(self, observation: Observation) -> bool:
+        """Whether the camera measures any depth.
+
+        Raises:
+            SensorError: It has not for so many images that the robot must have looked around.
+        """
+        lens = self._request.embodiment.camera
+        if is_measured(observation.depth, lens.min_depth_m, lens.max_depth_m).any():
+            self._blind = 0
+            return True
+        self._blind += 1
+        if self._blind >= _MOST_BLIND:
+            raise SensorError(
+                f"{self._blind} images without any depth between {lens.min_depth_m:g} and "
+                f"{lens.max_depth_m:g} m; does the camera work, and is its depth in metres?"
+            )
+        return False
+
+
+def _turning(trace: StepTrace) -> StepTrace:
+    """The decision without a step into what cannot be seen; the agent takes it for a bump."""
+    if trace.action is not Action.MOVE_FORWARD:
+        return trace
+    return trace.model_copy(
+        update={
+            "action": Action.TURN_LEFT,
+            "path": [],
+            "reason": _BLIND,
+            "events": [*trace.events, _BLIND],
+        }
+    )

@@ -166,7 +166,14 @@ class Guard:
     async def _body(self, scope: Scope, receive: Receive) -> bytes:
         """The whole body, of limited size and in limited time."""
         most = MOST_BODY_BYTES if scope["path"].endswith(_OBSERVATIONS) else _MOST_JSON_BYTES
-        announced = Headers(scope=scope).get("content-length", "0")
+        headers = Headers(scope=scope)
+        announced = headers.get("content-length", "0")
+        if "content-length" in headers and "transfer-encoding" in headers:
+            raise RequestRefusedError(  # a proxy before the server may understand it differently
+                "a body has either a content-length or a transfer-encoding, got both",
+                error="invalid",
+                status=400,
+            )
         if announced.isdecimal() and int(announced) > most:
             raise _too_large(most)
         body = bytearray()

@@ -13,6 +13,7 @@ from hypernav.robot.server.app import make_app
 from hypernav.robot.server.guard import Access
 from hypernav.robot.server.limits import ServerLimits
 from hypernav.robot.server.operator.waiting import WaitingRobots
+from hypernav.robot.server.request_heads import MOST_HEAD_BYTES, TimedHeads
 from hypernav.robot.server.searches import Searches
 from hypernav.robot.wire.frames import MOST_BODY_BYTES
 
@@ -102,6 +103,8 @@ class RobotServer(uvicorn.Server):
         super().__init__(
             uvicorn.Config(
                 make_app(searches, self._waiting, access, limits),
+                http=TimedHeads,
+                h11_max_incomplete_event_size=MOST_HEAD_BYTES,
                 ws="websockets-sansio",
                 ws_max_size=MOST_BODY_BYTES,
                 ws_per_message_deflate=False,  # images do not get any smaller

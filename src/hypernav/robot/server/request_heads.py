@@ -1,0 +1,64 @@
+"""HTTP whose connections are bounded in number, and whose request heads must arrive in time.
+
+Uvicorn bounds neither. Connections that only wait would keep STOP out.
+"""
+
+import asyncio
+from typing import Any
+
+import h11
+from uvicorn.protocols.http.h11_impl import H11Protocol
+
+MOST_HEAD_BYTES = 16_384
+_HEAD_S = 10.0
+_MOST_CONNECTIONS = 256
+
+
+class TimedHeads(H11Protocol):
+    """Closes connections of which no whole request head comes, and the oldest of too many.
+
+    A new connection always finds room: it may be that of STOP. Connections with a request under way
+    are bounded by the guard (`ServerLimits.requests_at_once`).
+    """
+
+    _deadline: asyncio.TimerHandle | None = None
+    _since_s = 0.0
+
+    def connection_made(self, transport: Any) -> None:
+        """Begin to wait for the first head."""
+        super().connection_made(transport)
+        self._wait_for_head()
+        waiting = [one for one in self.connections if isinstance(one, TimedHeads) and one._deadline]
+        if len(self.connections) > _MOST_CONNECTIONS:
+            min(waiting, key=lambda one: one._since_s).transport.abort()
+
+    def data_received(self, data: bytes) -> None:
+        """Take what came; a head that is not whole has to come in time."""
+        super().data_received(data)
+        self._watch()
+
+    def on_response_complete(self) -> None:
+        """Wait for the next head."""
+        super().on_response_complete()
+        self._watch()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Wait for nothing any more."""
+        self._stop_waiting()
+        super().connection_lost(exc)
+
+    def _watch(self) -> None:
+        if self.conn.their_state is h11.IDLE:
+            self._wait_for_head()
+        else:
+            self._stop_waiting()
+
+    def _wait_for_head(self) -> None:
+        if self._deadline is None:
+            self._since_s = self.loop.time()
+            self._deadline = self.loop.call_later(_HEAD_S, self.transport.close)
+
+    def _stop_waiting(self) -> None:
+        if self._deadline is not None:
+            self._deadline.cancel()
+            self._deadline = None
