@@ -38,6 +38,14 @@ def test_data() -> Path:
 
 
 @pytest.fixture(scope="session")
+def benchmark_data(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A small data folder with every benchmark, to be read; tests that change it take a copy."""
+    from scan_writers.data_folder import write_data  # After the hook above.
+
+    return write_data(tmp_path_factory.mktemp("benchmarks") / "data")
+
+
+@pytest.fixture(scope="session")
 def small_house(test_data: Path) -> Path:
     """The GLB of a real furnished house."""
     return test_data / "scenes" / "small_house" / "scene.glb"

@@ -1,17 +1,18 @@
 """Published benchmarks: what they prescribe, and where their files are found."""
 
+import shutil
+
 import pytest
 
 from hypernav.core.errors import ConfigError, EpisodeError
 from hypernav.datasets.benchmark_files import found_splits, scene_below, scene_in, split_of
 from hypernav.datasets.benchmarks import BENCHMARKS, benchmark_of
-from scan_writers.data_folder import write_data
 from scan_writers.episodes import HASH, SCENE
 
 
 @pytest.fixture(scope="module")
-def data(tmp_path_factory):
-    return write_data(tmp_path_factory.mktemp("data"))
+def data(benchmark_data, tmp_path_factory):
+    return shutil.copytree(benchmark_data, tmp_path_factory.mktemp("own") / "data")
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """The published benchmarks, from a data folder to scored episodes."""
 
 import json
+import shutil
 from contextlib import closing
 from dataclasses import replace
 
@@ -15,16 +16,16 @@ from hypernav.evaluation.datasets import load_episodes, select
 from hypernav.evaluation.run_plan import RunPlan, Selection
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
 from scan_writers.buildings import STOREY_M
-from scan_writers.data_folder import write_data
 from scan_writers.episodes import HASH, SCENE
 from small_worlds import small_config
 
 ROBOT = small_config(embodiment={"motion": {"forward_m": 0.25, "turn_angle_deg": 30.0}})
 
 
-@pytest.fixture(scope="module")
-def data(tmp_path_factory):
-    return write_data(tmp_path_factory.mktemp("data"))
+@pytest.fixture
+def own_data(benchmark_data, tmp_path):
+    """A data folder that a test may change."""
+    return shutil.copytree(benchmark_data, tmp_path / "data")
 
 
 def hypernav(*arguments):
@@ -33,20 +34,20 @@ def hypernav(*arguments):
     return stop.value.code
 
 
-def test_goals_are_asked_for_as_the_published_baselines_do(data):
-    goals = [episode.goal.text for episode in load_episodes(f"hm3d:{data}#v1/val")]
+def test_goals_are_asked_for_as_the_published_baselines_do(benchmark_data):
+    goals = [episode.goal.text for episode in load_episodes(f"hm3d:{benchmark_data}#v1/val")]
     assert goals == ["chair", "potted plant", "tv", "couch"]
 
 
-def test_starts_keep_their_storey(data):
-    heights = [episode.start_z for episode in load_episodes(f"hm3d:{data}#v2/val")]
+def test_starts_keep_their_storey(benchmark_data):
+    heights = [episode.start_z for episode in load_episodes(f"hm3d:{benchmark_data}#v2/val")]
     assert heights == [0.0, 0.0, STOREY_M, STOREY_M]
 
 
-def test_view_points_of_child_categories_count_too(data):
-    sofa = load_episodes(f"ovon:{data}#val_unseen")[1]
-    television = load_episodes(f"hm3d:{data}#v1/val")[2]
-    couch = load_episodes(f"hm3d:{data}#v1/val")[3]
+def test_view_points_of_child_categories_count_too(benchmark_data):
+    sofa = load_episodes(f"ovon:{benchmark_data}#val_unseen")[1]
+    television = load_episodes(f"hm3d:{benchmark_data}#v1/val")[2]
+    couch = load_episodes(f"hm3d:{benchmark_data}#v1/val")[3]
     assert sofa.view_points is not None
     assert television.view_points is not None
     assert couch.view_points is not None
@@ -54,41 +55,40 @@ def test_view_points_of_child_categories_count_too(data):
     assert {*map(tuple, sofa.view_points)} == {*map(tuple, both)}
 
 
-def test_what_the_file_names_is_found_whatever_the_annotators_called_it(tmp_path):
-    data = write_data(tmp_path / "data")
-    text = data / "scene_datasets" / "hm3d" / "val" / SCENE / f"{HASH}.semantic.txt"
+def test_what_the_file_names_is_found_whatever_the_annotators_called_it(own_data, tmp_path):
+    text = own_data / "scene_datasets" / "hm3d" / "val" / SCENE / f"{HASH}.semantic.txt"
     text.write_text(
         text.read_text().replace('"television"', '"screen"').replace('"tv"', '"screen"')
     )
-    television = load_episodes(f"hm3d:{data}#v1/val")[2]
+    television = load_episodes(f"hm3d:{own_data}#v1/val")[2]
     with closing(EpisodeWorker(Job(tmp_path, ROBOT))) as worker:
         for objects, success in ((television.objects, True), ((), False)):
             assert worker.run(replace(television, objects=objects, max_steps=60)).success == success
 
 
 @pytest.mark.parametrize("name", ["802", "00802", SCENE, HASH])
-def test_scenes_go_by_the_numbers_of_the_paper(data, name):
-    episodes = load_episodes(f"hm3d:{data}#v1/val")
+def test_scenes_go_by_the_numbers_of_the_paper(benchmark_data, name):
+    episodes = load_episodes(f"hm3d:{benchmark_data}#v1/val")
     assert len(select(episodes, scenes=name)) == len(episodes) == 4
     with pytest.raises(EpisodeError, match="there is no scene '813'"):
         select(episodes, scenes="802,813")
 
 
-def test_only_the_scenes_of_chosen_episodes_are_needed(data, tmp_path):
+def test_only_the_scenes_of_chosen_episodes_are_needed(benchmark_data, tmp_path):
     empty = tmp_path / "scenes"
     empty.mkdir()
-    plan = RunPlan(f"hm3d:{data}#v1/val", Selection(), scenes_dir=empty)
+    plan = RunPlan(f"hm3d:{benchmark_data}#v1/val", Selection(), scenes_dir=empty)
     with pytest.raises(EpisodeError, match=r"1 of 1 scenes are missing, the first is .*doctor"):
         plan.episodes()
 
 
 @pytest.fixture(scope="module")
-def records(data, tmp_path_factory):
+def records(benchmark_data, tmp_path_factory):
     """What an agent with ground truth makes of the four episodes of HM3D."""
     config = ROBOT
     worker = EpisodeWorker(Job(tmp_path_factory.mktemp("run"), config))
     try:
-        return [worker.run(episode) for episode in load_episodes(f"hm3d:{data}#v1/val")]
+        return [worker.run(episode) for episode in load_episodes(f"hm3d:{benchmark_data}#v1/val")]
     finally:
         worker.close()
 
@@ -98,8 +98,8 @@ def test_goals_on_either_storey_are_found(records):
     assert all(record.success and record.spl > 0.3 for record in records)
 
 
-def test_a_goal_on_the_other_storey_is_at_the_end_of_the_stairs(data, tmp_path):
-    below, _, _, above = load_episodes(f"hm3d:{data}#v1/val")
+def test_a_goal_on_the_other_storey_is_at_the_end_of_the_stairs(benchmark_data, tmp_path):
+    below, _, _, above = load_episodes(f"hm3d:{benchmark_data}#v1/val")
     downstairs = replace(above, episode_id="4", start=below.start, start_z=below.start_z)
     worker = EpisodeWorker(Job(tmp_path, small_config()))
     record = worker.run(replace(downstairs, max_steps=1))
@@ -111,9 +111,10 @@ def test_the_files_view_points_decide_about_distances(records):
     assert records[0].shortest_path_m == pytest.approx(0.5, abs=0.15)
 
 
-def test_the_command_takes_the_robot_and_the_limits_of_the_benchmark(data, tmp_path):
+def test_the_command_takes_the_robot_and_the_limits_of_the_benchmark(benchmark_data, tmp_path):
     quick = ("--max-steps", "3", "--workers", "1", "--quiet", "--episodes", "0:1")
-    assert hypernav("eval", f"ovon:{data}#val_seen", *quick, "--out", tmp_path / "ovon") == 0
+    split = f"ovon:{benchmark_data}#val_seen"
+    assert hypernav("eval", split, *quick, "--out", tmp_path / "ovon") == 0
     run = json.loads((tmp_path / "ovon" / "run.json").read_text())["configuration"]
     camera, body = run["config"]["embodiment"]["camera"], run["config"]["embodiment"]["body"]
     assert (camera["width"], camera["height"], camera["hfov_deg"]) == (360, 640, 42.0)
@@ -123,24 +124,24 @@ def test_the_command_takes_the_robot_and_the_limits_of_the_benchmark(data, tmp_p
     assert len(timeless_lines(tmp_path / "ovon")) == 1
 
 
-def test_another_benchmark_and_single_values_win(data, tmp_path):
+def test_another_benchmark_and_single_values_win(benchmark_data, tmp_path):
     quick = ("--max-steps", "3", "--workers", "1", "--quiet", "--scenes", "802")
     out = tmp_path / "paper"
     other = ("--benchmark", "hypernav-paper", "--success-distance", "1.0", "--goals", "chair")
-    assert hypernav("eval", f"hm3d:{data}#v1/val", *quick, *other, *SMALL, "--out", out) == 0
+    split = f"hm3d:{benchmark_data}#v1/val"
+    assert hypernav("eval", split, *quick, *other, *SMALL, "--out", out) == 0
     run = json.loads((out / "run.json").read_text())["configuration"]
     assert run["config"]["embodiment"]["motion"]["forward_m"] == 0.5
     assert run["config"]["embodiment"]["camera"]["width"] == 160
     assert run["protocol"]["success_distance_m"] == 1.0
 
 
-def test_a_run_in_which_nothing_could_be_scored_fails_in_one_line(tmp_path, capsys):
-    data = write_data(tmp_path / "data")
-    mesh = data / "scene_datasets" / "hm3d" / "val" / SCENE / f"{HASH}.glb"
+def test_a_run_in_which_nothing_could_be_scored_fails_in_one_line(own_data, tmp_path, capsys):
+    mesh = own_data / "scene_datasets" / "hm3d" / "val" / SCENE / f"{HASH}.glb"
     whole = mesh.read_bytes()
     mesh.write_bytes(whole[:-40])
     quick = ("--max-steps", "2", "--workers", "1", "--episodes", "0:2", *SMALL)
-    command = ("eval", f"hm3d:{data}#v1/val", *quick, "--out", tmp_path / "run")
+    command = ("eval", f"hm3d:{own_data}#v1/val", *quick, "--out", tmp_path / "run")
     for options in ((), ("--quiet",)):
         capsys.readouterr()
         assert hypernav(*command, *options) == 2
@@ -152,11 +153,10 @@ def test_a_run_in_which_nothing_could_be_scored_fails_in_one_line(tmp_path, caps
     assert hypernav(*command, "--quiet") == 0
 
 
-def test_a_run_does_not_go_on_in_another_scene_of_the_same_name(tmp_path, capsys):
-    data = write_data(tmp_path / "data")
-    navmesh = data / "scene_datasets" / "hm3d" / "val" / SCENE / f"{HASH}.basis.navmesh"
+def test_a_run_does_not_go_on_in_another_scene_of_the_same_name(own_data, tmp_path, capsys):
+    navmesh = own_data / "scene_datasets" / "hm3d" / "val" / SCENE / f"{HASH}.basis.navmesh"
     quick = ("--max-steps", "2", "--workers", "1", "--quiet", "--episodes", "0:1", *SMALL)
-    command = ("eval", f"hm3d:{data}#v1/val", *quick, "--out", tmp_path / "run")
+    command = ("eval", f"hm3d:{own_data}#v1/val", *quick, "--out", tmp_path / "run")
     assert hypernav(*command) == 0
     whole = navmesh.read_bytes()
     navmesh.unlink()
@@ -166,13 +166,15 @@ def test_a_run_does_not_go_on_in_another_scene_of_the_same_name(tmp_path, capsys
     assert hypernav(*command) == 0
 
 
-def test_goals_go_by_the_files_own_words_too(data):
-    plan = RunPlan(f"hm3d:{data}#v1/val", Selection(goals="plant, tv_monitor,couch"))
+def test_goals_go_by_the_files_own_words_too(benchmark_data):
+    plan = RunPlan(f"hm3d:{benchmark_data}#v1/val", Selection(goals="plant, tv_monitor,couch"))
     assert [episode.goal.text for episode in plan.episodes()] == ["potted plant", "tv", "couch"]
 
 
-def test_a_slash_at_the_end_of_a_folder_names_no_other_data_set(data):
-    plain, slashed = (RunPlan(f"hm3d:{folder}#v1/val") for folder in (data, f"{data}/"))
+def test_a_slash_at_the_end_of_a_folder_names_no_other_data_set(benchmark_data):
+    plain, slashed = (
+        RunPlan(f"hm3d:{folder}#v1/val") for folder in (benchmark_data, f"{benchmark_data}/")
+    )
     episodes = plain.episodes()
     assert slashed.episodes() == episodes
     assert slashed.configuration(episodes) == plain.configuration(episodes)

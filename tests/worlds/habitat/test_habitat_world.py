@@ -21,7 +21,6 @@ from hypernav.worlds.habitat.path_finder import HabitatSurface
 from hypernav.worlds.habitat.simulator import HabitatRenderer, quaternion_of
 from hypernav.worlds.scans.loading import open_scene
 from hypernav.worlds.surface.walkable_surface import WalkableSurface
-from scan_writers.data_folder import write_data
 from scan_writers.episodes import HASH, SCENE
 from small_worlds import small_config
 
@@ -33,14 +32,9 @@ def _habitat(monkeypatch):
     monkeypatch.setitem(sys.modules, "habitat_sim", fake_habitat)
 
 
-@pytest.fixture(scope="module")
-def data(tmp_path_factory):
-    return write_data(tmp_path_factory.mktemp("data"))
-
-
 @pytest.fixture
-def mesh(data):
-    return data / "scene_datasets" / "hm3d" / "val" / SCENE / f"{HASH}.glb"
+def mesh(benchmark_data):
+    return benchmark_data / "scene_datasets" / "hm3d" / "val" / SCENE / f"{HASH}.glb"
 
 
 def opened(mesh, name):
@@ -86,8 +80,8 @@ def test_both_worlds_show_and_walk_the_same(mesh):
 
 
 @pytest.mark.usefixtures("_habitat")
-def test_episodes_run_on_habitats_observations(data, tmp_path):
-    chair, _, television, _ = load_episodes(f"hm3d:{data}#v1/val")
+def test_episodes_run_on_habitats_observations(benchmark_data, tmp_path):
+    chair, _, television, _ = load_episodes(f"hm3d:{benchmark_data}#v1/val")
     found = []
     for world in ("habitat", "native"):
         worker = EpisodeWorker(Job(tmp_path, CONFIG, world=world))
@@ -139,8 +133,8 @@ def test_what_habitat_cannot_open_is_one_error(mesh, monkeypatch):
 
 
 @pytest.mark.usefixtures("_habitat")
-def test_a_scene_without_a_mesh_is_refused(data):
-    scan = data / "scene_datasets" / "mp3d" / HASH / f"{HASH}.glb"
+def test_a_scene_without_a_mesh_is_refused(benchmark_data):
+    scan = benchmark_data / "scene_datasets" / "mp3d" / HASH / f"{HASH}.glb"
     with pytest.raises(SceneError, match="no navigation mesh beside it"):
         opened(scan, "habitat")
 
