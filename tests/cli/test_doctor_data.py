@@ -8,13 +8,13 @@ import pytest
 from hypernav.cli.main import main
 from scan_writers.basis_bytes import ktx2
 from scan_writers.buildings import two_storeys
-from scan_writers.data_folder import BELOW, write_data
+from scan_writers.data_folder import BELOW
 from scan_writers.episodes import HASH, SCENE, episode, write_split
 
 
 @pytest.fixture
-def data(tmp_path):
-    return write_data(tmp_path / "data")
+def data(benchmark_data, tmp_path):
+    return shutil.copytree(benchmark_data, tmp_path / "data")
 
 
 def examine(capsys, folder):
@@ -125,11 +125,12 @@ def test_a_file_of_a_scene_that_is_cut_off_is_a_fault(data, capsys, ending):
     file = data / "scene_datasets" / "hm3d" / "val" / SCENE / f"{HASH}{ending}"
     file.write_bytes(file.read_bytes()[:-40])
     status, lines = examine(capsys, data)
-    found = line_of(lines, "hm3d v1/val files:")
+    found = line_of(lines, "hm3d files:")
     assert status == 1
     assert found.startswith("FAULT")
     assert str(file) in found
     assert "cut off" in found
+    assert lines[-1].startswith("  hm3d files: get these scenes again")
 
 
 def test_episodes_that_repeat_in_another_file_are_a_fault(data, capsys):

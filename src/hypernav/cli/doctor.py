@@ -47,8 +47,8 @@ def run(options: Options) -> int:
         console.print("all is well")
         return 0
     console.print("what to change:")
-    for fault in faults:
-        console.print(f"  {fault.check}: {escape(fault.remedy)}")
+    for line in dict.fromkeys(f"  {fault.check}: {escape(fault.remedy)}" for fault in faults):
+        console.print(line)
     return 1
 
 

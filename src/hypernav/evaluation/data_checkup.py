@@ -1,6 +1,6 @@
 """Examination of a data folder before a long run: what of each benchmark is there, what isn't."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -42,19 +42,24 @@ def check_data(folder: Path) -> Iterator[Finding]:
         words = f"{folder} holds one part of the data only"
         yield Finding("folder", State.FAULT, words, f"name the folder above it: {here.parent}")
         return
+    used: dict[Path, Benchmark] = {}
     found = False
     for benchmark in (*(BENCHMARKS[name] for name in ("hm3d", "mp3d", "ovon")), GENERATED):
         if found_splits(benchmark, folder) or scene_folders(benchmark, folder):
             found = True
-            yield from _check_benchmark(benchmark, folder)
+            yield from _check_benchmark(benchmark, folder, used)
         elif benchmark is not GENERATED:
             yield Finding(benchmark.name, State.NOTE, f"nothing of {benchmark.title} is here")
+    yield from _check_files(used)
     if not found:
         remedy = f"HM3D {BENCHMARKS['hm3d'].where}"
         yield Finding("folder", State.FAULT, f"{folder} holds no benchmark", remedy)
 
 
-def _check_benchmark(benchmark: Benchmark, folder: Path) -> Iterator[Finding]:
+def _check_benchmark(
+    benchmark: Benchmark, folder: Path, used: dict[Path, Benchmark]
+) -> Iterator[Finding]:
+    """Findings about a benchmark; the meshes of its scenes are added to ``used``."""
     splits = found_splits(benchmark, folder)
     names = {split.name for split in splits}
     missing = [name for name in benchmark.splits if name not in names]
@@ -64,10 +69,12 @@ def _check_benchmark(benchmark: Benchmark, folder: Path) -> Iterator[Finding]:
         words = f"no episodes of {', '.join(missing)}; expected {expected}"
         yield Finding(f"{benchmark.name} episodes", state, words, benchmark.where)
     for split in splits:
-        yield from _check_split(benchmark, folder, split)
+        yield from _check_split(benchmark, folder, split, used)
 
 
-def _check_split(benchmark: Benchmark, folder: Path, split: SplitFolder) -> Iterator[Finding]:
+def _check_split(
+    benchmark: Benchmark, folder: Path, split: SplitFolder, used: dict[Path, Benchmark]
+) -> Iterator[Finding]:
     check = f"{benchmark.name} {split.version}/{split.name}"
     count, scenes, goals = 0, dict[str, None](), set[str]()
     try:
@@ -81,36 +88,39 @@ def _check_split(benchmark: Benchmark, folder: Path, split: SplitFolder) -> Iter
         return
     words = f"{count:,} episodes in {len(scenes)} scenes, {len(goals)} categories"
     yield Finding(check, State.GOOD, words)
-    yield from _check_scenes(benchmark, folder, check, list(scenes))
-
-
-def _check_scenes(
-    benchmark: Benchmark, folder: Path, check: str, scene_ids: list[str]
-) -> Iterator[Finding]:
-    files = {scene_id: scene_below(benchmark, folder, scene_id) for scene_id in scene_ids}
+    files = {scene_id: scene_below(benchmark, folder, scene_id) for scene_id in scenes}
     meshes = [mesh for mesh in files.values() if mesh is not None]
-    missing = [Path(scene_id).parent.name for scene_id, mesh in files.items() if mesh is None]
-    if missing:
-        some = ", ".join(missing[:_NAMED]) + (", …" if len(missing) > _NAMED else "")
-        state = State.NOTE if meshes else State.FAULT
-        words = f"{len(meshes)} of {len(files)} scenes; missing: {some}"
-        yield Finding(f"{check} scenes", state, words, benchmark.where)
-    elif meshes:
-        yield Finding(f"{check} scenes", State.GOOD, f"all {len(meshes)}")
-    yield from _check_files(benchmark, check, meshes)
+    used |= {mesh: used.get(mesh, benchmark) for mesh in meshes}
+    yield from _check_scenes(benchmark, check, files)
     scans = [scan for mesh in meshes if (scan := ScanFiles.of(mesh)) is not None]
     yield from _check_scans(check, scans)
     if any(scan.mesh.name.endswith(_BASIS) for scan in scans):
         yield _textures(check)
 
 
-def _check_files(benchmark: Benchmark, check: str, meshes: list[Path]) -> Iterator[Finding]:
-    """Findings about files that are cut off or of another kind."""
-    broken = [error for mesh in meshes for error in _faults_of(mesh)]
-    more = [f"{len(broken) - _NAMED} more files are broken"] if len(broken) > _NAMED else []
-    for words in (*broken[:_NAMED], *more):
+def _check_scenes(
+    benchmark: Benchmark, check: str, files: Mapping[str, Path | None]
+) -> Iterator[Finding]:
+    """Findings about the scenes of a split, by their ids."""
+    missing = [Path(scene_id).parent.name for scene_id, mesh in files.items() if mesh is None]
+    if missing:
+        some = ", ".join(missing[:_NAMED]) + (", …" if len(missing) > _NAMED else "")
+        state = State.FAULT if len(missing) == len(files) else State.NOTE
+        words = f"{len(files) - len(missing)} of {len(files)} scenes; missing: {some}"
+        yield Finding(f"{check} scenes", state, words, benchmark.where)
+    else:
+        yield Finding(f"{check} scenes", State.GOOD, f"all {len(files)}")
+
+
+def _check_files(used: Mapping[Path, Benchmark]) -> Iterator[Finding]:
+    """Findings about files that are cut off or of another kind; splits share their scenes."""
+    broken = [(error, benchmark) for mesh, benchmark in used.items() for error in _faults_of(mesh)]
+    said = broken[:_NAMED]
+    if len(broken) > _NAMED:
+        said.append((f"{len(broken) - _NAMED} more files are broken", broken[-1][1]))
+    for words, benchmark in said:
         remedy = f"get these scenes again; {benchmark.where}"
-        yield Finding(f"{check} files", State.FAULT, words, remedy)
+        yield Finding(f"{benchmark.name} files", State.FAULT, words, remedy)
 
 
 def _faults_of(mesh: Path) -> Iterator[str]:
