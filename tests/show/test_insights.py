@@ -3,9 +3,19 @@
 import numpy as np
 
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
-from hypernav.core.insight import ImageMark, ImageWindow, Insight, ValueImage
+from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.insight import (
+    ImageMark,
+    ImageWindow,
+    Insight,
+    RememberedThing,
+    ThingGraph,
+    ValueImage,
+)
 from hypernav.show.drawing import palette
 from hypernav.show.drawing.arrows import ArrowStyle, draw_arrows, foot_pixel
+from hypernav.show.drawing.graph_overlay import draw_graph
+from hypernav.show.drawing.map_painter import MapPainter
 from hypernav.show.drawing.map_view import MapView
 from hypernav.show.drawing.value_overlay import draw_values
 from hypernav.show.video.insight_panel import draw_insight
@@ -55,6 +65,25 @@ def test_what_was_chosen_is_orange():
     shown = draw_insight(GREY, Insight(window=window))
     assert changed(shown, 100.0, 90.0)
     assert not changed(shown, 250.0, 90.0)
+
+
+def test_remembered_things_are_dots_joined_where_near_and_named_where_told():
+    grid = OccupancyGrid(np.ones((100, 100), np.uint8), 0.05, (0.0, 0.0))
+    painter = MapPainter(grid, view=MapView(left_m=0.0, top_m=5.0, pixels_per_m=50.0, size=250))
+    before = painter.image.copy()
+    things = [
+        RememberedThing(label="bed", position=(1.0, 4.0), told=True),
+        RememberedThing(label="nightstand", position=(2.0, 4.0)),
+        RememberedThing(label="oven", position=(4.0, 1.0)),
+    ]
+    draw_graph(painter, ThingGraph(things=things, near=[(0, 1)]))
+    for thing in things[1:]:
+        u, v = (round(at) for at in painter.view.pixel_of(*thing.position))
+        assert (painter.image[v, u] == palette.BLOCK).all()
+    touched = (painter.image != before).any(axis=-1)
+    assert touched[50, 65:90].any()  # the line between the two that are near
+    assert not touched[60:190].any()  # the oven stands alone
+    assert touched[40:60, 35:65].sum() > touched[190:210, 190:210].sum()  # the name of the bed
 
 
 def test_values_are_tinted_where_they_lie_with_y_up():

@@ -75,6 +75,21 @@ class ValueImage(_Part):
         return np.frombuffer(content, dtype=np.uint8).reshape(self.rows, -1)
 
 
+class RememberedThing(_Part):
+    """A thing on the map, metres, and whether the reasoner is told of it."""
+
+    label: str
+    position: tuple[float, float]
+    told: bool = False
+
+
+class ThingGraph(_Part):
+    """Things, and pairs of them, by their indices, that are near each other."""
+
+    things: list[RememberedThing]
+    near: list[tuple[int, int]] = Field(default_factory=list)
+
+
 class Insight(_Part):
     """What an explorer looked at when it chose; each method fills in what it has.
 
@@ -83,9 +98,11 @@ class Insight(_Part):
         foot: Image coordinates from which lines lead to the marks; None for marks alone.
         window: Part of the camera image that was chosen.
         values: Values of the floor.
+        graph: Things that are remembered.
     """
 
     marks: list[ImageMark] = Field(default_factory=list)
     foot: tuple[float, float] | None = None
     window: ImageWindow | None = None
     values: ValueImage | None = None
+    graph: ThingGraph | None = None

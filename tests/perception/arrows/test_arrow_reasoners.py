@@ -176,6 +176,16 @@ def test_things_of_one_name_are_one_where_they_are_near():
     assert "18° to the left" in stand.words
 
 
+def test_people_see_the_whole_memory_and_what_of_it_is_told():
+    graph = ObjectGraph(ObjectGraphConfig(most_facts=1))
+    bed, stand = SeenThing("bed", (2.0, 0.0)), SeenThing("nightstand", (3.0, 1.0))
+    graph.add_all([bed, stand, SeenThing("oven", (-4.0, 0.0))])
+    shown = graph.shown(BED, HERE)
+    assert [one.label for one in shown.things] == ["bed", "nightstand", "oven"]
+    assert [one.told for one in shown.things] == [True, False, False]
+    assert shown.near == [(0, 1)]
+
+
 def test_memory_joins_the_question_and_a_new_search_forgets_it():
     reasoner, sightings = Says(1), Sightings()
     sightings.things = (SeenThing("oven", (2.0, 1.0)),)

@@ -12,6 +12,7 @@ from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
+from hypernav.core.insight import Insight
 from hypernav.core.sightings import Sightings
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.reachable_area import ReachableArea
@@ -95,6 +96,14 @@ class ArrowExplorer(MoveExplorer):
         self._sight.reset()
         if self._memory is not None:
             self._memory.forget()
+
+    def take_insight(self) -> Insight | None:
+        """The arrows of the latest choice, and what is remembered."""
+        insight = super().take_insight()
+        if insight is None or self._memory is None:
+            return insight
+        graph = self._memory.shown(self._goal, self._sight.observation.robot)
+        return insight.model_copy(update={"graph": graph})
 
     def offer_default_moves(self) -> None:
         """Offer nothing but the default moves at the next choice: the goal may be right here."""

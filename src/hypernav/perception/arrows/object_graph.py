@@ -13,6 +13,7 @@ from pydantic import Field
 from hypernav.core.config import RoomConfig
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
+from hypernav.core.insight import RememberedThing, ThingGraph
 from hypernav.core.labels import normalise, same_name
 from hypernav.core.sightings import SeenThing
 from hypernav.perception.rooms.room_table import room_table
@@ -101,6 +102,21 @@ class ObjectGraph:
 
     def retrieve(self, goal: Goal, robot: Pose2) -> list[GraphFact]:
         """The things that are nearest in meaning to the goal, and of equal ones the nearest."""
+        return [self._fact(number, robot) for number in self._likest(goal, robot)]
+
+    def shown(self, goal: Goal, robot: Pose2) -> ThingGraph:
+        """The whole graph for people, who see which things `retrieve` tells of."""
+        told = set(self._likest(goal, robot))
+        return ThingGraph(
+            things=[
+                RememberedThing(label=one.label, position=one.position, told=number in told)
+                for number, one in enumerate(self._things)
+            ],
+            near=[(a, b) for a, others in enumerate(self._near) for b in sorted(others) if a < b],
+        )
+
+    def _likest(self, goal: Goal, robot: Pose2) -> list[int]:
+        """Numbers of the things that are told of, the likest first."""
         order = sorted(
             range(len(self._things)),
             key=lambda k: (
@@ -108,7 +124,7 @@ class ObjectGraph:
                 robot.distance_to(*self._things[k].position),
             ),
         )
-        return [self._fact(k, robot) for k in order[: self._config.most_facts]]
+        return order[: self._config.most_facts]
 
     def _fact(self, number: int, robot: Pose2) -> GraphFact:
         thing = self._things[number]

@@ -9,9 +9,10 @@ from PIL import Image
 
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.insight import ValueImage
+from hypernav.core.insight import ThingGraph, ValueImage
 from hypernav.core.trace import StepTrace
 from hypernav.show.drawing import palette
+from hypernav.show.drawing.graph_overlay import draw_graph
 from hypernav.show.drawing.legend import Layer, draw_legend
 from hypernav.show.drawing.map_painter import XY, MapPainter, NumberedSquare
 from hypernav.show.drawing.map_view import MapView
@@ -37,6 +38,7 @@ def draw_map(
     excluded: Collection[int] = (),
     block_opacity: float = 1.0,
     values: ValueImage | None = None,
+    graph: ThingGraph | None = None,
 ) -> UInt8[np.ndarray, "_ _ 3"]:
     """Draw a map with everything that is known about it; y points up. All in metres.
 
@@ -55,6 +57,7 @@ def draw_map(
         excluded: Numbers of the blocks that are hatched.
         block_opacity: Opacity of the blocks, 0 to 1.
         values: Values of the floor, drawn below everything but the map itself.
+        graph: Things that are remembered.
 
     Returns:
         RGB.
@@ -76,6 +79,8 @@ def draw_map(
         destination=destination,
         opacity=block_opacity,
     )
+    if graph is not None:
+        draw_graph(painter, graph)
     if destination is not None:
         painter.destination(*destination)
     painter.scale_bar()

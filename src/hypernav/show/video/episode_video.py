@@ -11,7 +11,7 @@ from jaxtyping import UInt8
 
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.insight import ValueImage
+from hypernav.core.insight import ThingGraph, ValueImage
 from hypernav.core.trace import StepTrace
 from hypernav.show.drawing.map_images import draw_map, draw_result
 from hypernav.show.drawing.map_view import SteadyView
@@ -150,6 +150,7 @@ class EpisodeVideo:
         self._frame_counts: list[int] = []
         self._decision: Decision | None = None
         self._values: ValueImage | None = None
+        self._graph: ThingGraph | None = None
         self._grid: OccupancyGrid | None = None
         self._closed = False
 
@@ -193,8 +194,9 @@ class EpisodeVideo:
     def _note(self, step: StepTrace, frames: int) -> None:
         self._steps.append(step)
         self._frame_counts.append(frames)
-        if step.insight is not None and step.insight.values is not None:
-            self._values = step.insight.values
+        if step.insight is not None:
+            self._values = step.insight.values or self._values
+            self._graph = step.insight.graph or self._graph
         if asked := decisions(step):
             self._decision = Decision(step.step, asked[-1], tuple(step.blocks))
 
@@ -240,4 +242,5 @@ class EpisodeVideo:
             excluded=fresh.exchange.excluded if fresh else (),
             block_opacity=1.0 - 0.8 * age / _BLOCKS_STAY_STEPS,
             values=self._values,
+            graph=self._graph,
         )
