@@ -77,6 +77,12 @@ class Truth:
     guided: tuple[GuideView, Goal] | None = None
     scored: tuple[Observation, Goal] | None = None
 
+    def forget(self) -> None:
+        """Forget what was seen: another search begins."""
+        self.observations.clear()
+        self.overviews.clear()
+        self.crops.clear()
+
     def see(self, observation: Observation) -> None:
         """Remember a camera image."""
         self.observations.append((_small(observation.rgb), observation))
@@ -170,6 +176,7 @@ def watching(truth: Truth) -> Iterator[Truth]:
 
     def watched_reset(self: SimulatedWorld, *others: Any, **more: Any) -> Observation:
         truth.world = self
+        truth.forget()
         return reset(self, *others, **more)
 
     def watched_presence(self: VlmPresenceCheck, observation: Observation, goal: Goal) -> bool:
