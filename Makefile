@@ -22,6 +22,7 @@ lint: $(VENV)/.installed-dev  ## style, types, and who may import whom
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/pyright
+	PATH=$(abspath $(BIN)):$$PATH $(BIN)/python scripts/public_types.py
 	$(BIN)/lint-imports
 
 format: $(VENV)/.installed-dev

@@ -21,7 +21,7 @@ from rich.table import Table
 
 from hypernav.build.agents import build_search
 from hypernav.build.presets import HyPerNavConfig, preset
-from hypernav.build.scenes import build_scene
+from hypernav.build.scenes import load_scene
 from hypernav.core.config import layered
 from hypernav.core.episode import Episode
 from hypernav.core.geometry.boxes import Detection
@@ -138,7 +138,7 @@ def main(scenes: Sequence[str], variants: Sequence[str], starts: int = 2, seed: 
     unseen = dict.fromkeys(spls, 0)
     goals = 0
     for name in scenes:
-        scene = build_scene(name)
+        scene = load_scene(name)
         drawing = RenderConfig(colours=False, antialias=False, threads=1)
         renderer = CpuRenderer(scene, drawing)
         world = SimulatedWorld(scene, None, read[0].config.embodiment, renderer=renderer)

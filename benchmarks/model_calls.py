@@ -30,7 +30,7 @@ from hypernav.build.component_specs import (  # noqa: E402
     PresetName,
 )
 from hypernav.build.presets import preset  # noqa: E402
-from hypernav.build.scenes import build_scene  # noqa: E402
+from hypernav.build.scenes import load_scene  # noqa: E402
 from hypernav.core.config import layered  # noqa: E402
 from hypernav.core.episode import Episode  # noqa: E402
 from hypernav.core.goal import Goal  # noqa: E402
@@ -96,7 +96,7 @@ def search(
 def worlds(scenes: tuple[str, ...], set: tuple[str, ...]) -> Iterator[SimulatedWorld]:
     config = layered(preset("default"), assignments=set)
     for scene in scenes:
-        yield SimulatedWorld(build_scene(scene), config.world, config.embodiment)
+        yield SimulatedWorld(load_scene(scene), config.world, config.embodiment)
 
 
 def main(

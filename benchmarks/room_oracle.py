@@ -31,7 +31,7 @@ from rich.table import Table
 
 from hypernav.build.agents import build_search
 from hypernav.build.presets import preset
-from hypernav.build.scenes import build_scene, building_of
+from hypernav.build.scenes import building_of, load_scene
 from hypernav.core.config import layered
 from hypernav.core.episode import Episode
 from hypernav.core.goal import Goal
@@ -181,7 +181,7 @@ def main(data: Sequence[str], every: int = 1, elsewhere: float = 0.05) -> None:
         episodes += found[::every]
     console = Console()
     for scene_id, group in groupby(episodes, lambda one: one.scene_id):
-        scene, plan = build_scene(scene_id), plan_of(building_of(scene_id))
+        scene, plan = load_scene(scene_id), plan_of(building_of(scene_id))
         renderer = CpuRenderer(scene, RenderConfig(colours=False, threads=1))
         world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
         for episode in group:

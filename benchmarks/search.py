@@ -22,7 +22,7 @@ from rich.table import Table
 from hypernav.build.agents import build_agent
 from hypernav.build.component_specs import ComponentSpecs, PresetName
 from hypernav.build.presets import preset
-from hypernav.build.scenes import build_scene
+from hypernav.build.scenes import load_scene
 from hypernav.core.config import layered
 from hypernav.core.episode import Episode
 from hypernav.core.goal import Goal
@@ -63,7 +63,7 @@ class Search(NamedTuple):
 @cache
 def world_of(scene: str, preset_name: PresetName, assignments: tuple[str, ...]) -> SimulatedWorld:
     config = layered(preset(preset_name), assignments=assignments)
-    return SimulatedWorld(build_scene(scene), config.world, config.embodiment)
+    return SimulatedWorld(load_scene(scene), config.world, config.embodiment)
 
 
 def run(search: Search) -> tuple[Search, EpisodeResult, list[str]]:

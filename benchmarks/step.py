@@ -27,7 +27,7 @@ from rich.table import Table
 
 from hypernav.build.agents import build_explorer, build_search
 from hypernav.build.presets import preset
-from hypernav.build.scenes import build_scene
+from hypernav.build.scenes import load_scene
 from hypernav.core.actions import Action
 from hypernav.core.components.abilities import Watches
 from hypernav.core.episode import Episode
@@ -48,7 +48,6 @@ from hypernav.perception.local.local_perception import LocalPerception
 from hypernav.planning.planner import Planner
 from hypernav.show.drawing.question_map import draw_question_map
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
-from hypernav.worlds.scenes.loading import load_scene
 from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
 
@@ -161,7 +160,7 @@ def distinct_voxels(depth, start, across, down, counts):
 def search_in_vain(watch: Stopwatch, house: str) -> None:
     """Time the agent's steps while it explores a whole house."""
     config, goal = preset("default"), Goal("something that is not there")
-    scene = build_scene(house)
+    scene = load_scene(house)
     renderer = CpuRenderer(scene, RenderConfig(colours=False))  # ground truth needs none
     world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
     agent = build_search(config, GroundTruthDetector(), ExchangeLog())
@@ -178,7 +177,7 @@ def search_in_vain(watch: Stopwatch, house: str) -> None:
 def recorded(data: Path, watch: Stopwatch) -> list[Observation]:
     """The recorded frames, rendered again."""
     episode = np.load(data / "episodes" / "small_house.npz")
-    scene = load_scene(data / "scenes" / "small_house" / "scene.glb")
+    scene = load_scene(str(data / "scenes" / "small_house" / "scene.glb"))
     renderer, config = CpuRenderer(scene), preset("default").embodiment
     labels = {i.id: i.label for i in scene.instances if i.label is not None}
     camera = config.camera.intrinsics

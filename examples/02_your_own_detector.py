@@ -12,17 +12,8 @@ hypernav find "something red" --detector red_things:RedThings
 import cv2
 import numpy as np
 
-from hypernav.build.agents import build_search
-from hypernav.build.presets import preset
-from hypernav.build.scenes import build_scene
-from hypernav.core.episode import Episode
-from hypernav.core.geometry.boxes import Box, Detection
-from hypernav.core.goal import Goal
-from hypernav.core.observation import Observation
-from hypernav.core.trace import ExchangeLog
-from hypernav.worlds.episode_run import EpisodeRun
-from hypernav.worlds.simulation import SimulatedWorld
-from hypernav.worlds.surface.starts import random_start
+import hypernav
+from hypernav import Box, Detection, Goal, Observation
 
 
 class RedThings:
@@ -41,14 +32,8 @@ class RedThings:
 
 
 def main() -> None:
-    goal = Goal("something red")
-    config = preset("default")
-    world = SimulatedWorld(build_scene("builtin"), config.world, config.embodiment)
-    start = random_start(world.walkable, np.random.default_rng(3))
-
-    agent = build_search(config, RedThings(), ExchangeLog())
-    episode = Episode("builtin", "0", goal, start, max_steps=120)
-    search = EpisodeRun(agent, world, episode)
+    agent = hypernav.build_search(hypernav.preset("default"), RedThings())
+    search = hypernav.find("something red", "builtin", agent=agent, seed=3, max_steps=120)
     for step in search:
         for detection in step.trace.detections:
             print(f"{step.trace.step:3d}  {detection.label} at {detection.box}")

@@ -10,15 +10,7 @@ Run: python examples/03_your_own_agent.py
 import numpy as np
 
 import hypernav
-from hypernav.build.scenes import build_scene
-from hypernav.core.actions import Action
-from hypernav.core.episode import Episode
-from hypernav.core.goal import Goal
-from hypernav.core.observation import Observation
-from hypernav.perception.local.ground_truth import GroundTruthDetector
-from hypernav.worlds.episode_run import EpisodeRun
-from hypernav.worlds.simulation import SimulatedWorld
-from hypernav.worlds.surface.starts import random_start
+from hypernav import Action, Goal, GroundTruthDetector, Observation
 
 
 class Bouncer:
@@ -51,13 +43,7 @@ class Bouncer:
 
 def main() -> None:
     hypernav.check_agent(Bouncer(seed=0))
-    rng = np.random.default_rng(0)
-    goal = Goal("sofa")
-    world = SimulatedWorld(build_scene("builtin"))
-    start = random_start(world.walkable, rng, world.regions.of(goal))
-
-    episode = Episode("builtin", "0", goal, start, max_steps=150)
-    search = EpisodeRun(Bouncer(seed=0), world, episode)
+    search = hypernav.find("sofa", "builtin", agent=Bouncer(seed=0), max_steps=150)
     steps = sum(1 for _ in search)
     result = search.result()
     print(f"{result.outcome} after {steps} steps, {result.metrics.distance_to_goal_m:.1f} m away")

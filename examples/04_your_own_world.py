@@ -11,9 +11,7 @@ from typing import Any
 import numpy as np
 
 import hypernav
-from hypernav.build.scenes import build_scene
-from hypernav.core.errors import ContractError
-from hypernav.worlds.env import ObjectNavEnv
+from hypernav import ContractError, ObjectNavEnv
 
 
 class Clockwise(ObjectNavEnv):
@@ -33,7 +31,7 @@ class Clockwise(ObjectNavEnv):
 
 
 def main() -> None:
-    scene = build_scene("builtin")
+    scene = hypernav.load_scene("builtin")
     hypernav.check_world(ObjectNavEnv(scene))
     print("the built-in world keeps its contract")
     try:

@@ -11,14 +11,7 @@ import sys
 from pathlib import Path
 
 import hypernav
-from hypernav.core.actions import Action
-from hypernav.core.goal import Goal
-from hypernav.core.observation import Observation
-from hypernav.evaluation.evaluate import evaluate
-from hypernav.evaluation.report.report_page import write_report
-from hypernav.evaluation.report.run_data import load_runs
-from hypernav.evaluation.run_plan import RunPlan, Selection
-from hypernav.perception.local.ground_truth import GroundTruthDetector
+from hypernav import Action, Goal, GroundTruthDetector, Observation, RunPlan, Selection
 
 
 class LeftHanded:
@@ -44,10 +37,10 @@ def main() -> None:
     folder = Path(sys.argv[1] if len(sys.argv) > 1 else "runs/left-handed")
     hypernav.check_agent(LeftHanded())
     plan = RunPlan("houses-train#3000", selection=Selection(episodes="0:3"), max_steps=60)
-    progress = evaluate(plan, folder, LeftHanded)
+    progress = hypernav.evaluate(plan, folder, LeftHanded)
     for record in progress.records:
         print(f"{record.goal:15s} {record.outcome:12s} {record.why}")
-    print(f"open {write_report(folder, load_runs([folder]))}")
+    print(f"open {hypernav.write_report(folder, hypernav.load_runs([folder]))}")
 
 
 if __name__ == "__main__":

@@ -3,7 +3,7 @@
 `Robot` asks for `observe`, `execute` and `stop`. Everything else (numbers, lost answers, the
 watchdog, the stop button) is the client's. The robot here is a stand-in in a room with a door; put
 your camera, your odometry and your wheels in its place. If it takes velocities, write a
-`hypernav.robot.driving.base.Base` instead: `DrivenRobot` then also stops for people.
+`hypernav.Base` instead: `hypernav.DrivenRobot` then also stops for people.
 
 Run: hypernav serve, then in another terminal: python examples/robot_client.py http://127.0.0.1:8765
 Without an address it starts a server itself, for as long as it runs.
@@ -16,14 +16,19 @@ import tempfile
 import time
 from contextlib import closing, contextmanager
 
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import Embodiment
-from hypernav.evaluation.checks.box_room import BoxRoom
-from hypernav.robot.client.links import HttpLink, HttpServer, ServerAddress
-from hypernav.robot.client.robot import Executed, Sensed
-from hypernav.robot.client.robot_client import RobotClient
-from hypernav.robot.client.stop_listener import StopListener
-from hypernav.robot.wire.requests import OpenSearch
+from hypernav import (
+    Action,
+    BoxRoom,
+    Embodiment,
+    Executed,
+    HttpLink,
+    HttpServer,
+    OpenSearch,
+    RobotClient,
+    Sensed,
+    ServerAddress,
+    StopListener,
+)
 
 
 class MyRobot:

@@ -1,25 +1,223 @@
-"""Zero-shot object-goal navigation with hybrid perception: camera image and top-down map."""
+"""Zero-shot object-goal navigation with hybrid perception: camera image and top-down map.
+
+All that a user needs comes from this namespace. A name is loaded when it is asked for, so that
+``import hypernav`` stays light.
+"""
 
 import importlib
 import logging
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from hypernav.build.agents import BuiltAgent, build_agent, build_search
+    from hypernav.build.component_specs import ComponentSpecs
+    from hypernav.build.presets import HyPerNavConfig, preset
+    from hypernav.build.scenes import load_scene
+    from hypernav.build.search import find
+    from hypernav.core.actions import Action
+    from hypernav.core.components.protocols import (
+        Agent,
+        BlockReasoner,
+        ChatModel,
+        Detector,
+        Explorer,
+        PresenceCheck,
+        Segmenter,
+    )
+    from hypernav.core.config import RoomConfig
+    from hypernav.core.destination import Destination
+    from hypernav.core.embodiment import Embodiment
+    from hypernav.core.episode import Episode, Outcome
+    from hypernav.core.errors import (
+        ConfigError,
+        ContractError,
+        GoalError,
+        HyPerNavError,
+        LabelsMissingError,
+        MissingExtraError,
+        ModelError,
+        ModelUnavailableError,
+        SceneError,
+        StartError,
+    )
+    from hypernav.core.geometry.boxes import Box, Detection
+    from hypernav.core.geometry.grid import OccupancyGrid
+    from hypernav.core.geometry.transforms import Pose2
+    from hypernav.core.goal import Goal
+    from hypernav.core.observation import Observation
+    from hypernav.core.trace import StepTrace
     from hypernav.evaluation.checks.agents import check_agent
+    from hypernav.evaluation.checks.box_room import BoxRoom
     from hypernav.evaluation.checks.worlds import check_world
+    from hypernav.evaluation.evaluate import evaluate
+    from hypernav.evaluation.record import EpisodeRecord
+    from hypernav.evaluation.report.report_page import write_report
+    from hypernav.evaluation.report.run_data import load_runs
+    from hypernav.evaluation.run_plan import RunPlan, Selection
+    from hypernav.perception.local.ground_truth import GroundTruthDetector
+    from hypernav.robot.client.links import HttpLink, HttpServer, ServerAddress
+    from hypernav.robot.client.robot import Executed, Robot, Sensed
+    from hypernav.robot.client.robot_client import RobotClient
+    from hypernav.robot.client.stop_listener import StopListener
+    from hypernav.robot.driving.base import Base
+    from hypernav.robot.driving.driven_robot import DrivenRobot
+    from hypernav.robot.wire.requests import OpenSearch
+    from hypernav.worlds.env import ObjectNavEnv
+    from hypernav.worlds.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
+    from hypernav.worlds.scenes.scene import Scene
+    from hypernav.worlds.simulation import SimulatedWorld
+    from hypernav.worlds.surface.starts import random_start
 
-__all__ = ["check_agent", "check_world"]
+__all__ = [
+    "Action",
+    "Agent",
+    "Base",
+    "BlockReasoner",
+    "Box",
+    "BoxRoom",
+    "BuiltAgent",
+    "ChatModel",
+    "ComponentSpecs",
+    "ConfigError",
+    "ContractError",
+    "Destination",
+    "Detection",
+    "Detector",
+    "DrivenRobot",
+    "Embodiment",
+    "Episode",
+    "EpisodeRecord",
+    "EpisodeResult",
+    "EpisodeRun",
+    "EpisodeStep",
+    "Executed",
+    "Explorer",
+    "Goal",
+    "GoalError",
+    "GroundTruthDetector",
+    "HttpLink",
+    "HttpServer",
+    "HyPerNavConfig",
+    "HyPerNavError",
+    "LabelsMissingError",
+    "MissingExtraError",
+    "ModelError",
+    "ModelUnavailableError",
+    "ObjectNavEnv",
+    "Observation",
+    "OccupancyGrid",
+    "OpenSearch",
+    "Outcome",
+    "Pose2",
+    "PresenceCheck",
+    "Robot",
+    "RobotClient",
+    "RoomConfig",
+    "RunPlan",
+    "Scene",
+    "SceneError",
+    "Segmenter",
+    "Selection",
+    "Sensed",
+    "ServerAddress",
+    "SimulatedWorld",
+    "StartError",
+    "StepTrace",
+    "StopListener",
+    "build_agent",
+    "build_search",
+    "check_agent",
+    "check_world",
+    "evaluate",
+    "find",
+    "load_runs",
+    "load_scene",
+    "preset",
+    "random_start",
+    "write_report",
+]
 
 _MODULES = {
+    "BuiltAgent": "hypernav.build.agents",
+    "build_agent": "hypernav.build.agents",
+    "build_search": "hypernav.build.agents",
+    "ComponentSpecs": "hypernav.build.component_specs",
+    "HyPerNavConfig": "hypernav.build.presets",
+    "preset": "hypernav.build.presets",
+    "load_scene": "hypernav.build.scenes",
+    "find": "hypernav.build.search",
+    "Action": "hypernav.core.actions",
+    "Agent": "hypernav.core.components.protocols",
+    "BlockReasoner": "hypernav.core.components.protocols",
+    "ChatModel": "hypernav.core.components.protocols",
+    "Detector": "hypernav.core.components.protocols",
+    "Explorer": "hypernav.core.components.protocols",
+    "PresenceCheck": "hypernav.core.components.protocols",
+    "Segmenter": "hypernav.core.components.protocols",
+    "RoomConfig": "hypernav.core.config",
+    "Destination": "hypernav.core.destination",
+    "Embodiment": "hypernav.core.embodiment",
+    "Episode": "hypernav.core.episode",
+    "Outcome": "hypernav.core.episode",
+    "ConfigError": "hypernav.core.errors",
+    "ContractError": "hypernav.core.errors",
+    "GoalError": "hypernav.core.errors",
+    "HyPerNavError": "hypernav.core.errors",
+    "LabelsMissingError": "hypernav.core.errors",
+    "MissingExtraError": "hypernav.core.errors",
+    "ModelError": "hypernav.core.errors",
+    "ModelUnavailableError": "hypernav.core.errors",
+    "SceneError": "hypernav.core.errors",
+    "StartError": "hypernav.core.errors",
+    "Box": "hypernav.core.geometry.boxes",
+    "Detection": "hypernav.core.geometry.boxes",
+    "OccupancyGrid": "hypernav.core.geometry.grid",
+    "Pose2": "hypernav.core.geometry.transforms",
+    "Goal": "hypernav.core.goal",
+    "Observation": "hypernav.core.observation",
+    "StepTrace": "hypernav.core.trace",
     "check_agent": "hypernav.evaluation.checks.agents",
+    "BoxRoom": "hypernav.evaluation.checks.box_room",
     "check_world": "hypernav.evaluation.checks.worlds",
+    "evaluate": "hypernav.evaluation.evaluate",
+    "EpisodeRecord": "hypernav.evaluation.record",
+    "write_report": "hypernav.evaluation.report.report_page",
+    "load_runs": "hypernav.evaluation.report.run_data",
+    "RunPlan": "hypernav.evaluation.run_plan",
+    "Selection": "hypernav.evaluation.run_plan",
+    "GroundTruthDetector": "hypernav.perception.local.ground_truth",
+    "HttpLink": "hypernav.robot.client.links",
+    "HttpServer": "hypernav.robot.client.links",
+    "ServerAddress": "hypernav.robot.client.links",
+    "Executed": "hypernav.robot.client.robot",
+    "Robot": "hypernav.robot.client.robot",
+    "Sensed": "hypernav.robot.client.robot",
+    "RobotClient": "hypernav.robot.client.robot_client",
+    "StopListener": "hypernav.robot.client.stop_listener",
+    "Base": "hypernav.robot.driving.base",
+    "DrivenRobot": "hypernav.robot.driving.driven_robot",
+    "OpenSearch": "hypernav.robot.wire.requests",
+    "ObjectNavEnv": "hypernav.worlds.env",
+    "EpisodeResult": "hypernav.worlds.episode_run",
+    "EpisodeRun": "hypernav.worlds.episode_run",
+    "EpisodeStep": "hypernav.worlds.episode_run",
+    "Scene": "hypernav.worlds.scenes.scene",
+    "SimulatedWorld": "hypernav.worlds.simulation",
+    "random_start": "hypernav.worlds.surface.starts",
 }
 
 logging.getLogger("hypernav").addHandler(logging.NullHandler())
 
 
 def __getattr__(name: str) -> Any:
-    """Load a public name when it is asked for, so that ``import hypernav`` stays light."""
+    """Load a public name when it is asked for."""
     if name in _MODULES:
-        return getattr(importlib.import_module(_MODULES[name]), name)
+        loaded = getattr(importlib.import_module(_MODULES[name]), name)
+        globals()[name] = loaded
+        return loaded
     raise AttributeError(f"module 'hypernav' has no attribute '{name}'")
+
+
+def __dir__() -> list[str]:
+    """The public names, for completion in a shell or notebook."""
+    return sorted({*globals(), *__all__})

@@ -8,7 +8,7 @@ import pytest
 from hypernav.build.agents import build_search
 from hypernav.build.component_specs import PresetName
 from hypernav.build.presets import preset
-from hypernav.build.scenes import build_scene
+from hypernav.build.scenes import load_scene
 from hypernav.core.config import layered
 from hypernav.core.episode import Outcome
 from hypernav.core.geometry.transforms import Pose2
@@ -120,7 +120,7 @@ def test_it_finds_its_way_through_a_furnished_house(monkeypatch, robot, agent):
         environment={},
         assignments=[f"embodiment.{key}={value}" for key, value in robot.items()],
     )
-    scene = build_scene("builtin")
+    scene = load_scene("builtin")
     renderer = CpuRenderer(scene, RenderConfig(colours=False))
     world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
     bumps = BumpsNoted(monkeypatch, world)

@@ -3,7 +3,7 @@ from pathlib import Path
 import pytest
 
 from box_houses import box_house
-from hypernav.build.scenes import build_scene
+from hypernav.build.scenes import load_scene
 from hypernav.cli import houses
 from hypernav.cli.main import main
 from hypernav.core.goal import Goal
@@ -117,8 +117,8 @@ def test_a_scene_that_is_no_house_is_one_line(number, capsys):
 
 def test_houses_are_scenes_by_name(monkeypatch):
     monkeypatch.setattr("hypernav.build.scenes.cached_building", box_house)
-    assert build_scene("houses:1234").name == "houses:1234"
-    assert build_scene("builtin").name == "houses:0"
+    assert load_scene("houses:1234").name == "houses:1234"
+    assert load_scene("builtin").name == "houses:0"
 
 
 def test_a_house_is_exported_and_opens_again(tmp_path, monkeypatch, capsys):
@@ -128,7 +128,7 @@ def test_a_house_is_exported_and_opens_again(tmp_path, monkeypatch, capsys):
     glb = Path("runs/house-0/house_0.glb")
     assert f"--scene {glb}" in said
     assert "scene_dataset_config.json" in said
-    assert len(build_scene(str(glb)).instances) > 40
+    assert len(load_scene(str(glb)).instances) > 40
 
 
 def test_a_split_is_exported_with_its_episodes(box_houses, tmp_path, monkeypatch, capsys):
@@ -180,8 +180,8 @@ def test_other_buildings_are_shown_by_the_name_of_their_scene(tmp_path, monkeypa
 
 def test_offices_and_shops_are_scenes_by_name(monkeypatch):
     monkeypatch.setattr("hypernav.build.scenes.cached_building", box_house)
-    assert build_scene("offices:7").name == "offices:7"
-    assert build_scene("shops:1234").name == "shops:1234"
+    assert load_scene("offices:7").name == "offices:7"
+    assert load_scene("shops:1234").name == "shops:1234"
 
 
 @pytest.mark.parametrize("command", ["export", "show"])

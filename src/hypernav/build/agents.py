@@ -209,7 +209,7 @@ def build_agent(
 def build_search(
     config: HyPerNavConfig,
     detector: Detector,
-    log: ExchangeLog,
+    log: ExchangeLog | None = None,
     *,
     agent: str = "hypernav",
     segmenter: Segmenter | None = None,
@@ -221,12 +221,13 @@ def build_search(
     Args:
         config: Configuration of everything.
         detector: Detector of the goal.
-        log: Log of the questions to detector and reasoner.
+        log: Log of the questions to detector and reasoner, if they keep one.
         agent: Name of an explorer.
         segmenter: Segmenter of the pixels in a box; cuts by depth unless given.
         reasoner: Reasoner that the explorer asks; the one that needs no model unless given.
         presence: Presence check before STOP; None trusts the goal area.
     """
+    log = log or ExchangeLog()
     remembers = asked_by(AGENTS.find(agent)).get("sightings", False)
     tells_rooms = config.geometric.trust_rooms > 0.0 or remembers
     sightings = Sightings(tells_rooms=True) if tells_rooms else None

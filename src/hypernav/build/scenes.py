@@ -12,8 +12,8 @@ from hypernav.worlds.scans.loading import open_scene
 from hypernav.worlds.scenes.scene import Scene
 
 
-def build_scene(spec: str) -> Scene:
-    """A scene by name.
+def load_scene(spec: str) -> Scene:
+    """Load a scene by name.
 
     Args:
         spec: Name of the scene: ``builtin``, ``houses:N``, ``offices:N`` or ``shops:N`` for

@@ -6,7 +6,7 @@ from contextlib import closing
 import numpy as np
 
 from hypernav.build.presets import preset
-from hypernav.build.scenes import build_scene
+from hypernav.build.scenes import load_scene
 from hypernav.build.worlds import open_world
 from hypernav.cli.agent_options import check_steps_and_seed
 from hypernav.cli.compare_options import Options
@@ -40,7 +40,7 @@ def run(options: Options) -> int:
     config = preset("default").model_copy(update={"embodiment": robot})
     scene_id = str(options.scene)
     with console.status("opening the scene in both simulators …"):
-        scene = build_scene(scene_id)
+        scene = load_scene(scene_id)
         native = open_world(scene, scene_id, config)
         habitat = open_world(scene, scene_id, config, "habitat")
     rng = np.random.default_rng(options.seed)

@@ -13,7 +13,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.status import Status
 
-from hypernav.build.scenes import build_scene
+from hypernav.build.scenes import load_scene
 from hypernav.cli.agent_options import check_steps_and_seed
 from hypernav.cli.find_options import Options
 from hypernav.cli.guards.crashes import crash_report
@@ -83,7 +83,7 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
         warm_up_in_background(console.print),
         console.status("loading the building …") as status,
         closing(
-            SimulatedWorld(build_scene(options.scene), config.world, config.embodiment)
+            SimulatedWorld(load_scene(options.scene), config.world, config.embodiment)
         ) as world,
     ):
         steps = options.max_steps or options.who.step_limit(MAX_STEPS)

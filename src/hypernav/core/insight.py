@@ -2,6 +2,7 @@
 
 import base64
 import zlib
+from typing import ClassVar
 
 import numpy as np
 from jaxtyping import Float32, UInt8
@@ -12,7 +13,7 @@ _WORST, _BEST = 1, 255
 
 
 class _Part(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config: ClassVar[ConfigDict] = ConfigDict(frozen=True, extra="forbid")
 
 
 class ImageMark(_Part):

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from hypernav.build.registries import SCENES
-from hypernav.build.scenes import build_scene
+from hypernav.build.scenes import load_scene
 from hypernav.core.components.registry import Entry, Registry
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.episode import Episode
@@ -85,7 +85,7 @@ def scene_episodes(request: DatasetRequest) -> list[Episode]:
         )
     count = int(starts) if starts else STARTS_PER_GOAL
     with closing(
-        SimulatedWorld(build_scene(scene), request.simulation, request.embodiment)
+        SimulatedWorld(load_scene(scene), request.simulation, request.embodiment)
     ) as world:
         return _goals_and_starts(scene, world, count, request)
 

@@ -1,7 +1,7 @@
 """The record of an episode: one line of ``episodes.jsonl``."""
 
 import math
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from pydantic import AllowInfNan, BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer
 
@@ -56,7 +56,9 @@ class EpisodeRecord(BaseModel):
         seconds: Wall-clock time: "total", "world" (the simulator) and by module of the agent.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config: ClassVar[ConfigDict] = ConfigDict(
+        frozen=True, extra="forbid", allow_inf_nan=False
+    )
 
     scene_id: str
     episode_id: str

@@ -101,10 +101,10 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
         """
         if render_mode not in (None, "rgb_array"):
             raise WorldError(f"render_mode must be 'rgb_array' or None, got {render_mode!r}")
-        self.config = config or ObjectNavConfig()
+        self.config: ObjectNavConfig = config or ObjectNavConfig()
         self._owns_world = not isinstance(scene, SimulatedWorld)
         if isinstance(scene, SimulatedWorld):
-            self.world = scene
+            self.world: SimulatedWorld = scene
         else:
             scene = scene if isinstance(scene, Scene) else open_scene(Path(scene))
             self.world = SimulatedWorld(scene, self.config.simulation, self.config.embodiment)
@@ -113,7 +113,7 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
         camera = self.world.embodiment.camera
         size = (camera.height, camera.width)
         turn = np.array([_FARTHEST_M, _FARTHEST_M, math.pi])
-        self.observation_space = spaces.Dict(
+        self.observation_space: gymnasium.Space[dict[str, Any]] = spaces.Dict(
             {
                 "rgb": spaces.Box(0, 255, (*size, 3), np.uint8),
                 "depth": spaces.Box(0.0, camera.max_depth_m, size, np.float32),
@@ -121,7 +121,7 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
                 "goal": spaces.Text(_LONGEST_GOAL, charset=_CHARACTERS),
             }
         )
-        self.action_space = spaces.Discrete(len(Action))
+        self.action_space: gymnasium.Space[Any] = spaces.Discrete(len(Action))
         self._trial: Trial | None = None
 
     @property

@@ -116,7 +116,7 @@ class EpisodeRun:
         self._began = time.perf_counter()
         self._clock = ModuleClock()
         with self._clock("world"):
-            self.trial = Trial(world, episode, rng)
+            self.trial: Trial = Trial(world, episode, rng)
         referee = self.trial.referee
         self._sight = None if referee is None else GoalSight(referee)
         self._model_calls = 0

@@ -24,9 +24,9 @@ class Referee:
             start: Position of the robot, scene frame, metres.
         """
         self.goal = goal
-        self.shortest_path_m = goal.distance(*start)
-        self.distance_to_goal_m = self.shortest_path_m
-        self.path_length_m = 0.0
+        self.shortest_path_m: float = goal.distance(*start)
+        self.distance_to_goal_m: float = self.shortest_path_m
+        self.path_length_m: float = 0.0
         self._position = start
 
     def watch(self, position: Position) -> None:

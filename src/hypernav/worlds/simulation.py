@@ -69,13 +69,13 @@ class SimulatedWorld:
             MissingExtraError: Embree is not installed.
         """
         self.scene = scene
-        self.config = config or SimulationConfig()
-        self.embodiment = embodiment or Embodiment()
-        self.walkable = walkable or self._surface_at(self.config.floor_z)
+        self.config: SimulationConfig = config or SimulationConfig()
+        self.embodiment: Embodiment = embodiment or Embodiment()
+        self.walkable: WalkableSurface = walkable or self._surface_at(self.config.floor_z)
         self._renderer = renderer or CpuRenderer(scene)
         rays = self._renderer.rays if isinstance(self._renderer, CpuRenderer) else RayCaster(scene)
         self._rays = rays
-        self.regions = self._regions_on(self.walkable)
+        self.regions: GoalRegions = self._regions_on(self.walkable)
         self._storeys = [(self.walkable, self.regions)]
         self._camera = self.embodiment.camera.intrinsics
         self._instances = scene.instances

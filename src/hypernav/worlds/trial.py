@@ -40,8 +40,8 @@ class Trial:
         self.world = world
         self.episode = episode
         self.observation: Observation = world.reset(episode, rng)
-        self.referee = _referee_of(world, episode)
-        self.steps = 0
+        self.referee: Referee | None = _referee_of(world, episode)
+        self.steps: int = 0
         self.ending: Ending | None = None
 
     @property

@@ -17,7 +17,7 @@ from rich.markup import escape
 from rich.status import Status
 
 from hypernav.build.presets import HyPerNavConfig
-from hypernav.build.scenes import build_scene
+from hypernav.build.scenes import load_scene
 from hypernav.cli.agent_options import check_steps_and_seed
 from hypernav.cli.find import OUTCOME_WORDS, check_start, start_pose
 from hypernav.cli.guards.outputs import check_folder
@@ -195,7 +195,7 @@ def _placed(
     options: Simulate, config: HyPerNavConfig, mishaps: MishapConfig
 ) -> Iterator[SimulatedBase]:
     """The robot in its building."""
-    scene = build_scene(options.scene)
+    scene = load_scene(options.scene)
     world = config.world
     if options.noise:
         world = world.model_copy(update={"noise": _NOISE})

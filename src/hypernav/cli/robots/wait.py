@@ -9,7 +9,7 @@ from rich.markup import escape
 from rich.status import Status
 
 from hypernav.build.presets import HyPerNavConfig
-from hypernav.build.scenes import build_scene
+from hypernav.build.scenes import load_scene
 from hypernav.cli.agent_options import check_steps_and_seed
 from hypernav.cli.find import check_start
 from hypernav.cli.robot_options import Wait
@@ -53,7 +53,7 @@ def run(options: Wait) -> int:
     config = layered(HyPerNavConfig(), file=options.config, assignments=options.set)
     console, rng = Terminal(quiet=options.quiet), np.random.default_rng(options.seed)
     with console.status("loading the building …") as status:
-        scene = build_scene(options.scene)
+        scene = load_scene(options.scene)
         renderer = CpuRenderer(scene)
         world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
         with closing(world), closing(HttpServer(address)) as server:

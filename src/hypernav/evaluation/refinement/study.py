@@ -9,7 +9,7 @@ from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.construction import make, section_of
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.registries import DETECTORS, SEGMENTERS, Factory
-from hypernav.build.scenes import build_scene
+from hypernav.build.scenes import load_scene
 from hypernav.core.components.registry import Choice
 from hypernav.core.episode import Episode
 from hypernav.evaluation.refinement.area_record import AreaRecord, BoxSource, MaskSource
@@ -97,7 +97,7 @@ class _Place:
         if self._opened is None or self._opened[0] != scene_id:
             if self._opened is not None:
                 self._opened[1].close()
-            scene, config = build_scene(scene_id), self._config
+            scene, config = load_scene(scene_id), self._config
             renderer = CpuRenderer(scene, RenderConfig(threads=1))
             world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
             self._opened = (scene_id, world, renderer)

@@ -13,7 +13,7 @@ import numpy as np
 from hypernav.build.agents import BuiltAgent, build_agent
 from hypernav.build.component_specs import ComponentSpecs, WorldName
 from hypernav.build.presets import HyPerNavConfig
-from hypernav.build.scenes import build_scene
+from hypernav.build.scenes import load_scene
 from hypernav.build.worlds import open_world
 from hypernav.core.components.abilities import Closes, looks_at_colours
 from hypernav.core.components.protocols import Agent
@@ -62,7 +62,7 @@ class Job:
     seed: int = 0
     save: SaveChoice = "none"
     make_agent: Callable[[], Agent] | None = None
-    open_scene: Callable[[str], Scene] = build_scene
+    open_scene: Callable[[str], Scene] = load_scene
     world: WorldName = "native"
 
 

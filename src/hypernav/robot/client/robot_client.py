@@ -108,8 +108,10 @@ class RobotClient:
         self._patience = patience or Patience()
         self._stopped, self._moving = threading.Event(), threading.Event()
         self._plausible = PlausibleSensing(robot.embodiment)
-        self.watchdog = Watchdog(self._patience.deadline_s, robot.stop)
-        self.steps = self.blocked = self.resent = 0
+        self.watchdog: Watchdog = Watchdog(self._patience.deadline_s, robot.stop)
+        self.steps: int = 0
+        self.blocked: int = 0
+        self.resent: int = 0
 
     def __iter__(self) -> Iterator[ClientStep]:
         """Run the search to its end, one step at a time; the robot stands still after it.

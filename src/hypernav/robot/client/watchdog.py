@@ -37,7 +37,7 @@ class Watchdog(SideThread):
         self._deadline_s = deadline_s
         self._on_late = on_late
         self._wait = wait
-        self.times_late = 0
+        self.times_late: int = 0
 
     def _work_until(self, block_ended: threading.Event) -> None:
         if not self._wait(block_ended, self._deadline_s):

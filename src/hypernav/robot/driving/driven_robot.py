@@ -51,7 +51,7 @@ class DrivenRobot:
         self._pursuit = PurePursuit(config or CAREFUL, base.embodiment.body.radius_m)
         self._safety = DepthSafety(base.embodiment)
         self._stopping = threading.Event()
-        self.waits = 0
+        self.waits: int = 0
 
     @property
     def embodiment(self) -> Embodiment:

@@ -1,6 +1,6 @@
 """What the messages are made of: their base, poses, names and bounds."""
 
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
@@ -46,7 +46,9 @@ RigidMatrix = Annotated[tuple[_Row, _Row, _Row, _Row], AfterValidator(_checked_r
 class Message(BaseModel):
     """Base of all messages: frozen; unknown fields, NaN and infinity are errors."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config: ClassVar[ConfigDict] = ConfigDict(
+        frozen=True, extra="forbid", allow_inf_nan=False
+    )
 
 
 class PlanarPose(Message):

@@ -1,0 +1,69 @@
+"""A search of one call: an agent looks for a goal in a simulated building."""
+
+import numpy as np
+
+from hypernav.build.agents import BuiltAgent, build_agent
+from hypernav.build.presets import HyPerNavConfig
+from hypernav.build.scenes import load_scene
+from hypernav.core.components.protocols import Agent
+from hypernav.core.episode import MAX_STEPS, Episode
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
+from hypernav.worlds.episode_run import EpisodeRun
+from hypernav.worlds.scenes.scene import Scene
+from hypernav.worlds.simulation import SimulatedWorld
+from hypernav.worlds.surface.starts import random_start
+
+
+def find(
+    goal: Goal | str,
+    scene: Scene | str = "builtin",
+    *,
+    agent: Agent | BuiltAgent | None = None,
+    config: HyPerNavConfig | None = None,
+    start: Pose2 | None = None,
+    seed: int = 0,
+    max_steps: int = MAX_STEPS,
+) -> EpisodeRun:
+    """Begin a search, as ``hypernav find`` does; iterating over it makes the steps.
+
+    Args:
+        goal: What to find.
+        scene: A loaded scene, or its name as `load_scene` understands it.
+        agent: Agent that searches; by default the one of this package, built from ``config``. An
+            agent of your own must be built for the robot of ``config``.
+        config: Values of the method, the robot and its simulation; the preset ``default`` unless
+            given.
+        start: Start pose, scene frame; by default a random one from which the goal can be reached.
+        seed: Seed of the random start and of the world's noise.
+        max_steps: Step limit; STOP counts as a step.
+
+    Returns:
+        The search, placed at its start.
+
+    Raises:
+        GoalError: The goal names nothing, or the agent's detector can never see it.
+        SceneError: The scene cannot be used, or the robot fits nowhere in it.
+        StartError: The robot cannot stand at the start.
+        ConfigError: The agent was built for another robot.
+
+    Example:
+        >>> search = find("bed")  # doctest: +SKIP
+        >>> for step in search:  # doctest: +SKIP
+        ...     print(step.trace.reason)
+        >>> search.result().outcome  # doctest: +SKIP
+        <Outcome.FOUND: 'found'>
+    """
+    goal = Goal(goal) if isinstance(goal, str) else goal
+    config = config or HyPerNavConfig()
+    agent = agent or build_agent(config)
+    truth = None
+    if isinstance(agent, BuiltAgent):
+        agent.check_goal(goal)
+        agent, truth = agent.agent, agent.truth
+    name, scene = (scene, load_scene(scene)) if isinstance(scene, str) else (scene.name, scene)
+    world = SimulatedWorld(scene, config.world, config.embodiment)
+    rng = np.random.default_rng(seed)
+    start = start or random_start(world.walkable, rng, world.regions.of(goal))
+    episode = Episode(name, "", goal, start, max_steps=max_steps)
+    return EpisodeRun(agent, world, episode, rng=rng, told=truth)
