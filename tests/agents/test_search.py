@@ -195,7 +195,7 @@ def closet():
     return SimulatedWorld(scene, config.world, config.embodiment)
 
 
-@pytest.mark.parametrize("agent", ["hypernav", "frontier"])
+@pytest.mark.parametrize("agent", [pytest.param("hypernav", marks=pytest.mark.slow), "frontier"])
 def test_the_paper_never_gives_up_before_the_limit(agent):
     steps, result = run(search(agent, "paper"), "piano", max_steps=250)
     assert result.steps == 250

@@ -65,7 +65,7 @@ def bend(server: ScriptedServer, errors: Errors) -> None:
     server.brain.errors = errors
 
 
-@pytest.mark.parametrize("preset", ["default", "paper"])
+@pytest.mark.parametrize("preset", ["default", pytest.param("paper", marks=pytest.mark.slow)])
 def test_a_truthful_model_finds_what_ground_truth_finds(server: ScriptedServer, preset: PresetName):
     starts = [START, Pose2(1.5, 3.0, 0.0), Pose2(4.0, 1.0, math.pi)]
     asked = [search(agent_on(server.spec, preset), start=start) for start in starts]
@@ -169,6 +169,7 @@ def test_a_babbling_model_falls_back_and_is_counted(server: ScriptedServer):
     assert report["ledger"]["total"]["faults"] == {"unparsable": len(faults)}
 
 
+@pytest.mark.slow
 def test_a_model_that_cannot_say_yes_has_not_found_the_goal(server: ScriptedServer):
     server.personality.honours = ()
     bend(server, Errors(babble=1.0))
@@ -178,6 +179,7 @@ def test_a_model_that_cannot_say_yes_has_not_found_the_goal(server: ScriptedServ
     assert parts.take_report()["fallbacks"]["unsure_presence_checks"] > 0
 
 
+@pytest.mark.slow
 def test_the_search_is_as_good_as_the_model_that_reads_the_map(server: ScriptedServer):
     """The scripted model names the block on the true shortest path, or as often another."""
     lengths_m = {}
@@ -222,6 +224,7 @@ def test_a_recorded_search_replays_to_the_same_trace(server: ScriptedServer, tmp
     assert replayed.take_report() == recorded.take_report()
 
 
+@pytest.mark.slow
 def test_the_savings_ask_less_and_find_the_same(server: ScriptedServer):
     asked = {}
     for saving in (False, True):
@@ -236,6 +239,7 @@ def test_the_savings_ask_less_and_find_the_same(server: ScriptedServer):
     assert asked[True] < 0.8 * asked[False]
 
 
+@pytest.mark.slow
 def test_asking_ahead_depends_on_steps_and_not_on_the_model_s_speed(server: ScriptedServer):
     traces = []
     for delay_s in (0.0, 0.03):
@@ -265,6 +269,7 @@ def test_a_server_that_dies_ends_the_search_within_the_patience():
     assert all(step.exchanges for step in seen)
 
 
+@pytest.mark.slow
 def test_a_server_that_is_restarted_in_time_loses_nothing():
     with ScriptedServer() as server, watching(Truth()) as truth:
         server.brain = TruthfulBrain(truth)

@@ -60,6 +60,7 @@ def test_a_bug_in_an_agent_is_no_result_and_its_traceback_is_kept(tmp_path):
     assert len(timeless_lines(tmp_path / "again")) == 1
 
 
+@pytest.mark.slow
 def test_a_run_that_lost_the_workers_of_all_its_episodes_has_no_result(tmp_path):
     progress = evaluate(plan(tmp_path), tmp_path / "run", Deadly)
     assert progress.losses == ATTEMPTS

@@ -151,7 +151,7 @@ def traced(method: Method) -> list[dict]:
     return [without_timings(step) for step in steps]
 
 
-@pytest.mark.parametrize("agent", ["hypernav", "frontier"])
+@pytest.mark.parametrize("agent", [pytest.param("hypernav", marks=pytest.mark.slow), "frontier"])
 def test_what_is_left_out_really_makes_no_difference(agent):
     base = Method("default", small_config(), ComponentSpecs(agent=agent))
     idle = [one.variant for one in switches(base).left_out if not one.variant.components]
