@@ -19,7 +19,6 @@ def draw_graph(painter: MapPainter, graph: ThingGraph) -> None:
     unit = painter.view.size / 768.0
     for a, b in graph.near:
         shapes.line(painter.image, np.array([at[a], at[b]]), palette.BLOCK, 1.2 * unit)
-    for middle, thing in zip(at, graph.things, strict=True):
-        color = palette.CHOSEN if thing.told else palette.BLOCK
-        shapes.disc(painter.image, middle, max(4.0 * unit, 2.5), color)
+    for middle in at:
+        shapes.disc(painter.image, middle, max(4.0 * unit, 2.5), palette.BLOCK)
     painter.labels([SeenThing(one.label, one.position) for one in graph.things if one.told])
