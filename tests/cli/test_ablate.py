@@ -49,6 +49,7 @@ def test_a_variant_is_the_evaluation_with_its_values(ablated, room, tmp_path):
     )
 
 
+@pytest.mark.slow
 def test_an_ablation_that_goes_on_is_like_one_that_was_never_interrupted(
     ablated, room, tmp_path, capsys
 ):
@@ -149,6 +150,7 @@ def test_bad_input_is_one_line_with_the_remedy(arguments, words, capsys):
     assert said.count("\n") == 1
 
 
+@pytest.mark.slow
 def test_names_with_blanks_are_taken_too(monkeypatch, tmp_path):
     run = []
     monkeypatch.setattr(ablate, "_run", lambda *given: run.append((given[0].slug, given[-1])))
@@ -158,6 +160,7 @@ def test_names_with_blanks_are_taken_too(monkeypatch, tmp_path):
     assert run == list(zip(("unchanged", "no-erosion"), headings, strict=True))
 
 
+@pytest.mark.slow
 def test_an_interruption_leaves_a_page_of_what_there_is(ablated, monkeypatch, tmp_path, capsys):
     shutil.copytree(ablated / "unchanged", tmp_path / "unchanged")
 

@@ -41,6 +41,7 @@ def test_a_study_leaves_a_page_a_table_and_an_image(studied):
     assert {row["box"] for row in rows} == {"true", "jittered"}
 
 
+@pytest.mark.slow
 def test_a_study_that_goes_on_is_like_one_that_was_never_interrupted(studied, room):
     files = {name: (studied / name).read_bytes() for name in FILES}
     lines = studied / LINES_FILE

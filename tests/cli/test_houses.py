@@ -46,6 +46,7 @@ def test_episodes_are_written_and_their_difficulty_is_told(box_houses, tmp_path,
     assert str(out) in said.err.replace("\n", "")
 
 
+@pytest.mark.slow
 def test_a_second_run_writes_the_same_bytes_from_the_cache(box_houses, tmp_path, monkeypatch):
     command = ("houses", "episodes", "houses-ovon", "--houses", "2000:2001", "--quiet", "--out")
     assert hypernav(*command, tmp_path / "a.json.gz") == 0
