@@ -1,8 +1,10 @@
 """Searches over a real network connection, in this process and between processes."""
 
+import signal
 import subprocess
 import sys
 import threading
+import time
 from contextlib import closing, contextmanager
 
 import numpy as np
@@ -10,7 +12,7 @@ import pytest
 
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.robot.client.links import HttpLink, HttpServer, ServerAddress
-from hypernav.robot.client.robot_client import RobotClient
+from hypernav.robot.client.robot_client import Patience, RobotClient
 from hypernav.robot.client.stop_listener import StopListener
 from hypernav.robot.client.websocket_link import WebSocketLink
 from hypernav.robot.driving.driven_robot import DrivenRobot
@@ -96,7 +98,7 @@ def test_the_stop_button_ends_a_motion_under_way(tmp_path):
 
 @pytest.fixture
 def served(tmp_path):
-    """A server in a process of its own; its address."""
+    """A server in a process of its own, and its address."""
     command = [*_HYPERNAV, "serve", "--port", "0", "--state", str(tmp_path / "state")]
     server = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     assert server.stderr is not None
@@ -107,9 +109,10 @@ def served(tmp_path):
             break
     reader = threading.Thread(target=server.stderr.read, daemon=True)
     reader.start()
-    yield address
+    yield server, address
+    server.send_signal(signal.SIGCONT)
     server.terminate()
-    server.wait(20.0)
+    server.wait(60.0)
     reader.join(5.0)
     server.stderr.close()
 
@@ -129,11 +132,38 @@ def test_the_bed_of_the_small_house_is_found_between_processes(
 ):
     out = tmp_path / "page"
     command = [*_HYPERNAV, "robot", "simulate", "bed", "--scene", str(small_house)]
-    command += ["--server", served, "--start", "4.0", "-1.0", "180", *options, "--out", str(out)]
+    command += ["--server", served[1], "--start", "4.0", "-1.0", "180", *options, "--out", str(out)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
     assert done.returncode == 0, done.stderr
     assert "found the bed" in done.stderr
     assert (out / "index.html").is_file()
+
+
+@pytest.mark.slow
+def test_a_robot_stands_while_its_server_hangs_and_goes_on_after_it(served):
+    process, url = served
+    address = ServerAddress.of(url)
+    with simulated_robot() as base, closing(HttpServer(address)) as server:
+        opened = server.open(OpenSearch(goal="bed", embodiment=base.embodiment))
+        patience = Patience(deadline_s=0.5, timeout_s=1.0)
+        link, steps = HttpLink(address, opened.id), []
+        client = RobotClient(DrivenRobot(base), link, continuous=True, patience=patience)
+        search = threading.Thread(target=lambda: steps.extend(client))
+        search.start()
+        while client.steps < 5:
+            time.sleep(0.01)
+        late = client.watchdog.times_late
+        process.send_signal(signal.SIGSTOP)
+        while client.watchdog.times_late == late:
+            time.sleep(0.01)
+        stood_s = base.now_s
+        time.sleep(2.0)
+        assert base.now_s == stood_s
+        assert client.resent > 0
+        process.send_signal(signal.SIGCONT)
+        search.join(120.0)
+    assert steps[-1].reply.ending is SearchEnding.FOUND
+    assert [step.reply.sequence for step in steps] == list(range(len(steps)))
 
 
 @pytest.mark.slow

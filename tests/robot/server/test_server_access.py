@@ -1,19 +1,22 @@
 """Who may come in, and with how much."""
 
+import gc
 import os
 import socket
 import time
+import weakref
 from contextlib import ExitStack, closing
 
 import pytest
 
 from hypernav.core.errors import ConfigError
+from hypernav.core.goal import Goal
 from hypernav.robot.server import request_heads
 from hypernav.robot.server.guard import Access
 from hypernav.robot.server.limits import ServerLimits
 from hypernav.robot.server.serving import check_access, listening, read_token
 from hypernav.robot.wire.frames import MOST_BODY_BYTES
-from servers.robots import TOKEN, RobotLink, body_of, robot_server
+from servers.robots import TOKEN, RobotLink, ScriptedAgent, body_of, robot_server
 
 
 @pytest.mark.parametrize(
@@ -137,6 +140,31 @@ def test_connections_that_wait_do_not_keep_stop_out(link, monkeypatch):
         ]
         assert link.call("POST", "/v1/stop", {}).status == 200
         assert waiting[0].recv(1) == b""
+
+
+def test_a_forgotten_content_type_is_named(link):
+    answer = link.call("POST", "/v1/searches", b'{"goal": "bed"}')
+    assert answer.status == 422
+    assert "content-type: application/json" in answer.json["message"]
+
+
+def test_an_ended_search_holds_no_agent(tmp_path):
+    agents = weakref.WeakSet()
+
+    class Noted(ScriptedAgent):
+        def reset(self, goal: Goal) -> None:
+            agents.add(self)
+            super().reset(goal)
+
+    with pytest.MonkeyPatch.context() as patch, robot_server(tmp_path) as link:
+        patch.setattr("servers.robots.ScriptedAgent", Noted)
+        search = link.open("quick")
+        assert len(agents) == 1
+        link.call("POST", f"{search}/close")
+        end = time.monotonic() + 20.0
+        while agents and time.monotonic() < end:
+            gc.collect()
+        assert not agents
 
 
 def test_searches_are_limited(tmp_path):

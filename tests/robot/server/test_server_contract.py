@@ -151,8 +151,13 @@ def test_a_model_that_is_gone_ends_the_search_and_says_so(link, script):
     assert answer["reason"] == "no answer for 120 s"
 
 
-def test_a_full_disk_takes_no_observation(link, script, monkeypatch):
+def test_a_full_disk_takes_no_observation_and_has_room_for_a_stop(
+    link, script, monkeypatch, tmp_path, caplog
+):
     search = link.open()
+
+    folder = tmp_path / "searches" / search.rpartition("/")[2]
+    kept = (folder / ".end.json.new").stat()
 
     def full(*_: object) -> int:
         raise OSError(28, "No space left on device")
@@ -162,7 +167,12 @@ def test_a_full_disk_takes_no_observation(link, script, monkeypatch):
         answer = link.observe(search, body_of(0))
         assert (answer.status, answer.json["error"]) == (507, "storage")
     assert script.seen == 0
+    assert "No space left" in caplog.text
+    caplog.clear()
     assert link.observe(search, body_of(0)).json["action"] == Action.MOVE_FORWARD
+    link.call("POST", f"{search}/stop", {})
+    assert kept.st_size == 4096
+    assert (folder / "end.json").stat().st_ino == kept.st_ino
 
 
 def test_an_error_of_ours_stops_the_robot_and_tells_no_secrets(link, script, monkeypatch):

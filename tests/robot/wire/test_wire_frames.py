@@ -116,6 +116,8 @@ FAR = encoded((images()[1] * 1000).astype(np.uint16))
         (b"", "line of JSON"),
         (b"{}", "line of JSON"),
         (b"{}\n", "sequence: Field required"),
+        (b'{"sequence": false}\n', "sequence: Input should be a valid integer"),
+        (b'{"sequence": "0"}\n', "sequence: Input should be a valid integer"),
         (b"[" * 100_000 + b"\n", "header"),
         (b"\xff\n", "header"),
         (b" " * (MOST_BODY_BYTES + 1), "at most"),

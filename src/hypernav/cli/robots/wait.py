@@ -16,7 +16,7 @@ from hypernav.cli.robot_options import Wait
 from hypernav.cli.terminal import Terminal
 from hypernav.core.config import layered
 from hypernav.core.episode import MAX_STEPS, Episode
-from hypernav.core.errors import ConfigError, RequestRefusedError
+from hypernav.core.errors import ConfigError, LinkLostError, RequestRefusedError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.robot.client.links import HttpLink, HttpServer, ServerAddress
@@ -61,7 +61,12 @@ def run(options: Wait) -> int:
             start = _start(options, world, rng)
             while True:
                 status.update(f"{options.name} waits for a goal from {escape(str(address))}/")
-                given = server.wait_for_goal(options.name)
+                try:
+                    given = server.wait_for_goal(options.name)
+                except LinkLostError as lost:
+                    status.update(escape(f"{options.name} finds no server ({lost}), trying again"))
+                    time.sleep(_PAUSE_S)
+                    continue
                 if given.goal is None or given.key is None:
                     continue
                 base.place(Episode(options.scene, "", Goal(given.goal), start), rng)

@@ -150,6 +150,10 @@ class HttpServer:
         Args:
             robot: Name of this robot.
             wait_s: Longest wait, seconds.
+
+        Raises:
+            LinkLostError: No answer; ask again after a pause.
+            RequestRefusedError: Too many robots wait.
         """
         path = f"{ROBOTS}/{robot}/wait?wait_s={wait_s:g}"
         return self._asked(GivenGoal, "POST", path, timeout_s=wait_s + _CONNECT_S)

@@ -1,5 +1,6 @@
 """The HTTP application: every path, what it takes and what it gives."""
 
+import logging
 from collections.abc import Iterator
 from importlib.metadata import version
 from typing import Annotated, Any
@@ -24,6 +25,7 @@ from hypernav.robot.wire.replies import ErrorBody, Health, Reply, SearchEnding, 
 from hypernav.robot.wire.requests import OpenSearch, StopRequest
 from hypernav.robot.wire.values import LONGEST_WAIT_S, SEARCHES
 
+_LOG = logging.getLogger(__name__)
 _Name = Annotated[str, Path(pattern=r"^[0-9a-f]{32}$", description="Name of the search.")]
 _Number = Annotated[int, Path(ge=0, le=1_000_000, description="Number of the observation.")]
 _REFUSALS: dict[int | str, dict[str, Any]] = {
@@ -237,16 +239,22 @@ async def _refused(_: Request, error: Exception) -> Response:
 
 
 async def _storage(_: Request, error: Exception) -> Response:
-    return refusal("storage", "the server cannot write its state; its log says more", 507)
+    _LOG.error("%s", error)
+    words = "the server cannot write its state; its log says more. A stop counts until it ends"
+    return refusal("storage", words, 507)
 
 
 async def _invalid(_: Request, error: Exception) -> Response:
     return refusal("invalid", str(error), 422)
 
 
-async def _malformed(_: Request, error: Exception) -> Response:
+async def _malformed(request: Request, error: Exception) -> Response:
     assert isinstance(error, RequestValidationError)
     first = error.errors()[0]
+    kind = request.headers.get("content-type", "none")
+    if first["loc"] == ("body",) and "json" not in kind:
+        expected = f"expected the header content-type: application/json, got {kind[:80]!a}"
+        return refusal("invalid", expected, 422)
     where = ".".join(str(part) for part in first["loc"])
     return refusal("invalid", f"{where[:100]}: {str(first['msg'])[:300]}", 422)
 

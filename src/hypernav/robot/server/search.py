@@ -271,8 +271,10 @@ class Search:
         self._release()
 
     def _release(self) -> None:
+        """Let go of the agent, which holds most of the memory, and of the files."""
         self._decisions.close()
         self._journal.close()
+        del self._decisions
 
     def _note_change(self) -> None:
         with self._lock:

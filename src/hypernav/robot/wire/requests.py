@@ -100,7 +100,7 @@ class ObservationFacts(Message):
         blocked: Whether the robot says that its last motion did not happen; noted in the trace.
     """
 
-    sequence: int = Field(ge=0, le=MOST_STEPS)
+    sequence: int = Field(ge=0, le=MOST_STEPS, strict=True)
     stamp_s: float = Field(ge=0.0, le=1e12)
     base_to_odom: PlanarPose
     odom_to_map: PlanarPose = PlanarPose()

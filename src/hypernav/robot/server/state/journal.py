@@ -11,7 +11,8 @@ The folder of a search holds:
 - ``observations.bin``: the observations as they were received (`AppendOnlyFile`).
 - ``steps.bin``: one `StepRecord` as JSON for every decision.
 - ``model.jsonl``: the exchanges with the model (`hypernav.models.chat.recording`).
-- ``end.json``: how the search ended, once it has; ``map.pgm`` and ``map.yaml`` with it.
+- ``end.json``: how the search ended, once it has; ``map.pgm`` and ``map.yaml`` with it. Before, a
+  hidden file keeps its room: a stop lasts on a full disk, too.
 """
 
 import json
@@ -38,7 +39,9 @@ from hypernav.robot.wire.values import Message, SearchId
 
 MODEL_FILE = "model.jsonl"
 _MAP_FILE = "map.yaml"
+_END_FILE = "end.json"
 _MOST_BYTES = 20_000_000
+_ROOM_FOR_END = 4096
 
 _Model = TypeVar("_Model", bound=BaseModel)
 
@@ -120,6 +123,7 @@ class Journal:
         """
         try:
             folder.mkdir(mode=0o700, exist_ok=True)
+            _fresh(folder / _END_FILE).write_bytes(bytes(_ROOM_FOR_END))
         except OSError as error:
             raise RunFolderError(f"{folder} cannot be made: {error.strerror}") from error
         _write_whole(folder / "search.json", record)
@@ -128,7 +132,7 @@ class Journal:
     @property
     def end(self) -> EndRecord | None:
         """How the search ended; None as long as it goes on."""
-        path = self.folder / "end.json"
+        path = self.folder / _END_FILE
         return _read(path, EndRecord) if path.exists() else None
 
     @property
@@ -180,7 +184,7 @@ class Journal:
             RunFolderError: It cannot be written.
         """
         with self._ending:
-            _write_whole(self.folder / "end.json", end)
+            _write_whole(self.folder / _END_FILE, end)
             if grid is not None:
                 with suppress(OSError):  # the end is what counts
                     save_ros_map(grid, self.folder)
@@ -206,13 +210,20 @@ def _read(path: Path, model: type[_Model]) -> _Model:
 
 
 def _write_whole(path: Path, content: BaseModel) -> None:
-    """Replace a file in one step, and wait for the disk."""
-    fresh = path.with_name(f".{path.name}.new")
+    """Replace a file in one step, and wait for the disk; room that was kept for it is used."""
+    fresh = _fresh(path)
     try:
-        with fresh.open("wb") as file:
+        fresh.touch()
+        with fresh.open("r+b") as file:
             file.write(content.model_dump_json(indent=1).encode())
+            file.truncate()
             file.flush()
             os.fsync(file.fileno())
         fresh.replace(path)
     except OSError as error:
         raise RunFolderError(f"{path} cannot be written: {error.strerror}") from error
+
+
+def _fresh(path: Path) -> Path:
+    """The file in which the next content of another is written."""
+    return path.with_name(f".{path.name}.new")

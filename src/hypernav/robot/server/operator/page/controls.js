@@ -5,6 +5,7 @@ import { element } from "./elements.js";
 
 const POLL_MS = 1000;
 const AGAIN_MS = 300;
+const UNSURE_MS = 1000; // a STOP that the server has is confirmed in a tenth of this
 const REASON = "the operator pressed STOP";
 
 const byId = (id) => document.getElementById(id);
@@ -87,17 +88,22 @@ export function armStop() {
   button.addEventListener("click", async () => {
     if (isSending) return;
     isSending = true;
+    const say = (words) => {
+      alarm.textContent = `${words} Trying again … Use the robot’s own emergency stop!`;
+      alarm.hidden = false;
+    };
+    const unsure = setTimeout(() => say("The server has not confirmed STOP."), UNSURE_MS);
     while (isSending) {
       try {
         await post("v1/stop", { reason: REASON });
         alarm.hidden = true;
         isSending = false;
       } catch (error) {
-        alarm.textContent = `STOP did not reach the server (${error.message}). Trying again … Use the robot’s own emergency stop!`;
-        alarm.hidden = false;
+        say(`STOP did not reach the server (${error.message}).`);
         await pause(AGAIN_MS);
       }
     }
+    clearTimeout(unsure);
   });
 }
 

@@ -1,6 +1,6 @@
 // One search, followed from its first step to its end, across reconnects and restarts of the server.
 
-import { Refused, getJson, pause, request } from "./server.js";
+import { Refused, getJson, parse, pause, request } from "./server.js";
 
 const WAIT_S = 10;
 const SHORTEST_ROUND_MS = 120;
@@ -50,7 +50,7 @@ export class Follower {
       || status.last?.sequence !== this.status.last?.sequence || !status.map !== !this.map;
     if (isNew && status.next_sequence > 0) {
       const lines = await (await this.request(`/trace?since=${this.steps.length}`)).text();
-      for (const line of lines.split("\n")) if (line) this.steps.push(JSON.parse(line));
+      for (const line of lines.split("\n")) if (line) this.steps.push(parse(line));
       if (status.map) await this.updateMap(status.map);
     }
     this.status = status;

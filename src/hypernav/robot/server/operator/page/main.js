@@ -13,7 +13,7 @@ const POLL_MS = 1000;
 const CONNECTION = {
   connecting: "Connecting …",
   on: "Connected",
-  off: "No connection to the server. Trying again … A robot stands still without it.",
+  off: "No connection to the server. Trying again … A robot led by RobotClient stands still without it.",
   token: "The server asks for its token.",
 };
 const STATES = { resuming: "The server was started again and repeats what it has seen", deciding: "deciding …" };
