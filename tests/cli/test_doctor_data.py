@@ -152,4 +152,4 @@ def test_our_own_export_is_recognised(data, capsys):
     write_split(own / "datasets" / "objectnav" / "hypernav" / "houses-val", two_storeys(), found)
     status, lines = examine(capsys, own)
     assert (status, lines[-1]) == (0, "all is well")
-    assert "1 episodes in 1 scenes" in line_of(lines, "hypernav hypernav/houses-val:")
+    assert "1 episodes in 1 scenes" in line_of(lines, "generated hypernav/houses-val:")

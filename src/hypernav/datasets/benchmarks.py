@@ -144,7 +144,7 @@ BENCHMARKS = {
 """All benchmarks, by name."""
 
 GENERATED = Benchmark(
-    name="hypernav",
+    name="generated",
     title="generated buildings",
     embodiment=Embodiment(),
     source="this package",
