@@ -38,10 +38,13 @@ def check_views(options: ViewOptions) -> None:
     """
     if options.pace is not None:
         check_option("--pace", options.pace, (0.01, 1000.0), "steps a second")
+    if options.view == "rerun" or options.rrd is not None:
+        require("rerun", extra="rerun")
     if options.view == "foxglove" or options.mcap is not None:
         require("foxglove", extra="foxglove")
-    if options.mcap is not None:
-        check_file(options.mcap)
+    for file in (options.rrd, options.mcap):
+        if file is not None:
+            check_file(file)
 
 
 class Views:
@@ -123,12 +126,24 @@ def opened_views(options: ViewOptions, info: EpisodeInfo, recorder: View) -> Ite
     """
     with ExitStack() as opened:
         views = [recorder]
+
+        def open_view(view: View) -> None:
+            views.append(opened.enter_context(closing(view)))
+
+        if options.rrd is not None:
+            from hypernav.show.views.rerun_view import RrdView
+
+            open_view(RrdView(options.rrd, info))
         if options.mcap is not None:
             from hypernav.show.views.foxglove_view import McapView
 
-            views.append(opened.enter_context(closing(McapView(options.mcap, info))))
+            open_view(McapView(options.mcap, info))
+        if options.view == "rerun":
+            from hypernav.show.views.rerun_view import RerunView
+
+            open_view(RerunView(info))
         if options.view == "foxglove":
             from hypernav.show.views.foxglove_view import FoxgloveView
 
-            views.append(opened.enter_context(closing(FoxgloveView(info))))
+            open_view(FoxgloveView(info))
         yield Views(views, options.pace)

@@ -11,8 +11,10 @@ import tyro
 class ViewOptions:
     """Where to show the search beside its own page and video."""
 
-    view: Literal["foxglove"] | None = None
-    """Watch the search as it goes: foxglove, at a WebSocket that Foxglove opens."""
+    view: Literal["rerun", "foxglove"] | None = None
+    """Watch the search as it goes: rerun, in its own viewer; foxglove, at a WebSocket."""
+    rrd: Path | None = None
+    """File to record the search in for rerun."""
     mcap: Path | None = None
     """File to record the search in for Foxglove and other readers of MCAP."""
     pace: float | None = None
