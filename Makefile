@@ -4,10 +4,10 @@ VENV := .venv
 BIN := $(VENV)/bin
 VLM := .venv-vlm
 
-.PHONY: demo test slow test-vlm lint format clean
+.PHONY: demo test slow test-vlm lint docs format clean
 
 demo: $(VENV)/.installed  ## search for a bed in the built-in house
-	$(BIN)/hypernav find bed --out runs/demo
+	$(BIN)/hypernav find bed --seed 2 --out runs/demo
 
 test: $(VENV)/.installed-dev  ## the tests, in a few minutes
 	$(BIN)/pytest -n auto -m "not slow and not freeze"
@@ -25,6 +25,10 @@ lint: $(VENV)/.installed-dev  ## style, types, and who may import whom
 	PATH=$(abspath $(BIN)):$$PATH $(BIN)/python scripts/public_types.py
 	$(BIN)/lint-imports
 
+docs: $(VENV)/.installed-docs  ## run what the pages say, and build the site
+	$(BIN)/python scripts/run_pages.py docs/start.md docs/tutorials/*.md docs/commands/*.md
+	$(BIN)/mkdocs build --strict
+
 format: $(VENV)/.installed-dev
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
@@ -41,6 +45,10 @@ $(VENV)/.installed: $(BIN)/python pyproject.toml
 
 $(VENV)/.installed-dev: $(BIN)/python pyproject.toml
 	$(BIN)/python -m pip install --quiet --editable '.[bags,onnx,hm3d,robot,foxglove,rerun]' --group dev
+	touch $@
+
+$(VENV)/.installed-docs: $(BIN)/python pyproject.toml
+	$(BIN)/python -m pip install --quiet --editable '.[robot]' --group docs
 	touch $@
 
 # The torchvision of the package index wants CUDA's torch; only its Python parts are used.

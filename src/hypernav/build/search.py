@@ -47,7 +47,7 @@ def find(
         StartError: The robot cannot stand at the start.
         ConfigError: The agent was built for another robot.
 
-    Example:
+    Examples:
         >>> search = find("bed")  # doctest: +SKIP
         >>> for step in search:  # doctest: +SKIP
         ...     print(step.trace.reason)

@@ -80,7 +80,7 @@ class EpisodeRun:
     Attributes:
         trial: The state of the episode.
 
-    Example:
+    Examples:
         >>> run = EpisodeRun(agent, world, episode)  # doctest: +SKIP
         >>> for step in run:  # doctest: +SKIP
         ...     print(step.trace.reason)

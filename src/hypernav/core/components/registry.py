@@ -96,7 +96,7 @@ class Choice(Generic[T]):
 class Registry(Generic[T]):
     """The components of one kind.
 
-    Example:
+    Examples:
         >>> detectors = Registry("detector", "hypernav.detectors")  # doctest: +SKIP
         >>> detectors.find("yolox:net.onnx").arguments  # doctest: +SKIP
         ('net.onnx',)

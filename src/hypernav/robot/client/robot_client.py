@@ -77,7 +77,7 @@ class RobotClient:
         resent: Number of observations that were sent again.
         watchdog: Watchdog of the answers.
 
-    Example:
+    Examples:
         >>> client = RobotClient(robot, HttpLink(address, opened.id))  # doctest: +SKIP
         >>> for step in client:  # doctest: +SKIP
         ...     print(step.reply.reason)

@@ -18,7 +18,7 @@ class StopListener(SideThread):
 
     It ends a second after the ``with`` block, at the latest.
 
-    Example:
+    Examples:
         >>> with StopListener(address, opened.id, client.stop):  # doctest: +SKIP
         ...     for step in client:
         ...         print(step.reply.reason)

@@ -15,7 +15,7 @@ class Watchdog(SideThread):
     Attributes:
         times_late: Number of blocks so far that took too long.
 
-    Example:
+    Examples:
         >>> with Watchdog(0.5, robot.stop):  # doctest: +SKIP
         ...     reply = link.ask(body, sequence, timeout_s=5.0)
     """

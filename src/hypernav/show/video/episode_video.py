@@ -117,7 +117,7 @@ class EpisodeVideo:
     Use it as a context manager. Whatever ends the block, an interrupt included, the file plays up
     to the last step that was added.
 
-    Example:
+    Examples:
         >>> with EpisodeVideo(folder / "episode.mp4", "bed", "hypernav") as video:  # doctest: +SKIP
         ...     video.add(observation.rgb, agent.last_step, agent.grid)
         ...     video.finish(result)

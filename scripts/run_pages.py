@@ -1,0 +1,102 @@
+"""Run what pages of the documentation tell their readers to type, and compare what comes of it.
+
+Each page is followed from its top to its end in an empty folder of its own:
+
+- a ``python`` block is run; one that begins with a comment like ``# red_things.py`` becomes
+  that file;
+- an ``sh`` block is run and must succeed;
+- a ``console`` block holds commands after ``$`` and what they print. Seconds may differ, and a line
+  with ``…`` alone stands for any number of lines. ``--write`` puts in what they print now.
+
+All other blocks are only shown.
+
+Run: python scripts/run_pages.py [--write] PAGE…
+"""
+
+import argparse
+import difflib
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+_BLOCK = re.compile(r"^```(python|sh|console)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+_FILE = re.compile(r"# ([\w.-]+\.\w+)\n")
+_SECONDS = re.compile(r"\b\d+(?:\.\d+)? (ms|s|min)\b")
+_FIRST_RUN = re.compile(r"^(?:first run: compiling.*|…)\n", re.MULTILINE)
+
+
+def main() -> int:
+    """Run the pages.
+
+    Returns:
+        The exit status: 0 if every page says what happens.
+    """
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("pages", nargs="+", type=Path)
+    parser.add_argument("--write", action="store_true", help="write what the commands print")
+    arguments = parser.parse_args()
+    return max(_run(page, write=arguments.write) for page in arguments.pages)
+
+
+def _run(page: Path, *, write: bool) -> int:
+    """Follow a page; 1 if it is wrong."""
+    text, faults = page.read_text("utf-8"), 0
+    with tempfile.TemporaryDirectory() as folder:
+        for block in _BLOCK.finditer(text):
+            kind, body = block.groups()
+            if kind == "console":
+                printed = _console(body, folder)
+                if write:
+                    page.write_text(page.read_text("utf-8").replace(body, printed), "utf-8")
+                elif not _agree(body, printed):
+                    faults += 1
+                    diff = difflib.unified_diff(body.splitlines(), printed.splitlines(), str(page))
+                    print(*diff, sep="\n")
+            elif name := _FILE.match(body):
+                (Path(folder) / name[1]).write_text(body, "utf-8")
+            else:
+                command = [sys.executable, "-c"] if kind == "python" else ["bash", "-euc"]
+                done = _call([*command, body], folder)
+                if done.returncode:
+                    faults += 1
+                    print(f"{page}: a block fails with {done.returncode}\n{body}\n{done.stdout}")
+    return min(faults, 1)
+
+
+def _console(body: str, folder: str) -> str:
+    """A console block with what its commands print now."""
+    lines = body.splitlines(keepends=True)
+    printed = [
+        line + _FIRST_RUN.sub("", _call(["bash", "-c", line[2:]], folder).stdout)
+        for line in lines
+        if line.startswith("$ ")
+    ]
+    return "".join(printed)
+
+
+def _agree(said: str, printed: str) -> bool:
+    """Whether a page says what is printed, seconds apart."""
+    said, printed = (_SECONDS.sub(r"some \1", text) for text in (said, printed))
+    parts = [re.escape(part) for part in re.split(r"^…\n", said, flags=re.MULTILINE)]
+    return re.fullmatch(r"(?:.*\n)*?".join(parts), printed) is not None
+
+
+def _call(command: list[str], folder: str) -> subprocess.CompletedProcess[str]:
+    """Run a command in a terminal of 100 columns without colours."""
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    return subprocess.run(
+        command,
+        cwd=folder,
+        env=os.environ | {"PATH": path, "COLUMNS": "100", "NO_COLOR": "1"},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        check=False,
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())

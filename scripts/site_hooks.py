@@ -1,0 +1,40 @@
+"""What the site shows that no page holds: the help of every command, and the examples."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+from mkdocs.structure.files import File, Files
+
+_ROOT = Path(__file__).parents[1]
+_HELP = re.compile(r"^<!-- help: (.+?) -->$", re.MULTILINE)
+_EXAMPLE = re.compile(r"\]\(((?:\.\./)+)(?=examples/)")
+
+
+def on_files(files: Files, config: Any) -> Files:
+    """Put the examples beside the pages, so that links to them lead somewhere."""
+    for path in sorted((_ROOT / "examples").glob("*.py")):
+        name = f"examples/{path.name}"
+        files.append(File.generated(config, name, content=path.read_text("utf-8")))
+    return files
+
+
+def on_page_markdown(markdown: str, **_: Any) -> str:
+    """Put in the help, and lead links out of ``docs/`` to the copies of the examples."""
+    markdown = _EXAMPLE.sub(lambda link: f"]({link[1].removeprefix('../')}", markdown)
+    return _HELP.sub(lambda asked: f"```text\n{_help(asked[1])}\n```", markdown)
+
+
+def _help(command: str) -> str:
+    """What ``hypernav COMMAND --help`` prints."""
+    main = f"from hypernav.cli.main import main; main([*{command.split()}, '--help'])"
+    return subprocess.run(
+        [sys.executable, "-c", main],
+        env=os.environ | {"COLUMNS": "88", "NO_COLOR": "1"},
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout.strip()
