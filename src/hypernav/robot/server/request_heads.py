@@ -4,6 +4,7 @@ Uvicorn bounds neither. Connections that only wait would keep STOP out.
 """
 
 import asyncio
+from collections import Counter
 from typing import Any
 
 import h11
@@ -15,9 +16,10 @@ _MOST_CONNECTIONS = 256
 
 
 class TimedHeads(H11Protocol):
-    """Closes connections of which no whole request head comes, and the oldest of too many.
+    """Closes connections of which no whole request head comes, and one of too many.
 
-    A new connection always finds room: it may be that of STOP. Connections with a request under way
+    A new connection always finds room: it may be that of STOP. Of those that wait for a request,
+    the oldest of the address that has most of them gives way. Connections with a request under way
     are bounded by the guard (`ServerLimits.requests_at_once`).
     """
 
@@ -28,9 +30,8 @@ class TimedHeads(H11Protocol):
         """Begin to wait for the first head."""
         super().connection_made(transport)
         self._wait_for_head()
-        waiting = [one for one in self.connections if isinstance(one, TimedHeads) and one._deadline]
         if len(self.connections) > _MOST_CONNECTIONS:
-            min(waiting, key=lambda one: one._since_s).transport.abort()
+            self._give_way()
 
     def data_received(self, data: bytes) -> None:
         """Take what came; a head that is not whole has to come in time."""
@@ -46,6 +47,19 @@ class TimedHeads(H11Protocol):
         """Wait for nothing any more."""
         self._stop_waiting()
         super().connection_lost(exc)
+
+    def _give_way(self) -> None:
+        waiting = [one for one in self.connections if isinstance(one, TimedHeads) and one._deadline]
+        of_address = Counter(one._address for one in waiting)
+        most = max(of_address.values())
+        crowd = [one for one in waiting if of_address[one._address] == most]
+        oldest = min(crowd, key=lambda one: one._since_s)
+        oldest._stop_waiting()
+        oldest.transport.abort()
+
+    @property
+    def _address(self) -> str:
+        return self.client[0] if self.client else ""
 
     def _watch(self) -> None:
         if self.conn.their_state is h11.IDLE:

@@ -1,5 +1,6 @@
 """Running the server: its socket, its token, its end."""
 
+import resource
 import socket
 from collections.abc import Callable
 from pathlib import Path
@@ -20,6 +21,11 @@ from hypernav.robot.wire.frames import MOST_BODY_BYTES
 _LEAST_TOKEN = 16
 _MOST_TOKEN_BYTES = 1000
 _PATIENCE_S = 2
+_ACCEPTED_AT_ONCE = 64
+"""Connections taken before those taken earlier are looked at; many fewer than there may be."""
+_MOST_QUEUED = 1024
+"""Connections that the system keeps until they are taken."""
+_OPEN_FILES = 4096
 
 
 def read_token(path: Path) -> str:
@@ -82,6 +88,7 @@ def serve(
         RunFolderError: Another server uses the folder, or it cannot be written.
     """
     check_access(access)
+    _raise_open_files()
     with listening(access.host, port) as listener, Searches(state, plan, limits) as searches:
         host = f"[{access.host}]" if ":" in access.host else access.host
         on_start(f"http://{host}:{listener.getsockname()[1]}")
@@ -105,6 +112,7 @@ class RobotServer(uvicorn.Server):
                 make_app(searches, self._waiting, access, limits),
                 http=TimedHeads,
                 h11_max_incomplete_event_size=MOST_HEAD_BYTES,
+                backlog=_ACCEPTED_AT_ONCE,
                 ws="websockets-sansio",
                 ws_max_size=MOST_BODY_BYTES,
                 ws_per_message_deflate=False,  # images do not get any smaller
@@ -117,11 +125,25 @@ class RobotServer(uvicorn.Server):
             )
         )
 
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Begin to listen."""
+        await super().startup(sockets)
+        for listener in sockets or ():
+            listener.listen(_MOST_QUEUED)
+
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         """End; requests that wait for something to happen are answered at once."""
         for bell in (self._waiting.bell, *(search.bell for search in self._searches.all())):
             bell.close()
         await super().shutdown(sockets)
+
+
+def _raise_open_files() -> None:
+    """Let this process open as many files as many searches and connections take."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    most = _OPEN_FILES if hard == resource.RLIM_INFINITY else min(_OPEN_FILES, hard)
+    if soft != resource.RLIM_INFINITY and soft < most:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (most, hard))
 
 
 def listening(host: str, port: int) -> socket.socket:
@@ -140,7 +162,7 @@ def listening(host: str, port: int) -> socket.socket:
     try:
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         listener.bind((host, port))
-        listener.listen(100)
+        listener.listen(_MOST_QUEUED)
     except OSError as error:
         listener.close()
         raise ConfigError(
