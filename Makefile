@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 VLM := .venv-vlm
 
-.PHONY: demo test slow test-vlm lint docs format clean
+.PHONY: demo test slow test-vlm lint docs wheel format clean
 
 demo: $(VENV)/.installed  ## search for a bed in the built-in house
 	$(BIN)/hypernav find bed --seed 2 --out runs/demo
@@ -28,6 +28,16 @@ lint: $(VENV)/.installed-dev  ## style, types, and who may import whom
 docs: $(VENV)/.installed-docs  ## run what the pages say, and build the site
 	$(BIN)/python scripts/run_pages.py docs/start.md docs/tutorials/*.md docs/commands/*.md
 	$(BIN)/mkdocs build --strict
+
+wheel: $(BIN)/python  ## build wheel and sdist, check them, and search with the wheel alone
+	rm -rf dist build/wheel
+	$(PYTHON) -m venv build/wheel/tools
+	build/wheel/tools/bin/pip install --quiet build twine
+	build/wheel/tools/bin/python -m build
+	build/wheel/tools/bin/twine check --strict dist/*
+	$(PYTHON) -m venv build/wheel/empty
+	build/wheel/empty/bin/pip install --quiet dist/*.whl
+	cd build/wheel && empty/bin/hypernav --version && empty/bin/hypernav find bed --seed 2 --out page
 
 format: $(VENV)/.installed-dev
 	$(BIN)/ruff format .

@@ -1,7 +1,9 @@
 """What a start of the program may load: the rest waits until it is needed."""
 
+import shutil
 import subprocess
 import sys
+from importlib.metadata import version
 
 import pytest
 
@@ -38,6 +40,7 @@ def test_importing_the_package_loads_no_other():
     "arguments",
     [
         ["--help"],
+        ["--version"],
         ["fnd", "bed"],
         ["find", "--help"],
         ["find", "bed", "--agnt", "frontier"],
@@ -71,6 +74,34 @@ def test_a_mistyped_command_is_answered_with_those_there_are(arguments, words, c
     assert stop.value.code == 2
     assert words in said
     assert said.count("\n") == 1
+
+
+def test_the_version_is_that_of_the_installed_package(capsys):
+    with pytest.raises(SystemExit) as stop:
+        main(["--version"])
+    assert stop.value.code == 0
+    assert capsys.readouterr().out == f"hypernav {version('hypernav')}\n"
+
+
+@pytest.mark.skipif(shutil.which("bash") is None, reason="bash is not installed")
+def test_a_shell_completes_commands_and_options(capsys):
+    with pytest.raises(SystemExit) as stop:
+        main(["--completion", "bash"])
+    assert not stop.value.code
+    ask = "complete -p hypernav > /dev/null; COMP_CWORD={}; COMP_WORDS=(hypernav {}); "
+    ask += "_tyro_hypernav hypernav; echo ${{COMPREPLY[@]}}"
+    script = "\n".join([capsys.readouterr().out, ask.format(1, "fi"), ask.format(2, "find --scen")])
+    done = subprocess.run(["bash", "-c", script], capture_output=True, text=True, check=True)
+    commands, options = done.stdout.splitlines()
+    assert commands.split()[0] == "find"
+    assert options.split()[0] == "--scene"
+
+
+def test_a_shell_that_cannot_complete_is_named(capsys):
+    with pytest.raises(SystemExit) as stop:
+        main(["--completion", "fish"])
+    assert stop.value.code == 2
+    assert "bash, zsh, tcsh" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("name", COMMANDS)

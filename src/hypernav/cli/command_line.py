@@ -13,6 +13,7 @@ import itertools
 import re
 from collections.abc import Sequence
 from dataclasses import make_dataclass
+from importlib.metadata import version
 from typing import Any, NoReturn
 
 import tyro
@@ -31,6 +32,7 @@ COMMANDS = {
     "robot": "Simulate a robot on the network, replay recordings of a camera, report on trials.",
     "houses": "Generated buildings: pages about them, files for other programs, splits, episodes.",
 }
+_SHELLS = ("bash", "zsh", "tcsh")
 _BOX = re.compile(r"[\u2500-\u257f]+|(?<!\S)-{3,}(?!\S)")
 _KIND_OF_ERROR = re.compile(
     r"^(Value error Error parsing|(Invalid|Missing|Required|Unrecognized) \w+) (?=[-\w])"
@@ -58,6 +60,11 @@ def run_command(arguments: Sequence[str]) -> int:
     name, *rest = list(arguments) or [""]
     if name in {"-h", "--help"}:
         _help()
+    if name == "--version":
+        print(f"hypernav {version('hypernav')}")
+        return 0
+    if name == "--completion":
+        _completion(rest)
     if name not in COMMANDS:
         raise ConfigError(_unknown(name))
     _refuse_empty(rest)
@@ -102,6 +109,24 @@ def _help() -> NoReturn:
             args=["--help"],
         )
     raise AssertionError("help ends the program")
+
+
+def _completion(arguments: Sequence[str]) -> NoReturn:
+    """Print what a shell needs to complete commands and options.
+
+    Raises:
+        ConfigError: The shell is not one of those there are.
+    """
+    if len(arguments) != 1 or arguments[0] not in _SHELLS:
+        raise ConfigError(f"--completion takes one shell: {', '.join(_SHELLS)}")
+    options = {
+        name: importlib.import_module(f"hypernav.cli.{name}_options").Options for name in COMMANDS
+    }
+    with _help_on_terminal():
+        tyro.extras.subcommand_cli_from_dict(
+            options, prog="hypernav", args=["--tyro-print-completion", arguments[0]]
+        )
+    raise AssertionError("completion ends the program")
 
 
 def _unknown(name: str) -> str:
