@@ -1,13 +1,19 @@
-"""The command `hypernav robot`: a simulated robot, recordings of a camera, and field studies."""
+"""The command `hypernav robot`: robots, simulated or on ROS 2, recordings, and field studies."""
 
 import importlib
 
-from hypernav.cli.robot_options import Replay, Report, Simulate, Wait
+from hypernav.cli.robot_options import Replay, Report, Ros2, Simulate, Wait
 
-_MODULES = {Simulate: "simulate", Wait: "wait", Replay: "replay", Report: "report"}
+_MODULES = {
+    Simulate: "simulate",
+    Wait: "wait",
+    Ros2: "ros2",
+    Replay: "replay",
+    Report: "report",
+}
 
 
-def run(options: Simulate | Wait | Replay | Report) -> int:
+def run(options: Simulate | Wait | Ros2 | Replay | Report) -> int:
     """Run a subcommand.
 
     Returns:

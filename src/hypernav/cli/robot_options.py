@@ -96,6 +96,48 @@ class Wait:
 
 
 @dataclass(frozen=True)
+class Ros2:
+    """Search on a robot that speaks ROS 2, over DDS and without ROS (extra ros2)."""
+
+    goal: tyro.conf.Positional[str]
+    """The object to find: bed, "L-shaped sofa", …"""
+    config: Path | None = None
+    """YAML file about the robot: topics, frames, timing, speed, embodiment (docs/ros2.md)."""
+    set: Annotated[tuple[str, ...], tyro.conf.arg(metavar="SECTION.KEY=VALUE")] = field(
+        default_factory=tuple
+    )
+    """Single values of it, for example topics.cmd_vel=/robot1/cmd_vel."""
+    server: str | None = None
+    """Address of hypernav serve, which has the model; else one is started for the search."""
+    token_file: Path | None = None
+    """File with the server's secret."""
+    vlm: str | None = None
+    """Model of the server that is started, as for hypernav serve."""
+    detector: str | None = None
+    """Its detector, if not --vlm: yolox:PATH.onnx, zero-shot:ID, …"""
+    reasoner: str | None = None
+    """What it asks where to go, if not --vlm: geometric, …"""
+    motion: Literal["steps", "continuous"] = "steps"
+    """Steps and turns one by one, or smooth driving along the path."""
+    agent: str | None = None
+    """Agent of the search: hypernav, frontier; the server's by default."""
+    preset: RobotPresetName | None = None
+    """Values of the method; the server's by default."""
+    max_steps: int = 500
+    """Maximum number of observations."""
+    out: Path | None = None
+    """Folder of the page about the search; none by default."""
+    quiet: bool = False
+    """Print errors only."""
+
+    @property
+    def own_server(self) -> list[str]:
+        """The options of the server that is started for the search."""
+        named = {"--vlm": self.vlm, "--detector": self.detector, "--reasoner": self.reasoner}
+        return [word for name, value in named.items() if value for word in (name, value)]
+
+
+@dataclass(frozen=True)
 class Replay:
     """Look at recorded RGB-D frames as the robot would: draw the map, look for the goal."""
 
@@ -134,6 +176,7 @@ class Report:
 Options = (
     Annotated[Simulate, tyro.conf.subcommand("simulate")]
     | Annotated[Wait, tyro.conf.subcommand("wait")]
+    | Annotated[Ros2, tyro.conf.subcommand("ros2")]
     | Annotated[Replay, tyro.conf.subcommand("replay")]
     | Annotated[Report, tyro.conf.subcommand("report")]
 )

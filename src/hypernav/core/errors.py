@@ -151,6 +151,10 @@ class TransformMissingError(HyPerNavError):
     """The frames of a ROS robot are not connected at the time that is asked for."""
 
 
+class RosNetworkError(HyPerNavError):
+    """A ROS 2 network can't be joined, or what a robot must send doesn't come."""
+
+
 class TopicChoiceError(HyPerNavError):
     """No ROS topic, or more than one, could be the one that is needed."""
 

@@ -13,7 +13,7 @@ from hypernav.robot.client.robot import Executed, Sensed
 from hypernav.robot.driving.base import DepthView
 from hypernav.robot.driving.depth_safety import DepthSafety
 from hypernav.robot.driving.driven_robot import DrivenRobot
-from hypernav.robot.motion.velocity import Velocity
+from hypernav.robot.motion.velocity import STANDSTILL, Velocity
 
 ROBOT = Embodiment.model_validate({"camera": {"width": 80, "height": 60}})
 CAMERA = ROBOT.camera.intrinsics
@@ -113,6 +113,25 @@ def test_what_is_beside_its_way_is_none_of_its_business():
 @pytest.mark.parametrize("action", [Action.MOVE_FORWARD, Action.TURN_LEFT])
 def test_wheels_that_do_not_turn_are_noticed(action):
     assert DrivenRobot(FloorBase(stuck=True)).execute(action) is Executed.BLOCKED
+
+
+class LateBase(FloorBase):
+    """Wheels that do what they were told two ticks ago, as over a network."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._told = [STANDSTILL, STANDSTILL]
+
+    def drive(self, velocity: Velocity, seconds: float) -> None:
+        self._told.append(velocity)
+        super().drive(self._told.pop(0), seconds)
+
+
+@pytest.mark.parametrize("action", [Action.MOVE_FORWARD, Action.TURN_LEFT])
+def test_wheels_that_turn_late_are_not_blocked(action):
+    base = LateBase()
+    assert DrivenRobot(base).execute(action) is Executed.DONE
+    assert base.ticks < 60
 
 
 def test_stop_ends_a_motion_from_another_thread():

@@ -21,7 +21,6 @@ from hypernav.core.errors import (
 from hypernav.robot.recordings.opening import open_recording
 from hypernav.robot.ros.topics import CameraTopics
 
-pytest.importorskip("rosbags")
 EVERY_FORMAT = pytest.mark.parametrize("format", FORMATS)
 
 

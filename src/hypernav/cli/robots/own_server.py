@@ -5,7 +5,7 @@ import subprocess
 import sys
 import tempfile
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
 from hypernav.core.errors import RobotLinkError
@@ -14,8 +14,12 @@ _MAIN = "from hypernav.cli.main import main; main()"
 
 
 @contextmanager
-def server_at(url: str | None) -> Iterator[str]:
+def server_at(url: str | None, options: Sequence[str] = ()) -> Iterator[str]:
     """The address of a server: the given one, or one that is started here and ended again.
+
+    Args:
+        url: The given address.
+        options: Options of ``hypernav serve`` for one that is started here.
 
     Raises:
         RobotLinkError: It did not start.
@@ -24,19 +28,22 @@ def server_at(url: str | None) -> Iterator[str]:
         yield url
         return
     with tempfile.TemporaryDirectory() as state:
-        command = [sys.executable, "-c", _MAIN, "serve", "--port", "0", "--state", state]
+        command = [sys.executable, "-c", _MAIN, "serve", "--port", "0", "--state", state, *options]
         server = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
         assert server.stderr is not None
-        said = ""
+        said, drain = "", threading.Thread(target=server.stderr.read, daemon=True)
         try:
             for line in server.stderr:
                 said += line
                 if match := re.search(r"serving at (http://[^,\s]+)", line):
                     # What else it says must go somewhere, or it would wait for ever to say it.
-                    threading.Thread(target=server.stderr.read, daemon=True).start()
+                    drain.start()
                     yield match[1]
                     return
             raise RobotLinkError(f"hypernav serve did not start: {said.strip()[-300:]}")
         finally:
             server.terminate()
             server.wait()
+            if drain.ident is not None:
+                drain.join()
+            server.stderr.close()

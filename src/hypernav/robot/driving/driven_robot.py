@@ -2,6 +2,7 @@
 
 import math
 import threading
+from collections import deque
 from collections.abc import Callable, Sequence
 
 from hypernav.core.actions import Action
@@ -24,6 +25,8 @@ _ENOUGH_M, _ENOUGH_RAD = 0.15, 0.3
 """Commanded motion after which odometry must show some."""
 _MOVED_SHARE = 0.3
 """Share of the commanded motion below which the wheels are blocked."""
+_LAG_TICKS = 3
+"""Number of ticks that a command takes to the wheels, and their motion back to the odometry."""
 
 
 class DrivenRobot:
@@ -146,17 +149,21 @@ class _Progress:
 
     def __init__(self, robot: Pose2) -> None:
         self._robot = robot
-        self._asked_m = self._asked_rad = self._moved_m = self._turned_rad = 0.0
+        self._moved_m = self._turned_rad = 0.0
+        self._asked = deque([(0.0, 0.0)], maxlen=1 + _LAG_TICKS)
 
     def lacks_after(self, velocity: Velocity, robot: Pose2) -> bool:
-        """Whether the wheels do not do what they are told."""
-        self._asked_m += velocity.linear_m_s * TICK_S
-        self._asked_rad += abs(velocity.angular_rad_s) * TICK_S
+        """Whether the wheels do not do what they were told a moment ago."""
+        asked_m, asked_rad = self._asked[-1]
+        asked_m += velocity.linear_m_s * TICK_S
+        asked_rad += abs(velocity.angular_rad_s) * TICK_S
+        self._asked.append((asked_m, asked_rad))
         self._moved_m += self._robot.distance_to(*robot.xy)
         self._turned_rad += abs(wrap_angle(robot.yaw - self._robot.yaw))
         self._robot = robot
-        return (self._asked_m > _ENOUGH_M and self._moved_m < _MOVED_SHARE * self._asked_m) or (
-            self._asked_rad > _ENOUGH_RAD and self._turned_rad < _MOVED_SHARE * self._asked_rad
+        due_m, due_rad = self._asked[0]
+        return (due_m > _ENOUGH_M and self._moved_m < _MOVED_SHARE * due_m) or (
+            due_rad > _ENOUGH_RAD and self._turned_rad < _MOVED_SHARE * due_rad
         )
 
 

@@ -82,6 +82,21 @@ class TransformTree:
         """Whether a frame moves in the root of its tree."""
         return any(name in self._moving for name in self._chain(frame))
 
+    def newest_s(self, frame: str, parent: str) -> float | None:
+        """Time up to which all poses between two frames are known; None if one is not.
+
+        Args:
+            frame: A frame.
+            parent: Frame above it.
+        """
+        chain = list(self._chain(frame))
+        if parent not in chain:
+            return None
+        moving = (
+            self._moving[name] for name in chain[: chain.index(parent)] if name in self._moving
+        )
+        return min((poses[-1][0] for poses in moving), default=None)
+
     def root_of(self, frame: str) -> str:
         """The frame at the root of another frame's tree."""
         return list(self._chain(frame))[-1]

@@ -1,0 +1,168 @@
+"""The command `hypernav robot ros2`: a search on a robot that speaks ROS 2."""
+
+import uuid
+from collections.abc import Iterator
+from contextlib import (
+    AbstractContextManager,
+    closing,
+    contextmanager,
+    nullcontext,
+    suppress,
+)
+from typing import TYPE_CHECKING, Any
+
+from rich.markup import escape
+from rich.status import Status
+
+from hypernav.cli.agent_options import check_steps_and_seed
+from hypernav.cli.guards.outputs import check_folder
+from hypernav.cli.guards.statuses import ExitStatus
+from hypernav.cli.robot_options import Ros2
+from hypernav.cli.robots.own_server import server_at
+from hypernav.cli.terminal import Terminal
+from hypernav.core.components.extras import require
+from hypernav.core.config import layered
+from hypernav.core.errors import ConfigError, RequestRefusedError, RobotLinkError
+from hypernav.core.goal import Goal
+from hypernav.evaluation.recorder import EpisodeRecorder
+from hypernav.robot.client.links import HttpLink, HttpServer, ServerAddress
+from hypernav.robot.client.robot_client import RobotClient
+from hypernav.robot.client.stop_listener import StopListener
+from hypernav.robot.driving.driven_robot import DrivenRobot
+from hypernav.robot.wire.replies import SearchEnding, SearchOpened
+from hypernav.robot.wire.requests import Intrinsics, OpenSearch
+
+if TYPE_CHECKING:
+    from hypernav.robot.ros2.base import Ros2Base
+    from hypernav.robot.ros2.outputs import Ros2Outputs
+
+
+def run(options: Ros2) -> int:
+    """Run the command.
+
+    Returns:
+        The status of success if the agent says that the goal was found, of failure if not, or of a
+        model outage.
+
+    Raises:
+        MissingExtraError: The package that speaks DDS is not installed.
+        ConfigError: An option or the configuration is wrong.
+        TopicChoiceError: No topic of the camera fits, or several do.
+        RosNetworkError: There is no network, or data doesn't come.
+        RobotLinkError: The server can't be reached.
+        RequestRefusedError: The server refuses the search.
+    """
+    require("cyclonedds", extra="ros2")
+    from hypernav.robot.ros2.base import Ros2Base
+    from hypernav.robot.ros2.config import Ros2Config
+    from hypernav.robot.ros2.network import Ros2Network
+    from hypernav.robot.ros2.outputs import Ros2Outputs
+    from hypernav.robot.ros2.sensors import Ros2Sensors
+
+    check_steps_and_seed(options.max_steps, 0)
+    goal = Goal(options.goal)
+    if options.out is not None:
+        check_folder(options.out)
+    if options.server is not None and options.own_server:
+        raise ConfigError("--vlm, --detector and --reasoner are options of the server of --server")
+    config = layered(Ros2Config(), file=options.config, environment={}, assignments=options.set)
+    console = Terminal(quiet=options.quiet)
+    with (
+        console.status("looking for the robot …") as status,
+        closing(Ros2Network(config.domain_id)) as network,
+        closing(Ros2Base(network, config, Ros2Sensors(network, config))) as base,
+        server_at(options.server, options.own_server) as url,
+        closing(HttpServer(ServerAddress.of(url, options.token_file))) as server,
+        _opened(options, goal, base, server) as opened,
+    ):
+        console.print(f"searching for {goal.text}; watch and stop it at {url}/", markup=False)
+        link = HttpLink(server.address, opened.id)
+        robot = DrivenRobot(base, config.speed)
+        client = RobotClient(robot, link, continuous=options.motion == "continuous")
+        outputs = Ros2Outputs(network, config)
+        with (
+            _recording(options, opened) as recorder,
+            StopListener(server.address, opened.id, client.stop),
+        ):
+            ending = _search(client, base, server, opened, outputs, recorder, status)
+            result: dict[str, Any] = {
+                "goal": goal.text,
+                "scene": "a robot on ROS 2",
+                "agent": options.agent or "hypernav",
+                "preset": options.preset or "default",
+                "detector": opened.words,
+                "outcome": ending or "interrupted",
+                "steps": client.steps,
+                "blocked": client.blocked,
+                "late_answers": client.watchdog.times_late,
+                "config": config.model_dump(mode="json"),
+            }
+            if recorder is not None:
+                recorder.finish(result)
+    console.print(f"{goal.text}: {ending or 'stopped'} after {client.steps} steps", markup=False)
+    if ending is SearchEnding.MODEL_UNAVAILABLE:
+        return ExitStatus.MODEL_UNAVAILABLE
+    return ExitStatus.SUCCESS if ending is SearchEnding.FOUND else ExitStatus.FAILURE
+
+
+@contextmanager
+def _opened(
+    options: Ros2, goal: Goal, base: "Ros2Base", server: HttpServer
+) -> Iterator[SearchOpened]:
+    """A search of the server, closed at the end."""
+    camera = base.camera
+    opened = server.open(
+        OpenSearch(
+            goal=goal.text,
+            embodiment=base.embodiment,
+            intrinsics=Intrinsics(fx=camera.fx, fy=camera.fy, cx=camera.cx, cy=camera.cy),
+            preset=options.preset,
+            agent=options.agent,
+            max_steps=options.max_steps,
+            key=uuid.uuid4().hex,
+        )
+    )
+    try:
+        yield opened
+    finally:
+        with suppress(RobotLinkError, RequestRefusedError):
+            server.close_search(opened.id)
+
+
+def _search(
+    client: RobotClient,
+    base: "Ros2Base",
+    server: HttpServer,
+    opened: SearchOpened,
+    outputs: "Ros2Outputs",
+    recorder: EpisodeRecorder | None,
+    status: Status,
+) -> SearchEnding | None:
+    """Run the search to its end, and publish what the server says about every step."""
+    ending, known = None, 0
+    for step in client:
+        reply, sensed = step.reply, step.sensed
+        ending = reply.ending
+        status.update(escape(f"step {reply.sequence + 1} · {reply.mode} · {reply.reason}"))
+        for trace in server.trace(opened.id, since=known):
+            known, grid = trace.step + 1, server.grid(opened.id)
+            frame = base.sensors.calibration.frame
+            outputs.publish(trace, grid, sensed.rgb, at_s=sensed.stamp_s, camera_frame=frame)
+            if recorder is not None:
+                recorder.record(trace, grid, sensed.rgb)
+    return ending
+
+
+def _recording(
+    options: Ros2, opened: SearchOpened
+) -> AbstractContextManager[EpisodeRecorder | None]:
+    if options.out is None:
+        return nullcontext()
+    return EpisodeRecorder(
+        options.out,
+        goal=options.goal,
+        agent=options.agent or "hypernav",
+        detector=opened.words,
+        reasoner="",
+        step_limit=options.max_steps,
+    )

@@ -1,0 +1,106 @@
+"""Configuration of a robot on a ROS 2 network: the sections of ``ros2.yaml``."""
+
+import os
+from typing import Literal
+
+from pydantic import Field
+
+from hypernav.core.config import RoomConfig
+from hypernav.core.embodiment import Embodiment
+from hypernav.core.errors import ConfigError
+from hypernav.robot.driving.driven_robot import CAREFUL
+from hypernav.robot.motion.config import DriveConfig
+
+_MOST_DOMAINS = 232
+
+
+class TopicsConfig(RoomConfig):
+    """Names of the topics.
+
+    Attributes:
+        colour: Colour images; None looks for them by type, as for the two below.
+        depth: Depth images, registered to colour.
+        camera_info: Calibration of the colour images.
+        odometry: ``nav_msgs/Odometry``, for a robot whose tf lacks the pose of the base.
+        cmd_vel: Velocity that the robot shall drive with.
+        output: Beginning of the names of all that is published for people.
+    """
+
+    colour: str | None = None
+    depth: str | None = None
+    camera_info: str | None = None
+    odometry: str | None = None
+    cmd_vel: str = "/cmd_vel"
+    output: str = "/hypernav"
+
+
+class FramesConfig(RoomConfig):
+    """Names of the frames (REP 105), and where the floor is.
+
+    Attributes:
+        base: Frame of the robot's base, x forward.
+        odom: Frame of the odometry, which never jumps.
+        map: Frame of a localisation, which publishes where ``odom`` is in it; None without one.
+        floor_z_m: Height of the floor in the frame of the odometry, metres. Legged robots often
+            have its origin where the body was at the start, which is above the floor.
+    """
+
+    base: str = "base_link"
+    odom: str = "odom"
+    map: str | None = None
+    floor_z_m: float = Field(default=0.0, ge=-10.0, le=10.0)
+
+
+class TimingConfig(RoomConfig):
+    """What is late, and what goes together.
+
+    Attributes:
+        fresh_s: Age of images and odometry beyond which the robot stands still, seconds.
+        apart_s: Largest difference of the times of colour and depth that belong together, seconds.
+        find_s: Time in which topics, images and frames must be found at the start, seconds.
+        patience_s: Time without fresh data after which the search ends, seconds.
+    """
+
+    fresh_s: float = Field(default=0.3, ge=0.05, le=0.4)
+    apart_s: float = Field(default=0.03, ge=0.0, le=0.5)
+    find_s: float = Field(default=10.0, ge=0.5, le=300.0)
+    patience_s: float = Field(default=60.0, ge=1.0, le=3600.0)
+
+
+class Ros2Config(RoomConfig):
+    """A robot on a ROS 2 network.
+
+    Attributes:
+        domain: Number of the DDS domain; None takes that of ``ROS_DOMAIN_ID``, else 0.
+        cmd_vel_type: Type of the velocity: newer distributions have it stamped.
+        topics: Names of the topics.
+        frames: Names of the frames.
+        timing: What is late.
+        speed: Limits of the velocity, where hypernav drives itself.
+        embodiment: Body and actions of the robot, and the range of its depth; the rest of the
+            camera is taken from camera info and tf.
+    """
+
+    domain: int | None = Field(default=None, ge=0, le=_MOST_DOMAINS)
+    cmd_vel_type: Literal["Twist", "TwistStamped"] = "Twist"
+    topics: TopicsConfig = TopicsConfig()
+    frames: FramesConfig = FramesConfig()
+    timing: TimingConfig = TimingConfig()
+    speed: DriveConfig = CAREFUL
+    embodiment: Embodiment = Embodiment()
+
+    @property
+    def domain_id(self) -> int:
+        """Number of the DDS domain.
+
+        Raises:
+            ConfigError: ``ROS_DOMAIN_ID`` is no such number.
+        """
+        if self.domain is not None:
+            return self.domain
+        text = os.environ.get("ROS_DOMAIN_ID") or "0"
+        if not (text.isdecimal() and int(text) <= _MOST_DOMAINS):
+            raise ConfigError(
+                f"ROS_DOMAIN_ID={text:.20}: expected a number from 0 to {_MOST_DOMAINS}"
+            )
+        return int(text)

@@ -1,0 +1,206 @@
+"""A ROS 2 network, joined as a DDS participant: topics by their ROS names, and their qualities."""
+
+import logging
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any, Generic, TypeVar
+
+from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsPublication
+from cyclonedds.core import (
+    DDSException,
+    InstanceState,
+    Policy,
+    Qos,
+    ReadCondition,
+    SampleState,
+    ViewState,
+    WaitSet,
+)
+from cyclonedds.domain import DomainParticipant
+from cyclonedds.idl import IdlStruct
+from cyclonedds.pub import DataWriter
+from cyclonedds.sub import DataReader
+from cyclonedds.topic import Topic
+from cyclonedds.util import duration
+
+from hypernav.core.errors import RosMessageError, RosNetworkError
+from hypernav.robot.ros2.idl_types import ROS_TYPES
+
+_LOG = logging.getLogger(__name__)
+_XCDR1 = Policy.DataRepresentation(use_cdrv0_representation=True)
+"""The encoding that ROS 2 speaks."""
+_MOST_WAITING = 100
+_WAIT_S = 0.1
+_ANY = SampleState.Any | ViewState.Any | InstanceState.Any
+_NAMES = {kind.__idl_typename__.replace(".", "::"): name for name, kind in ROS_TYPES.items()}
+_MessageT = TypeVar("_MessageT", bound=IdlStruct)
+
+
+class Quality(Enum):
+    """Qualities of service, named after what they are for."""
+
+    SENSOR = Qos(
+        Policy.Reliability.BestEffort,
+        Policy.Durability.Volatile,
+        Policy.History.KeepLast(5),
+        _XCDR1,
+    )
+    """ROS's sensor data: the newest, and nothing is sent again."""
+    RELIABLE = Qos(
+        Policy.Reliability.Reliable(duration(milliseconds=100)),
+        Policy.Durability.Volatile,
+        Policy.History.KeepLast(_MOST_WAITING),
+        _XCDR1,
+    )
+    """ROS's default: what gets lost is sent again."""
+    LATCHED = Qos(
+        Policy.Reliability.Reliable(duration(milliseconds=100)),
+        Policy.Durability.TransientLocal,
+        Policy.History.KeepLast(1),
+        _XCDR1,
+    )
+    """The last message is also for those who come later: maps."""
+    STATIC = Qos(
+        Policy.Reliability.Reliable(duration(milliseconds=100)),
+        Policy.Durability.TransientLocal,
+        Policy.History.KeepLast(_MOST_WAITING),
+        _XCDR1,
+    )
+    """The same of many publishers: ``/tf_static``."""
+
+
+class Publisher(Generic[_MessageT]):
+    """Writes messages of one topic."""
+
+    def __init__(self, writer: DataWriter[_MessageT]) -> None:
+        """Take over a writer of DDS."""
+        self._writer = writer
+
+    def publish(self, message: _MessageT) -> None:
+        """Send a message.
+
+        Raises:
+            RosNetworkError: The network doesn't take it.
+        """
+        try:
+            self._writer.write(message)
+        except DDSException as error:
+            raise RosNetworkError(f"a message can't be sent: {error}") from error
+
+
+@dataclass(frozen=True, eq=False)
+class _Subscription:
+    topic: str
+    reader: DataReader[Any]
+    condition: ReadCondition
+    receive: Callable[[Any], None]
+
+    def take(self) -> None:
+        """Hand on what came; a message that can't be used is as one that got lost."""
+        for message in self.reader.take(_MOST_WAITING):
+            if not message.sample_info.valid_data:
+                continue
+            try:
+                self.receive(message)
+            except RosMessageError as error:
+                _LOG.warning("%s: %s", self.topic, error)
+
+
+class Ros2Network:
+    """A ROS 2 network. Messages arrive in a thread of their own."""
+
+    def __init__(self, domain_id: int) -> None:
+        """Join a domain.
+
+        Raises:
+            RosNetworkError: There is no network, or ``CYCLONEDDS_URI`` is wrong.
+        """
+        try:
+            self._participant = DomainParticipant(domain_id)
+            self._offers = BuiltinDataReader(self._participant, BuiltinTopicDcpsPublication)
+            self._waiting = WaitSet(self._participant)
+        except DDSException as error:
+            raise RosNetworkError(
+                f"can't join the DDS domain {domain_id}: {error}; look at CYCLONEDDS_URI and at "
+                "the network's interfaces"
+            ) from error
+        self._subscriptions: list[_Subscription] = []
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._read, name="ros2", daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """Leave the domain."""
+        self._ended.set()
+        self._thread.join()
+
+    def publisher(
+        self, topic: str, kind: type[_MessageT], quality: Quality = Quality.RELIABLE
+    ) -> Publisher[_MessageT]:
+        """Publish messages.
+
+        Args:
+            topic: ROS name of the topic, ``/cmd_vel``.
+            kind: Type of its messages.
+            quality: Quality of service.
+        """
+        return Publisher(DataWriter(self._participant, self._topic(topic, kind), qos=quality.value))
+
+    def subscribe(
+        self,
+        topic: str,
+        kind: type[_MessageT],
+        quality: Quality,
+        receive: Callable[[_MessageT], None],
+    ) -> Callable[[], None]:
+        """Receive messages, in the network's thread.
+
+        Args:
+            topic: ROS name of the topic.
+            kind: Type of its messages.
+            quality: Quality of service that is asked for.
+            receive: Function that takes a message.
+
+        Returns:
+            Function that ends it.
+        """
+        reader = DataReader(self._participant, self._topic(topic, kind), qos=quality.value)
+        subscription = _Subscription(topic, reader, ReadCondition(reader, _ANY), receive)
+        self._subscriptions.append(subscription)
+        self._waiting.attach(subscription.condition)
+
+        def end() -> None:
+            self._waiting.detach(subscription.condition)
+            self._subscriptions.remove(subscription)
+
+        return end
+
+    def published(self) -> dict[str, str]:
+        """The topics that others publish, with their ROS types, as far as hypernav knows these."""
+        return {
+            offer.topic_name.removeprefix("rt"): _NAMES[offer.type_name]
+            for offer in self._offers.read(10_000)
+            if offer.sample_info.valid_data
+            and offer.topic_name.startswith("rt/")
+            and offer.type_name in _NAMES
+        }
+
+    def _topic(self, name: str, kind: type[_MessageT]) -> Topic[_MessageT]:
+        try:
+            return Topic(self._participant, f"rt/{name.lstrip('/')}", kind)
+        except DDSException as error:
+            raise RosNetworkError(
+                f"'{name}' can't be a topic of {kind.__name__}: {error}"
+            ) from error
+
+    def _read(self) -> None:
+        while not self._ended.is_set():
+            if not self._subscriptions:
+                time.sleep(_WAIT_S)
+                continue
+            self._waiting.wait(duration(seconds=_WAIT_S))
+            for subscription in list(self._subscriptions):
+                subscription.take()

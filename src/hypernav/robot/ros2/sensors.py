@@ -1,0 +1,241 @@
+"""What a robot on a ROS 2 network senses: images, calibration and the poses of its frames."""
+
+import threading
+import time
+from collections.abc import Callable
+from functools import partial
+from typing import Any, TypeVar
+
+from hypernav.core.errors import RosNetworkError, TopicChoiceError, TransformMissingError
+from hypernav.core.geometry.transforms import Pose2, Transform
+from hypernav.robot.ros.calibration import Calibration, calibration_of
+from hypernav.robot.ros.messages import frame_name, rigid_transform, stamp_s
+from hypernav.robot.ros.topics import (
+    CameraTopics,
+    ChosenTopics,
+    choose_topics,
+    is_rectified,
+    offered_topic,
+)
+from hypernav.robot.ros.transform_tree import TransformTree
+from hypernav.robot.ros2.config import Ros2Config
+from hypernav.robot.ros2.idl_types import ROS_TYPES, Odometry, TFMessage
+from hypernav.robot.ros2.network import Quality, Ros2Network
+from hypernav.robot.ros2.rgbd_stream import ImagePair, RgbdStream
+
+_CAMERA_TYPES = (
+    "sensor_msgs/msg/Image",
+    "sensor_msgs/msg/CompressedImage",
+    "sensor_msgs/msg/CameraInfo",
+)
+_MEMORY_S = 10.0
+_LOOK_S = 0.2
+_ALL_S = 2.0
+"""Time after which all topics are known."""
+_FoundT = TypeVar("_FoundT")
+
+
+class Ros2Sensors:
+    """A robot's sensors; times are those of the robot's clock, which may be another than ours.
+
+    Attributes:
+        stream: Pairs of images.
+        calibration: The camera.
+    """
+
+    def __init__(self, network: Ros2Network, config: Ros2Config) -> None:
+        """Find the topics and wait until everything is there.
+
+        Raises:
+            TopicChoiceError: No topic fits, or several do.
+            RosNetworkError: Images, calibration or frames don't come.
+        """
+        self._network, self._config = network, config
+        self._tree, self._tree_lock = TransformTree(memory_s=_MEMORY_S), threading.Lock()
+        self._odometry_s, self._odometry_received_s = -1.0, 0.0
+        self._firsts, self._looks = dict[str, Any](), list[Callable[[], None]]()
+        self._began_s = time.monotonic()
+        self.stream = RgbdStream(config.timing.apart_s)
+        self._subscribe_frames()
+        chosen = self._found(self._chosen)
+        for end in self._looks:
+            end()
+        info = self._firsts[chosen.camera_info.name]
+        self.calibration: Calibration = calibration_of(info, rectified=is_rectified(chosen.colour))
+        types = network.published()
+        for topic, receive in (
+            (chosen.colour.name, self.stream.add_colour),
+            (chosen.depth.name, self.stream.add_depth),
+        ):
+            network.subscribe(topic, ROS_TYPES[types[topic]], Quality.SENSOR, receive)
+        self._found(self._first_pose)
+
+    @property
+    def robot_now_s(self) -> float:
+        """The present time on the robot's clock, seconds."""
+        return self._odometry_s + time.monotonic() - self._odometry_received_s
+
+    def is_fresh(self) -> bool:
+        """Whether images and odometry are new enough to drive by them."""
+        pair, fresh_s, now_s = self.stream.latest, self._config.timing.fresh_s, time.monotonic()
+        return (
+            pair is not None
+            and now_s - pair.received_s <= fresh_s
+            and now_s - self._odometry_received_s <= fresh_s
+            and abs(self._odometry_s - pair.stamp_s) <= fresh_s
+        )
+
+    def wait_until(self, is_enough: Callable[[], bool]) -> None:
+        """Wait until something about the images holds.
+
+        Raises:
+            RosNetworkError: It takes longer than the patience.
+        """
+        patience_s = self._config.timing.patience_s
+        if not self.stream.wait_for(is_enough, patience_s):
+            raise RosNetworkError(
+                f"no fresh images and odometry for {patience_s:g} s: {self.described()}; the "
+                "robot stands still"
+            )
+
+    def described(self) -> str:
+        """When what came last, for people."""
+        ago_s = time.monotonic() - self._odometry_received_s
+        pair = self.stream.latest
+        apart = "" if pair is None else f", {abs(self._odometry_s - pair.stamp_s):.1f} s apart"
+        return f"{self.stream.described()}, odometry {ago_s:.1f} s ago{apart}"
+
+    def pair(self) -> ImagePair:
+        """The newest pair of images."""
+        pair = self.stream.latest
+        assert pair is not None, "the constructor waits for the first"
+        return pair
+
+    def odometry(self, at_s: float | None = None) -> Pose2:
+        """Pose of the base in the frame of the odometry, at a time or now.
+
+        Raises:
+            TransformMissingError: It is not known of that time.
+        """
+        frames = self._config.frames
+        return _planar(self._pose(frames.base, frames.odom, at_s))
+
+    def odom_to_map(self) -> Pose2:
+        """Pose of the odometry in the map of the robot's localisation; the same without one.
+
+        Raises:
+            TransformMissingError: The localisation says nothing, or not of that time.
+        """
+        frames = self._config.frames
+        if frames.map is None:
+            return Pose2(0.0, 0.0, 0.0)
+        with self._tree_lock:
+            newest_s = self._tree.newest_s(frames.odom, frames.map)
+            at_s = self._odometry_s if newest_s is None else newest_s
+            return _planar(self._tree.pose(frames.odom, frames.map, at_s))
+
+    def camera_to_base(self, at_s: float) -> Transform:
+        """Pose of the camera over the point of the floor that is below the base.
+
+        Its height and tilt are those of that moment, also of a legged robot that sways.
+
+        Raises:
+            TransformMissingError: It is not known of that time.
+        """
+        frames = self._config.frames
+        below = self.odometry(at_s).to_transform(frames.floor_z_m)
+        return below.inverse() @ self._pose(self.calibration.frame, frames.odom, at_s)
+
+    def _pose(self, frame: str, parent: str, at_s: float | None) -> Transform:
+        with self._tree_lock:
+            return self._tree.pose(frame, parent, self._odometry_s if at_s is None else at_s)
+
+    def _subscribe_frames(self) -> None:
+        subscribe = self._network.subscribe
+        moving, static = (
+            partial(self._add_frames, static=is_static) for is_static in (False, True)
+        )
+        subscribe("/tf", TFMessage, Quality.RELIABLE, moving)
+        subscribe("/tf_static", TFMessage, Quality.STATIC, static)
+        if self._config.topics.odometry is not None:
+            topic = self._config.topics.odometry
+            subscribe(topic, Odometry, Quality.SENSOR, self._add_odometry)
+
+    def _add_frames(self, message: TFMessage, *, static: bool) -> None:
+        with self._tree_lock:
+            self._tree.add_message(message, static=static)
+            self._note_odometry()
+
+    def _add_odometry(self, message: Odometry) -> None:
+        pose = rigid_transform(message.pose.pose.position, message.pose.pose.orientation)
+        parent, child = frame_name(message.header.frame_id), frame_name(message.child_frame_id)
+        with self._tree_lock:
+            self._tree.add(parent, child, pose, stamp_s(message.header), static=False)
+            self._note_odometry()
+
+    def _note_odometry(self) -> None:
+        newest_s = self._tree.newest_s(self._config.frames.base, self._config.frames.odom)
+        if newest_s is not None and newest_s > self._odometry_s:
+            self._odometry_s, self._odometry_received_s = newest_s, time.monotonic()
+
+    def _found(self, find: Callable[[], _FoundT]) -> _FoundT:
+        """What a function finds, which is asked again until it finds something.
+
+        Raises:
+            HyPerNavError: The last thing that the function said was missing.
+        """
+        until_s = time.monotonic() + self._config.timing.find_s
+        while True:
+            try:
+                return find()
+            except (TopicChoiceError, RosNetworkError, TransformMissingError):
+                if time.monotonic() > until_s:
+                    raise
+                time.sleep(_LOOK_S)
+
+    def _chosen(self) -> ChosenTopics:
+        """The camera's topics, by the first messages of all that it could be.
+
+        Raises:
+            TopicChoiceError: None fits, or several do, among those that are known by now.
+        """
+        topics, published = self._config.topics, self._network.published()
+        wanted = CameraTopics(topics.colour, topics.depth, topics.camera_info)
+        named = {topics.colour, topics.depth, topics.camera_info}
+        cameras = [name for name, kind in published.items() if kind in _CAMERA_TYPES]
+        for name in cameras:
+            if name not in self._firsts and (None in named or name in named):
+                self._firsts[name] = None
+                keep = partial(self._firsts.__setitem__, name)
+                kind = ROS_TYPES[published[name]]
+                self._looks.append(self._network.subscribe(name, kind, Quality.SENSOR, keep))
+        firsts = [(name, first) for name, first in self._firsts.items() if first is not None]
+        offers = [offer for name, first in firsts if (offer := offered_topic(name, first))]
+        try:
+            if None in named and time.monotonic() - self._began_s < _ALL_S:
+                raise TopicChoiceError("too early to know all topics")
+            return choose_topics(offers, wanted, ask="topics.{role} of --config")
+        except TopicChoiceError as error:
+            there = ", ".join(sorted(cameras)) or "none; is the domain (ROS_DOMAIN_ID) the same?"
+            raise TopicChoiceError(f"{error}. Published topics of cameras: {there}") from error
+
+    def _first_pose(self) -> None:
+        """Ask for everything once.
+
+        Raises:
+            RosNetworkError: There is no pair of images yet.
+            TransformMissingError: A frame is missing.
+        """
+        if self.stream.latest is None:
+            raise RosNetworkError(
+                "no colour and depth image with times that go together: "
+                f"{self.stream.described()}; are they published, with the quality of sensor data, "
+                f"and at most {self._config.timing.apart_s:g} s apart (timing.apart_s)?"
+            )
+        self.camera_to_base(self.stream.latest.stamp_s)
+        self.odom_to_map()
+
+
+def _planar(pose: Transform) -> Pose2:
+    x, y, _ = pose.translation.tolist()
+    return Pose2(x, y, pose.yaw)

@@ -1,0 +1,66 @@
+"""Velocities for the robot, sent on only as long as everything is in order."""
+
+import threading
+import time
+from collections.abc import Callable
+
+from hypernav.robot.motion.velocity import STANDSTILL, Velocity
+
+_PERIOD_S = 0.05
+_VALID_S = 0.3
+"""Time for which a command holds; then whoever gave it hangs."""
+_STANDS = 10
+"""Number of times that standstill is said before silence, so that others may drive."""
+
+
+class VelocityOutput:
+    """Sends the last command again and again from a thread of its own, or standstill instead.
+
+    Standstill is sent as soon as the data is not fresh any more, or no new command comes: whatever
+    the search does, or hangs in.
+    """
+
+    def __init__(self, send: Callable[[Velocity], None], is_safe: Callable[[], bool]) -> None:
+        """Begin at a standstill.
+
+        Args:
+            send: Function that sends a velocity to the robot.
+            is_safe: Whether the robot may drive now.
+        """
+        self._send = send
+        self._is_safe = is_safe
+        self._lock = threading.Lock()
+        self._command, self._commanded_s, self._stands = STANDSTILL, 0.0, _STANDS
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="velocity", daemon=True)
+        self._thread.start()
+
+    def command(self, velocity: Velocity) -> None:
+        """Drive with a velocity from now on, for as long as commands follow."""
+        with self._lock:
+            self._command, self._commanded_s = velocity, time.monotonic()
+            self._stands = 0
+            self._tick()
+
+    def close(self) -> None:
+        """Stand still, and send nothing any more."""
+        self.command(STANDSTILL)
+        self._ended.set()
+        self._thread.join()
+        self._send(STANDSTILL)
+
+    def _run(self) -> None:
+        while not self._ended.wait(_PERIOD_S):
+            with self._lock:
+                self._tick()
+
+    def _tick(self) -> None:
+        is_late = time.monotonic() - self._commanded_s > _VALID_S
+        if self._command.is_zero or is_late or not self._is_safe():
+            if self._stands >= _STANDS:
+                return
+            self._stands += 1
+            self._send(STANDSTILL)
+        else:
+            self._stands = 0
+            self._send(self._command)

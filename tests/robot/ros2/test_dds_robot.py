@@ -1,0 +1,127 @@
+"""A robot in another process that speaks nothing but DDS, on the loopback interface."""
+
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from hypernav.cli.main import main
+from hypernav.core.config import layered
+from hypernav.core.errors import TopicChoiceError
+from hypernav.core.metrics import SUCCESS_DISTANCE_M
+from hypernav.robot.motion.velocity import Velocity
+from hypernav.robot.ros2.base import Ros2Base
+from hypernav.robot.ros2.config import Ros2Config
+from hypernav.robot.ros2.idl_types import OccupancyGrid
+from hypernav.robot.ros2.network import Quality, Ros2Network
+from hypernav.robot.ros2.sensors import Ros2Sensors
+from loopback import DOMAIN, LOOPBACK
+
+_ROBOT = Path(__file__).parents[2] / "servers" / "dds_robot.py"
+_PATIENT = ("timing.find_s=200", f"domain={DOMAIN}")
+"""Processes start slowly on a busy machine."""
+
+
+@pytest.fixture(autouse=True)
+def _loopback(monkeypatch):
+    monkeypatch.setenv("CYCLONEDDS_URI", LOOPBACK)
+
+
+class DdsRobot:
+    """The other process."""
+
+    def __init__(self, process: subprocess.Popen[str]) -> None:
+        self._process = process
+
+    def told(self, command: str) -> dict[str, Any]:
+        """Give a command, and hear how the robot is."""
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        self._process.stdin.write(f"{command}\n")
+        self._process.stdin.flush()
+        return json.loads(self._process.stdout.readline())
+
+
+@contextmanager
+def robot_in(scene: str, start: tuple[float, float, float], *, camera=(160, 120)):
+    words = ["--scene", scene, "--domain", DOMAIN, "--start", *start, "--camera", *camera]
+    tests = str(_ROBOT.parents[1])
+    path = os.pathsep.join([tests, *filter(None, [os.environ.get("PYTHONPATH")])])
+    with subprocess.Popen(
+        [sys.executable, str(_ROBOT), *map(str, words)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"PYTHONPATH": path},
+    ) as process:
+        try:
+            yield DdsRobot(process)
+        finally:
+            process.kill()
+
+
+@contextmanager
+def base_of(*assignments: str) -> Iterator[Ros2Base]:
+    config = layered(Ros2Config(), environment={}, assignments=[*_PATIENT, *assignments])
+    with closing(Ros2Network(DOMAIN)) as network:
+        sensors = Ros2Sensors(network, config)
+        with closing(Ros2Base(network, config, sensors)) as base:
+            yield base
+
+
+@pytest.mark.slow
+def test_a_camera_that_freezes_stops_the_robot_within_half_a_second():
+    with robot_in("builtin", (0.0, 0.0, 0.0)) as robot, base_of() as base:
+        assert base.embodiment.camera.height_m == pytest.approx(0.88, abs=0.01)
+        while robot.told("state")["speed"] == 0.0:  # a busy machine may stop it, too
+            base.depth_view()
+            base.drive(Velocity(0.2), 0.1)
+        frozen = robot.told("freeze")
+        until_s = time.monotonic() + 1.5
+        while time.monotonic() < until_s:
+            base.drive(Velocity(0.2), 0.05)  # whatever the search wants
+        stopped = robot.told("state")
+        assert stopped["speed"] == 0.0
+        assert stopped["stopped_s"] - frozen["now_s"] < 0.5
+        robot.told("thaw")
+        base.depth_view()  # waits for the camera
+        base.sense()
+
+
+@pytest.mark.slow
+def test_topics_are_found_by_type_and_a_wrong_name_lists_them():
+    with robot_in("builtin", (0.0, 0.0, 0.0)), closing(Ros2Network(DOMAIN)) as network:
+        config = layered(Ros2Config(), environment={}, assignments=_PATIENT)
+        assert Ros2Sensors(network, config).calibration.frame == "camera_optical_frame"
+        config = layered(
+            Ros2Config(), environment={}, assignments=["topics.colour=/nose", "timing.find_s=3"]
+        )
+        with pytest.raises(TopicChoiceError, match=r"/nose.*/camera/depth/image_raw"):
+            Ros2Sensors(network, config)
+
+
+@pytest.mark.slow
+def test_the_bed_of_a_real_house_is_found_over_dds(small_house, test_data, tmp_path):
+    pytest.importorskip("onnxruntime")
+    detector = f"yolox:{test_data / 'models' / 'yolox_nano.onnx'}"
+    with (
+        robot_in(str(small_house), (-2.65, -0.68, -27.6), camera=(320, 240)) as robot,
+        closing(Ros2Network(DOMAIN)) as rviz,
+    ):
+        maps: list[OccupancyGrid] = []
+        rviz.subscribe("/hypernav/map", OccupancyGrid, Quality.LATCHED, maps.append)
+        words = [word for value in _PATIENT for word in ("--set", value)]
+        command = ["robot", "ros2", "bed", *words, "--detector", detector]
+        with pytest.raises(SystemExit) as left:
+            main([*command, "--out", str(tmp_path), "--quiet"])
+        assert left.value.code == 0
+        assert robot.told("state")["goal_m"] < SUCCESS_DISTANCE_M
+    assert maps[-1].info.width * maps[-1].info.height == len(maps[-1].data)
+    assert len(maps) > 5

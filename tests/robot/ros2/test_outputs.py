@@ -1,0 +1,64 @@
+"""Map, path and markers are where the search has them, as RViz reads messages."""
+
+import math
+
+import numpy as np
+
+from hypernav.core.geometry.grid import Cell, OccupancyGrid
+from hypernav.core.trace import BlockRecord, Mode, StepTrace
+from hypernav.robot.ros2.idl_types import Header, Time
+from hypernav.robot.ros2.outputs import (
+    grid_message,
+    image_message,
+    marker_message,
+    path_message,
+)
+
+HEADER = Header(Time(5, 6), "map")
+
+
+def test_a_map_has_its_first_cell_at_the_lower_left():
+    cells = np.full((2, 3), Cell.UNKNOWN, dtype=np.uint8)
+    cells[0, 0], cells[1, 2] = Cell.OCCUPIED, Cell.FREE
+    message = grid_message(OccupancyGrid(cells, 0.05, (-1.0, 2.0)), HEADER)
+    assert (message.info.width, message.info.height) == (3, 2)
+    assert (message.info.origin.position.x, message.info.origin.position.y) == (-1.0, 2.0)
+    assert np.frombuffer(message.data, dtype=np.int8).tolist() == [100, -1, -1, -1, -1, 0]
+
+
+def test_the_corners_of_a_path_look_ahead():
+    poses = path_message([(0.0, 0.0), (1.0, 0.0), (1.0, 2.0)], HEADER).poses
+    yaws = [2.0 * math.atan2(p.pose.orientation.z, p.pose.orientation.w) for p in poses]
+    assert np.allclose(yaws, [0.0, math.pi / 2.0, math.pi / 2.0])
+    assert path_message([], HEADER).poses == []
+
+
+def test_markers_replace_those_of_before():
+    trace = StepTrace(
+        step=3,
+        pose=(0.0, 0.0, 0.0),
+        action=None,
+        mode=Mode.APPROACH,
+        destination=(2.0, 1.0),
+        goal_area=[[(2.0, 1.0), (2.2, 1.0), (2.2, 1.2)]],
+    )
+    blocks = [BlockRecord(number=4, x_min=1.0, y_min=-1.0, size_m=2.0)]
+    first, *markers = marker_message(trace, blocks, HEADER).markers
+    assert first.action == 3
+    assert [(m.ns, m.id) for m in markers] == [
+        ("blocks", 4),
+        ("numbers", 4),
+        ("goal area", 0),
+        ("destination", 0),
+    ]
+    square = markers[0].points
+    assert (square[0].x, square[0].y) == (square[-1].x, square[-1].y) == (1.0, -1.0)
+    assert (markers[1].text, markers[1].pose.position.x) == ("4", 2.0)
+    assert markers[3].text == "approach"
+
+
+def test_an_image_has_rows_of_three_bytes_a_pixel():
+    rgb = np.arange(24, dtype=np.uint8).reshape(2, 4, 3)
+    message = image_message(rgb, HEADER)
+    assert (message.height, message.width, message.step, message.encoding) == (2, 4, 12, "rgb8")
+    assert message.data == rgb.tobytes()

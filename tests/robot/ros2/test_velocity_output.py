@@ -1,0 +1,67 @@
+"""Velocities go to the robot only as long as somebody means them and it is safe."""
+
+import threading
+import time
+from contextlib import closing
+
+from hypernav.robot.motion.velocity import STANDSTILL, Velocity
+from hypernav.robot.ros2.velocity_output import VelocityOutput
+
+FORWARD = Velocity(0.5)
+
+
+class Wheels:
+    """Remembers what it was told."""
+
+    def __init__(self) -> None:
+        self.told: list[Velocity] = []
+        self.changed = threading.Condition()
+
+    def __call__(self, velocity: Velocity) -> None:
+        with self.changed:
+            self.told.append(velocity)
+            self.changed.notify_all()
+
+    def wait_for(self, velocity: Velocity) -> bool:
+        with self.changed:
+            return self.changed.wait_for(lambda: self.told[-1:] == [velocity], timeout=30.0)
+
+
+def test_a_command_holds_for_a_moment_without_another():
+    wheels = Wheels()
+    with closing(VelocityOutput(wheels, lambda: True)) as output:
+        output.command(FORWARD)
+        assert wheels.told == [FORWARD]
+        assert wheels.wait_for(STANDSTILL)
+
+
+def test_what_is_not_safe_is_not_sent():
+    wheels, safe = Wheels(), threading.Event()
+    with closing(VelocityOutput(wheels, safe.is_set)) as output:
+        output.command(FORWARD)
+        assert wheels.told[-1] == STANDSTILL
+        safe.set()
+        output.command(FORWARD)
+        assert wheels.told[-1] == FORWARD
+        safe.clear()
+        assert wheels.wait_for(STANDSTILL)
+
+
+def test_standing_it_falls_silent_so_that_others_may_drive():
+    wheels = Wheels()
+    with closing(VelocityOutput(wheels, lambda: True)) as output:
+        output.command(FORWARD)
+        output.command(STANDSTILL)
+        time.sleep(1.0)
+        told = len(wheels.told)
+        assert 2 <= told <= 11
+        time.sleep(0.3)
+        assert len(wheels.told) == told
+
+
+def test_the_last_word_is_standstill():
+    wheels = Wheels()
+    output = VelocityOutput(wheels, lambda: True)
+    output.command(FORWARD)
+    output.close()
+    assert wheels.told[-1] == STANDSTILL
