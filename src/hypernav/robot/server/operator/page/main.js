@@ -80,7 +80,7 @@ function reason(status, step) {
   return `${MODES[step.mode]}: ${step.reason}` + (status.state === "deciding" ? " · deciding …" : "");
 }
 
-const sentence = (words) => words.charAt(0).toUpperCase() + words.slice(1) + (/[.!?]$/.test(words) ? "" : ".");
+const sentence = (words) => (/^\S+:\/\//.test(words) ? words : words.charAt(0).toUpperCase() + words.slice(1)) + (/[.!?]$/.test(words) ? "" : ".");
 
 function mapWords(map, step) {
   const size = map ? `${(map.extent.columns * map.extent.resolution_m).toFixed(1)} by ${(map.extent.rows * map.extent.resolution_m).toFixed(1)} metres` : "none yet";
@@ -122,12 +122,14 @@ function showQuestion(steps) {
   byId("question-box").hidden = !exchange;
   if (!exchange) {
     byId("asked").textContent = "Nothing was asked up to this step.";
-    byId("answer").textContent = "";
+    byId("answer").textContent = byId("answered").textContent = "";
     return;
   }
-  const took = exchange.by_model ? `, after ${exchange.seconds.toFixed(1)} s` : "";
+  const chosen = exchange.chosen === null ? "" : `Block ${exchange.chosen} was chosen. `;
+  const took = exchange.by_model ? ` after ${exchange.seconds.toFixed(1)} s` : "";
   byId("asked").textContent = `Step ${step.step + 1}: ${QUESTIONS[exchange.kind] ?? exchange.kind}`;
-  byId("answer").textContent = `${exchange.answer} (${exchange.asked}${took})`;
+  byId("answer").textContent = exchange.answer;
+  byId("answered").textContent = `${chosen}Answered by ${exchange.asked}${took}`;
   byId("question").textContent = exchange.question;
 }
 
