@@ -59,7 +59,11 @@ class Ended:
     waited: list[Answer]
 
 
-@pytest.fixture(scope="module", params=[signal.SIGINT, signal.SIGTERM])
+@pytest.fixture(
+    scope="module",
+    params=[pytest.param(signal.SIGINT, marks=pytest.mark.slow), signal.SIGTERM],
+    ids=["SIGINT", "SIGTERM"],
+)
 def ended(request, tmp_path_factory) -> Ended:
     state = tmp_path_factory.mktemp("state")
     program = (

@@ -74,7 +74,9 @@ def undisturbed() -> Searched:
     return search()
 
 
-@pytest.mark.parametrize("continuous", [False, True], ids=["steps", "continuous"])
+@pytest.mark.parametrize(
+    "continuous", [False, pytest.param(True, marks=pytest.mark.slow)], ids=["steps", "continuous"]
+)
 def test_it_finds_the_bed(continuous):
     searched = search(continuous=True) if continuous else undisturbed()
     assert searched.found
@@ -100,6 +102,7 @@ def test_a_bad_network_changes_nothing_but_the_time():
     assert bad.base.path_length_m == good.base.path_length_m
 
 
+@pytest.mark.slow
 def test_blocked_wheels_are_reported_and_the_cell_ahead_becomes_an_obstacle():
     searched = search(MishapConfig(stuck_share=0.15), seed=3)
     assert searched.found
@@ -114,6 +117,7 @@ def test_blocked_wheels_are_reported_and_the_cell_ahead_becomes_an_obstacle():
     assert all(searched.link.blocked[step] for step in bumps)
 
 
+@pytest.mark.slow
 def test_it_drives_by_odometry_while_localisation_jumps():
     searched = search(MishapConfig(localisation_error_m=0.02), continuous=True)
     assert searched.found

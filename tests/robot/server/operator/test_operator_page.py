@@ -165,6 +165,7 @@ def test_stop_stops_a_robot_that_drives_to_its_goal(page, tmp_path, monkeypatch)
     assert not page.driver.get_log("browser")
 
 
+@pytest.mark.slow
 def test_a_goal_typed_on_the_page_is_found(page, tmp_path):
     with robot_server(tmp_path, real_plan) as link, waiting_robot(link.port, 50.0):
         page.driver.get(f"http://127.0.0.1:{link.port}/")
