@@ -238,7 +238,7 @@ def test_an_agent_of_ones_own_asks_for_a_detector(folder: Path):
 )
 def test_what_does_not_fit_names_the_remedy(
     folder: Path,
-    specs: dict[str, str],
+    specs: dict[str, Any],
     assignments: tuple[str, ...],
     error: type[HyPerNavError],
     words: str,
