@@ -19,6 +19,7 @@ import tyro
 from rich.console import Console
 from rich.table import Table
 
+from hypernav.agents.search import SearchAgent
 from hypernav.build.agents import build_search
 from hypernav.build.presets import HyPerNavConfig, preset
 from hypernav.build.scenes import load_scene
@@ -34,6 +35,7 @@ from hypernav.worlds.goal_sight import MIN_VISIBLE_SHARE
 from hypernav.worlds.simulation import SimulatedWorld
 
 SMALL_IMAGES = ("embodiment.camera.width=320", "embodiment.camera.height=240")
+NOTHING = Goal("nothing of the kind")
 
 
 class Onlooker:
@@ -88,14 +90,25 @@ class Variant:
             del words[at : at + 2]
         return Variant(name, agent, layered(preset("default"), assignments=[*SMALL_IMAGES, *words]))
 
+    def search(self, onlooker: Onlooker) -> SearchAgent:
+        """The agent, with an onlooker for a detector."""
+        return build_search(self.config, onlooker, ExchangeLog(), agent=self.agent)
 
-def first_sights(world: SimulatedWorld, variant: Variant, start: Pose2) -> dict[str, Sight]:
-    """When each goal of a building is first seen by a robot that looks for none of them."""
-    onlooker = Onlooker()
-    agent = build_search(variant.config, onlooker, ExchangeLog(), agent=variant.agent)
-    episode = Episode("", "", Goal("nothing of the kind"), start)
+
+def first_sights(
+    world: SimulatedWorld, agent: SearchAgent, onlooker: Onlooker, start: Pose2
+) -> dict[str, Sight]:
+    """When each goal of a building is first seen by a robot that looks for none of them.
+
+    Args:
+        world: The building.
+        agent: Agent whose detector is the onlooker.
+        onlooker: Onlooker that has seen nothing yet.
+        start: Pose to begin at.
+    """
+    episode = Episode("", "", NOTHING, start)
     observation = world.reset(episode)
-    agent.reset(episode.goal)
+    agent.reset(NOTHING)
     goals = {goal: world.regions.of(Goal(goal)) for goal in world.regions.categories()}
     unseen = {goal: {one.id for one in region.instances} for goal, region in goals.items()}
     lengths, positions = list[float](), list[tuple[float, float, float]]()
@@ -145,7 +158,10 @@ def main(scenes: Sequence[str], variants: Sequence[str], starts: int = 2, seed: 
         rng = np.random.default_rng(seed)
         for _ in range(starts):
             start = Pose2(*world.walkable.random_point(rng), rng.uniform(-math.pi, math.pi))
-            found = {one.name: first_sights(world, one, start) for one in read}
+            found = {
+                one.name: first_sights(world, one.search(seen := Onlooker()), seen, start)
+                for one in read
+            }
             turn = read[0].config.embodiment.motion.turns_of_a_circle
             some = [
                 g for g in found[read[0].name] if all(f[g].image >= turn for f in found.values())

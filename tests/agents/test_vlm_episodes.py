@@ -254,7 +254,7 @@ def test_asking_ahead_depends_on_steps_and_not_on_the_model_s_speed(server: Scri
 def test_a_server_that_dies_ends_the_search_within_the_patience():
     with ScriptedServer() as server, watching(Truth()) as truth:
         server.brain = TruthfulBrain(truth)
-        parts = agent_on(server.spec, "paper", patience_s=0.5)
+        parts = agent_on(server.spec, "paper", patience_s=2.0)
         episode = EpisodeRun(parts.agent, two_rooms(), episode_from(START, BED, max_steps=150))
         seen = []
         for step in episode:
@@ -263,7 +263,7 @@ def test_a_server_that_dies_ends_the_search_within_the_patience():
                 server.stop()
         result = episode.result()
     assert (result.outcome, result.steps, len(seen)) == (Outcome.MODEL_UNAVAILABLE, 5, 5)
-    assert "patience of 0.5 s" in result.detail
+    assert "patience of 2.0 s" in result.detail
     assert not result.metrics.success
     assert parts.take_report()["ledger"]["total"]["faults"] == {"unavailable": 1}
     assert all(step.exchanges for step in seen)
