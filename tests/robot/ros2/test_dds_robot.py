@@ -122,6 +122,8 @@ def test_the_bed_of_a_real_house_is_found_over_dds(small_house, test_data, tmp_p
         with pytest.raises(SystemExit) as left:
             main([*command, "--out", str(tmp_path), "--quiet"])
         assert left.value.code == 0
+        result = json.loads((tmp_path / "result.json").read_text())
+        assert (result["outcome"], result["reasoner"]) == ("found", "geometric")
         assert robot.told("state")["goal_m"] < SUCCESS_DISTANCE_M
     assert maps[-1].info.width * maps[-1].info.height == len(maps[-1].data)
     assert len(maps) > 5

@@ -22,6 +22,7 @@ from hypernav.cli.robots.own_server import server_at
 from hypernav.cli.terminal import Terminal
 from hypernav.core.components.extras import require
 from hypernav.core.config import layered
+from hypernav.core.episode import Outcome
 from hypernav.core.errors import ConfigError, RequestRefusedError, RobotLinkError
 from hypernav.core.goal import Goal
 from hypernav.evaluation.recorder import EpisodeRecorder
@@ -35,6 +36,13 @@ from hypernav.robot.wire.requests import Intrinsics, OpenSearch
 if TYPE_CHECKING:
     from hypernav.robot.ros2.base import Ros2Base
     from hypernav.robot.ros2.outputs import Ros2Outputs
+
+_OUTCOMES: dict[SearchEnding | None, Outcome] = {
+    SearchEnding.FOUND: Outcome.FOUND,
+    SearchEnding.GAVE_UP: Outcome.NOT_FOUND,
+    SearchEnding.MODEL_UNAVAILABLE: Outcome.MODEL_UNAVAILABLE,
+}
+"""Outcomes as the agent claims them: nobody measures here."""
 
 
 def run(options: Ros2) -> int:
@@ -84,15 +92,18 @@ def run(options: Ros2) -> int:
             _recording(options, opened) as recorder,
             StopListener(server.address, opened.id, client.stop),
         ):
-            ending = _search(client, base, server, opened, outputs, recorder, status)
+            ending, length_m = _search(client, base, server, opened, outputs, recorder, status)
+            detector, reasoner = opened.detector_and_reasoner
             result: dict[str, Any] = {
                 "goal": goal.text,
                 "scene": "a robot on ROS 2",
                 "agent": options.agent or "hypernav",
                 "preset": options.preset or "default",
-                "detector": opened.words,
-                "outcome": ending or "interrupted",
+                "detector": detector,
+                "reasoner": reasoner,
+                "outcome": _OUTCOMES.get(ending, Outcome.INTERRUPTED),
                 "steps": client.steps,
+                "path_length_m": length_m,
                 "blocked": client.blocked,
                 "late_answers": client.watchdog.times_late,
                 "config": config.model_dump(mode="json"),
@@ -137,12 +148,18 @@ def _search(
     outputs: "Ros2Outputs",
     recorder: EpisodeRecorder | None,
     status: Status,
-) -> SearchEnding | None:
-    """Run the search to its end, and publish what the server says about every step."""
-    ending, known = None, 0
+) -> tuple[SearchEnding | None, float]:
+    """Run the search to its end, and publish what the server says about every step.
+
+    Returns:
+        Ending, and length of the path by odometry, metres.
+    """
+    ending, known, length_m, before = None, 0, 0.0, base.odometry()
     for step in client:
         reply, sensed = step.reply, step.sensed
         ending = reply.ending
+        length_m += before.distance_to(*sensed.odometry.xy)
+        before = sensed.odometry
         status.update(escape(f"step {reply.sequence + 1} · {reply.mode} · {reply.reason}"))
         for trace in server.trace(opened.id, since=known):
             known, grid = trace.step + 1, server.grid(opened.id)
@@ -150,7 +167,7 @@ def _search(
             outputs.publish(trace, grid, sensed.rgb, at_s=sensed.stamp_s, camera_frame=frame)
             if recorder is not None:
                 recorder.record(trace, grid, sensed.rgb)
-    return ending
+    return ending, length_m
 
 
 def _recording(
@@ -158,11 +175,12 @@ def _recording(
 ) -> AbstractContextManager[EpisodeRecorder | None]:
     if options.out is None:
         return nullcontext()
+    detector, reasoner = opened.detector_and_reasoner
     return EpisodeRecorder(
         options.out,
         goal=options.goal,
         agent=options.agent or "hypernav",
-        detector=opened.words,
-        reasoner="",
+        detector=detector,
+        reasoner=reasoner,
         step_limit=options.max_steps,
     )

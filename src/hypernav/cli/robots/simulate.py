@@ -116,8 +116,8 @@ def run(options: Simulate) -> int:
                     "scene": base.world.scene.name,
                     "agent": options.agent or "hypernav",
                     "preset": options.preset or "default",
-                    "detector": _detector_and_reasoner(opened)[0],
-                    "reasoner": _detector_and_reasoner(opened)[1],
+                    "detector": opened.detector_and_reasoner[0],
+                    "reasoner": opened.detector_and_reasoner[1],
                     "seed": options.seed,
                     "start": [start.x, start.y, float(np.degrees(start.yaw))],
                     "outcome": _outcome(ending, metrics),
@@ -215,7 +215,7 @@ def _recording(
 ) -> AbstractContextManager[EpisodeRecorder | None]:
     if options.out is None:
         return nullcontext()
-    detector, reasoner = _detector_and_reasoner(opened)
+    detector, reasoner = opened.detector_and_reasoner
     return EpisodeRecorder(
         options.out,
         goal=options.goal,
@@ -224,12 +224,6 @@ def _recording(
         reasoner=reasoner,
         step_limit=options.max_steps,
     )
-
-
-def _detector_and_reasoner(opened: SearchOpened) -> tuple[str, str]:
-    """Both as the server names them: "detector ground truth, reasoner geometric"."""
-    detector, _, reasoner = opened.words.removeprefix("detector ").partition(", reasoner ")
-    return detector, reasoner
 
 
 def _outcome(ending: SearchEnding | None, metrics: EpisodeMetrics) -> str:

@@ -22,6 +22,12 @@ class SearchOpened(Message):
     version: str
     words: str
 
+    @property
+    def detector_and_reasoner(self) -> tuple[str, str]:
+        """Both out of ``words``, "detector ground truth, reasoner geometric"."""
+        detector, _, reasoner = self.words.removeprefix("detector ").partition(", reasoner ")
+        return detector, reasoner
+
 
 class Velocity(Message):
     """A suggestion for a robot that drives continuously, in its base frame (REP 103).
