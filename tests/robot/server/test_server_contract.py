@@ -3,12 +3,14 @@
 import json
 import threading
 import time
+from typing import Any
 
 import pytest
 
 from hypernav.core.actions import Action
-from hypernav.core.errors import ModelUnavailableError
+from hypernav.core.errors import ModelUnavailableError, RunFolderError
 from hypernav.evaluation.checks.box_room import BoxRoom
+from hypernav.robot.server.state.journal import Journal
 from servers.robots import body_of, drive, real_plan, robot_server
 
 
@@ -173,6 +175,30 @@ def test_a_full_disk_takes_no_observation_and_has_room_for_a_stop(
     link.call("POST", f"{search}/stop", {})
     assert kept.st_size == 4096
     assert (folder / "end.json").stat().st_ino == kept.st_ino
+
+
+def test_a_stop_that_cannot_be_written_holds_and_is_written_when_sent_again(
+    link, monkeypatch, tmp_path
+):
+    searches = [link.open("quick"), link.open("quick")]
+    ends = [tmp_path / "searches" / one.rpartition("/")[2] / "end.json" for one in searches]
+    latest, write_end = ends[-1].parent, Journal.write_end
+
+    def fail(journal: Journal, *end: Any) -> None:
+        if journal.folder == latest:
+            raise RunFolderError("no room")
+        write_end(journal, *end)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Journal, "write_end", fail)
+        answer = link.call("POST", "/v1/stop", {})
+        assert answer.status == 507
+        assert "A stop holds until the server ends" in answer.json["message"]
+        assert [end.exists() for end in ends] == [True, False]
+    assert [link.observe(one, body_of(0)).json["ending"] for one in searches] == ["stopped"] * 2
+    (written,) = link.call("POST", "/v1/stop", {}).json
+    assert written["id"] == latest.name
+    assert ends[-1].exists()
 
 
 def test_an_error_of_ours_stops_the_robot_and_tells_no_secrets(link, script, monkeypatch):

@@ -240,8 +240,12 @@ async def _refused(_: Request, error: Exception) -> Response:
 
 async def _storage(_: Request, error: Exception) -> Response:
     _LOG.error("%s", error)
-    words = "the server cannot write its state; its log says more. A stop counts until it ends"
-    return refusal("storage", words, 507)
+    return refusal(
+        "storage",
+        "the server cannot write its state; its log says more. A stop holds until the server ends; "
+        "send it again when there is room",
+        507,
+    )
 
 
 async def _invalid(_: Request, error: Exception) -> Response:

@@ -57,6 +57,7 @@ class Search:
         self._worker: Worker | None = None
         self._is_resuming = False
         end = journal.end
+        self._is_end_kept = end is not None
         self._turns = Turns(self._recalled(), end)
         if end is not None:
             self.grid = journal.read_map()
@@ -78,6 +79,11 @@ class Search:
     def is_over(self) -> bool:
         """Whether the search has ended."""
         return self._turns.end is not None
+
+    @property
+    def is_end_kept(self) -> bool:
+        """Whether the search has ended, and a restarted server will know."""
+        return self._is_end_kept
 
     def go_on(self, decisions: Decisions) -> None:
         """Begin to decide, after the agent has seen again what the journal holds.
@@ -148,6 +154,7 @@ class Search:
         """
         if self._turns.end is not None:
             self._journal.write_end(self._turns.end, self.grid)
+            self._is_end_kept = True
 
     def halt(self) -> Worker | None:
         """Let go of everything; the search is not over, and can be taken up again.

@@ -117,10 +117,11 @@ class Searches:
             reason: Who stops them, or why.
 
         Returns:
-            The searches that were under way. One that is being opened just now is stopped, too.
+            The searches that were under way, and those whose end could not be written yet. One that
+            is being opened just now is stopped, too.
         """
         self._stops += 1
-        stopped = [search for search in self.all() if not search.is_over]
+        stopped = [search for search in self.all() if not search.is_end_kept]
         for search in stopped:
             search.stop(reason)
         return stopped

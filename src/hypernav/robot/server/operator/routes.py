@@ -1,5 +1,6 @@
 """The paths of the operator: the page, goals for robots that wait, and STOP for all."""
 
+from contextlib import ExitStack
 from typing import Annotated
 
 from fastapi import APIRouter, Path, Query
@@ -69,8 +70,10 @@ def operator_routes(searches: Searches, waiting: WaitingRobots) -> APIRouter:
         """Stop every robot for good, and take back goals that none has taken up yet."""
         waiting.withdraw_all()
         stopped = searches.stop_all(request.reason)
-        for search in stopped:
-            await run_in_threadpool(search.write_end)
+        with ExitStack() as ends:  # of which one that fails keeps no other from being written
+            for search in stopped:
+                ends.callback(search.write_end)
+            await run_in_threadpool(ends.close)
         return [search.status() for search in stopped]
 
     return routes
