@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import threading
+import urllib.request
 
 import pytest
 from rerun.chunk import RrdReader
@@ -89,10 +90,11 @@ def test_ctrl_c_leaves_files_that_open(glb, tmp_path):
         (("--view", "foxglove"), "pip install 'hypernav[foxglove]'"),
         (("--rrd", "x.rrd"), "pip install 'hypernav[rerun]'"),
         (("--view", "rerun"), "pip install 'hypernav[rerun]'"),
+        (("--view", "page"), "pip install 'hypernav[robot]'"),
     ],
 )
 def test_a_missing_package_is_named_with_its_extra(options, words, glb, tmp_path, without, capsys):
-    without("foxglove", "rerun")
+    without("foxglove", "rerun", "uvicorn")
     assert hypernav("find", "bed", "--scene", glb, "--out", tmp_path / "out", *options) == 2
     said = capsys.readouterr().err
     assert words in said
@@ -149,3 +151,29 @@ def test_a_search_waits_for_foxglove_and_sends_it_every_step(glb, tmp_path, monk
     assert waiting.is_set()
     assert [step["step"] for step in steps] == list(range(len(steps)))
     assert steps[-1]["ending"] == "found"
+
+
+def test_stop_on_the_page_ends_the_search_as_ctrl_c_does(glb, tmp_path):
+    options = ("piano", "--scene", str(glb), "--out", str(tmp_path / "out"), "--view", "page")
+    with subprocess.Popen(
+        [*COMMAND, *options, *SMALL], stderr=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stderr is not None
+        url = process.stderr.readline().split()[1]
+        request = urllib.request.Request(
+            f"{url}v1/stop",
+            data=b'{"reason": "enough"}',
+            headers={"content-type": "application/json"},
+        )
+        urllib.request.urlopen(f"{url}v1/searches", timeout=60).close()  # a page is open
+        trace = tmp_path / "out" / "trace.jsonl"
+        while process.poll() is None and trace.read_text().count("\n") < 2:
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                process.wait(0.05)
+        urllib.request.urlopen(request, timeout=60).close()
+        said = ""
+        while "until Ctrl-C" not in said:
+            said = process.stderr.readline()
+        process.send_signal(signal.SIGINT)
+        assert process.wait(60) == 130
+    assert json.loads((tmp_path / "out" / "result.json").read_text())["outcome"] == "interrupted"

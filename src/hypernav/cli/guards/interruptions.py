@@ -1,6 +1,7 @@
 """Ctrl-C and SIGTERM: one kind of interruption, which a block can put off."""
 
 import signal
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
@@ -37,6 +38,11 @@ def interruptions_put_off() -> Iterator[None]:
             signal.signal(number, handler)
     if came:
         signal.raise_signal(came[0])
+
+
+def interrupt() -> None:
+    """End the command as Ctrl-C does, from any thread."""
+    signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
 
 
 def _terminate(_number: int, _frame: FrameType | None) -> NoReturn:

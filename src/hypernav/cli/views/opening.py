@@ -11,7 +11,7 @@ from typing import Any
 from rich.markup import escape
 from rich.status import Status
 
-from hypernav.cli.guards.interruptions import Terminated
+from hypernav.cli.guards.interruptions import Terminated, interrupt
 from hypernav.cli.guards.outputs import check_file
 from hypernav.cli.terminal import Terminal
 from hypernav.cli.views.options import ViewOptions
@@ -38,6 +38,9 @@ def check_views(options: ViewOptions) -> None:
     """
     if options.pace is not None:
         check_option("--pace", options.pace, (0.01, 1000.0), "steps a second")
+    if options.view == "page":
+        for module in ("fastapi", "uvicorn", "websockets"):
+            require(module, extra="robot")
     if options.view == "rerun" or options.rrd is not None:
         require("rerun", extra="rerun")
     if options.view == "foxglove" or options.mcap is not None:
@@ -138,6 +141,10 @@ def opened_views(options: ViewOptions, info: EpisodeInfo, recorder: View) -> Ite
             from hypernav.show.views.foxglove_view import McapView
 
             open_view(McapView(options.mcap, info))
+        if options.view == "page":
+            from hypernav.robot.server.watching.page_view import PageView
+
+            open_view(PageView(info, interrupt))
         if options.view == "rerun":
             from hypernav.show.views.rerun_view import RerunView
 

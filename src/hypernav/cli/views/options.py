@@ -11,14 +11,16 @@ import tyro
 class ViewOptions:
     """Where to show the search beside its own page and video."""
 
-    view: Literal["rerun", "foxglove"] | None = None
-    """Watch the search as it goes: rerun, in its own viewer; foxglove, at a WebSocket."""
+    view: Literal["page", "rerun", "foxglove"] | None = None
+    """Watch the search as it goes: page, in a browser, with a STOP; rerun, in its viewer; foxglove,
+    at a WebSocket."""
     rrd: Path | None = None
     """File to record the search in for rerun."""
     mcap: Path | None = None
     """File to record the search in for Foxglove and other readers of MCAP."""
     pace: float | None = None
-    """Largest number of steps a second, to watch them; 5 with --view foxglove, else no limit."""
+    """Largest number of steps a second, to watch them; 5 with --view page or foxglove, else no
+    limit."""
 
 
 FlatViewOptions = Annotated[ViewOptions, tyro.conf.arg(name="")]

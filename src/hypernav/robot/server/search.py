@@ -183,7 +183,7 @@ class Search:
                 next_sequence=turns.next_sequence,
                 last=None if turns.last is None else turns.last.reply,
                 pose=self.pose,
-                map=None if grid is None else _extent(grid),
+                map=None if grid is None else extent_of(grid),
                 ending=None if turns.end is None else turns.end.ending,
                 detail="" if turns.end is None else turns.end.detail,
             )
@@ -303,7 +303,8 @@ class Search:
             _LOG.error("search %s: %s", self.record.id, error)
 
 
-def _extent(grid: OccupancyGrid) -> MapExtent:
+def extent_of(grid: OccupancyGrid) -> MapExtent:
+    """Where a map lies, for the status."""
     rows, columns = grid.cells.shape
     x, y = (round(value, 6) for value in grid.origin)
     return MapExtent(rows=rows, columns=columns, resolution_m=grid.resolution_m, origin=(x, y))

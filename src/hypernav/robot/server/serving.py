@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import uvicorn
+from fastapi import FastAPI
 
 from hypernav.core.errors import ConfigError
 from hypernav.core.files.reading import read_file
@@ -107,23 +108,7 @@ class RobotServer(uvicorn.Server):
             limits: Limits of the server.
         """
         self._searches, self._waiting = searches, WaitingRobots()
-        super().__init__(
-            uvicorn.Config(
-                make_app(searches, self._waiting, access, limits),
-                http=TimedHeads,
-                h11_max_incomplete_event_size=MOST_HEAD_BYTES,
-                backlog=_ACCEPTED_AT_ONCE,
-                ws="websockets-sansio",
-                ws_max_size=MOST_BODY_BYTES,
-                ws_per_message_deflate=False,  # images do not get any smaller
-                log_config=None,
-                access_log=False,
-                server_header=False,
-                proxy_headers=False,  # nobody may say that it comes from elsewhere
-                lifespan="off",
-                timeout_graceful_shutdown=_PATIENCE_S,
-            )
-        )
+        super().__init__(server_config(make_app(searches, self._waiting, access, limits)))
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Begin to listen."""
@@ -144,6 +129,25 @@ def _raise_open_files() -> None:
     most = _OPEN_FILES if hard == resource.RLIM_INFINITY else min(_OPEN_FILES, hard)
     if soft != resource.RLIM_INFINITY and soft < most:
         resource.setrlimit(resource.RLIMIT_NOFILE, (most, hard))
+
+
+def server_config(app: FastAPI) -> uvicorn.Config:
+    """How uvicorn runs an application."""
+    return uvicorn.Config(
+        app,
+        http=TimedHeads,
+        h11_max_incomplete_event_size=MOST_HEAD_BYTES,
+        backlog=_ACCEPTED_AT_ONCE,
+        ws="websockets-sansio",
+        ws_max_size=MOST_BODY_BYTES,
+        ws_per_message_deflate=False,  # images do not get any smaller
+        log_config=None,
+        access_log=False,
+        server_header=False,
+        proxy_headers=False,  # nobody may say that it comes from elsewhere
+        lifespan="off",
+        timeout_graceful_shutdown=_PATIENCE_S,
+    )
 
 
 def listening(host: str, port: int) -> socket.socket:

@@ -11,7 +11,7 @@ from starlette.responses import Response
 from hypernav.core.goal import Goal
 from hypernav.robot.server.operator.files import page_files
 from hypernav.robot.server.operator.waiting import WaitingRobots
-from hypernav.robot.server.searches import Searches
+from hypernav.robot.server.watching.routes import ShownSearches
 from hypernav.robot.wire.replies import Status
 from hypernav.robot.wire.requests import StopRequest
 from hypernav.robot.wire.waiting import (
@@ -27,7 +27,7 @@ from hypernav.robot.wire.waiting import (
 _Name = Annotated[str, Path(pattern=ROBOT_NAME, description="Name of the robot.")]
 
 
-def operator_routes(searches: Searches, waiting: WaitingRobots) -> APIRouter:
+def operator_routes(searches: ShownSearches, waiting: WaitingRobots) -> APIRouter:
     """The operator's paths.
 
     Args:

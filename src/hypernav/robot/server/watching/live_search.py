@@ -1,0 +1,171 @@
+"""A search of this program as the operator's page sees it."""
+
+import secrets
+import threading
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+from hypernav.core.episode import Outcome
+from hypernav.core.errors import RequestRefusedError
+from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.trace import StepTrace
+from hypernav.robot.server.bell import Bell
+from hypernav.robot.server.search import extent_of
+from hypernav.robot.wire.replies import SearchEnding, SearchState, Status
+from hypernav.show import captions
+from hypernav.show.video.frame import EpisodeInfo
+
+_ENDINGS = {
+    Outcome.FOUND: SearchEnding.FOUND,
+    Outcome.WRONG_PLACE: SearchEnding.FOUND,  # as the agent claims
+    Outcome.NOT_FOUND: SearchEnding.GAVE_UP,
+    Outcome.UNREACHABLE: SearchEnding.GAVE_UP,
+    Outcome.MODEL_UNAVAILABLE: SearchEnding.MODEL_UNAVAILABLE,
+    Outcome.INTERRUPTED: SearchEnding.STOPPED,
+}
+
+
+class LiveSearch:
+    """A search that is told its steps, and kept in memory. Thread-safe.
+
+    Attributes:
+        bell: Bell that rings at every change of the status.
+        grid: Map after the last step; None before the first.
+        colour: Format and bytes of the last colour image; None before the first.
+    """
+
+    def __init__(self, info: EpisodeInfo, on_stop: Callable[[], object]) -> None:
+        """Begin before the first step.
+
+        Args:
+            info: Goal and components of the search.
+            on_stop: Function that ends the search, called from another thread.
+        """
+        self.bell = Bell()
+        self.grid: OccupancyGrid | None = None
+        self.colour: tuple[str, bytes] | None = None
+        self._name, self._opened_s = secrets.token_hex(16), time.time()
+        self._info = info
+        self._on_stop = on_stop
+        self._lock = threading.RLock()
+        self._version = 0
+        self._traces: list[StepTrace] = []
+        self._images: dict[int, bytes] = {}
+        self._ending: SearchEnding | None = None
+        self._detail = ""
+
+    def add(self, step: StepTrace, grid: OccupancyGrid | None, image: bytes | None) -> None:
+        """Take a step.
+
+        Args:
+            step: Trace of the step.
+            grid: The agent's map, which may change afterwards; None if it has none.
+            image: The colour image, JPEG; None if nobody kept it.
+        """
+        with self._lock:
+            self._traces.append(step)
+            if image is not None:
+                self.colour = ("jpeg", image)
+                self._images[step.step] = image
+            if grid is not None:
+                self.grid = grid.cropped().copy()
+        self._note_change()
+
+    def finish(self, result: Mapping[str, Any]) -> None:
+        """Note how the search ended, unless somebody stopped it.
+
+        Args:
+            result: Content of ``result.json``.
+        """
+        with self._lock:
+            if self._ending is None:
+                outcome = Outcome(result["outcome"])
+                self._ending = _ENDINGS[outcome]
+                claims_more = outcome is not Outcome.FOUND
+                self._detail = captions.headline(result).text if claims_more else ""
+        self._note_change()
+
+    def stop(self, reason: str) -> None:
+        """End the search, as someone pressed STOP."""
+        with self._lock:
+            if self._ending is not None:
+                return
+            self._ending, self._detail = SearchEnding.STOPPED, reason
+        self._note_change()
+        self._on_stop()
+
+    def write_end(self) -> None:
+        """Do nothing: what is to last is written elsewhere."""
+
+    def status(self) -> Status:
+        """The present state."""
+        with self._lock:
+            count = len(self._traces)
+            return Status(
+                id=self._name,
+                version=self._version,
+                goal=self._info.goal,
+                words=f"detector {self._info.detector}, reasoner {self._info.reasoner}",
+                opened_s=self._opened_s,
+                state=SearchState.WAITING if self._ending is None else SearchState.ENDED,
+                next_sequence=count,
+                pose=self._traces[-1].pose if count else None,
+                map=None if self.grid is None else extent_of(self.grid),
+                ending=self._ending,
+                detail=self._detail,
+            )
+
+    def colour_of(self, sequence: int) -> tuple[str, bytes] | None:
+        """Format and bytes of a step's colour image; None if there is none."""
+        image = self._images.get(sequence)
+        return None if image is None else ("jpeg", image)
+
+    @contextmanager
+    def reading(self) -> Iterator["LiveSearch"]:
+        """The search itself, which can be read at any time."""
+        yield self
+
+    def trace_lines(self, since: int) -> Iterator[str]:
+        """The steps as JSON, from a number on."""
+        for trace in self._traces[since:]:
+            yield trace.model_dump_json() + "\n"
+
+    def _note_change(self) -> None:
+        with self._lock:
+            self._version += 1
+        self.bell.ring()
+
+
+class OnlySearch:
+    """The one search of a program, as all searches of a server.
+
+    Attributes:
+        was_asked: Whether a page has asked for it.
+    """
+
+    def __init__(self, search: LiveSearch) -> None:
+        """Take the search."""
+        self._search = search
+        self.was_asked = False
+
+    def find(self, name: str) -> LiveSearch:
+        """The search, if that is its name.
+
+        Raises:
+            RequestRefusedError: It is not.
+        """
+        if name != self._search.status().id:
+            raise RequestRefusedError(f"there is no search {name}", error="unknown", status=404)
+        return self._search
+
+    def all(self) -> list[LiveSearch]:
+        """The search."""
+        self.was_asked = True
+        return [self._search]
+
+    def stop_all(self, reason: str) -> list[LiveSearch]:
+        """Stop the search."""
+        self._search.stop(reason)
+        return [self._search]

@@ -1,0 +1,203 @@
+"""The paths on which searches are looked at, and stopped."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import AbstractContextManager
+from importlib.metadata import version
+from typing import Annotated, Protocol, runtime_checkable
+
+from fastapi import APIRouter, Path, Query
+from fastapi.responses import JSONResponse, Response, StreamingResponse
+from starlette.concurrency import run_in_threadpool
+
+from hypernav.core.errors import RequestRefusedError
+from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.robot.server.bell import Bell
+from hypernav.robot.server.guard import API
+from hypernav.robot.server.maps import map_png, map_server_file, occupancy_grid
+from hypernav.robot.wire.replies import Health, Status
+from hypernav.robot.wire.requests import StopRequest
+from hypernav.robot.wire.values import LONGEST_WAIT_S, SEARCHES
+
+Name = Annotated[str, Path(pattern=r"^[0-9a-f]{32}$", description="Name of the search.")]
+"""The name of a search, in a path."""
+
+
+@runtime_checkable
+class Traces(Protocol):
+    """What a search has decided."""
+
+    def trace_lines(self, since: int) -> Iterator[str]:
+        """The traces of the decisions as JSON, from a number on."""
+        ...
+
+
+@runtime_checkable
+class ShownSearch(Protocol):
+    """A search that can be looked at and stopped. Thread-safe."""
+
+    @property
+    def bell(self) -> Bell:
+        """Bell that rings at every change of the status."""
+        ...
+
+    @property
+    def grid(self) -> OccupancyGrid | None:
+        """Map after the last decision; None before the first."""
+        ...
+
+    @property
+    def colour(self) -> tuple[str, bytes] | None:
+        """Format and bytes of the last colour image; None before the first."""
+        ...
+
+    def colour_of(self, sequence: int) -> tuple[str, bytes] | None:
+        """Format and bytes of an observation's colour image; None if it has not come."""
+        ...
+
+    def status(self) -> Status:
+        """The present state."""
+        ...
+
+    def reading(self) -> AbstractContextManager[Traces]:
+        """The decisions, to read them while the search goes on."""
+        ...
+
+    def stop(self, reason: str) -> None:
+        """End the search from outside, at once; `write_end` makes it last."""
+        ...
+
+    def write_end(self) -> None:
+        """Write the end of the search down, if it is over."""
+        ...
+
+
+@runtime_checkable
+class ShownSearches(Protocol):
+    """All searches that can be looked at."""
+
+    def find(self, name: str) -> ShownSearch:
+        """A search by its name.
+
+        Raises:
+            RequestRefusedError: There is none of this name.
+        """
+        ...
+
+    def all(self) -> Sequence[ShownSearch]:
+        """All searches, the latest first."""
+        ...
+
+    def stop_all(self, reason: str) -> Sequence[ShownSearch]:
+        """Stop every robot at once.
+
+        Returns:
+            The searches that were under way.
+        """
+        ...
+
+
+def watching_routes(searches: ShownSearches) -> APIRouter:
+    """The paths on which searches are looked at, and stopped.
+
+    Args:
+        searches: The searches.
+    """
+    routes = APIRouter()
+
+    @routes.get(f"{API}/health")
+    async def health() -> Health:
+        """Whether the server is there, and which version it is."""
+        return Health(version=version("hypernav"))
+
+    @routes.get(SEARCHES)
+    async def list_searches(
+        most: Annotated[int, Query(ge=1, le=1000, description="Largest number of searches.")] = 100,
+    ) -> list[Status]:
+        """The latest searches, past ones included."""
+        return [search.status() for search in searches.all()[:most]]
+
+    @routes.get(f"{SEARCHES}/{{name}}")
+    async def status(
+        name: Name,
+        after: Annotated[int, Query(ge=-1, le=2**53, description="Version known already.")] = -1,
+        wait_s: Annotated[float, Query(ge=0.0, le=LONGEST_WAIT_S)] = 0.0,
+    ) -> Status:
+        """The state of a search, as soon as its version is another than that known already."""
+        search = searches.find(name)
+        await search.bell.until(lambda: search.status().version != after, wait_s)
+        return search.status()
+
+    @routes.post(f"{SEARCHES}/{{name}}/stop")
+    async def stop(name: Name, request: StopRequest) -> Status:
+        """Stop the robot for good."""
+        search = searches.find(name)
+        search.stop(request.reason)
+        await run_in_threadpool(search.write_end)
+        return search.status()
+
+    @routes.get(f"{SEARCHES}/{{name}}/trace", response_class=Response)
+    def trace(
+        name: Name,
+        since: Annotated[int, Query(ge=0, le=2**53, description="Number of the first step.")] = 0,
+    ) -> StreamingResponse:
+        """One `StepTrace` as JSON a line, from a step on."""
+        search = searches.find(name)
+
+        def lines() -> Iterator[str]:
+            with search.reading() as journal:
+                yield from journal.trace_lines(since)
+
+        return StreamingResponse(lines(), media_type="application/x-ndjson")
+
+    @routes.get(f"{SEARCHES}/{{name}}/image", response_class=Response)
+    def image(
+        name: Name,
+        sequence: Annotated[
+            int | None, Query(ge=0, le=1_000_000, description="Observation; the last one if none.")
+        ] = None,
+    ) -> Response:
+        """The colour image of an observation, as the robot sent it."""
+        search = searches.find(name)
+        colour = search.colour if sequence is None else search.colour_of(sequence)
+        if colour is None:
+            raise _nothing_yet("image")
+        return Response(colour[1], media_type=f"image/{colour[0]}", headers=_LIVE)
+
+    @routes.get(f"{SEARCHES}/{{name}}/map.png", response_class=Response)
+    def png(name: Name) -> Response:
+        """The map, one pixel a cell, y up; the status says where it lies."""
+        return Response(map_png(_grid(searches.find(name))), media_type="image/png", headers=_LIVE)
+
+    @routes.get(f"{SEARCHES}/{{name}}/map.json")
+    def occupancy(name: Name) -> JSONResponse:
+        """The map with the fields of nav_msgs/OccupancyGrid."""
+        return JSONResponse(occupancy_grid(_grid(searches.find(name))), headers=_LIVE)
+
+    @routes.get(f"{SEARCHES}/{{name}}/map.yaml", response_class=Response)
+    def yaml(name: Name) -> Response:
+        """The map for Nav2's map_server: its description."""
+        text = map_server_file(_grid(searches.find(name)), "map.yaml")
+        return Response(text, media_type="application/yaml", headers=_LIVE)
+
+    @routes.get(f"{SEARCHES}/{{name}}/map.pgm", response_class=Response)
+    def pgm(name: Name) -> Response:
+        """The map for Nav2's map_server: its image."""
+        content = map_server_file(_grid(searches.find(name)), "map.pgm")
+        return Response(content, media_type="image/x-portable-graymap", headers=_LIVE)
+
+    return routes
+
+
+_LIVE = {"cache-control": "no-store", "x-content-type-options": "nosniff"}
+
+
+def _grid(search: ShownSearch) -> OccupancyGrid:
+    if search.grid is None:
+        raise _nothing_yet("map")
+    return search.grid
+
+
+def _nothing_yet(what: str) -> RequestRefusedError:
+    return RequestRefusedError(
+        f"there is no {what} before the first answer", error="unknown", status=404
+    )
