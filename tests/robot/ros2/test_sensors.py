@@ -1,0 +1,124 @@
+"""A legged robot's sensors over DDS: odometry as a topic, a body that tilts, several cameras."""
+
+import math
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+
+import numpy as np
+import pytest
+
+from hypernav.core.config import layered
+from hypernav.core.errors import RosNetworkError, TopicChoiceError
+from hypernav.robot.ros2 import idl_types as ros
+from hypernav.robot.ros2.base import Ros2Base, ros_time
+from hypernav.robot.ros2.config import Ros2Config
+from hypernav.robot.ros2.network import Quality, Ros2Network
+from hypernav.robot.ros2.sensors import Ros2Sensors
+from loopback import DOMAIN, LOOPBACK
+
+PITCH = math.radians(10.0)
+"""Downward tilt of the body."""
+NAMED = (
+    *("topics.colour=/front/image_raw", "topics.depth=/front/depth"),
+    *("topics.camera_info=/front/camera_info", "topics.odometry=/odom"),
+    *("frames.floor_z_m=-0.3", "timing.find_s=60"),
+)
+OPTICAL = ros.Quaternion(-0.5, 0.5, -0.5, 0.5)
+
+
+@contextmanager
+def legged_robot(network: Ros2Network, *, cameras: tuple[str, ...] = ("front",)) -> Iterator[None]:
+    """Publishes 20 times a second until the block ends; the body stands at the origin of odom."""
+    sensor, ended = Quality.SENSOR, threading.Event()
+    colours = [network.publisher(f"/{name}/image_raw", ros.Image, sensor) for name in cameras]
+    depths = [network.publisher(f"/{name}/depth", ros.Image, sensor) for name in cameras]
+    infos = [network.publisher(f"/{name}/camera_info", ros.CameraInfo, sensor) for name in cameras]
+    odometry = network.publisher("/odom", ros.Odometry)
+    static = network.publisher("/tf_static", ros.TFMessage, Quality.STATIC)
+    mounts = [
+        ros.TransformStamped(
+            ros.Header(frame_id="base_link"),
+            f"{name}_optical",
+            ros.Transform(ros.Vector3(0.2), OPTICAL),
+        )
+        for name in cameras
+    ]
+    static.publish(ros.TFMessage(mounts))
+    body = ros.Pose(ros.Point(), ros.Quaternion(y=math.sin(PITCH / 2), w=math.cos(PITCH / 2)))
+
+    def live() -> None:
+        while not ended.wait(0.05):
+            stamp = ros_time(time.time())
+            odometry.publish(
+                ros.Odometry(ros.Header(stamp, "odom"), "base_link", ros.PoseWithCovariance(body))
+            )
+            for name, colour, depth, info in zip(cameras, colours, depths, infos, strict=True):
+                header = ros.Header(stamp, f"{name}_optical")
+                k = [40.0, 0.0, 31.5, 0.0, 40.0, 23.5, 0.0, 0.0, 1.0]
+                info.publish(ros.CameraInfo(header, 48, 64, "plumb_bob", k=k))
+                colour.publish(ros.Image(header, 48, 64, "rgb8", 0, 192, bytes(192 * 48)))
+                metres = np.full((48, 64), 1.5, dtype=np.float32).tobytes()
+                depth.publish(ros.Image(header, 48, 64, "32FC1", 0, 256, metres))
+
+    thread = threading.Thread(target=live)
+    thread.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        thread.join()
+
+
+def configured(*assignments: str) -> Ros2Config:
+    return layered(Ros2Config(), environment={}, assignments=[f"domain={DOMAIN}", *assignments])
+
+
+@pytest.fixture
+def networks(monkeypatch) -> Iterator[tuple[Ros2Network, Ros2Network]]:
+    """That of the robot and ours."""
+    monkeypatch.setenv("CYCLONEDDS_URI", LOOPBACK)
+    with closing(Ros2Network(DOMAIN)) as theirs, closing(Ros2Network(DOMAIN)) as ours:
+        yield theirs, ours
+
+
+def test_the_camera_of_a_tilted_body_is_where_it_is_over_the_floor(networks):
+    theirs, ours = networks
+    config = configured(*NAMED)
+    with legged_robot(theirs), closing(Ros2Base(ours, config, Ros2Sensors(ours, config))) as base:
+        sensed = base.sense()
+        pose = sensed.camera_to_base
+        assert pose is not None
+        at = [0.2 * math.cos(PITCH), 0.0, 0.3 - 0.2 * math.sin(PITCH)]
+        assert pose.translation == pytest.approx(at)
+        forward = [math.cos(PITCH), 0.0, -math.sin(PITCH)]
+        assert pose.rotation[:, 2] == pytest.approx(forward)
+        assert base.embodiment.camera.pitch_deg == pytest.approx(10.0)
+        assert base.embodiment.camera.height_m == pytest.approx(at[2])
+        assert (sensed.depth == 1.5).all()
+        assert (base.camera.cx, base.camera.cy) == (32.0, 24.0)
+
+
+def test_of_several_cameras_one_must_be_named(networks):
+    theirs, ours = networks
+    with legged_robot(theirs, cameras=("front", "rear")):
+        config = configured("topics.odometry=/odom", "timing.find_s=4")
+        with pytest.raises(TopicChoiceError, match=r"/front/image_raw.*/rear.*topics\.colour"):
+            Ros2Sensors(ours, config)
+        named = configured(*NAMED)
+        assert Ros2Sensors(ours, named).calibration.frame == "front_optical"
+
+
+def test_a_robot_that_falls_silent_is_waited_for_and_then_given_up(networks):
+    theirs, ours = networks
+    config = configured(*NAMED, "timing.patience_s=1")
+    with legged_robot(theirs):
+        base = Ros2Base(ours, config, Ros2Sensors(ours, config))
+    with closing(base), pytest.raises(RosNetworkError, match="no fresh images and odometry"):
+        base.sense()
+
+
+def test_no_robot_is_an_error_that_names_the_domain(networks):
+    with pytest.raises(TopicChoiceError, match="none; is the domain"):
+        Ros2Sensors(networks[1], configured("timing.find_s=0.5"))
