@@ -20,6 +20,7 @@ from hypernav.robot.client.links import HttpLink, HttpServer, ServerAddress
 from hypernav.robot.client.robot_client import RobotClient
 from hypernav.robot.client.stop_listener import StopListener
 from hypernav.robot.driving.driven_robot import DrivenRobot
+from hypernav.robot.server.search import Search
 from hypernav.robot.server.searches import Searches
 from hypernav.robot.simulation.base import SimulatedBase
 from hypernav.robot.wire.replies import SearchEnding
@@ -197,6 +198,29 @@ def test_the_page_survives_a_restart_of_the_server(page, tmp_path):
         page.until(lambda: page.headline.text == "Stopped, looking for “quick”")
         assert not page.alarm.is_displayed()
         assert link.call("GET", search).json["ending"] == "stopped"
+
+
+def test_a_stop_without_an_answer_is_said(page, tmp_path, monkeypatch):
+    may_go_on, stop_all = threading.Event(), Searches.stop_all
+
+    def hang(searches: Searches, reason: str) -> list[Search]:
+        may_go_on.wait(_PATIENCE_S)
+        return stop_all(searches, reason)
+
+    with robot_server(tmp_path) as link:
+        link.open("quick")
+        page.driver.get(f"http://127.0.0.1:{link.port}/")
+        page.until(lambda: page.connection.text.endswith("Connected"))
+        monkeypatch.setattr(Searches, "stop_all", hang)
+        page.stop.click()
+        assert page.stop.text == "STOP …"
+        page.until(lambda: "The server has not confirmed STOP." in page.alarm.text)
+        assert "emergency stop" in page.alarm.text
+        page.until(lambda: "No connection" in page.connection.text)
+        may_go_on.set()
+        page.until(lambda: page.headline.text == "Stopped, looking for “quick”")
+        page.until(lambda: not page.alarm.is_displayed())
+        assert page.stop.text == "STOP"
 
 
 def test_the_token_is_asked_for_and_kept_in_this_tab(page, tmp_path):

@@ -1,6 +1,6 @@
 // What the operator says: a goal for a robot that waits, and STOP.
 
-import { getJson, pause, post, rememberToken, connection } from "./server.js";
+import { Refused, getJson, pause, post, rememberToken, connection } from "./server.js";
 import { element } from "./elements.js";
 
 const POLL_MS = 1000;
@@ -88,22 +88,28 @@ export function armStop() {
   button.addEventListener("click", async () => {
     if (isSending) return;
     isSending = true;
+    button.textContent = "STOP …";
     const say = (words) => {
       alarm.textContent = `${words} Trying again … Use the robot’s own emergency stop!`;
       alarm.hidden = false;
     };
-    const unsure = setTimeout(() => say("The server has not confirmed STOP."), UNSURE_MS);
+    const unsure = setTimeout(() => {
+      say("The server has not confirmed STOP.");
+      connection.enter("off");
+    }, UNSURE_MS);
     while (isSending) {
       try {
         await post("v1/stop", { reason: REASON });
         alarm.hidden = true;
         isSending = false;
       } catch (error) {
-        say(`STOP did not reach the server (${error.message}).`);
+        const fault = error instanceof Refused ? "The server has not confirmed STOP" : "STOP did not reach the server";
+        say(`${fault} (${error.message}).`);
         await pause(AGAIN_MS);
       }
     }
     clearTimeout(unsure);
+    button.textContent = "STOP";
   });
 }
 
