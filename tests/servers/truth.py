@@ -16,7 +16,7 @@ import cv2
 import numpy as np
 import pytest
 
-from hypernav.core.arrows import ArrowChoice, ArrowView
+from hypernav.core.arrows import TURN_AROUND, ArrowChoice, ArrowView
 from hypernav.core.chat import Question
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.goal import Goal
@@ -105,6 +105,12 @@ class Truth:
         assert self.world is not None
         x, y, _ = self.world.map_to_scene.apply(np.array([[*position, 0.0]]))[0]
         return self.world.goal_truth(goal).distance(float(x), float(y))
+
+    def left_here_m(self, goal: Goal) -> float:
+        """Length of the shortest path from where the robot is to the goal."""
+        assert self.world is not None
+        x, y, _ = self.world.position
+        return self.world.goal_truth(goal).distance(x, y)
 
 
 def _small(image: np.ndarray) -> np.ndarray:
@@ -272,6 +278,8 @@ class TruthfulBrain:
         assert self._truth.arrows is not None
         view, goal = self._truth.arrows
         best = sorted(view.arrows, key=lambda arrow: self._truth.left_m(arrow.end, goal))
+        if view.may_turn and self._truth.left_m(best[0].end, goal) >= self._truth.left_here_m(goal):
+            return "None of these. " + json.dumps({"action": TURN_AROUND})
         numbers = [arrow.number for arrow in best[: view.wanted]]
         if view.wanted > 1:
             return json.dumps({"actions": numbers})
