@@ -148,6 +148,22 @@ def test_the_script_knows_where_the_robot_was(
     assert data["times"] == sorted(data["times"])
 
 
+def test_the_script_knows_which_step_decided_a_failure(
+    steps: list[StepTrace], result: dict[str, Any], room: OccupancyGrid, tmp_path: Path
+) -> None:
+    assert player(read(write_page(tmp_path, result, steps, room)))["decisive"] is None
+    failed = result | {"success": False, "decisive_step": 3}
+    assert player(read(write_page(tmp_path, failed, steps, room)))["decisive"] == 3
+
+
+def test_a_screen_reader_finds_the_content_and_a_name_for_each_column(
+    steps: list[StepTrace], result: dict[str, Any], room: OccupancyGrid, tmp_path: Path
+) -> None:
+    text = write_page(tmp_path, result, steps, room).read_text(encoding="utf-8")
+    assert text.count("<main") == text.count("</main>") == 1
+    assert not re.search(r"<th[^>]*></th>", text)
+
+
 @pytest.mark.parametrize("with_map", [True, False])
 def test_an_episode_without_steps_or_result_has_a_page(
     with_map: bool, room: OccupancyGrid, tmp_path: Path

@@ -96,9 +96,9 @@ def _content(folder: Path, runs: Sequence[RunData], pairs: Sequence[tables.Pair]
 
 
 def _failed(folder: Path, runs: Sequence[RunData]) -> list[tuple[RunData, EpisodeRecord, str]]:
-    """All failed episodes with their pages, by run."""
+    """All failed episodes with their pages at the step that decided them, by run."""
     return [
-        (run, record, _link(folder, run, record))
+        (run, record, _link(folder, run, record, part="#decisive"))
         for run in runs
         for record in sorted(run.records, key=lambda r: r.key)
         if record.failure is not None
@@ -115,12 +115,12 @@ def _saved(folder: Path, runs: Sequence[RunData]) -> list[tuple[RunData, Episode
     ]
 
 
-def _link(folder: Path, run: RunData, record: EpisodeRecord) -> str:
+def _link(folder: Path, run: RunData, record: EpisodeRecord, *, part: str = "") -> str:
     """Address of an episode's page as seen from the report, empty if it was not saved."""
     if not record.saved:
         return ""
     page = run.folder.resolve() / record.saved / "index.html"
-    return quote(Path(os.path.relpath(page, folder.resolve())).as_posix())
+    return quote(Path(os.path.relpath(page, folder.resolve())).as_posix()) + part
 
 
 def _calls(run: RunData) -> dict[str, float]:

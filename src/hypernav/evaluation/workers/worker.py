@@ -3,7 +3,7 @@
 import hashlib
 import re
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -21,8 +21,9 @@ from hypernav.core.episode import Episode, Outcome
 from hypernav.core.errors import CameraError, SceneError, StartError, WorldError
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.metrics import measure
-from hypernav.core.trace import Ending
+from hypernav.core.trace import Ending, StepTrace
 from hypernav.evaluation.failures.classification import Facts, Verdict, classify
+from hypernav.evaluation.failures.decisive_step import decisive_step
 from hypernav.evaluation.failures.failure_evidence import FailureEvidence
 from hypernav.evaluation.record import EpisodeRecord
 from hypernav.evaluation.recorder import EpisodeRecorder
@@ -202,6 +203,7 @@ class EpisodeWorker:
                 "outcome": result.outcome.value,
                 "failure": verdict.failure.words if verdict is not None else "",
                 "why": verdict.why if verdict is not None else "",
+                **_decisive_step(verdict, recorder.steps),
                 "steps": result.steps,
                 "model_calls": result.model_calls,
                 **result.measures(),
@@ -210,6 +212,13 @@ class EpisodeWorker:
             }
         )
         return recorder.folder.relative_to(self._job.folder).as_posix()
+
+
+def _decisive_step(verdict: Verdict | None, steps: Sequence[StepTrace]) -> dict[str, int]:
+    """Which step a page about a failure begins at, if there is any."""
+    if verdict is None or not steps:
+        return {}
+    return {"decisive_step": decisive_step(verdict.failure, steps)}
 
 
 @dataclass(frozen=True, eq=False)

@@ -77,7 +77,7 @@ def write_page(
         modules=episode_summary.module_times(result, steps),
         total_seconds=episode_summary.total_seconds(result),
         steps=steps,
-        player=_player_data(steps, grid, frame_counts),
+        player=_player_data(steps, grid, frame_counts) | {"decisive": result.get("decisive_step")},
         configuration=_yaml(result.get("config")),
         captions=captions,
         mode_name=mode_name,

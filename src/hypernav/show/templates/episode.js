@@ -89,4 +89,13 @@
     }
   }
   now.textContent = "Drag along the band, or choose a step below, to move through the episode.";
+
+  // A report links to the step that decided a failure.
+  const jump = () => {
+    if (location.hash !== "#decisive" || player.decisive === null) return;
+    seek(player.decisive);
+    slider.scrollIntoView({ block: "center" });
+  };
+  window.addEventListener("hashchange", jump);
+  jump();
 })();
