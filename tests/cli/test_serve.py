@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from hypernav.cli.command_line import run_command
-from hypernav.core.errors import ConfigError, MissingExtraError
+from hypernav.core.errors import ConfigError, MissingExtraError, ModelError
 from servers.robots import Answer, RobotLink, body_of
 
 
@@ -31,6 +31,11 @@ from servers.robots import Answer, RobotLink, body_of
 def test_mistakes_are_said_before_anything_is_served(options, words, tmp_path):
     with pytest.raises(ConfigError, match=words):
         run_command(["serve", "--state", str(tmp_path), *options])
+
+
+def test_a_model_that_is_not_there_is_said_before_anything_is_served(tmp_path):
+    with pytest.raises(ModelError, match=r"nofile\.onnx"):
+        run_command(["serve", "--state", str(tmp_path), "--detector", "yolox:nofile.onnx"])
 
 
 def test_a_missing_extra_is_named(monkeypatch, tmp_path):

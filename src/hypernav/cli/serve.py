@@ -6,7 +6,6 @@ import sys
 
 from rich.markup import escape
 
-from hypernav.build.choosing import choose_components
 from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.serve_options import Options
@@ -24,7 +23,8 @@ def run(options: Options) -> int:
 
     Raises:
         ConfigError: An option, the address or the token cannot be used.
-        MissingExtraError: The packages of a server are not installed.
+        MissingExtraError: The packages of a server, or of a component, are not installed.
+        ModelError: A model's file cannot be used.
         OutputError: The folder cannot be written.
         RunFolderError: Another server uses it.
     """
@@ -60,14 +60,13 @@ def run(options: Options) -> int:
         values = config.model_dump() | {"embodiment": request.robot.model_dump()}
         return AgentPlan(HyPerNavConfig.model_validate(values), who.specs)
 
-    chosen = choose_components(options.who.specs, presence=options.who.resolve().presence.enabled)
+    detector = AgentPlan(options.who.resolve(), options.who.specs).check()
     console = Terminal(quiet=False)
     logging.basicConfig(
         stream=sys.stderr, level=logging.WARNING, format="%(levelname)s %(message)s"
     )
 
     def say(url: str) -> None:
-        detector = "its own" if chosen.detector is None else chosen.detector.spec
         console.print(
             f"serving at {escape(url)}, detector {escape(detector)}, searches in "
             f"{escape(str(options.state))}; Ctrl-C ends it, and searches go on at the next start",

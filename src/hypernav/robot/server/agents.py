@@ -1,7 +1,7 @@
 """Agents for searches: each search has one of its own, built for its robot."""
 
 from collections.abc import Callable
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -26,6 +26,19 @@ class AgentPlan:
 
     config: HyPerNavConfig
     specs: ComponentSpecs
+
+    def check(self) -> str:
+        """Build the agent once without a goal, so that mistakes show before a robot comes.
+
+        Returns:
+            Name of the detector for people.
+
+        Raises:
+            HyPerNavError: As `build`, but for the goal.
+        """
+        with closing(build_agent(self.config, self.specs)) as built:
+            _check_explains(built.agent)
+            return built.detector_words
 
     def build(self, goal: Goal, folder: Path) -> BuiltAgent:
         """Build the agent and give it its goal.
