@@ -18,7 +18,7 @@ slow: $(VENV)/.installed-dev  ## the longer checks
 test-vlm: $(VLM)/.installed  ## the tests with real, tiny networks; installs the CPU build of torch
 	$(VLM)/bin/pytest tests/local_vlm
 
-lint: $(VENV)/.installed-dev  ## style, types, and who may import whom
+lint: $(VENV)/.installed-dev $(VENV)/.installed-docs  ## style, types, and who may import whom
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/pyright

@@ -163,7 +163,7 @@ def _search(
 ) -> KeyboardInterrupt | ModelSetupError | OutputError | None:
     """Run the search to its end; what stopped it before, if anything."""
     try:
-        views.await_watchers(console, status)
+        views.await_watchers(status)
         status.update("the first step …")
         with interruptions_of_kernels():
             for step in search:

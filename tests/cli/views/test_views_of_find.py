@@ -113,16 +113,16 @@ def test_an_impossible_pace_is_refused(glb, tmp_path, capsys):
     assert "--pace" in capsys.readouterr().err
 
 
-def test_a_search_waits_for_foxglove_and_sends_it_every_step(glb, tmp_path, monkeypatch):
+def test_a_search_waits_for_foxglove_and_sends_it_every_step(glb, tmp_path, monkeypatch, capsys):
     """A client of the protocol takes the place of the program, which has no screen here."""
     waiting, steps = threading.Event(), []
 
     class Told(opening.Views):
-        def await_watchers(self, console, status):
+        def await_watchers(self, status):
             self.url = "ws://" + self.watched[0].address.partition("ws://")[2].partition(" ")[0]
             watcher = threading.Thread(target=watch, args=(self.url,), daemon=True)
             watcher.start()
-            super().await_watchers(console, status)
+            super().await_watchers(status)
             waiting.set()
 
         def stay(self, console):
@@ -149,31 +149,40 @@ def test_a_search_waits_for_foxglove_and_sends_it_every_step(glb, tmp_path, monk
     options = ("--view", "foxglove", "--pace", 1000, "--quiet")
     assert hypernav("find", "bed", "--scene", glb, "--out", tmp_path, *options, *SMALL) == 0
     assert waiting.is_set()
+    assert "open " in capsys.readouterr().err  # although it is quiet
     assert [step["step"] for step in steps] == list(range(len(steps)))
     assert steps[-1]["ending"] == "found"
 
 
 def test_stop_on_the_page_ends_the_search_as_ctrl_c_does(glb, tmp_path):
     options = ("piano", "--scene", str(glb), "--out", str(tmp_path / "out"), "--view", "page")
-    with subprocess.Popen(
-        [*COMMAND, *options, *SMALL], stderr=subprocess.PIPE, text=True
-    ) as process:
-        assert process.stderr is not None
-        url = process.stderr.readline().split()[1]
-        request = urllib.request.Request(
-            f"{url}v1/stop",
-            data=b'{"reason": "enough"}',
-            headers={"content-type": "application/json"},
-        )
-        urllib.request.urlopen(f"{url}v1/searches", timeout=60).close()  # a page is open
-        trace = tmp_path / "out" / "trace.jsonl"
-        while process.poll() is None and trace.read_text().count("\n") < 2:
-            with contextlib.suppress(subprocess.TimeoutExpired):
-                process.wait(0.05)
-        urllib.request.urlopen(request, timeout=60).close()
-        said = ""
-        while "until Ctrl-C" not in said:
-            said = process.stderr.readline()
-        process.send_signal(signal.SIGINT)
-        assert process.wait(60) == 130
+    command = [*COMMAND, *options, *SMALL]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+        try:
+            url = _line_with("open http", process).split()[1]
+            request = urllib.request.Request(
+                f"{url}v1/stop",
+                data=b'{"reason": "enough"}',
+                headers={"content-type": "application/json"},
+            )
+            urllib.request.urlopen(f"{url}v1/searches", timeout=60).close()  # a page is open
+            trace = tmp_path / "out" / "trace.jsonl"
+            while process.poll() is None and trace.read_text().count("\n") < 2:
+                with contextlib.suppress(subprocess.TimeoutExpired):
+                    process.wait(0.05)
+            urllib.request.urlopen(request, timeout=60).close()
+            _line_with("until Ctrl-C", process)
+            process.send_signal(signal.SIGINT)
+            assert process.wait(60) == 130
+        finally:
+            process.kill()
     assert json.loads((tmp_path / "out" / "result.json").read_text())["outcome"] == "interrupted"
+
+
+def _line_with(words: str, process: subprocess.Popen[str]) -> str:
+    """The next line of standard error that holds some words; others pass."""
+    assert process.stderr is not None
+    for line in process.stderr:
+        if words in line:
+            return line
+    raise AssertionError(f"the command ended without saying '{words}'")

@@ -97,10 +97,11 @@ class Views:
         time.sleep(max(self._next_s - time.monotonic(), 0.0))
         self._next_s = time.monotonic() + self._step_s
 
-    def await_watchers(self, console: Terminal, status: Status) -> None:
+    def await_watchers(self, status: Status) -> None:
         """Wait until somebody looks: a simulated search would be over before that."""
         for view in self.watched:
-            console.print(f"open {escape(view.address)}", soft_wrap=True)
+            # Also with --quiet: without the address nobody could look, and the search would wait.
+            Terminal().print(f"open {escape(view.address)}", soft_wrap=True)
             status.update("waiting; the search begins when it is opened …")
             while not view.has_watcher():
                 time.sleep(_LOOK_S)
