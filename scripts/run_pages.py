@@ -22,6 +22,8 @@ import sys
 import tempfile
 from pathlib import Path
 
+_MOST_S = 600.0
+"""Time limit of a block, so that one that waits for ever is an error."""
 _BLOCK = re.compile(r"^```(python|sh|console)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 _FILE = re.compile(r"# ([\w.-]+\.\w+)\n")
 _SECONDS = re.compile(r"\b\d+(?:\.\d+)? (ms|s|min)\b")
@@ -99,6 +101,7 @@ def _call(command: list[str], folder: str) -> subprocess.CompletedProcess[str]:
         stderr=subprocess.STDOUT,
         text=True,
         check=False,
+        timeout=_MOST_S,
     )
 
 

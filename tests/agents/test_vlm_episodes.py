@@ -263,7 +263,7 @@ def test_a_server_that_dies_ends_the_search_within_the_patience():
                 server.stop()
         result = episode.result()
     assert (result.outcome, result.steps, len(seen)) == (Outcome.MODEL_UNAVAILABLE, 5, 5)
-    assert "patience of 2.0 s" in result.detail
+    assert "patience of 2 s" in result.detail
     assert not result.metrics.success
     assert parts.take_report()["ledger"]["total"]["faults"] == {"unavailable": 1}
     assert all(step.exchanges for step in seen)

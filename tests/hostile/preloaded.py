@@ -26,6 +26,8 @@ _SPARE_MB = 2000
 """Address space beyond the limit of memory: a child shall be seen to exceed that, not fail."""
 
 _POLL_S = 0.003
+_STARTS_THREADS = "hypernav.show.views.rerun_"
+"""The modules that import rerun, which starts threads; no command here records for it."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +57,8 @@ def preload() -> None:
     import hypernav
 
     for module in pkgutil.walk_packages(hypernav.__path__, "hypernav."):
-        importlib.import_module(module.name)
+        if not module.name.startswith(_STARTS_THREADS):
+            importlib.import_module(module.name)
     for name in ("av", "cv2", "PIL.PngImagePlugin", "scipy.ndimage"):
         importlib.import_module(name)
     threads = os.listdir("/proc/self/task")

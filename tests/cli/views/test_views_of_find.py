@@ -68,9 +68,7 @@ def test_a_recorded_search_has_the_trace_of_an_unrecorded_one(glb, tmp_path):
 def test_ctrl_c_leaves_files_that_open(glb, tmp_path):
     files = ("--mcap", str(tmp_path / "a.mcap"), "--rrd", str(tmp_path / "a.rrd"))
     options = ("piano", "--scene", str(glb), "--out", str(tmp_path / "out"), "--pace", "10")
-    with subprocess.Popen(
-        [*COMMAND, *options, *files, *SMALL], stderr=subprocess.PIPE, text=True
-    ) as process:
+    with _started(*options, *files) as process:
         trace = tmp_path / "out" / "trace.jsonl"
         while process.poll() is None and not (trace.exists() and trace.read_text().count("\n") > 2):
             with contextlib.suppress(subprocess.TimeoutExpired):
@@ -156,8 +154,7 @@ def test_a_search_waits_for_foxglove_and_sends_it_every_step(glb, tmp_path, monk
 
 def test_stop_on_the_page_ends_the_search_as_ctrl_c_does(glb, tmp_path):
     options = ("piano", "--scene", str(glb), "--out", str(tmp_path / "out"), "--view", "page")
-    command = [*COMMAND, *options, *SMALL]
-    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+    with _started(*options) as process:
         try:
             url = _line_with("open http", process).split()[1]
             request = urllib.request.Request(
@@ -177,6 +174,16 @@ def test_stop_on_the_page_ends_the_search_as_ctrl_c_does(glb, tmp_path):
         finally:
             process.kill()
     assert json.loads((tmp_path / "out" / "result.json").read_text())["outcome"] == "interrupted"
+
+
+def _started(*options: str) -> subprocess.Popen[str]:
+    """A search in a process of its own that heeds SIGINT, which a shell's jobs don't."""
+    return subprocess.Popen(
+        [*COMMAND, *options, *SMALL],
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
 
 
 def _line_with(words: str, process: subprocess.Popen[str]) -> str:

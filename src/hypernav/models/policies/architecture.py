@@ -14,7 +14,8 @@ BLOCKS = (3, 4, 6, 3)
 PLANES = 32
 """Width of its first layer; each of the next is twice as wide."""
 EXPANSION = 4
-GROUPS = 32
+GROUPS = PLANES // 2
+"""Groups of each normalisation, as habitat-baselines builds the ResNet."""
 _FLAT = 2048
 """Number of values that an image is compressed to."""
 EMBEDDED = 32
