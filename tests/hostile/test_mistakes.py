@@ -21,7 +21,7 @@ CONTROLS = [chr(code) for code in (*range(1, 32), *range(127, 160))]
 
 COMMANDS = [
     [], ["fnd", "bed"], ["Find", "bed"], ["FIND"], ["evla"], ["reprot"], ["docter"], ["house"],
-    ["-"], ["--"], ["--version"], ["-v"], ["--quiet"], ["find"], ["find", "--quiet"],
+    ["-"], ["--"], ["--verison"], ["-v"], ["--quiet"], ["find"], ["find", "--quiet"],
     ["find", "bed", "sofa"], ["eval"], ["eval", "--quiet"], ["doctor"],
     ["houses"], ["houses", "shwo", "3"], ["houses", "export"], ["report", "--compare"], [LONG],
     ["\x1b[31mfind"], ["find\udcff"], ["find bed"], ["/bin/sh"], ["$(reboot)"],
