@@ -7,6 +7,7 @@ from drawn_grids import drawn
 from hypernav.core.geometry.grid import Cell
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.distance_kernels import travel_cells
 from hypernav.mapping.prospects import find_legs_m, find_prospects
 from hypernav.mapping.reachable_area import ReachableArea
 from hypernav.mapping.view_kernels import unknown_in_view
@@ -149,3 +150,16 @@ def test_paths_between_positions_lead_around_walls():
     assert np.all(np.diag(legs_m) == 0.0)
     assert legs_m[0, 2] > 2.0  # 1.5 m through the wall
     assert np.isfinite(legs_m).all()
+
+
+def test_paths_over_patches_need_no_compilation_of_their_own(monkeypatch):
+    given = []
+
+    def noted(is_open, *rest):
+        given.append(is_open)
+        return travel_cells(is_open, *rest)
+
+    monkeypatch.setattr("hypernav.mapping.prospects.travel_cells", noted)
+    find_legs_m(area(WALLED, LEFT), [LEFT, RIGHT])
+    assert given
+    assert all(patches.flags.c_contiguous for patches in given)

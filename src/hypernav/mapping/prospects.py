@@ -63,7 +63,7 @@ def find_legs_m(
     at = _cells(reach, positions) // side
     # The largest value of each patch, at its first cell.
     dilated = cv2.dilate(reach.reachable, np.ones((side, side), np.uint8), anchor=(0, 0))
-    patches = dilated[::side, ::side]
+    patches = np.ascontiguousarray(dilated[::side, ::side])  # else one more compilation
     legs = np.zeros((len(at), len(at)))
     for k, (row, column) in enumerate(at[:-1]):
         others = at[k + 1 :]
