@@ -3,10 +3,8 @@
 import uuid
 from collections.abc import Iterator
 from contextlib import (
-    AbstractContextManager,
     closing,
     contextmanager,
-    nullcontext,
     suppress,
 )
 from typing import TYPE_CHECKING, Any
@@ -19,6 +17,7 @@ from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.robot_options import Ros2
 from hypernav.cli.robots.own_server import server_at
+from hypernav.cli.robots.recording import recording
 from hypernav.cli.terminal import Terminal
 from hypernav.core.components.extras import require
 from hypernav.core.config import layered
@@ -89,7 +88,7 @@ def run(options: Ros2) -> int:
         client = RobotClient(robot, link, continuous=options.motion == "continuous")
         outputs = Ros2Outputs(network, config)
         with (
-            _recording(options, opened) as recorder,
+            recording(options, opened) as recorder,
             StopListener(server.address, opened.id, client.stop),
         ):
             ending, length_m = _search(client, base, server, opened, outputs, recorder, status)
@@ -168,19 +167,3 @@ def _search(
             if recorder is not None:
                 recorder.record(trace, grid, sensed.rgb)
     return ending, length_m
-
-
-def _recording(
-    options: Ros2, opened: SearchOpened
-) -> AbstractContextManager[EpisodeRecorder | None]:
-    if options.out is None:
-        return nullcontext()
-    detector, reasoner = opened.detector_and_reasoner
-    return EpisodeRecorder(
-        options.out,
-        goal=options.goal,
-        agent=options.agent or "hypernav",
-        detector=detector,
-        reasoner=reasoner,
-        step_limit=options.max_steps,
-    )

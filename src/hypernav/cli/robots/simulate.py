@@ -3,10 +3,8 @@
 import uuid
 from collections.abc import Iterator
 from contextlib import (
-    AbstractContextManager,
     closing,
     contextmanager,
-    nullcontext,
     suppress,
 )
 from dataclasses import asdict
@@ -24,6 +22,7 @@ from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.robot_options import Simulate
 from hypernav.cli.robots.own_server import server_at
+from hypernav.cli.robots.recording import recording
 from hypernav.cli.terminal import Terminal
 from hypernav.core.config import check_option, layered
 from hypernav.core.episode import Episode, Outcome
@@ -100,7 +99,7 @@ def run(options: Simulate) -> int:
         shortest_m = region.distance(*base.position)
         try:
             with (
-                _recording(options, opened) as recorder,
+                recording(options, opened) as recorder,
                 StopListener(server.address, opened.id, client.stop),
             ):
                 ending = _search(client, server, opened, recorder, status)
@@ -208,22 +207,6 @@ def _placed(
 def _link(options: Simulate, address: ServerAddress, opened: SearchOpened) -> Link:
     kind = WebSocketLink if options.link == "websocket" else HttpLink
     return kind(address, opened.id)
-
-
-def _recording(
-    options: Simulate, opened: SearchOpened
-) -> AbstractContextManager[EpisodeRecorder | None]:
-    if options.out is None:
-        return nullcontext()
-    detector, reasoner = opened.detector_and_reasoner
-    return EpisodeRecorder(
-        options.out,
-        goal=options.goal,
-        agent=options.agent or "hypernav",
-        detector=detector,
-        reasoner=reasoner,
-        step_limit=options.max_steps,
-    )
 
 
 def _outcome(ending: SearchEnding | None, metrics: EpisodeMetrics) -> str:
