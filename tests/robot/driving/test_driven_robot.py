@@ -11,7 +11,7 @@ from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.robot.client.robot import Executed, Sensed
 from hypernav.robot.driving.base import DepthView
-from hypernav.robot.driving.depth_safety import DepthSafety
+from hypernav.robot.driving.depth_safety import Ahead, DepthSafety
 from hypernav.robot.driving.driven_robot import DrivenRobot
 from hypernav.robot.motion.velocity import STANDSTILL, Velocity
 
@@ -27,17 +27,13 @@ def seen(
     missing: float = 0.0,
 ) -> DepthView:
     """An endless floor with a pole of 20 cm radius, as the robot's camera measures it."""
+    robot = robot or Pose2(0.0, 0.0, 0.0)
     to_base = ROBOT.camera.camera_to_base
     rays = CAMERA.rays() @ to_base.rotation.T
     down = rays[..., 2] < 0.0
     depth = np.where(down, -to_base.translation[2] / np.where(down, rays[..., 2], -1.0), np.inf)
     if pole is not None:
-        x, y = (
-            (robot or Pose2(0.0, 0.0, 0.0))
-            .to_transform()
-            .inverse()
-            .apply(np.array([[*pole, 0.0]]))[0, :2]
-        )
+        x, y = robot.to_transform().inverse().apply(np.array([[*pole, 0.0]]))[0, :2]
         a = (rays[..., :2] ** 2).sum(axis=-1)
         b = -(rays[..., 0] * x + rays[..., 1] * y)
         root = b**2 - a * (x * x + y * y - 0.2**2)
@@ -46,7 +42,7 @@ def seen(
     lens = ROBOT.camera
     measured = (depth > lens.min_depth_m) & (depth < lens.max_depth_m)
     image = np.where(measured, depth, missing).astype(np.float32)
-    return DepthView(image, CAMERA, to_base, stamp_s)
+    return DepthView(image, CAMERA, to_base, stamp_s, robot)
 
 
 class FloorBase:
@@ -134,6 +130,32 @@ def test_wheels_that_turn_late_are_not_blocked(action):
     assert base.ticks < 60
 
 
+class LateCamera(FloorBase):
+    """A camera whose images show what was two ticks ago."""
+
+    def __init__(self, pole: tuple[float, float]) -> None:
+        super().__init__(pole)
+        self._taken: list[DepthView] = []
+
+    def depth_view(self) -> DepthView:
+        self._taken.append(super().depth_view())
+        return self._taken[max(len(self._taken) - 3, 0)]
+
+
+def test_a_late_image_shows_where_things_are_and_not_where_they_seem_from_here(monkeypatch):
+    shown, look = [], DepthSafety.look
+
+    def noted(safety: DepthSafety, view: DepthView) -> Ahead:
+        shown.append(look(safety, view))
+        return shown[-1]
+
+    monkeypatch.setattr(DepthSafety, "look", noted)
+    base = LateCamera(pole=(1.5, 0.0))
+    assert DrivenRobot(base).execute(Action.MOVE_FORWARD) is Executed.DONE
+    front = np.array([[1.3, 0.0]])
+    assert max(ahead.obstacles.distances(front)[0] for ahead in shown) < 0.05
+
+
 def test_stop_ends_a_motion_from_another_thread():
     base = FloorBase(pole=(0.6, 0.0))
     robot, outcome = DrivenRobot(base, patience_s=1e6), []
@@ -148,9 +170,8 @@ def test_stop_ends_a_motion_from_another_thread():
 @pytest.mark.parametrize("missing", [0.0, math.nan, math.inf])
 def test_something_too_near_to_be_measured_makes_it_blind(missing):
     safety = DepthSafety(ROBOT)
-    robot = Pose2(0.0, 0.0, 0.0)
-    assert not safety.look(seen(missing=missing), robot).is_blind
-    assert DepthSafety(ROBOT).look(seen(pole=(0.6, 0.0), missing=missing), robot).is_blind
+    assert not safety.look(seen(missing=missing)).is_blind
+    assert DepthSafety(ROBOT).look(seen(pole=(0.6, 0.0), missing=missing)).is_blind
 
 
 def test_a_camera_that_hangs_makes_it_blind():
@@ -162,7 +183,7 @@ def test_a_camera_that_hangs_makes_it_blind():
 
 def test_a_slow_camera_does_not():
     safety = DepthSafety(ROBOT)
-    looks = [safety.look(seen(stamp_s=tick // 3), Pose2(0.0, 0.0, 0.0)) for tick in range(12)]
+    looks = [safety.look(seen(stamp_s=tick // 3)) for tick in range(12)]
     assert not any(ahead.is_blind for ahead in looks)
 
 
@@ -170,9 +191,9 @@ def test_what_came_too_near_to_be_measured_is_remembered():
     safety = DepthSafety(ROBOT)
     far, near = Pose2(0.0, 0.0, 0.0), Pose2(0.45, 0.0, 0.0)
     point = np.array([[0.8, 0.0]])
-    before = safety.look(seen((1.0, 0.0), far), far).obstacles.distances(point)[0]
-    after = safety.look(seen((1.0, 0.0), near), near).obstacles.distances(point)[0]
-    fresh = DepthSafety(ROBOT).look(seen((1.0, 0.0), near), near).obstacles.distances(point)[0]
+    before = safety.look(seen((1.0, 0.0), far)).obstacles.distances(point)[0]
+    after = safety.look(seen((1.0, 0.0), near)).obstacles.distances(point)[0]
+    fresh = DepthSafety(ROBOT).look(seen((1.0, 0.0), near)).obstacles.distances(point)[0]
     assert before < 0.05
     assert after < 0.05
     assert fresh > 0.05

@@ -23,12 +23,15 @@ class DepthView:
         camera_to_base: Pose of the camera on the robot.
         stamp_s: Time at which the image was taken, on any clock, seconds: of a camera that hangs it
             stays the same.
+        robot: Pose of the robot in the frame of the odometry at that time, not now: images come
+            late, and the robot drives meanwhile.
     """
 
     depth: Float32[np.ndarray, "height width"]
     camera: PinholeCamera
     camera_to_base: Transform
     stamp_s: float
+    robot: Pose2
 
 
 @runtime_checkable

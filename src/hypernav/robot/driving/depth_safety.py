@@ -12,7 +12,6 @@ from jaxtyping import Float64
 
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.depth import is_measured
-from hypernav.core.geometry.transforms import Pose2
 from hypernav.robot.driving.base import DepthView
 from hypernav.robot.motion.obstacles import PointObstacles
 
@@ -36,7 +35,7 @@ class Ahead:
     """What depth images show before the robot.
 
     Attributes:
-        obstacles: Points of obstacles, in the frame of the robot's pose.
+        obstacles: Points of obstacles, in the frame of the odometry.
         is_blind: Whether the camera hangs, or the floor before the robot has no return, so that
             something must be too near to be measured, or covers the camera.
     """
@@ -62,18 +61,14 @@ class DepthSafety:
         self._stamp_s = math.nan
         self._repeated = 0
 
-    def look(self, view: DepthView, robot: Pose2) -> Ahead:
-        """Look at the latest image.
-
-        Args:
-            view: The depth image.
-            robot: Pose of the robot, in whose frame the points shall be.
-        """
+    def look(self, view: DepthView) -> Ahead:
+        """Look at the latest image."""
+        robot = view.robot
         self._repeated = self._repeated + 1 if view.stamp_s == self._stamp_s else 0
         self._stamp_s = view.stamp_s
         rays = view.camera.rays() @ view.camera_to_base.rotation.T
         now = robot.to_transform().apply(self._hindering(view, rays))[:, :2]
-        self._forget_seen(view, robot)
+        self._forget_seen(view)
         obstacles = PointObstacles(np.vstack([now, self._remembered]))
         near = np.hypot(now[:, 0] - robot.x, now[:, 1] - robot.y) < _NEAR_M
         kept = np.unique(np.round(now[near] / _APART_M), axis=0) * _APART_M
@@ -92,11 +87,11 @@ class DepthSafety:
         height = points[:, 2]
         return points[(height > self._body.max_step_m) & (height < self._body.height_m)]
 
-    def _forget_seen(self, view: DepthView, robot: Pose2) -> None:
+    def _forget_seen(self, view: DepthView) -> None:
         """Keep only what lies beside the image, or too near to be measured, and not for long."""
         points = self._remembered
         level = np.column_stack([points, np.full(len(points), view.camera_to_base.translation[2])])
-        in_base = robot.to_transform().inverse().apply(level)
+        in_base = view.robot.to_transform().inverse().apply(level)
         in_camera = view.camera_to_base.inverse().apply(in_base)
         columns = view.camera.project(in_camera)[:, 0]
         is_seen = (in_camera[:, 2] > self._nearest_m) & view.camera.contains_columns(columns)

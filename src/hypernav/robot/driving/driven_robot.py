@@ -116,9 +116,9 @@ class DrivenRobot:
             self._stopping.clear()
             self._pursuit.reset()
         progress, waited_s = _Progress(self._base.odometry()), 0.0
-        while not is_done(robot := self._base.odometry()):
-            ahead = self._safety.look(self._base.depth_view(), robot)
-            velocity = command(robot, ahead.obstacles)
+        while not is_done(self._base.odometry()):
+            ahead = self._safety.look(self._base.depth_view())  # which may be waited for
+            velocity = command(self._base.odometry(), ahead.obstacles)
             if ahead.is_blind and velocity.linear_m_s > 0.0:
                 self._pursuit.reset()
                 velocity = STANDSTILL

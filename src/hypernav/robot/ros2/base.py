@@ -104,7 +104,8 @@ class Ros2Base:
         every = max(self.camera.width // _SAFETY_COLUMNS, 1)
         depth = np.ascontiguousarray(self._depth(pair)[::every, ::every])
         camera_to_base = sensors.camera_to_base(pair.stamp_s)
-        return DepthView(depth, _coarse(self.camera, every), camera_to_base, pair.stamp_s)
+        robot = sensors.odometry(pair.stamp_s)
+        return DepthView(depth, _coarse(self.camera, every), camera_to_base, pair.stamp_s, robot)
 
     def drive(self, velocity: Velocity, seconds: float) -> None:
         """Drive with a velocity, and come back after so many seconds."""

@@ -161,7 +161,7 @@ class SimulatedBase:
         self._renderer.colours = False
         depth = self._measured(self._view(self._coarse))
         to_base = self.embodiment.camera.camera_to_base
-        return DepthView(depth, self._coarse, to_base, self.now_s)
+        return DepthView(depth, self._coarse, to_base, self.now_s, self._odometry)
 
     def drive(self, velocity: Velocity, seconds: float) -> None:
         """Drive with a velocity, and let the person live."""
