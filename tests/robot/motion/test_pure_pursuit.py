@@ -200,3 +200,17 @@ def _cluttered(rng: np.random.Generator) -> OccupancyGrid:
     cells[[0, -1]] = Cell.OCCUPIED
     cells[:, [0, -1]] = Cell.OCCUPIED
     return OccupancyGrid(cells, 0.05, (-2.0, -2.0))
+
+
+def test_a_command_that_holds_too_long_leaves_room_to_brake():
+    config, wall = DriveConfig(reaction_s=0.6), PointObstacles(np.array([[1.5, 0.0]]))
+    path = [(0.0, 0.0), (3.0, 0.0)]
+    driven, commands = drive(
+        Pose2(0.0, 0.0, 0.0), path, seconds=10.0, obstacles=wall, config=config
+    )
+    for robot, command in zip(driven[:-1], commands[1:], strict=True):
+        speed = command.linear_m_s
+        held_m = speed * (TICK_S + config.reaction_s)
+        braked_m = speed**2 / (2.0 * config.max_acceleration_m_s2)
+        assert robot.x + held_m + braked_m + RADIUS_M < 1.5 + ROUNDING
+    assert driven[-1].x > 1.2

@@ -60,3 +60,12 @@ def test_two_servers_are_a_mistake(capsys):
         main(["robot", "ros2", "bed", "--server", "http://127.0.0.1:1", "--vlm", "local:x"])
     assert left.value.code == 2
     assert "--server" in capsys.readouterr().err
+
+
+def test_it_drives_for_the_oldest_image_and_the_longest_command():
+    assert Ros2Config().driving.reaction_s == pytest.approx(0.6)
+    assignments = ["timing.fresh_s=0.4", "speed.max_speed_m_s=0.2"]
+    config = layered(Ros2Config(), environment={}, assignments=assignments)
+    assert (config.driving.reaction_s, config.driving.max_speed_m_s) == pytest.approx((0.7, 0.2))
+    config = layered(Ros2Config(), environment={}, assignments=["speed.reaction_s=1.5"])
+    assert config.driving.reaction_s == 1.5

@@ -84,7 +84,7 @@ def run(options: Ros2) -> int:
     ):
         console.print(f"searching for {goal.text}; watch and stop it at {url}/", markup=False)
         link = HttpLink(server.address, opened.id)
-        robot = DrivenRobot(base, config.speed)
+        robot = DrivenRobot(base, config.driving)
         client = RobotClient(robot, link, continuous=options.motion == "continuous")
         outputs = Ros2Outputs(network, config)
         with (

@@ -22,6 +22,8 @@ class DriveConfig(RoomConfig):
         turn_in_place_deg: Angle off the heading beyond which it rotates on the spot, degrees.
         margin_m: Distance that the body keeps from obstacles, metres. Paths through narrow gaps
             need 0 (`hypernav.planning.config.PlanningConfig.squeeze_m`); people who walk need more.
+        reaction_s: Time beyond a command's own for which it may hold before an obstacle is braked
+            for, seconds: images are late, links hang. The robot is so much slower before obstacles.
         slow_within_m: Distance between body and obstacles below which it drives slower, metres.
         slowest_share: Share of the largest speed that is left when it touches an obstacle.
         arrival_m: Distance from the end of the path at which it has arrived, metres.
@@ -35,6 +37,7 @@ class DriveConfig(RoomConfig):
     corner_cut_m: float = Field(default=0.03, gt=0.0, le=1.0)
     turn_in_place_deg: float = Field(default=30.0, gt=0.0, le=90.0)
     margin_m: float = Field(default=0.0, ge=0.0, le=1.0)
+    reaction_s: float = Field(default=0.0, ge=0.0, le=5.0)
     slow_within_m: float = Field(default=0.4, gt=0.0, le=5.0)
     slowest_share: float = Field(default=0.3, gt=0.0, le=1.0)
     arrival_m: float = Field(default=0.05, gt=0.0, le=5.0)

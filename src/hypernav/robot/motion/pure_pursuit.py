@@ -196,13 +196,14 @@ class PurePursuit:
         """The velocity, slower if the robot could not brake before an obstacle on its arc."""
         if speed > 0.0:
             deceleration = self._config.max_acceleration_m_s2
-            reach_m = speed * seconds + speed**2 / (2.0 * deceleration) + _SAMPLE_M
+            held_s = seconds + self._config.reaction_s
+            reach_m = speed * held_s + speed**2 / (2.0 * deceleration) + _SAMPLE_M
             free_m = self._free_m(robot, rate / speed, reach_m, obstacles)
-            slower = min(speed, _braking(free_m, deceleration, seconds))
+            slower = min(speed, _braking(free_m, deceleration, held_s))
             # Slower at the same rate is another, tighter arc.
             is_free = slower > 0.0 and (
                 slower == speed
-                or self._free_m(robot, rate / slower, reach_m, obstacles) > slower * seconds
+                or self._free_m(robot, rate / slower, reach_m, obstacles) > slower * held_s
             )
             speed = slower if is_free else 0.0
         return Velocity(speed, rate)

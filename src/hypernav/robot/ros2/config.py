@@ -10,6 +10,7 @@ from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import ConfigError
 from hypernav.robot.driving.driven_robot import CAREFUL
 from hypernav.robot.motion.config import DriveConfig
+from hypernav.robot.ros2.velocity_output import VALID_S
 
 _MOST_DOMAINS = 232
 
@@ -76,7 +77,7 @@ class Ros2Config(RoomConfig):
         topics: Names of the topics.
         frames: Names of the frames.
         timing: What is late.
-        speed: Limits of the velocity, where hypernav drives itself.
+        speed: Limits of the velocity, where hypernav drives itself; see `driving`.
         embodiment: Body and actions of the robot, and the range of its depth; the rest of the
             camera is taken from camera info and tf.
     """
@@ -88,6 +89,17 @@ class Ros2Config(RoomConfig):
     timing: TimingConfig = TimingConfig()
     speed: DriveConfig = CAREFUL
     embodiment: Embodiment = Embodiment()
+
+    @property
+    def driving(self) -> DriveConfig:
+        """Limits of the velocity, for a robot that reacts as late as the timing allows.
+
+        An image may be as old as fresh ones are, and a command holds for a while if this process
+        hangs.
+        """
+        least_s = self.timing.fresh_s + VALID_S
+        reaction_s = max(self.speed.reaction_s, least_s)
+        return self.speed.model_copy(update={"reaction_s": reaction_s})
 
     @property
     def domain_id(self) -> int:

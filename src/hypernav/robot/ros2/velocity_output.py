@@ -7,7 +7,7 @@ from collections.abc import Callable
 from hypernav.robot.motion.velocity import STANDSTILL, Velocity
 
 _PERIOD_S = 0.05
-_VALID_S = 0.3
+VALID_S = 0.3
 """Time for which a command holds; then whoever gave it hangs."""
 _STANDS = 10
 """Number of times that standstill is said before silence, so that others may drive."""
@@ -55,7 +55,7 @@ class VelocityOutput:
                 self._tick()
 
     def _tick(self) -> None:
-        is_late = time.monotonic() - self._commanded_s > _VALID_S
+        is_late = time.monotonic() - self._commanded_s > VALID_S
         if self._command.is_zero or is_late or not self._is_safe():
             if self._stands >= _STANDS:
                 return
