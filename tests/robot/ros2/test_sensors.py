@@ -3,7 +3,7 @@
 import math
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager
 
 import numpy as np
@@ -29,8 +29,13 @@ OPTICAL = ros.Quaternion(-0.5, 0.5, -0.5, 0.5)
 
 
 @contextmanager
-def legged_robot(network: Ros2Network, *, cameras: tuple[str, ...] = ("front",)) -> Iterator[None]:
-    """Publishes 20 times a second until the block ends; the body stands at the origin of odom."""
+def legged_robot(
+    network: Ros2Network, *, cameras: tuple[str, ...] = ("front",), late_s: Sequence[float] = (0.0,)
+) -> Iterator[None]:
+    """Publishes 20 times a second until the block ends; the body stands at the origin of odom.
+
+    All messages come later than they are stamped, by the first number of `late_s`.
+    """
     sensor, ended = Quality.SENSOR, threading.Event()
     colours = [network.publisher(f"/{name}/image_raw", ros.Image, sensor) for name in cameras]
     depths = [network.publisher(f"/{name}/depth", ros.Image, sensor) for name in cameras]
@@ -50,7 +55,7 @@ def legged_robot(network: Ros2Network, *, cameras: tuple[str, ...] = ("front",))
 
     def live() -> None:
         while not ended.wait(0.05):
-            stamp = ros_time(time.time())
+            stamp = ros_time(time.time() - late_s[0])
             odometry.publish(
                 ros.Odometry(ros.Header(stamp, "odom"), "base_link", ros.PoseWithCovariance(body))
             )
@@ -117,6 +122,17 @@ def test_a_robot_that_falls_silent_is_waited_for_and_then_given_up(networks):
         base = Ros2Base(ours, config, Ros2Sensors(ours, config))
     with closing(base), pytest.raises(RosNetworkError, match="no fresh images and odometry"):
         base.sense()
+
+
+def test_a_delay_that_images_and_odometry_share_makes_them_old(networks):
+    theirs, ours = networks
+    late_s = [0.0]
+    with legged_robot(theirs, late_s=late_s):
+        sensors = Ros2Sensors(ours, configured(*NAMED))
+        sensors.wait_until(sensors.is_fresh)
+        late_s[0] = 0.7
+        time.sleep(1.5)  # they come again, and still belong together
+        assert not sensors.is_fresh()
 
 
 def test_no_robot_is_an_error_that_names_the_domain(networks):

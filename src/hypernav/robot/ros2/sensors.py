@@ -22,6 +22,7 @@ from hypernav.robot.ros2.config import Ros2Config
 from hypernav.robot.ros2.idl_types import ROS_TYPES, Odometry, TFMessage
 from hypernav.robot.ros2.network import Quality, Ros2Network
 from hypernav.robot.ros2.rgbd_stream import ImagePair, RgbdStream
+from hypernav.robot.ros2.robot_clock import RobotClock
 
 _CAMERA_TYPES = (
     "sensor_msgs/msg/Image",
@@ -52,7 +53,7 @@ class Ros2Sensors:
         """
         self._network, self._config = network, config
         self._tree, self._tree_lock = TransformTree(memory_s=_MEMORY_S), threading.Lock()
-        self._odometry_s, self._odometry_received_s = -1.0, 0.0
+        self._odometry_s, self._clock = -1.0, RobotClock()
         self._firsts, self._looks = dict[str, Any](), list[Callable[[], None]]()
         self._began_s = time.monotonic()
         self.stream = RgbdStream(config.timing.apart_s)
@@ -73,17 +74,14 @@ class Ros2Sensors:
     @property
     def robot_now_s(self) -> float:
         """The present time on the robot's clock, seconds."""
-        return self._odometry_s + time.monotonic() - self._odometry_received_s
+        return self._clock.now_s
 
     def is_fresh(self) -> bool:
         """Whether images and odometry are new enough to drive by them."""
-        pair, fresh_s, now_s = self.stream.latest, self._config.timing.fresh_s, time.monotonic()
-        return (
-            pair is not None
-            and now_s - pair.received_s <= fresh_s
-            and now_s - self._odometry_received_s <= fresh_s
-            and abs(self._odometry_s - pair.stamp_s) <= fresh_s
-        )
+        pair = self.stream.latest
+        if pair is None:
+            return False
+        return self._clock.age_s(min(pair.stamp_s, self._odometry_s)) <= self._config.timing.fresh_s
 
     def wait_until(self, is_enough: Callable[[], bool]) -> None:
         """Wait until something about the images holds.
@@ -99,11 +97,13 @@ class Ros2Sensors:
             )
 
     def described(self) -> str:
-        """When what came last, for people."""
-        ago_s = time.monotonic() - self._odometry_received_s
+        """When what came last and how old it is, for people."""
         pair = self.stream.latest
-        apart = "" if pair is None else f", {abs(self._odometry_s - pair.stamp_s):.1f} s apart"
-        return f"{self.stream.described()}, odometry {ago_s:.1f} s ago{apart}"
+        of_pair = (
+            "" if pair is None else f", the pair of {self._clock.age_s(pair.stamp_s):.1f} s ago"
+        )
+        of_odometry = f"odometry of {self._clock.age_s(self._odometry_s):.1f} s ago"
+        return f"{self.stream.described()}{of_pair}, {of_odometry}"
 
     def pair(self) -> ImagePair:
         """The newest pair of images."""
@@ -176,7 +176,8 @@ class Ros2Sensors:
     def _note_odometry(self) -> None:
         newest_s = self._tree.newest_s(self._config.frames.base, self._config.frames.odom)
         if newest_s is not None and newest_s > self._odometry_s:
-            self._odometry_s, self._odometry_received_s = newest_s, time.monotonic()
+            self._odometry_s = newest_s
+            self._clock.hear(newest_s)
 
     def _found(self, find: Callable[[], _FoundT]) -> _FoundT:
         """What a function finds, which is asked again until it finds something.
@@ -224,7 +225,7 @@ class Ros2Sensors:
 
         Raises:
             RosNetworkError: There is no pair of images yet.
-            TransformMissingError: A frame is missing.
+            TransformMissingError: A frame is missing, or there is no odometry.
         """
         if self.stream.latest is None:
             raise RosNetworkError(
@@ -234,6 +235,12 @@ class Ros2Sensors:
             )
         self.camera_to_base(self.stream.latest.stamp_s)
         self.odom_to_map()
+        if self._odometry_s < 0.0:
+            frames = self._config.frames
+            raise TransformMissingError(
+                f"'{frames.base}' has a fixed pose in '{frames.odom}', expected odometry that "
+                "changes, on /tf or topics.odometry"
+            )
 
 
 def _planar(pose: Transform) -> Pose2:
