@@ -4,6 +4,7 @@ import threading
 import time
 from contextlib import closing
 
+from hypernav.core.errors import RosNetworkError
 from hypernav.robot.motion.velocity import STANDSTILL, Velocity
 from hypernav.robot.ros2.velocity_output import VelocityOutput
 
@@ -65,3 +66,23 @@ def test_the_last_word_is_standstill():
     output.command(FORWARD)
     output.close()
     assert wheels.told[-1] == STANDSTILL
+
+
+def test_what_the_network_does_not_take_is_said_once_and_tried_again(caplog):
+    wheels, works = Wheels(), threading.Event()
+
+    def send(velocity: Velocity) -> None:
+        if not works.is_set():
+            raise RosNetworkError("the buffer is full")
+        wheels(velocity)
+
+    with closing(VelocityOutput(send, lambda: True)) as output:
+        output.command(STANDSTILL)
+        time.sleep(1.0)  # longer than standstill is said
+        works.set()
+        assert wheels.wait_for(STANDSTILL)
+        output.command(FORWARD)
+        assert wheels.told[-1] == FORWARD
+    assert [record.message for record in caplog.records] == [
+        "the robot is told no velocity: the buffer is full; trying again"
+    ]

@@ -1,11 +1,14 @@
 """Velocities for the robot, sent on only as long as everything is in order."""
 
+import logging
 import threading
 import time
 from collections.abc import Callable
 
+from hypernav.core.errors import RosNetworkError
 from hypernav.robot.motion.velocity import STANDSTILL, Velocity
 
+_LOG = logging.getLogger(__name__)
 _PERIOD_S = 0.05
 VALID_S = 0.3
 """Time for which a command holds; then whoever gave it hangs."""
@@ -17,7 +20,7 @@ class VelocityOutput:
     """Sends the last command again and again from a thread of its own, or standstill instead.
 
     Standstill is sent as soon as the data is not fresh any more, or no new command comes: whatever
-    the search does, or hangs in.
+    the search does, or hangs in. What the network does not take is tried again.
     """
 
     def __init__(self, send: Callable[[Velocity], None], is_safe: Callable[[], bool]) -> None:
@@ -31,6 +34,7 @@ class VelocityOutput:
         self._is_safe = is_safe
         self._lock = threading.Lock()
         self._command, self._commanded_s, self._stands = STANDSTILL, 0.0, _STANDS
+        self._fails = False
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, name="velocity", daemon=True)
         self._thread.start()
@@ -59,8 +63,19 @@ class VelocityOutput:
         if self._command.is_zero or is_late or not self._is_safe():
             if self._stands >= _STANDS:
                 return
-            self._stands += 1
-            self._send(STANDSTILL)
+            self._stands += self._is_sent(STANDSTILL)
         else:
             self._stands = 0
-            self._send(self._command)
+            self._is_sent(self._command)
+
+    def _is_sent(self, velocity: Velocity) -> bool:
+        """Send a velocity, and say the first time that it can't be sent."""
+        try:
+            self._send(velocity)
+        except RosNetworkError as error:
+            if not self._fails:
+                _LOG.warning("the robot is told no velocity: %s; trying again", error)
+            self._fails = True
+            return False
+        self._fails = False
+        return True
