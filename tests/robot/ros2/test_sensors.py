@@ -105,6 +105,20 @@ def test_the_camera_of_a_tilted_body_is_where_it_is_over_the_floor(networks):
         assert (base.camera.cx, base.camera.cy) == (32.0, 24.0)
 
 
+@pytest.mark.parametrize(
+    "range_m",
+    [
+        ("embodiment.camera.min_depth_m=2.0",),
+        ("embodiment.camera.min_depth_m=0.1", "embodiment.camera.max_depth_m=1.0"),
+    ],
+)
+def test_what_is_out_of_the_range_of_maps_is_in_the_way(networks, range_m):
+    theirs, ours = networks
+    config = configured(*NAMED, *range_m)
+    with legged_robot(theirs), closing(Ros2Base(ours, config, Ros2Sensors(ours, config))) as base:
+        assert (base.depth_view().depth == 1.5).all()
+
+
 def test_of_several_cameras_one_must_be_named(networks):
     theirs, ours = networks
     with legged_robot(theirs, cameras=("front", "rear")):

@@ -79,7 +79,7 @@ class Ros2Base:
         rgb = sensors.calibration.straightened_colour(colour_of(pair.colour))
         return Sensed(
             rgb=rgb,
-            depth=self._depth(pair),
+            depth=self._in_range(self._depth(pair)),
             odometry=sensors.odometry(pair.stamp_s),
             stamp_s=pair.stamp_s,
             odom_to_map=sensors.odom_to_map(),
@@ -92,6 +92,9 @@ class Ros2Base:
 
     def depth_view(self) -> DepthView:
         """The newest depth image, coarser; waits for one where the last is too old to drive by.
+
+        It has all returns, also those beyond the range that maps are made from: what is nearer is
+        in the way, and the floor is farther.
 
         Raises:
             RosNetworkError: None comes within the patience.
@@ -118,7 +121,11 @@ class Ros2Base:
         self._output.command(STANDSTILL)
 
     def _depth(self, pair: ImagePair) -> Float32[np.ndarray, "height width"]:
-        depth = self.sensors.calibration.straightened_depth(depth_of(pair.depth))
+        return self.sensors.calibration.straightened_depth(depth_of(pair.depth))
+
+    def _in_range(
+        self, depth: Float32[np.ndarray, "height width"]
+    ) -> Float32[np.ndarray, "height width"]:
         camera = self._embodiment.camera
         measured = is_measured(depth, camera.min_depth_m, camera.max_depth_m)
         return np.where(measured, depth, np.float32(0.0))
