@@ -11,7 +11,7 @@ import pytest
 
 from hypernav.core.errors import ConfigError
 from hypernav.core.goal import Goal
-from hypernav.robot.server import request_heads
+from hypernav.robot.server import guard, request_heads
 from hypernav.robot.server.guard import Access
 from hypernav.robot.server.limits import ServerLimits
 from hypernav.robot.server.serving import check_access, listening, read_token
@@ -93,6 +93,13 @@ def test_too_many_requests_are_told_to_wait(tmp_path):
         assert statuses == [200, 200, 200, 429, 429]
         assert link.call("GET", "/v1/health").headers["retry-after"] == "1"
         assert link.call("POST", f"/v1/searches/{'0' * 32}/stop", {}).status == 404  # not limited
+        assert link.call("POST", "/elsewhere/stop", {}).status == 429
+
+
+def test_the_body_of_a_stop_comes_soon_or_not_at_all(tmp_path, monkeypatch):
+    monkeypatch.setattr(guard, "_STOP_BODY_S", 0.1)
+    with robot_server(tmp_path) as link:
+        assert link.call("POST", "/v1/stop", b"{", headers={"content-length": "2"}).status == 408
 
 
 def exchanged(port: int, sent: bytes) -> bytes:

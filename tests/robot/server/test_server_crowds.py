@@ -2,6 +2,7 @@
 
 import socket
 import threading
+import time
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, closing
 
@@ -57,3 +58,16 @@ def test_the_address_with_most_connections_gives_way(link, monkeypatch):
         assert crowd[0].recv(1) == b""
         first.sendall(_STOP)
         assert first.recv(100).startswith(b"HTTP/1.1 200")
+
+
+def test_requests_whose_bodies_never_come_give_way(link, monkeypatch):
+    monkeypatch.setattr(request_heads, "_MOST_CONNECTIONS", 4)
+    with ExitStack() as opened:
+        crowd = [connected(link, opened) for _ in range(4)]
+        for connection in crowd:
+            connection.sendall(_STOP.removesuffix(b"{}"))
+        time.sleep(0.5)  # their heads are read
+        stopping = connected(link, opened)
+        stopping.sendall(_STOP)
+        assert stopping.recv(100).startswith(b"HTTP/1.1 200")
+        assert crowd[0].recv(1) == b""

@@ -6,6 +6,7 @@ It is plain ASGI, so that it sees a request before anything of it is read or par
 import asyncio
 import hmac
 import ipaddress
+import math
 import time
 from collections import OrderedDict
 from dataclasses import dataclass
@@ -23,6 +24,8 @@ from hypernav.robot.wire.replies import ErrorBody
 API = "/v1"
 _OBSERVATIONS = "/observations"
 _STOP = "/stop"
+_STOP_BODY_S = 5.0
+"""Time for the body of a STOP, of which no limit bounds how many there are at once."""
 _MOST_JSON_BYTES = 64_000
 _MOST_ADDRESSES = 1000
 _POLICY_VIOLATION = 1008
@@ -116,7 +119,7 @@ class Guard:
     def _check(self, scope: Scope) -> None:
         headers = Headers(scope=scope)
         self._check_origin(headers)
-        if not scope["path"].endswith(_STOP):  # always wins, over limits, too
+        if not _is_stop(scope):  # always wins, over limits, too
             self._check_load(scope)
         if scope["path"].startswith(API):
             self._check_token(headers)
@@ -176,9 +179,10 @@ class Guard:
             )
         if announced.isdecimal() and int(announced) > most:
             raise _too_large(most)
+        body_s = min(self._limits.body_s, _STOP_BODY_S if _is_stop(scope) else math.inf)
         body = bytearray()
         try:
-            async with asyncio.timeout(self._limits.body_s):
+            async with asyncio.timeout(body_s):
                 while True:
                     message = await receive()
                     if message["type"] == "http.disconnect":
@@ -192,7 +196,7 @@ class Guard:
                         return bytes(body)
         except TimeoutError:
             raise RequestRefusedError(
-                f"the body did not arrive within {self._limits.body_s:g} s",
+                f"the body did not arrive within {body_s:g} s",
                 error="too-slow",
                 status=408,
             ) from None
@@ -205,6 +209,10 @@ def refusal(error: str, message: str, status: int, expected: int | None = None) 
     if status == 429:
         headers["retry-after"] = "1"
     return JSONResponse(body.model_dump(mode="json"), status, headers=headers)
+
+
+def _is_stop(scope: Scope) -> bool:
+    return scope["path"].startswith(f"{API}/") and scope["path"].endswith(_STOP)
 
 
 def _giving(body: bytes, receive: Receive) -> Receive:

@@ -18,9 +18,9 @@ _MOST_CONNECTIONS = 256
 class TimedHeads(H11Protocol):
     """Closes connections of which no whole request head comes, and one of too many.
 
-    A new connection always finds room: it may be that of STOP. Of those that wait for a request,
-    the oldest of the address that has most of them gives way. Connections with a request under way
-    are bounded by the guard (`ServerLimits.requests_at_once`).
+    A new connection always finds room: it may be that of STOP. Of the others whose request is not
+    whole yet, head or body, the oldest of the address that has most of them gives way. Connections
+    that wait for a response are bounded by the guard (`ServerLimits.requests_at_once`).
     """
 
     _deadline: asyncio.TimerHandle | None = None
@@ -49,10 +49,13 @@ class TimedHeads(H11Protocol):
         super().connection_lost(exc)
 
     def _give_way(self) -> None:
-        waiting = [one for one in self.connections if isinstance(one, TimedHeads) and one._deadline]
-        of_address = Counter(one._address for one in waiting)
-        most = max(of_address.values())
-        crowd = [one for one in waiting if of_address[one._address] == most]
+        others = [one for one in self.connections if isinstance(one, TimedHeads)]
+        asking = [one for one in others if one is not self and one._is_asking]
+        of_address = Counter(one._address for one in asking)
+        most = max(of_address.values(), default=0)
+        if most == 0:
+            return
+        crowd = [one for one in asking if of_address[one._address] == most]
         oldest = min(crowd, key=lambda one: one._since_s)
         oldest._stop_waiting()
         oldest.transport.abort()
@@ -61,11 +64,18 @@ class TimedHeads(H11Protocol):
     def _address(self) -> str:
         return self.client[0] if self.client else ""
 
+    @property
+    def _is_asking(self) -> bool:
+        """Whether a request, or the rest of one, is still to come."""
+        is_open = not self.transport.is_closing()
+        return is_open and self.conn.their_state in (h11.IDLE, h11.SEND_BODY)
+
     def _watch(self) -> None:
         if self.conn.their_state is h11.IDLE:
             self._wait_for_head()
-        else:
+        elif self._deadline is not None:
             self._stop_waiting()
+            self._since_s = self.loop.time()
 
     def _wait_for_head(self) -> None:
         if self._deadline is None:
