@@ -1,7 +1,10 @@
 """A robot on HTTP hears of a stop while it drives."""
 
+import socket
 import threading
+from typing import Any
 
+from hypernav.robot.client import links
 from hypernav.robot.client.links import ServerAddress
 from hypernav.robot.client.stop_listener import StopListener
 from servers.robots import Script, body_of, robot_server
@@ -42,3 +45,22 @@ def test_it_listens_through_an_outage_of_the_server(tmp_path):
         with robot_server(tmp_path, port=port) as link:
             link.call("POST", f"{search}/stop", {})
             assert heard.wait(20.0)
+
+
+def test_it_is_not_deaf_for_long_on_a_connection_of_which_nothing_comes(tmp_path, monkeypatch):
+    monkeypatch.setattr(links, "_CONNECT_S", 0.2)
+    heard = threading.Event()
+    with robot_server(tmp_path) as link, socket.create_server(("127.0.0.1", 0)) as mute:
+        search = link.open()
+        link.call("POST", f"{search}/stop", {})
+        # The first connection leads to somebody who takes it and never says a word.
+        ports = iter([mute.getsockname()[1]])
+        connect = socket.create_connection
+
+        def to_mute_first(address: tuple[str, int], *rest: Any, **options: Any) -> socket.socket:
+            return connect((address[0], next(ports, address[1])), *rest, **options)
+
+        address = ServerAddress("127.0.0.1", link.port)
+        monkeypatch.setattr(socket, "create_connection", to_mute_first)
+        with StopListener(address, search.rpartition("/")[2], heard.set):
+            assert heard.wait(10.0)

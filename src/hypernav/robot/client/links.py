@@ -140,9 +140,20 @@ class HttpServer:
         return self._asked(Reply, "GET", path, timeout_s=timeout_s)
 
     def status(self, search_id: str, *, after: int = -1, wait_s: float = 0.0) -> Status:
-        """State of a search, as soon as it is newer than a version, or after a while."""
+        """State of a search, as soon as it is newer than a version, or after a while.
+
+        Args:
+            search_id: The search.
+            after: Version that is known already.
+            wait_s: Longest wait for a newer one, seconds.
+
+        Raises:
+            LinkLostError: No answer within the wait and a moment more.
+            RequestRefusedError: There is no such search.
+        """
         query = f"after={after}&wait_s={wait_s:g}"
-        return self._asked(Status, "GET", f"{SEARCHES}/{search_id}?{query}")
+        path = f"{SEARCHES}/{search_id}?{query}"
+        return self._asked(Status, "GET", path, timeout_s=wait_s + _CONNECT_S)
 
     def wait_for_goal(self, robot: str, *, wait_s: float = 5.0) -> GivenGoal:
         """Wait for a goal of the operator.
