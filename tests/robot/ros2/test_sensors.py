@@ -1,5 +1,6 @@
 """A legged robot's sensors over DDS: odometry as a topic, a body that tilts, several cameras."""
 
+import gc
 import math
 import threading
 import time
@@ -8,6 +9,7 @@ from contextlib import closing, contextmanager
 
 import numpy as np
 import pytest
+from cyclonedds.sub import DataReader
 
 from hypernav.core.config import layered
 from hypernav.core.errors import RosNetworkError, TopicChoiceError
@@ -127,6 +129,24 @@ def test_of_several_cameras_one_must_be_named(networks):
             Ros2Sensors(ours, config)
         named = configured(*NAMED)
         assert Ros2Sensors(ours, named).calibration.frame == "front_optical"
+
+
+def readers(topic: str) -> set[int]:
+    """The readers of a topic in this process."""
+    found = [one for one in gc.get_objects() if type(one) is DataReader]
+    return {id(one) for one in found if one.topic.get_name() == f"rt{topic}"}
+
+
+def test_topics_that_were_only_looked_at_are_received_no_longer(networks):
+    theirs, ours = networks
+    before = readers("/front/camera_info")
+    with legged_robot(theirs):
+        sensors = Ros2Sensors(ours, configured(*NAMED))
+        until_s = time.monotonic() + 10.0
+        while readers("/front/camera_info") - before and time.monotonic() < until_s:
+            time.sleep(0.1)
+        assert not readers("/front/camera_info") - before
+        assert sensors.calibration.frame == "front_optical"
 
 
 def test_a_robot_that_falls_silent_is_waited_for_and_then_given_up(networks):

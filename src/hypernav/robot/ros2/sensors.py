@@ -61,6 +61,7 @@ class Ros2Sensors:
         chosen = self._found(self._chosen)
         for end in self._looks:
             end()
+        self._looks.clear()  # each holds its reader
         info = self._firsts[chosen.camera_info.name]
         self.calibration: Calibration = calibration_of(info, rectified=is_rectified(chosen.colour))
         types = network.published()
