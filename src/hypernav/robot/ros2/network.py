@@ -1,9 +1,11 @@
 """A ROS 2 network, joined as a DDS participant: topics by their ROS names, and their qualities."""
 
 import logging
+import struct
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import Enum
 from typing import Any, Generic, TypeVar
@@ -36,6 +38,8 @@ _MOST_WAITING = 100
 _WAIT_S = 0.1
 _ANY = SampleState.Any | ViewState.Any | InstanceState.Any
 _NAMES = {kind.__idl_typename__.replace(".", "::"): name for name, kind in ROS_TYPES.items()}
+_UNDECODABLE = (struct.error, ValueError, AssertionError)
+"""What reading bytes that are no message of the type raises."""
 _MessageT = TypeVar("_MessageT", bound=IdlStruct)
 
 
@@ -85,10 +89,8 @@ class Publisher(Generic[_MessageT]):
         Raises:
             RosNetworkError: The network doesn't take it.
         """
-        try:
+        with _told_as("a message can't be sent"):
             self._writer.write(message)
-        except DDSException as error:
-            raise RosNetworkError(f"a message can't be sent: {error}") from error
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,13 +102,18 @@ class _Subscription:
 
     def take(self) -> None:
         """Hand on what came; a message that can't be used is as one that got lost."""
-        for message in self.reader.take(_MOST_WAITING):
-            if not message.sample_info.valid_data:
-                continue
+        for _ in range(_MOST_WAITING):
             try:
-                self.receive(message)
-            except RosMessageError as error:
+                messages = self.reader.take(1)  # of many, one that is broken would lose all
+                if not messages:
+                    return
+                if messages[0].sample_info.valid_data:
+                    self.receive(messages[0])
+            except (RosMessageError, *_UNDECODABLE) as error:
                 _LOG.warning("%s: %s", self.topic, error)
+            except DDSException as error:
+                _LOG.warning("%s: %s", self.topic, error)
+                return
 
 
 class Ros2Network:
@@ -146,8 +153,13 @@ class Ros2Network:
             topic: ROS name of the topic, ``/cmd_vel``.
             kind: Type of its messages.
             quality: Quality of service.
+
+        Raises:
+            RosNetworkError: The topic can't be written.
         """
-        return Publisher(DataWriter(self._participant, self._topic(topic, kind), qos=quality.value))
+        with _told_as(f"'{topic}' can't be written as {kind.__name__}"):
+            described = Topic(self._participant, _dds_name(topic), kind)
+            return Publisher(DataWriter(self._participant, described, qos=quality.value))
 
     def subscribe(
         self,
@@ -166,11 +178,16 @@ class Ros2Network:
 
         Returns:
             Function that ends it.
+
+        Raises:
+            RosNetworkError: The topic can't be read.
         """
-        reader = DataReader(self._participant, self._topic(topic, kind), qos=quality.value)
-        subscription = _Subscription(topic, reader, ReadCondition(reader, _ANY), receive)
-        self._subscriptions.append(subscription)
-        self._waiting.attach(subscription.condition)
+        with _told_as(f"'{topic}' can't be read as {kind.__name__}"):
+            described = Topic(self._participant, _dds_name(topic), kind)
+            reader = DataReader(self._participant, described, qos=quality.value)
+            subscription = _Subscription(topic, reader, ReadCondition(reader, _ANY), receive)
+            self._subscriptions.append(subscription)
+            self._waiting.attach(subscription.condition)
 
         def end() -> None:
             self._waiting.detach(subscription.condition)
@@ -188,14 +205,6 @@ class Ros2Network:
             and offer.type_name in _NAMES
         }
 
-    def _topic(self, name: str, kind: type[_MessageT]) -> Topic[_MessageT]:
-        try:
-            return Topic(self._participant, f"rt/{name.lstrip('/')}", kind)
-        except DDSException as error:
-            raise RosNetworkError(
-                f"'{name}' can't be a topic of {kind.__name__}: {error}"
-            ) from error
-
     def _read(self) -> None:
         while not self._ended.is_set():
             if not self._subscriptions:
@@ -204,3 +213,17 @@ class Ros2Network:
             self._waiting.wait(duration(seconds=_WAIT_S))
             for subscription in list(self._subscriptions):
                 subscription.take()
+
+
+def _dds_name(topic: str) -> str:
+    """Name on DDS of a topic of ROS."""
+    return f"rt/{topic.lstrip('/')}"
+
+
+@contextmanager
+def _told_as(what: str) -> Iterator[None]:
+    """Raise what DDS refuses as an error of ours."""
+    try:
+        yield
+    except DDSException as error:
+        raise RosNetworkError(f"{what}: {error}") from error

@@ -1,0 +1,56 @@
+"""What DDS refuses or cannot decode ends neither the thread of the network nor a search unsaid."""
+
+import struct
+import threading
+from contextlib import closing
+
+import pytest
+from cyclonedds.core import DDSException
+
+from hypernav.core.errors import RosNetworkError
+from hypernav.robot.ros2 import idl_types as ros
+from hypernav.robot.ros2 import network as dds
+from hypernav.robot.ros2.network import Quality, Ros2Network
+from loopback import DOMAIN, LOOPBACK
+
+
+@pytest.fixture(autouse=True)
+def _loopback(monkeypatch):
+    monkeypatch.setenv("CYCLONEDDS_URI", LOOPBACK)
+
+
+def test_a_message_that_cannot_be_decoded_is_as_one_that_got_lost(monkeypatch, caplog):
+    received, broken, decode = threading.Event(), [b"the first"], ros.TFMessage.deserialize
+
+    def decoded(data: bytes) -> ros.TFMessage:
+        if broken:
+            broken.clear()
+            raise struct.error("unpack_from requires a buffer of at least 4 bytes")
+        return decode(data)
+
+    monkeypatch.setattr(ros.TFMessage, "deserialize", decoded)
+    with closing(Ros2Network(DOMAIN)) as theirs, closing(Ros2Network(DOMAIN)) as ours:
+        ours.subscribe("/tf", ros.TFMessage, Quality.RELIABLE, lambda _: received.set())
+        publisher = theirs.publisher("/tf", ros.TFMessage)
+        for _ in range(400):
+            publisher.publish(ros.TFMessage())
+            if received.wait(0.05):
+                break
+        assert received.is_set()
+    assert not broken
+    assert "/tf: unpack_from" in caplog.text
+
+
+@pytest.mark.parametrize("refused", ["DataReader", "DataWriter", "Topic"])
+def test_what_dds_refuses_names_the_topic(monkeypatch, refused):
+    def refuse(*_: object, **__: object) -> None:
+        raise DDSException(DDSException.DDS_RETCODE_BAD_PARAMETER, "of no use")
+
+    monkeypatch.setattr(dds, refused, refuse)
+    with closing(Ros2Network(DOMAIN)) as network:
+        if refused != "DataWriter":
+            with pytest.raises(RosNetworkError, match="'/nose' can't be read as Image"):
+                network.subscribe("/nose", ros.Image, Quality.SENSOR, print)
+        if refused != "DataReader":
+            with pytest.raises(RosNetworkError, match="'/nose' can't be written as Image"):
+                network.publisher("/nose", ros.Image)
