@@ -58,3 +58,14 @@ def test_it_remembers_few_images():
     assert stream.latest is None
     stream.add_depth(image(9_990))
     assert stream.latest is not None
+
+
+def test_a_pair_of_before_is_there_for_an_odometry_that_lags_behind():
+    stream = RgbdStream(0.0)
+    for at_ms in (100, 200, 300):
+        stream.add_colour(image(at_ms))
+        stream.add_depth(image(at_ms))
+    pair = stream.newest_until(0.25)
+    assert pair is not None
+    assert pair.stamp_s == 0.2
+    assert stream.newest_until(0.05) is None

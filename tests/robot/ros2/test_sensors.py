@@ -32,11 +32,16 @@ OPTICAL = ros.Quaternion(-0.5, 0.5, -0.5, 0.5)
 
 @contextmanager
 def legged_robot(
-    network: Ros2Network, *, cameras: tuple[str, ...] = ("front",), late_s: Sequence[float] = (0.0,)
+    network: Ros2Network,
+    *,
+    cameras: tuple[str, ...] = ("front",),
+    late_s: Sequence[float] = (0.0,),
+    odometry_behind_s: float = 0.0,
 ) -> Iterator[None]:
     """Publishes 20 times a second until the block ends; the body stands at the origin of odom.
 
-    All messages come later than they are stamped, by the first number of `late_s`.
+    All messages come later than they are stamped, by the first number of `late_s`; odometry is by
+    so much older than images.
     """
     sensor, ended = Quality.SENSOR, threading.Event()
     colours = [network.publisher(f"/{name}/image_raw", ros.Image, sensor) for name in cameras]
@@ -58,9 +63,8 @@ def legged_robot(
     def live() -> None:
         while not ended.wait(0.05):
             stamp = ros_time(time.time() - late_s[0])
-            odometry.publish(
-                ros.Odometry(ros.Header(stamp, "odom"), "base_link", ros.PoseWithCovariance(body))
-            )
+            before = ros.Header(ros_time(time.time() - late_s[0] - odometry_behind_s), "odom")
+            odometry.publish(ros.Odometry(before, "base_link", ros.PoseWithCovariance(body)))
             for name, colour, depth, info in zip(cameras, colours, depths, infos, strict=True):
                 header = ros.Header(stamp, f"{name}_optical")
                 k = [40.0, 0.0, 31.5, 0.0, 40.0, 23.5, 0.0, 0.0, 1.0]
@@ -158,12 +162,35 @@ def test_a_robot_that_falls_silent_is_waited_for_and_then_given_up(networks):
         base.sense()
 
 
+def test_images_wait_for_the_odometry_of_their_time(networks):
+    theirs, ours = networks
+    config = configured(*NAMED)
+    with (
+        legged_robot(theirs, odometry_behind_s=0.25),
+        closing(Ros2Base(ours, config, Ros2Sensors(ours, config))) as base,
+    ):
+        for _ in range(10):
+            assert base.sense().stamp_s > 0.0
+            assert (base.depth_view().depth == 1.5).all()
+
+
+def test_a_halt_ends_the_wait_for_images(networks):
+    theirs, ours = networks
+    config = configured(*NAMED)
+    with legged_robot(theirs):
+        base = Ros2Base(ours, config, Ros2Sensors(ours, config))
+    time.sleep(1.0)  # what came last is old
+    with closing(base):
+        threading.Timer(0.3, base.halt).start()
+        assert not base.depth_view().depth.any()
+
+
 def test_a_delay_that_images_and_odometry_share_makes_them_old(networks):
     theirs, ours = networks
     late_s = [0.0]
     with legged_robot(theirs, late_s=late_s):
         sensors = Ros2Sensors(ours, configured(*NAMED))
-        sensors.wait_until(sensors.is_fresh)
+        assert sensors.wait_for_pair() is not None
         late_s[0] = 0.7
         time.sleep(1.5)  # they come again, and still belong together
         assert not sensors.is_fresh()

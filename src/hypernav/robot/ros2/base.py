@@ -41,6 +41,9 @@ class Ros2Base:
             network: The robot's network.
             config: Names of topics, limits, body.
             sensors: The robot's sensors, which work already.
+
+        Raises:
+            RosNetworkError: Their images are not fresh within the patience.
         """
         self.sensors = sensors
         self._embodiment = _embodiment(config.embodiment, sensors)
@@ -69,13 +72,9 @@ class Ros2Base:
             RosMessageError: An image is broken.
             TransformMissingError: The pose is not known.
         """
-        called_s, sensors = time.monotonic(), self.sensors
-
-        def is_new() -> bool:
-            return sensors.is_fresh() and sensors.pair().received_s > called_s
-
-        sensors.wait_until(is_new)
-        pair = sensors.pair()
+        sensors = self.sensors
+        pair = sensors.wait_for_pair(received_after_s=time.monotonic())
+        assert pair is not None, "nothing else ends the wait"
         rgb = sensors.calibration.straightened_colour(colour_of(pair.colour))
         return Sensed(
             rgb=rgb,
@@ -93,6 +92,8 @@ class Ros2Base:
     def depth_view(self) -> DepthView:
         """The newest depth image, coarser; waits for one where the last is too old to drive by.
 
+        A halt ends the wait, by an image without any return.
+
         It has all returns, also those beyond the range that maps are made from: what is nearer is
         in the way, and the floor is farther.
 
@@ -102,13 +103,17 @@ class Ros2Base:
             TransformMissingError: The camera's pose is not known.
         """
         halts, sensors = self._halts, self.sensors
-        sensors.wait_until(lambda: sensors.is_fresh() or self._halts != halts)
-        pair = sensors.pair()
+        pair = sensors.wait_for_pair(unless=lambda: self._halts != halts)
         every = max(self.camera.width // _SAFETY_COLUMNS, 1)
+        camera = _coarse(self.camera, every)
+        if pair is None:  # tf may know nothing of now, and nobody drives by it
+            nothing = np.zeros((camera.height, camera.width), dtype=np.float32)
+            upright = self._embodiment.camera.camera_to_base
+            return DepthView(nothing, camera, upright, sensors.robot_now_s, self.odometry())
         depth = np.ascontiguousarray(self._depth(pair)[::every, ::every])
         camera_to_base = sensors.camera_to_base(pair.stamp_s)
         robot = sensors.odometry(pair.stamp_s)
-        return DepthView(depth, _coarse(self.camera, every), camera_to_base, pair.stamp_s, robot)
+        return DepthView(depth, camera, camera_to_base, pair.stamp_s, robot)
 
     def drive(self, velocity: Velocity, seconds: float) -> None:
         """Drive with a velocity, and come back after so many seconds."""
@@ -158,7 +163,9 @@ def ros_time(seconds: float) -> Time:
 def _embodiment(robot: Embodiment, sensors: Ros2Sensors) -> Embodiment:
     """The robot of the configuration with the camera that is really there."""
     camera = sensors.calibration.camera
-    pose: Transform = sensors.camera_to_base(sensors.pair().stamp_s)
+    pair = sensors.wait_for_pair()
+    assert pair is not None, "nothing else ends the wait"
+    pose: Transform = sensors.camera_to_base(pair.stamp_s)
     values = robot.model_dump()
     values["camera"] |= {
         "width": camera.width,

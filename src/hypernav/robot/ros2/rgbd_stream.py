@@ -1,7 +1,9 @@
 """Colour and depth images of a live camera, paired by their times."""
 
+import math
 import threading
 import time
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -29,7 +31,7 @@ class ImagePair:
 
 
 class RgbdStream:
-    """Pairs colour and depth as they arrive, in any order; only the newest pair counts.
+    """Pairs colour and depth as they arrive, in any order; a pair older than another is lost.
 
     A camera that sends an image of before once more sends nothing new.
     """
@@ -46,7 +48,7 @@ class RgbdStream:
         self._waiting: dict[str, dict[float, Any]] = {"colour": {}, "depth": {}}
         self._seen_s: dict[str, float] = {}
         self._changed = threading.Condition()
-        self._latest: ImagePair | None = None
+        self._pairs: deque[ImagePair] = deque(maxlen=_KEPT)
 
     def add_colour(self, message: Any) -> None:
         """Take a colour image."""
@@ -59,7 +61,16 @@ class RgbdStream:
     @property
     def latest(self) -> ImagePair | None:
         """The newest pair; None before the first."""
-        return self._latest
+        return self.newest_until(math.inf)
+
+    def newest_until(self, at_s: float) -> ImagePair | None:
+        """The newest of the last pairs that is not of after a time; None if there is none.
+
+        Args:
+            at_s: Time on the robot's clock, seconds.
+        """
+        with self._changed:
+            return next((pair for pair in reversed(self._pairs) if pair.stamp_s <= at_s), None)
 
     def wait_for(self, is_enough: Callable[[], bool], timeout_s: float) -> bool:
         """Wait until something holds, which is asked whenever a pair arrives and now and then.
@@ -87,7 +98,7 @@ class RgbdStream:
             f"{name} {now - seen:.1f} s ago" if (seen := self._seen_s.get(name)) else f"no {name}"
             for name in ("colour", "depth")
         ]
-        paired = self._latest
+        paired = self.latest
         last = "no pair" if paired is None else f"a pair {now - paired.received_s:.1f} s ago"
         return f"{', '.join(words)}, {last}"
 
@@ -104,6 +115,6 @@ class RgbdStream:
         pair = {name: message, other: partners[near]}
         at_s = stamp if name == "colour" else near
         with self._changed:
-            if self._latest is None or at_s > self._latest.stamp_s:
-                self._latest = ImagePair(pair["colour"], pair["depth"], at_s, self._clock())
+            if not self._pairs or at_s > self._pairs[-1].stamp_s:
+                self._pairs.append(ImagePair(pair["colour"], pair["depth"], at_s, self._clock()))
                 self._changed.notify_all()

@@ -84,18 +84,35 @@ class Ros2Sensors:
             return False
         return self._clock.age_s(min(pair.stamp_s, self._odometry_s)) <= self._config.timing.fresh_s
 
-    def wait_until(self, is_enough: Callable[[], bool]) -> None:
-        """Wait until something about the images holds.
+    def wait_for_pair(
+        self, *, received_after_s: float = 0.0, unless: Callable[[], bool] = lambda: False
+    ) -> ImagePair | None:
+        """The newest pair of images of whose time the odometry is known, once all is fresh.
+
+        Args:
+            received_after_s: Time on this machine's clock after which it must have come.
+            unless: Whether the wait shall end without one.
+
+        Returns:
+            The pair; None if the wait was ended.
 
         Raises:
             RosNetworkError: It takes longer than the patience.
         """
-        patience_s = self._config.timing.patience_s
-        if not self.stream.wait_for(is_enough, patience_s):
+        patience_s, found = self._config.timing.patience_s, None
+
+        def is_over() -> bool:
+            nonlocal found
+            pair = self.stream.newest_until(self._odometry_s) if self.is_fresh() else None
+            found = pair if pair is not None and pair.received_s > received_after_s else None
+            return found is not None or unless()
+
+        if not self.stream.wait_for(is_over, patience_s):
             raise RosNetworkError(
                 f"no fresh images and odometry for {patience_s:g} s: {self.described()}; the "
                 "robot stands still"
             )
+        return found
 
     def described(self) -> str:
         """When what came last and how old it is, for people."""
@@ -105,12 +122,6 @@ class Ros2Sensors:
         )
         of_odometry = f"odometry of {self._clock.age_s(self._odometry_s):.1f} s ago"
         return f"{self.stream.described()}{of_pair}, {of_odometry}"
-
-    def pair(self) -> ImagePair:
-        """The newest pair of images."""
-        pair = self.stream.latest
-        assert pair is not None, "the constructor waits for the first"
-        return pair
 
     def odometry(self, at_s: float | None = None) -> Pose2:
         """Pose of the base in the frame of the odometry, at a time or now.
@@ -234,13 +245,19 @@ class Ros2Sensors:
                 f"{self.stream.described()}; are they published, with the quality of sensor data, "
                 f"and at most {self._config.timing.apart_s:g} s apart (timing.apart_s)?"
             )
-        self.camera_to_base(self.stream.latest.stamp_s)
+        pair = self.stream.newest_until(self._odometry_s) or self.stream.latest
+        self.camera_to_base(pair.stamp_s)
         self.odom_to_map()
         if self._odometry_s < 0.0:
             frames = self._config.frames
             raise TransformMissingError(
                 f"'{frames.base}' has a fixed pose in '{frames.odom}', expected odometry that "
                 "changes, on /tf or topics.odometry"
+            )
+        if pair.stamp_s > self._odometry_s:
+            raise TransformMissingError(
+                f"the odometry is {pair.stamp_s - self._odometry_s:.2f} s behind all images, "
+                "expected that of their time; are the clocks of two computers the same (chrony)?"
             )
 
 
