@@ -1,13 +1,17 @@
 """Map, path and markers are where the search has them, as RViz reads messages."""
 
 import math
+from typing import Any
 
 import numpy as np
 
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.trace import BlockRecord, Mode, StepTrace
+from hypernav.robot.ros2.config import Ros2Config
 from hypernav.robot.ros2.idl_types import Header, Time
+from hypernav.robot.ros2.network import Quality
 from hypernav.robot.ros2.outputs import (
+    Ros2Outputs,
     grid_message,
     image_message,
     marker_message,
@@ -62,3 +66,16 @@ def test_an_image_has_rows_of_three_bytes_a_pixel():
     message = image_message(rgb, HEADER)
     assert (message.height, message.width, message.step, message.encoding) == (2, 4, 12, "rgb8")
     assert message.data == rgb.tobytes()
+
+
+def test_nobody_waits_for_a_reader_of_images():
+    qualities: dict[str, Quality] = {}
+
+    class Network:
+        def publisher(self, topic: str, kind: type, quality: Quality = Quality.RELIABLE) -> None:
+            qualities[topic] = quality
+
+    network: Any = Network()
+    Ros2Outputs(network, Ros2Config())
+    assert qualities["/hypernav/image"] is Quality.SENSOR
+    assert qualities["/hypernav/map"] is Quality.LATCHED

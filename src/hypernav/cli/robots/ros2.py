@@ -22,7 +22,13 @@ from hypernav.cli.terminal import Terminal
 from hypernav.core.components.extras import require
 from hypernav.core.config import layered
 from hypernav.core.episode import Outcome
-from hypernav.core.errors import ConfigError, RequestRefusedError, RobotLinkError
+from hypernav.core.errors import (
+    ConfigError,
+    LinkLostError,
+    RequestRefusedError,
+    RobotLinkError,
+    RosNetworkError,
+)
 from hypernav.core.goal import Goal
 from hypernav.evaluation.recorder import EpisodeRecorder
 from hypernav.robot.client.links import HttpLink, HttpServer, ServerAddress
@@ -160,10 +166,13 @@ def _search(
         length_m += before.distance_to(*sensed.odometry.xy)
         before = sensed.odometry
         status.update(escape(f"step {reply.sequence + 1} · {reply.mode} · {reply.reason}"))
-        for trace in server.trace(opened.id, since=known):
-            known, grid = trace.step + 1, server.grid(opened.id)
-            frame = base.sensors.calibration.frame
-            outputs.publish(trace, grid, sensed.rgb, at_s=sensed.stamp_s, camera_frame=frame)
-            if recorder is not None:
-                recorder.record(trace, grid, sensed.rgb)
+        # What people see must not end the search; the next step catches up.
+        with suppress(LinkLostError, RequestRefusedError, RosNetworkError):
+            for trace in server.trace(opened.id, since=known):
+                grid = server.grid(opened.id)
+                if recorder is not None:
+                    recorder.record(trace, grid, sensed.rgb)
+                known = trace.step + 1
+                frame = base.sensors.calibration.frame
+                outputs.publish(trace, grid, sensed.rgb, at_s=sensed.stamp_s, camera_frame=frame)
     return ending, length_m
