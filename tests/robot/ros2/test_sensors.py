@@ -12,7 +12,7 @@ import pytest
 from cyclonedds.sub import DataReader
 
 from hypernav.core.config import layered
-from hypernav.core.errors import RosNetworkError, TopicChoiceError
+from hypernav.core.errors import ConfigError, RosNetworkError, TopicChoiceError
 from hypernav.robot.ros2 import idl_types as ros
 from hypernav.robot.ros2.base import Ros2Base, ros_time
 from hypernav.robot.ros2.config import Ros2Config
@@ -123,6 +123,13 @@ def test_what_is_out_of_the_range_of_maps_is_in_the_way(networks, range_m):
     config = configured(*NAMED, *range_m)
     with legged_robot(theirs), closing(Ros2Base(ours, config, Ros2Sensors(ours, config))) as base:
         assert (base.depth_view().depth == 1.5).all()
+
+
+def test_a_camera_below_the_floor_names_the_floor(networks):
+    theirs, ours = networks
+    config = configured(*NAMED, "frames.floor_z_m=5")
+    with legged_robot(theirs), pytest.raises(ConfigError, match=r"-5\.0.*floor_z_m"):
+        Ros2Base(ours, config, Ros2Sensors(ours, config))
 
 
 def test_of_several_cameras_one_must_be_named(networks):

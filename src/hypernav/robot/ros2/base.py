@@ -6,8 +6,10 @@ from collections.abc import Callable
 
 import numpy as np
 from jaxtyping import Float32
+from pydantic import ValidationError
 
 from hypernav.core.embodiment import Embodiment
+from hypernav.core.errors import ConfigError
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.transforms import Pose2, Transform
@@ -44,6 +46,7 @@ class Ros2Base:
 
         Raises:
             RosNetworkError: Their images are not fresh within the patience.
+            ConfigError: No robot can have their camera: the floor's height is wrong, for example.
         """
         self.sensors = sensors
         self._embodiment = _embodiment(config.embodiment, sensors)
@@ -161,20 +164,33 @@ def ros_time(seconds: float) -> Time:
 
 
 def _embodiment(robot: Embodiment, sensors: Ros2Sensors) -> Embodiment:
-    """The robot of the configuration with the camera that is really there."""
+    """The robot of the configuration with the camera that is really there.
+
+    Raises:
+        ConfigError: No robot can have it.
+    """
     camera = sensors.calibration.camera
     pair = sensors.wait_for_pair()
     assert pair is not None, "nothing else ends the wait"
     pose: Transform = sensors.camera_to_base(pair.stamp_s)
-    values = robot.model_dump()
+    height_m, values = float(pose.translation[2]), robot.model_dump()
     values["camera"] |= {
         "width": camera.width,
         "height": camera.height,
         "hfov_deg": math.degrees(camera.hfov),
-        "height_m": float(pose.translation[2]),
+        "height_m": height_m,
         "pitch_deg": math.degrees(math.asin(max(min(-pose.rotation[2, 2], 1.0), -1.0))),
     }
-    return Embodiment.model_validate(values)
+    try:
+        return Embodiment.model_validate(values)
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise ConfigError(
+            f"the camera as ROS has it, {height_m:.2f} m above the floor, {camera.width} × "
+            f"{camera.height} pixels: {'.'.join(map(str, first['loc']))}: {first['msg']}; "
+            "frames.floor_z_m must be the floor's height in frames.odom, and large images have "
+            "to be made smaller by their driver"
+        ) from error
 
 
 def _coarse(camera: PinholeCamera, every: int) -> PinholeCamera:
