@@ -78,3 +78,12 @@ def test_a_robot_that_never_moves_is_named():
         sensing.check(sensed(), Action.MOVE_FORWARD, True)
     with pytest.raises(SensorError, match="40 motions in a row"):
         sensing.check(sensed(), Action.MOVE_FORWARD, True)
+
+
+def test_a_large_turn_that_was_blocked_is_no_wrong_one():
+    robot = Embodiment.model_validate({"motion": {"turn_angle_deg": 90.0}})
+    checks = PlausibleSensing(robot)
+    checks.check(sensed(), None, False)
+    checks.check(sensed(stamp_s=1.0), Action.TURN_LEFT, True)
+    with pytest.raises(SensorError, match=r"told to turn \+90"):
+        checks.check(sensed(stamp_s=2.0), Action.TURN_LEFT, False)

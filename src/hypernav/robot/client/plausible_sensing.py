@@ -51,7 +51,7 @@ class PlausibleSensing:
         """
         self._check_images(sensed)
         if self._last is not None:
-            self._check_motion(self._last, sensed, action)
+            self._check_motion(self._last, sensed, action, blocked=blocked)
         self._blocked = self._blocked + 1 if blocked else 0
         if self._blocked >= _MOST_BLOCKED:
             raise SensorError(
@@ -81,7 +81,9 @@ class PlausibleSensing:
                 f"up to {self._embodiment.camera.max_depth_m:g} m; Sensed.depth is in metres"
             )
 
-    def _check_motion(self, before: Sensed, now: Sensed, action: Action | None) -> None:
+    def _check_motion(
+        self, before: Sensed, now: Sensed, action: Action | None, *, blocked: bool
+    ) -> None:
         motion = self._embodiment.motion
         moved_m = before.odometry.distance_to(*now.odometry.xy)
         turned = wrap_angle(now.odometry.yaw - before.odometry.yaw)
@@ -97,7 +99,7 @@ class PlausibleSensing:
             )
         turn = math.radians(motion.turn_angle_deg)
         ordered = {Action.TURN_LEFT: turn, Action.TURN_RIGHT: -turn}.get(action or Action.STOP)
-        if ordered is None:
+        if ordered is None or blocked:
             return
         is_mirrored = turned * ordered < 0.0 and abs(turned) > _WRONG_SHARE * turn
         if is_mirrored or abs(wrap_angle(turned - ordered)) > _OTHER_TURN_RAD:
