@@ -9,14 +9,24 @@ from contextlib import ExitStack, closing
 
 import pytest
 
-from hypernav.core.errors import ConfigError
+from hypernav.core.errors import ConfigError, RunFolderError
 from hypernav.core.goal import Goal
 from hypernav.robot.server import guard, request_heads
+from hypernav.robot.server.agents import AgentPlan
 from hypernav.robot.server.guard import Access
 from hypernav.robot.server.limits import ServerLimits
 from hypernav.robot.server.serving import check_access, listening, read_token
+from hypernav.robot.server.state.journal import Journal
 from hypernav.robot.wire.frames import MOST_BODY_BYTES
-from servers.robots import TOKEN, RobotLink, ScriptedAgent, body_of, robot_server
+from hypernav.robot.wire.requests import OpenSearch
+from servers.robots import (
+    TOKEN,
+    RobotLink,
+    ScriptedAgent,
+    body_of,
+    robot_server,
+    scripted_plan,
+)
 
 
 @pytest.mark.parametrize(
@@ -196,6 +206,46 @@ def test_a_search_of_which_nothing_is_heard_gives_its_slot_to_one_that_needs_it(
         assert link.call("GET", forgotten).json["ending"] == "closed"
         assert "not heard of" in link.observe(forgotten, body_of(0)).json["reason"]
         assert link.call("GET", heard).json["ending"] is None
+
+
+def test_a_robot_that_waits_for_an_answer_is_not_forgotten(tmp_path, script):
+    script.gate.clear()
+    with robot_server(tmp_path, limits=ServerLimits(searches=1, idle_s=0.0)) as link:
+        waiting = link.open(deadline_s=0.1)
+        assert link.observe(waiting, body_of(0)).json["hold"]
+        assert link.call("POST", "/v1/searches", {"goal": "bed"}).status == 429
+        assert link.call("GET", waiting).json["ending"] is None
+        script.gate.set()
+
+
+def test_a_robot_heard_of_while_another_search_is_built_keeps_its_slot(tmp_path):
+    opened: list[str] = []
+
+    def plan(request: OpenSearch) -> AgentPlan:
+        for search in opened:
+            link.observe(search, body_of(0))
+        return scripted_plan(request)
+
+    with robot_server(tmp_path, plan, limits=ServerLimits(searches=1, idle_s=2.0)) as link:
+        opened.append(link.open("quick"))
+        time.sleep(2.1)
+        assert link.call("POST", "/v1/searches", {"goal": "bed"}).status == 429
+        assert link.call("GET", opened[0]).json["ending"] is None
+    assert len(list((tmp_path / "searches").iterdir())) == 1
+
+
+def test_an_end_that_cannot_be_written_is_no_fault_of_who_needs_the_slot(
+    tmp_path, monkeypatch, caplog
+):
+    def full(*_: object) -> None:
+        raise RunFolderError("the disk is full")
+
+    with robot_server(tmp_path, limits=ServerLimits(searches=1, idle_s=0.0)) as link:
+        forgotten = link.open("quick")
+        monkeypatch.setattr(Journal, "write_end", full)
+        link.open("quick")
+        assert link.call("GET", forgotten).json["ending"] == "closed"
+    assert "the disk is full" in caplog.text
 
 
 @pytest.mark.parametrize(

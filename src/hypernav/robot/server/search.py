@@ -85,6 +85,11 @@ class Search:
         """Whether the search has ended, and a restarted server will know."""
         return self._is_end_kept
 
+    @property
+    def is_deciding(self) -> bool:
+        """Whether the robot waits for an answer."""
+        return self._state is SearchState.DECIDING
+
     def go_on(self, decisions: Decisions) -> None:
         """Begin to decide, after the agent has seen again what the journal holds.
 

@@ -92,11 +92,12 @@ class Searches:
             if request.key is not None and request.key in self._keys:
                 return self._searches[self._keys[request.key]]
             self._check_room(request)
-            forgotten = self._forgotten()
+            self._forgotten()  # a search that finds no slot is not built
             name = secrets.token_hex(16)
             folder = self._folder / name
             try:
                 search = self._begun(name, folder, request)
+                forgotten = self._forgotten_after(search)
             except HyPerNavError:
                 shutil.rmtree(folder, ignore_errors=True)
                 raise
@@ -104,7 +105,10 @@ class Searches:
         if forgotten is not None:
             ended = SearchEnding.CLOSED
             forgotten.stop("its robot was not heard of, and another needed the slot", ended)
-            forgotten.write_end()
+            try:
+                forgotten.write_end()
+            except RunFolderError as error:  # no fault of who opens a search
+                _LOG.error("search %s: %s", forgotten.record.id, error)
         if self._stops > stops:
             search.stop("stopped while it was opened")
             search.write_end()
@@ -176,23 +180,37 @@ class Searches:
             return
         self._add(search)
 
+    def _forgotten_after(self, search: Search) -> Search | None:
+        """The same, asked once more after the other search was built, which may take minutes.
+
+        Raises:
+            RequestRefusedError: Meanwhile all robots were heard of.
+        """
+        try:
+            return self._forgotten()
+        except RequestRefusedError:
+            search.halt()
+            raise
+
     def _forgotten(self) -> Search | None:
         """The search whose slot is needed, and whose robot was not heard of; None if there is room.
 
+        A robot that waits for an answer has no reason to speak.
+
         Raises:
-            RequestRefusedError: All robots were heard of.
+            RequestRefusedError: All robots were heard of, or wait.
         """
         under_way = [search for search in self._searches.values() if not search.is_over]
         if len(under_way) < self._limits.searches:
             return None
-        quietest = min(under_way, key=lambda search: search.heard_s)
+        quietest = min(under_way, key=lambda search: (search.is_deciding, search.heard_s))
         idle_s = time.monotonic() - quietest.heard_s
-        if idle_s < self._limits.idle_s:
+        if quietest.is_deciding or idle_s < self._limits.idle_s:
             raise RequestRefusedError(
                 f"{len(under_way)} searches are under way, as many as there may be; close one by "
                 f"POST {SEARCHES}/ID/close. That of which nothing was heard for longest, "
                 f"{quietest.record.id}, ends by itself after another "
-                f"{(self._limits.idle_s - idle_s) / 60.0:.0f} minutes without a word",
+                f"{max(self._limits.idle_s - idle_s, 0.0) / 60.0:.0f} minutes without a word",
                 error="busy",
                 status=429,
             )
