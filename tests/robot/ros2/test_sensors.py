@@ -112,17 +112,19 @@ def test_the_camera_of_a_tilted_body_is_where_it_is_over_the_floor(networks):
 
 
 @pytest.mark.parametrize(
-    "range_m",
+    ("range_m", "of_the_map"),
     [
-        ("embodiment.camera.min_depth_m=2.0",),
-        ("embodiment.camera.min_depth_m=0.1", "embodiment.camera.max_depth_m=1.0"),
+        (("embodiment.camera.min_depth_m=2.0",), 0.0),
+        # What is far draws nothing, but shows that everything before it is gone.
+        (("embodiment.camera.min_depth_m=0.1", "embodiment.camera.max_depth_m=1.0"), 1.5),
     ],
 )
-def test_what_is_out_of_the_range_of_maps_is_in_the_way(networks, range_m):
+def test_what_is_out_of_the_range_of_maps_is_in_the_way(networks, range_m, of_the_map):
     theirs, ours = networks
     config = configured(*NAMED, *range_m)
     with legged_robot(theirs), closing(Ros2Base(ours, config, Ros2Sensors(ours, config))) as base:
         assert (base.depth_view().depth == 1.5).all()
+        assert (base.sense().depth == of_the_map).all()
 
 
 def test_a_camera_below_the_floor_names_the_floor(networks):

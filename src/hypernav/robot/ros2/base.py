@@ -81,7 +81,7 @@ class Ros2Base:
         rgb = sensors.calibration.straightened_colour(colour_of(pair.colour))
         return Sensed(
             rgb=rgb,
-            depth=self._in_range(self._depth(pair)),
+            depth=self._measured(pair),
             odometry=sensors.odometry(pair.stamp_s),
             stamp_s=pair.stamp_s,
             odom_to_map=sensors.odom_to_map(),
@@ -97,8 +97,7 @@ class Ros2Base:
 
         A halt ends the wait, by an image without any return.
 
-        It has all returns, also those beyond the range that maps are made from: what is nearer is
-        in the way, and the floor is farther.
+        It has all returns, also those nearer than what maps are made from.
 
         Raises:
             RosNetworkError: None comes within the patience.
@@ -131,11 +130,10 @@ class Ros2Base:
     def _depth(self, pair: ImagePair) -> Float32[np.ndarray, "height width"]:
         return self.sensors.calibration.straightened_depth(depth_of(pair.depth))
 
-    def _in_range(
-        self, depth: Float32[np.ndarray, "height width"]
-    ) -> Float32[np.ndarray, "height width"]:
-        camera = self._embodiment.camera
-        measured = is_measured(depth, camera.min_depth_m, camera.max_depth_m)
+    def _measured(self, pair: ImagePair) -> Float32[np.ndarray, "height width"]:
+        """Depth for the map: not cut off where it becomes too inexact to be drawn."""
+        depth = self._depth(pair)
+        measured = is_measured(depth, self._embodiment.camera.min_depth_m)
         return np.where(measured, depth, np.float32(0.0))
 
 
