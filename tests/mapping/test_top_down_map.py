@@ -141,6 +141,15 @@ def test_depth_that_is_no_measurement_says_nothing(value):
     assert known(after) == known(before)
 
 
+def test_a_code_says_nothing_to_a_camera_of_long_range_either():
+    far_sighted = Embodiment.model_validate({"camera": {"max_depth_m": 30.0}})
+    before, after = (TopDownMap(CONFIG, far_sighted) for _ in range(2))
+    for world_map in (before, after):
+        world_map.integrate(view_of([FLOOR, TABLE], HERE))
+    after.integrate(frame(np.full((CAMERA.height, CAMERA.width), 65.535, np.float32), HERE))
+    assert known(after) == known(before)
+
+
 @cache
 def room_views():
     return [view_of(ROOM, pose) for pose in turning(1.5, 1.5)]

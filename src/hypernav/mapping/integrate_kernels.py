@@ -29,7 +29,9 @@ from hypernav.core.geometry import depth as depth_rule
 
 UNKNOWN, FREE, OCCUPIED = 0, 1, 2
 BELIEVED_RANGES = 3.0
-"""Depth, in ranges of the sensor, from which on it is no measurement but a code, as 65.535 m is."""
+"""Depth, in ranges of the sensor, from which on it is not believed."""
+BELIEVED_M = 65.5
+"""Depth from which on it is no measurement but a code: the largest of 16 bits is 65.535 m."""
 
 is_measured = register_jitable(no_cfunc_wrapper=True)(depth_rule.is_measured)
 
@@ -132,7 +134,7 @@ def passes(depth, lens, u, v, behind):
     sure. Without it, a person who stood before a distant wall would stay on the map for ever.
     """
     d = depth_at(depth, u, v)
-    is_far = is_measured(d, lens[5], BELIEVED_RANGES * lens[5])
+    is_far = is_measured(d, lens[5], min(BELIEVED_RANGES * lens[5], BELIEVED_M))
     return (is_far or is_measured(d, lens[4], lens[5])) and d > behind
 
 
