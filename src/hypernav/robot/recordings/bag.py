@@ -54,7 +54,7 @@ def read_bag(path: Path, topics: CameraTopics) -> Recording:
     """
     with ExitStack() as opened:
         bag = opened.enter_context(BagFile(path))
-        chosen = choose_topics(_offered(bag), topics, ask="--{role}-topic")
+        chosen = choose_topics(_offered(bag), topics, option_of=_option_of)
         with bag.checked():
             calibration = calibration_of(
                 bag.first(chosen.camera_info.name), rectified=is_rectified(chosen.colour)
@@ -69,6 +69,10 @@ def _offered(bag: BagFile) -> Iterator[OfferedTopic]:
         offer = offered_topic(name, bag.first(name))
         if offer is not None:
             yield offer
+
+
+def _option_of(role: str) -> str:
+    return f"--{role.replace('_', '-')}-topic"
 
 
 def _frames(

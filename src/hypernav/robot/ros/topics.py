@@ -1,6 +1,6 @@
 """The choice of a camera's topics among those that there are."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -72,7 +72,7 @@ def offered_topic(name: str, message: Any) -> OfferedTopic | None:
 
 
 def choose_topics(
-    offered: Iterable[OfferedTopic], wanted: CameraTopics, *, ask: str
+    offered: Iterable[OfferedTopic], wanted: CameraTopics, *, option_of: Callable[[str], str]
 ) -> ChosenTopics:
     """The topics of a camera: those that are wanted, else those that alone fit.
 
@@ -82,14 +82,16 @@ def choose_topics(
     Args:
         offered: All topics with images and calibrations.
         wanted: What the user wants.
-        ask: How the user says which one, with ``{role}`` in it, for example ``"--{role}-topic"``.
+        option_of: How the user says which topic has a role, ``--camera-info-topic`` for example.
 
     Raises:
         TopicChoiceError: None fits, or several do.
     """
     offers = list(offered)
     colours = _of_role(offers, "colour")
-    colour = _one(colours, wanted.colour, "colour", "sensor_msgs/Image of colour", ask)
+    colour = _one(
+        colours, wanted.colour, "colour", "sensor_msgs/Image of colour", option_of("colour")
+    )
     depths = _of_role(offers, "depth")
     fitting = [topic for topic in depths if topic.frame == colour.frame]
     if depths and not fitting and wanted.depth is None:
@@ -98,7 +100,7 @@ def choose_topics(
             f"{_listed(depths)}. {_ALIGN}"
         )
     choices = depths if wanted.depth else fitting
-    depth = _one(choices, wanted.depth, "depth", "sensor_msgs/Image of depth", ask)
+    depth = _one(choices, wanted.depth, "depth", "sensor_msgs/Image of depth", option_of("depth"))
     if depth.frame != colour.frame:
         raise TopicChoiceError(
             f"{depth.name} is in the frame '{depth.frame}', and {colour.name} in '{colour.frame}'; "
@@ -112,7 +114,7 @@ def choose_topics(
         wanted.camera_info,
         "camera_info",
         "sensor_msgs/CameraInfo",
-        ask,
+        option_of("camera_info"),
     )
     return ChosenTopics(colour, depth, info)
 
@@ -127,9 +129,8 @@ def _of_role(offers: Sequence[OfferedTopic], role: str) -> list[OfferedTopic]:
 
 
 def _one(
-    offers: Sequence[OfferedTopic], wanted: str | None, role: str, kind: str, ask: str
+    offers: Sequence[OfferedTopic], wanted: str | None, role: str, kind: str, option: str
 ) -> OfferedTopic:
-    option = ask.format(role=role.replace("_", "-"))
     names = {topic.name for topic in offers}
     fitting = [t for t in offers if _raw(t.name) == t.name or _raw(t.name) not in names]
     if wanted is not None:

@@ -227,7 +227,7 @@ class Ros2Sensors:
         try:
             if None in named and time.monotonic() - self._began_s < _ALL_S:
                 raise TopicChoiceError("too early to know all topics")
-            return choose_topics(offers, wanted, ask="topics.{role} of --config")
+            return choose_topics(offers, wanted, option_of=_option_of)
         except TopicChoiceError as error:
             there = ", ".join(sorted(cameras)) or "none; is the domain (ROS_DOMAIN_ID) the same?"
             raise TopicChoiceError(f"{error}. Published topics of cameras: {there}") from error
@@ -259,6 +259,10 @@ class Ros2Sensors:
                 f"the odometry is {pair.stamp_s - self._odometry_s:.2f} s behind all images, "
                 "expected that of their time; are the clocks of two computers the same (chrony)?"
             )
+
+
+def _option_of(role: str) -> str:
+    return f"topics.{role} of --config"
 
 
 def _planar(pose: Transform) -> Pose2:

@@ -1,0 +1,37 @@
+"""Where several topics fit, the error names what the user writes to choose one."""
+
+import pytest
+
+from hypernav.core.errors import TopicChoiceError
+from hypernav.robot.recordings import bag
+from hypernav.robot.ros.topics import CameraTopics, OfferedTopic, choose_topics
+from hypernav.robot.ros2 import sensors
+from hypernav.robot.ros2.config import TopicsConfig
+
+CAMERA = [
+    OfferedTopic("/front/image_raw", "colour", "optical"),
+    OfferedTopic("/front/depth", "depth", "optical"),
+    OfferedTopic("/front/camera_info", "camera_info", "optical"),
+]
+OTHER = {"colour": "/front/image_color", "depth": "/front/depth2", "camera_info": "/front/info"}
+ROLES = pytest.mark.parametrize("role", OTHER)
+
+
+def told(role: str, option_of) -> str:
+    """The error where two topics could have a role."""
+    offers = [*CAMERA, OfferedTopic(OTHER[role], role, "optical")]
+    with pytest.raises(TopicChoiceError) as error:
+        choose_topics(offers, CameraTopics(None, None, None), option_of=option_of)
+    return str(error.value)
+
+
+@ROLES
+def test_a_robot_on_ros_2_has_a_key_of_its_file(role):
+    assert told(role, sensors._option_of).endswith(f"say which one with topics.{role} of --config")
+    assert role in TopicsConfig.model_fields
+
+
+@ROLES
+def test_a_bag_has_an_option(role):
+    option = {"camera_info": "--camera-info-topic"}.get(role, f"--{role}-topic")
+    assert told(role, bag._option_of).endswith(f"say which one with {option}")
