@@ -1,4 +1,4 @@
-"""A server of the command's own, for a simulated robot that is given none."""
+"""A server of the command's own, for a robot, simulated or on ROS 2, that is given none."""
 
 import re
 import subprocess

@@ -237,7 +237,7 @@ class RobotClient:
                 raise ServerUnreachableError(
                     f"no answer to observation {self._sequence} for "
                     f"{self._patience.unreachable_s:g} s ({lost}); the robot stands still. Is the "
-                    "server running? The same command goes on once it is"
+                    "server running? Opened again with the same key, the search goes on once it is"
                 ) from lost
             self.resent += 1
             time.sleep(pause_s)

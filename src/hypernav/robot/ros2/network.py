@@ -140,7 +140,7 @@ class Ros2Network:
         self._thread.start()
 
     def close(self) -> None:
-        """Leave the domain."""
+        """Receive nothing any more; the domain is left when nobody holds the network."""
         self._ended.set()
         self._thread.join()
 

@@ -136,7 +136,7 @@ class Ros2Sensors:
         """Pose of the odometry in the map of the robot's localisation; the same without one.
 
         Raises:
-            TransformMissingError: The localisation says nothing, or not of that time.
+            TransformMissingError: The localisation has said nothing yet.
         """
         frames = self._config.frames
         if frames.map is None:
