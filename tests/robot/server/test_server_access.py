@@ -15,6 +15,7 @@ from hypernav.robot.server import guard, request_heads
 from hypernav.robot.server.agents import AgentPlan
 from hypernav.robot.server.guard import Access
 from hypernav.robot.server.limits import ServerLimits
+from hypernav.robot.server.search import Search
 from hypernav.robot.server.serving import check_access, listening, read_token
 from hypernav.robot.server.state.journal import Journal
 from hypernav.robot.wire.frames import MOST_BODY_BYTES
@@ -182,6 +183,25 @@ def test_an_ended_search_holds_no_agent(tmp_path):
         while agents and time.monotonic() < end:
             gc.collect()
         assert not agents
+
+
+def test_an_ended_search_is_on_the_disk_and_not_in_memory(tmp_path):
+    before = [one for one in gc.get_objects() if type(one) is Search]
+    with robot_server(tmp_path) as link:
+        search = link.open("quick")
+        link.observe(search, body_of(0))
+        link.answer(search, 0)
+        paths = [f"{search}/{name}" for name in ("image", "map.png", "map.json")]
+        shown = [link.call("GET", path).content for path in paths]
+        extent = link.call("GET", search).json["map"]
+        link.call("POST", f"{search}/close")
+        (kept,) = [o for o in gc.get_objects() if type(o) is Search and o not in before]
+        assert (kept._grid, kept._colour) == (None, None)
+        assert [link.call("GET", path).content for path in paths] == shown
+        assert link.call("GET", search).json["map"] == extent
+    with robot_server(tmp_path) as link:  # started again
+        assert [link.call("GET", path).content for path in paths] == shown
+        assert link.call("GET", search).json["map"] == extent
 
 
 def test_searches_are_limited(tmp_path):

@@ -31,9 +31,7 @@ class Search:
     Attributes:
         record: What it was opened with.
         bell: Bell that rings at every change of the status.
-        grid: Map after the last decision; None before the first.
         pose: Last pose of the robot ``(x, y, yaw)``, ``map`` frame; None before the first.
-        colour: Format and bytes of the last colour image; None before the first.
         heard_s: When its robot was last heard of, or it was taken up, on `time.monotonic`.
     """
 
@@ -47,9 +45,7 @@ class Search:
         """
         self.record = journal.record
         self.bell = Bell()
-        self.grid: OccupancyGrid | None = None
         self.pose: tuple[float, float, float] | None = None
-        self.colour: tuple[str, bytes] | None = None
         self.heard_s = time.monotonic()
         self._journal = journal
         self._lock = threading.RLock()
@@ -58,9 +54,11 @@ class Search:
         self._is_resuming = False
         end = journal.end
         self._is_end_kept = end is not None
+        self._colour: tuple[str, bytes] | None = None
         self._turns = Turns(self._recalled(), end)
+        self._note_map(None if end is None else journal.read_map())
         if end is not None:
-            self.grid = journal.read_map()
+            self._forget_views()
 
     def _recalled(self) -> Turn | None:
         """The last observation of the journal; its image, and the last pose, are taken, too."""
@@ -68,7 +66,7 @@ class Search:
         if count == 0:
             return None
         packed = unpack_observation(journal.observation(count - 1))
-        self.colour = (packed.header.colour.format, packed.colour)
+        self._colour = (packed.header.colour.format, packed.colour)
         if journal.step_count == 0:
             return Turn(count - 1)
         step = journal.step(journal.step_count - 1)
@@ -89,6 +87,28 @@ class Search:
     def is_deciding(self) -> bool:
         """Whether the robot waits for an answer."""
         return self._state is SearchState.DECIDING
+
+    @property
+    def grid(self) -> OccupancyGrid | None:
+        """Map after the last decision, from the disk once the end is kept; None before the first.
+
+        Raises:
+            HyPerNavError: It was damaged on the disk.
+        """
+        with self._lock:
+            grid, is_on_disk = self._grid, self._is_end_kept
+        return self._journal.read_map() if grid is None and is_on_disk else grid
+
+    @property
+    def colour(self) -> tuple[str, bytes] | None:
+        """Format and bytes of the last colour image, from the disk once the end is kept.
+
+        Raises:
+            RunFolderError: The journal is damaged.
+        """
+        with self._lock:
+            colour, is_on_disk = self._colour, self._is_end_kept
+        return self.colour_of(None) if colour is None and is_on_disk else colour
 
     def go_on(self, decisions: Decisions) -> None:
         """Begin to decide, after the agent has seen again what the journal holds.
@@ -158,8 +178,9 @@ class Search:
             RunFolderError: It cannot be written; the robot is stopped all the same.
         """
         if self._turns.end is not None:
-            self._journal.write_end(self._turns.end, self.grid)
+            self._journal.write_end(self._turns.end, self._grid)
             self._is_end_kept = True
+            self._forget_views()
 
     def halt(self) -> Worker | None:
         """Let go of everything; the search is not over, and can be taken up again.
@@ -177,7 +198,7 @@ class Search:
     def status(self) -> Status:
         """The present state."""
         with self._lock:
-            turns, grid = self._turns, self.grid
+            turns = self._turns
             return Status(
                 id=self.record.id,
                 version=self._version,
@@ -188,7 +209,7 @@ class Search:
                 next_sequence=turns.next_sequence,
                 last=None if turns.last is None else turns.last.reply,
                 pose=self.pose,
-                map=None if grid is None else extent_of(grid),
+                map=self._extent,
                 ending=None if turns.end is None else turns.end.ending,
                 detail="" if turns.end is None else turns.end.detail,
             )
@@ -198,10 +219,16 @@ class Search:
         """The answer to any further observation once the search is over; None before."""
         return self._turns.end_reply
 
-    def colour_of(self, sequence: int) -> tuple[str, bytes] | None:
-        """Format and bytes of an observation's colour image; None if it has not come."""
+    def colour_of(self, sequence: int | None) -> tuple[str, bytes] | None:
+        """Format and bytes of an observation's colour image; None if it has not come.
+
+        Args:
+            sequence: Number of the observation; None is the last that was accepted.
+        """
         with self.reading() as journal:
-            if sequence >= journal.observation_count:
+            count = journal.observation_count
+            sequence = count - 1 if sequence is None else sequence
+            if not 0 <= sequence < count:
                 return None
             packed = unpack_observation(journal.observation(sequence))
         return packed.header.colour.format, packed.colour
@@ -235,7 +262,7 @@ class Search:
                 return
             with self._lock:
                 self._turns.accept(turn)
-                self.colour = (packed.header.colour.format, packed.colour)
+                self._colour = (packed.header.colour.format, packed.colour)
             self._note_change()
             self._answer(turn, self._decisions.decide(packed.header, observation))
 
@@ -245,7 +272,7 @@ class Search:
             self._decisions.repeat(self._is_wanted)
             with self._lock:
                 self._is_resuming = False
-                self.grid = self._decisions.grid
+                self._note_map(self._decisions.grid)
             self._note_change()
             if last.reply is not None and last.reply.ending is not None:
                 self._finish(last.reply.ending, last.reply.reason)
@@ -261,7 +288,7 @@ class Search:
         self._journal.add_step(step)
         with self._lock:
             turn.reply = turn.reply or step.reply
-            self.grid = self._decisions.grid
+            self._note_map(self._decisions.grid)
             if step.trace is not None:
                 self.pose = step.trace.pose
         if step.reply.ending is not None:
@@ -287,6 +314,17 @@ class Search:
         self._decisions.close()
         self._journal.close()
         del self._decisions
+
+    def _note_map(self, grid: OccupancyGrid | None) -> None:
+        self._grid = grid
+        self._extent = None if grid is None else extent_of(grid)
+
+    def _forget_views(self) -> None:
+        """Let go of map and image, of which the disk has copies: the server keeps many searches."""
+        with self._lock:
+            if self._journal.has_map:
+                self._grid = None
+            self._colour = None
 
     def _note_change(self) -> None:
         with self._lock:

@@ -191,8 +191,12 @@ class Journal:
 
     def read_map(self) -> OccupancyGrid | None:
         """The map of a search that has ended; None if there is none."""
-        path = self.folder / _MAP_FILE
-        return load_ros_map(path) if path.exists() else None
+        return load_ros_map(self.folder / _MAP_FILE) if self.has_map else None
+
+    @property
+    def has_map(self) -> bool:
+        """Whether the map of the end was written."""
+        return (self.folder / _MAP_FILE).exists()
 
     def close(self) -> None:
         """Close the files."""

@@ -192,9 +192,10 @@ _LIVE = {"cache-control": "no-store", "x-content-type-options": "nosniff"}
 
 
 def _grid(search: ShownSearch) -> OccupancyGrid:
-    if search.grid is None:
+    grid = search.grid
+    if grid is None:
         raise _nothing_yet("map")
-    return search.grid
+    return grid
 
 
 def _nothing_yet(what: str) -> RequestRefusedError:
