@@ -13,8 +13,9 @@ from hypernav.robot.recordings.bag_file import BagFile
 from hypernav.robot.recordings.recording import RecordedFrame, Recording
 from hypernav.robot.ros.calibration import Calibration, calibration_of
 from hypernav.robot.ros.images import colour_of, depth_of
-from hypernav.robot.ros.messages import frame_name, rigid_transform, stamp_s
+from hypernav.robot.ros.messages import frame_name, stamp_s
 from hypernav.robot.ros.topics import (
+    CAMERA_TYPES,
     CameraTopics,
     ChosenTopics,
     OfferedTopic,
@@ -26,11 +27,6 @@ from hypernav.robot.ros.transform_tree import TransformTree
 
 _APART_S = 0.02
 """Largest difference of the times of colour and depth that belong together."""
-_CAMERA_TYPES = (
-    "sensor_msgs/msg/Image",
-    "sensor_msgs/msg/CompressedImage",
-    "sensor_msgs/msg/CameraInfo",
-)
 _TRANSFORM_TYPES = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
 _ODOMETRY_TYPE = "nav_msgs/msg/Odometry"
 _SUFFIXES = (".bag", ".db3", ".mcap")
@@ -65,7 +61,7 @@ def read_bag(path: Path, topics: CameraTopics) -> Recording:
 
 def _offered(bag: BagFile) -> Iterator[OfferedTopic]:
     """What the camera's topics could be, by their first messages."""
-    for name in bag.topics(*_CAMERA_TYPES):
+    for name in bag.topics(*CAMERA_TYPES):
         offer = offered_topic(name, bag.first(name))
         if offer is not None:
             yield offer
@@ -124,9 +120,7 @@ def _transforms(bag: BagFile) -> TransformTree:
             if child in tree:
                 continue
             for _, message in bag.messages(name):
-                pose = rigid_transform(message.pose.pose.position, message.pose.pose.orientation)
-                parent = frame_name(message.header.frame_id)
-                tree.add(parent, child, pose, stamp_s(message.header), static=False)
+                tree.add_odometry(message)
     return tree
 
 

@@ -8,6 +8,12 @@ from hypernav.core.errors import TopicChoiceError
 from hypernav.robot.ros.images import kind_of
 from hypernav.robot.ros.messages import frame_name
 
+CAMERA_TYPES = (
+    "sensor_msgs/msg/Image",
+    "sensor_msgs/msg/CompressedImage",
+    "sensor_msgs/msg/CameraInfo",
+)
+"""Types of the topics of cameras."""
 _ALIGN = (
     "Let the camera's driver align depth to colour (RealSense: align_depth.enable), or run "
     "depth_image_proc's register node"

@@ -56,6 +56,20 @@ class TransformTree:
                 static=static,
             )
 
+    def add_odometry(self, message: Any) -> None:
+        """Take the pose of an ``Odometry``.
+
+        Raises:
+            RosMessageError: It holds none.
+        """
+        self.add(
+            frame_name(message.header.frame_id),
+            frame_name(message.child_frame_id),
+            rigid_transform(message.pose.pose.position, message.pose.pose.orientation),
+            stamp_s(message.header),
+            static=False,
+        )
+
     def add(
         self, parent: str, child: str, child_to_parent: Transform, at_s: float, *, static: bool
     ) -> None:

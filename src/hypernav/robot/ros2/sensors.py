@@ -9,8 +9,8 @@ from typing import Any, TypeVar
 from hypernav.core.errors import RosNetworkError, TopicChoiceError, TransformMissingError
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.robot.ros.calibration import Calibration, calibration_of
-from hypernav.robot.ros.messages import frame_name, rigid_transform, stamp_s
 from hypernav.robot.ros.topics import (
+    CAMERA_TYPES,
     CameraTopics,
     ChosenTopics,
     choose_topics,
@@ -24,11 +24,6 @@ from hypernav.robot.ros2.network import Quality, Ros2Network
 from hypernav.robot.ros2.rgbd_stream import ImagePair, RgbdStream
 from hypernav.robot.ros2.robot_clock import RobotClock
 
-_CAMERA_TYPES = (
-    "sensor_msgs/msg/Image",
-    "sensor_msgs/msg/CompressedImage",
-    "sensor_msgs/msg/CameraInfo",
-)
 _MEMORY_S = 10.0
 _LOOK_S = 0.2
 _ALL_S = 2.0
@@ -54,15 +49,15 @@ class Ros2Sensors:
         self._network, self._config = network, config
         self._tree, self._tree_lock = TransformTree(memory_s=_MEMORY_S), threading.Lock()
         self._odometry_s, self._clock = -1.0, RobotClock()
-        self._firsts, self._looks = dict[str, Any](), list[Callable[[], None]]()
+        self._first_messages, self._ends_of_looks = dict[str, Any](), list[Callable[[], None]]()
         self._began_s = time.monotonic()
         self.stream = RgbdStream(config.timing.apart_s)
         self._subscribe_frames()
         chosen = self._found(self._chosen)
-        for end in self._looks:
+        for end in self._ends_of_looks:
             end()
-        self._looks.clear()  # each holds its reader
-        info = self._firsts[chosen.camera_info.name]
+        self._ends_of_looks.clear()  # each holds its reader
+        info = self._first_messages[chosen.camera_info.name]
         self.calibration: Calibration = calibration_of(info, rectified=is_rectified(chosen.colour))
         types = network.published()
         for topic, receive in (
@@ -179,10 +174,8 @@ class Ros2Sensors:
             self._note_odometry()
 
     def _add_odometry(self, message: Odometry) -> None:
-        pose = rigid_transform(message.pose.pose.position, message.pose.pose.orientation)
-        parent, child = frame_name(message.header.frame_id), frame_name(message.child_frame_id)
         with self._tree_lock:
-            self._tree.add(parent, child, pose, stamp_s(message.header), static=False)
+            self._tree.add_odometry(message)
             self._note_odometry()
 
     def _note_odometry(self) -> None:
@@ -215,14 +208,18 @@ class Ros2Sensors:
         topics, published = self._config.topics, self._network.published()
         wanted = CameraTopics(topics.colour, topics.depth, topics.camera_info)
         named = {topics.colour, topics.depth, topics.camera_info}
-        cameras = [name for name, kind in published.items() if kind in _CAMERA_TYPES]
+        cameras = [name for name, kind in published.items() if kind in CAMERA_TYPES]
         for name in cameras:
-            if name not in self._firsts and (None in named or name in named):
-                self._firsts[name] = None
-                keep = partial(self._firsts.__setitem__, name)
+            if name not in self._first_messages and (None in named or name in named):
+                self._first_messages[name] = None
+                keep = partial(self._first_messages.__setitem__, name)
                 kind = ROS_TYPES[published[name]]
-                self._looks.append(self._network.subscribe(name, kind, Quality.SENSOR, keep))
-        firsts = [(name, first) for name, first in self._firsts.items() if first is not None]
+                self._ends_of_looks.append(
+                    self._network.subscribe(name, kind, Quality.SENSOR, keep)
+                )
+        firsts = [
+            (name, first) for name, first in self._first_messages.items() if first is not None
+        ]
         offers = [offer for name, first in firsts if (offer := offered_topic(name, first))]
         try:
             if None in named and time.monotonic() - self._began_s < _ALL_S:
