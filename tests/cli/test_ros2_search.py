@@ -5,6 +5,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+from rich.console import Console
 
 from hypernav.cli.robots import ros2
 from hypernav.core.actions import Action
@@ -12,27 +13,35 @@ from hypernav.core.errors import LinkLostError, RosNetworkError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import Mode, StepTrace
-from hypernav.robot.client.robot import Sensed
+from hypernav.evaluation.recorder import EpisodeRecorder
+from hypernav.robot.client.links import HttpServer
+from hypernav.robot.client.robot import Executed, Sensed
+from hypernav.robot.client.robot_client import ClientStep, RobotClient
+from hypernav.robot.wire.replies import Reply, SearchOpened
 
 HERE = Pose2(0.0, 0.0, 0.0)
-STEPS = 4
 
 
-def steps() -> Iterator[Any]:
-    """What a client says of each step."""
-    sensed = Sensed(np.zeros((2, 2, 3), np.uint8), np.ones((2, 2), np.float32), HERE, 0.0)
-    for number in range(STEPS):
-        reply = SimpleNamespace(sequence=number, mode="explore", reason="", ending=None)
-        yield SimpleNamespace(reply=reply, sensed=sensed)
+class Client(RobotClient):
+    """Four steps of a robot that turns on the spot."""
+
+    def __init__(self) -> None:
+        pass
+
+    def __iter__(self) -> Iterator[ClientStep]:
+        sensed = Sensed(np.zeros((2, 2, 3), np.uint8), np.ones((2, 2), np.float32), HERE, 0.0)
+        for number in range(4):
+            reply = Reply(sequence=number, action=Action.TURN_LEFT, mode=Mode.EXPLORE)
+            yield ClientStep(sensed, reply, Executed.DONE, blocked=False)
 
 
-class Server:
+class Server(HttpServer):
     """Has one more step each time it is asked; its second answer gets lost."""
 
     def __init__(self) -> None:
         self.asked = 0
 
-    def trace(self, search_id: str, *, since: int) -> Iterator[StepTrace]:
+    def trace(self, search_id: str, *, since: int = 0) -> Iterator[StepTrace]:
         self.asked += 1
         if self.asked == 2:
             raise LinkLostError("the answer got lost")
@@ -44,25 +53,32 @@ class Server:
         return OccupancyGrid(np.ones((1, 1), np.uint8), 0.05, (0.0, 0.0))
 
 
+class Recorder(EpisodeRecorder):
+    """Notes the steps."""
+
+    def __init__(self) -> None:
+        self.noted: list[int] = []
+
+    def record(self, step: StepTrace, grid: OccupancyGrid | None, image: object) -> None:
+        self.noted.append(step.step)
+
+
+class FullNetwork:
+    """Outputs that nobody reads in time."""
+
+    def publish(self, *_: object, **__: object) -> None:
+        raise RosNetworkError("the buffer is full")
+
+
 def test_a_lost_answer_and_a_full_network_end_no_search():
-    recorded: list[int] = []
-    published: list[int] = []
-
-    def publish(trace: StepTrace, *_: object, **__: object) -> None:
-        published.append(trace.step)
-        if trace.step == 2:
-            raise RosNetworkError("nobody reads the images")
-
-    recorder = SimpleNamespace(record=lambda trace, *_: recorded.append(trace.step))
-    sensors = SimpleNamespace(calibration=SimpleNamespace(frame="camera"))
-    parts: list[Any] = [
-        steps(),
-        SimpleNamespace(odometry=lambda: HERE, sensors=sensors),
-        Server(),
-        SimpleNamespace(id="a"),
-        SimpleNamespace(publish=publish),
-        recorder,
-        SimpleNamespace(update=lambda _: None),
-    ]
-    assert ros2._search(*parts) == (None, 0.0)
-    assert recorded == published == [0, 1, 2, 3]
+    recorder = Recorder()
+    base: Any = SimpleNamespace(
+        odometry=lambda: HERE,
+        sensors=SimpleNamespace(calibration=SimpleNamespace(frame="camera")),
+    )
+    opened = SearchOpened(id="0" * 32, next_sequence=0, version="", words="")
+    status = Console(quiet=True).status("")
+    network: Any = FullNetwork()
+    ended = ros2._search(Client(), base, Server(), opened, network, recorder, status)
+    assert ended == (None, 0.0)
+    assert recorder.noted == [0, 1, 2, 3]

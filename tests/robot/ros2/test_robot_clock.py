@@ -22,6 +22,7 @@ class Clock:
 
 def heard(clock: Clock, robot: RobotClock, *, delay_s: float, seconds: float, rate: float) -> float:
     """Twenty messages a second with a delay; returns the age of the last when it arrives."""
+    stamp_s = -math.inf
     for _ in range(round(seconds * 20)):
         clock.now_s += 0.05
         stamp_s = AHEAD_S + (clock.now_s - delay_s) * rate
@@ -55,3 +56,13 @@ def test_clocks_that_drift_apart_make_nothing_old(rate):
     clock = Clock()
     robot = RobotClock(clock=clock)
     assert heard(clock, robot, delay_s=0.02, seconds=7200, rate=rate) < 0.01
+
+
+def test_a_simulator_slower_than_real_time_grows_old_unless_that_is_said():
+    clock = Clock()
+    assert heard(clock, RobotClock(clock=clock), delay_s=0.02, seconds=60, rate=0.8) > 10.0
+    told = RobotClock(0.5, clock=clock)
+    assert heard(clock, told, delay_s=0.02, seconds=60, rate=0.8) < 0.01
+    now_s = told.now_s
+    clock.now_s += 3.0
+    assert told.age_s(now_s) == pytest.approx(3.0)

@@ -63,9 +63,9 @@ def test_two_servers_are_a_mistake(capsys):
 
 
 def test_it_drives_for_the_oldest_image_and_the_longest_command():
-    assert Ros2Config().driving.reaction_s == pytest.approx(0.6)
-    assignments = ["timing.fresh_s=0.4", "speed.max_speed_m_s=0.2"]
+    assert Ros2Config().driving.reaction_s == pytest.approx(0.7)
+    assignments = ["timing.fresh_s=0.3", "speed.max_speed_m_s=0.2"]
     config = layered(Ros2Config(), environment={}, assignments=assignments)
-    assert (config.driving.reaction_s, config.driving.max_speed_m_s) == pytest.approx((0.7, 0.2))
+    assert (config.driving.reaction_s, config.driving.max_speed_m_s) == pytest.approx((0.6, 0.2))
     config = layered(Ros2Config(), environment={}, assignments=["speed.reaction_s=1.5"])
     assert config.driving.reaction_s == 1.5

@@ -167,12 +167,13 @@ def _search(
         before = sensed.odometry
         status.update(escape(f"step {reply.sequence + 1} · {reply.mode} · {reply.reason}"))
         # What people see must not end the search; the next step catches up.
-        with suppress(LinkLostError, RequestRefusedError, RosNetworkError):
+        with suppress(LinkLostError, RequestRefusedError):
             for trace in server.trace(opened.id, since=known):
                 grid = server.grid(opened.id)
                 if recorder is not None:
                     recorder.record(trace, grid, sensed.rgb)
                 known = trace.step + 1
-                frame = base.sensors.calibration.frame
-                outputs.publish(trace, grid, sensed.rgb, at_s=sensed.stamp_s, camera_frame=frame)
+                frame, at_s = base.sensors.calibration.frame, sensed.stamp_s
+                with suppress(RosNetworkError):
+                    outputs.publish(trace, grid, sensed.rgb, at_s=at_s, camera_frame=frame)
     return ending, length_m

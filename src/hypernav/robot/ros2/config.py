@@ -10,6 +10,7 @@ from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import ConfigError
 from hypernav.robot.driving.driven_robot import CAREFUL
 from hypernav.robot.motion.config import DriveConfig
+from hypernav.robot.ros2.robot_clock import NTP_DRIFT
 from hypernav.robot.ros2.velocity_output import VALID_S
 
 _MOST_DOMAINS = 232
@@ -56,13 +57,17 @@ class TimingConfig(RoomConfig):
     """What is late, and what goes together.
 
     Attributes:
-        fresh_s: Age of images and odometry beyond which the robot stands still, seconds.
+        fresh_s: Age of images and odometry beyond which the robot stands still, seconds. A camera
+            needs the time between two images and that which they are under way.
+        clock_drift: Largest share of time that the robot's clock loses on this machine's. A
+            simulator at half of real time needs 0.5; what is late by and by then goes unnoticed.
         apart_s: Largest difference of the times of colour and depth that belong together, seconds.
         find_s: Time in which topics, images and frames must be found at the start, seconds.
         patience_s: Time without fresh data after which the search ends, seconds.
     """
 
-    fresh_s: float = Field(default=0.3, ge=0.05, le=0.4)
+    fresh_s: float = Field(default=0.4, ge=0.05, le=0.5)
+    clock_drift: float = Field(default=NTP_DRIFT, ge=NTP_DRIFT, lt=1.0)
     apart_s: float = Field(default=0.03, ge=0.0, le=0.5)
     find_s: float = Field(default=10.0, ge=0.5, le=300.0)
     patience_s: float = Field(default=60.0, ge=1.0, le=3600.0)

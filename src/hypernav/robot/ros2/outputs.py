@@ -46,7 +46,7 @@ class Ros2Outputs:
         self._map = network.publisher(f"{below}/map", OccupancyGrid, Quality.LATCHED)
         self._path = network.publisher(f"{below}/path", Path)
         self._markers = network.publisher(f"{below}/markers", MarkerArray)
-        self._image = network.publisher(f"{below}/image", Image, Quality.SENSOR)
+        self._image = network.publisher(f"{below}/image", Image, Quality.LATCHED)
         self._blocks: list[BlockRecord] = []
 
     def publish(

@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable
 
-_DRIFT = 5e-4
+NTP_DRIFT = 5e-4
 """Largest rate at which two clocks drift apart: that by which NTP corrects one."""
 
 
@@ -11,17 +11,20 @@ class RobotClock:
     """Tells how old a message is, also where the network delays all of them alike.
 
     The message that came fastest so far tells how far the robot's clock is from ours; one that
-    takes longer is late. A robot whose clock is slower than real time, as a simulator's may be,
-    falls behind, and its messages grow old.
+    takes longer is late. The messages of a robot whose clock loses more than the drift, as that of
+    a simulator slower than real time does, grow old.
     """
 
-    def __init__(self, *, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(
+        self, drift: float = NTP_DRIFT, *, clock: Callable[[], float] = time.monotonic
+    ) -> None:
         """Begin without messages.
 
         Args:
+            drift: Largest share of time that the robot's clock loses on ours.
             clock: Clock of this machine.
         """
-        self._clock = clock
+        self._drift, self._clock = drift, clock
         self._behind_s: float | None = None
         self._heard_s = 0.0
 
@@ -30,7 +33,7 @@ class RobotClock:
         now_s = self._clock()
         behind_s = now_s - stamp_s
         if self._behind_s is not None:
-            behind_s = min(behind_s, self._behind_s + _DRIFT * (now_s - self._heard_s))
+            behind_s = min(behind_s, self._behind_s + self._drift * (now_s - self._heard_s))
         self._behind_s, self._heard_s = behind_s, now_s
 
     @property

@@ -48,7 +48,7 @@ class Ros2Sensors:
         """
         self._network, self._config = network, config
         self._tree, self._tree_lock = TransformTree(memory_s=_MEMORY_S), threading.Lock()
-        self._odometry_s, self._clock = -1.0, RobotClock()
+        self._odometry_s, self._clock = -1.0, RobotClock(config.timing.clock_drift)
         self._first_messages, self._ends_of_looks = dict[str, Any](), list[Callable[[], None]]()
         self._began_s = time.monotonic()
         self.stream = RgbdStream(config.timing.apart_s)
@@ -74,15 +74,19 @@ class Ros2Sensors:
 
     def is_fresh(self) -> bool:
         """Whether images and odometry are new enough to drive by them."""
-        pair = self.stream.latest
-        if pair is None:
-            return False
-        return self._clock.age_s(min(pair.stamp_s, self._odometry_s)) <= self._config.timing.fresh_s
+        return self._fresh_pair() is not None
+
+    def _fresh_pair(self) -> ImagePair | None:
+        """The newest pair of images of whose time the odometry is known, unless it is too old."""
+        pair = self.stream.newest_until(self._odometry_s)
+        if pair is None or self._clock.age_s(pair.stamp_s) > self._config.timing.fresh_s:
+            return None
+        return pair
 
     def wait_for_pair(
         self, *, received_after_s: float = 0.0, unless: Callable[[], bool] = lambda: False
     ) -> ImagePair | None:
-        """The newest pair of images of whose time the odometry is known, once all is fresh.
+        """The newest pair of images of whose time the odometry is known, once it is fresh.
 
         Args:
             received_after_s: Time on this machine's clock after which it must have come.
@@ -98,7 +102,7 @@ class Ros2Sensors:
 
         def is_over() -> bool:
             nonlocal found
-            pair = self.stream.newest_until(self._odometry_s) if self.is_fresh() else None
+            pair = self._fresh_pair()
             found = pair if pair is not None and pair.received_s > received_after_s else None
             return found is not None or unless()
 

@@ -51,7 +51,7 @@ class VelocityOutput:
         self.command(STANDSTILL)
         self._ended.set()
         self._thread.join()
-        self._send(STANDSTILL)
+        self._is_sent(STANDSTILL)
 
     def _run(self) -> None:
         while not self._ended.wait(_PERIOD_S):
