@@ -138,6 +138,18 @@ def test_an_image_is_shrunk_cut_and_normalised():
     np.testing.assert_allclose(prepared[..., 1:-1], (1.0 - 0.5) / 0.2, rtol=1e-5)
 
 
+def test_what_pirlnav_sees_ends_rectified_and_what_zson_sees_does_not():
+    # Linear, ReLU in PIRLNav's published code; Linear, ReLU, Linear in ZSON's.
+    for architecture, last, seen in ((PIRLNAV, "visual_fc.0", 0.0), (ZSON, "visual_fc.1", -2.0)):
+        weights = zeros_of(architecture)
+        weights[f"{last}.bias"][:] = -2.0
+        network = PolicyNetwork(weights, architecture)
+        np.testing.assert_array_equal(
+            network._see(network._prepared(image(0, 480, 640))),
+            np.full(architecture.visual[-1], seen, np.float32),
+        )
+
+
 @pytest.mark.parametrize(
     ("change", "reason"),
     [

@@ -31,7 +31,8 @@ class PolicyArchitecture:
     Attributes:
         name: Name of the policy.
         image_px: Side of the square image that it looks at, pixels.
-        visual: Widths of the layers after the ResNet; each ends with a rectifier.
+        visual: Widths of the layers after the ResNet, with a rectifier between them.
+        rectifies_last: Whether the last of these ends with a rectifier as well.
         cell: Kind of recurrent layers, of which there are two.
         hidden: Width of these.
         goals: Number of goals that are known by number; 0 where a goal is a vector.
@@ -43,6 +44,7 @@ class PolicyArchitecture:
     name: str
     image_px: int
     visual: tuple[int, ...]
+    rectifies_last: bool
     cell: Literal["gru", "lstm"]
     hidden: int
     goals: int
@@ -94,6 +96,7 @@ PIRLNAV = PolicyArchitecture(
     name="pirlnav",
     image_px=256,
     visual=(512,),
+    rectifies_last=True,
     cell="gru",
     hidden=2048,
     goals=6,
@@ -105,6 +108,7 @@ ZSON = PolicyArchitecture(
     name="zson",
     image_px=128,
     visual=(256, 512),
+    rectifies_last=False,
     cell="lstm",
     hidden=512,
     goals=0,

@@ -134,9 +134,11 @@ class PolicyNetwork:
                 x = self._bottleneck(f"backbone.layer{layer + 1}.{block}", x, stride)
         x = functional.conv2d(x, self._weights["compression.0.weight"], padding=1)
         x = self._norm("compression.1", x, groups=1).relu().flatten()
-        for k in range(len(self.architecture.visual)):
+        last = len(self.architecture.visual) - 1
+        for k in range(last):
             x = self._linear(f"visual_fc.{k}", x).relu()
-        return x
+        x = self._linear(f"visual_fc.{last}", x)
+        return x.relu() if self.architecture.rectifies_last else x
 
     def _bottleneck(self, name: str, x: Any, stride: int) -> Any:
         functional, weights = self._torch.nn.functional, self._weights
