@@ -138,6 +138,18 @@ def test_an_image_is_shrunk_cut_and_normalised():
     np.testing.assert_allclose(prepared[..., 1:-1], (1.0 - 0.5) / 0.2, rtol=1e-5)
 
 
+@pytest.mark.parametrize("architecture", BOTH, ids=lambda one: one.name)
+def test_an_image_is_shrunk_between_its_nearest_pixels_to_whole_grades(architecture):
+    weights = zeros_of(architecture)
+    weights["running_mean_and_var._var"][:] = 1.0
+    side = architecture.image_px
+    rgb = np.zeros((4 * side, 4 * side, 3), np.uint8)
+    # Of four pixels in a row the middle two are looked at, and 0.5 * (11 + 20) is 15.5.
+    rgb[:, 0::4], rgb[:, 1::4], rgb[:, 2::4], rgb[:, 3::4] = 200, 11, 20, 90
+    prepared = PolicyNetwork(weights, architecture)._prepared(rgb)
+    np.testing.assert_allclose(prepared, np.full((1, 3, side, side), 16.0 / 255.0), rtol=1e-6)
+
+
 def test_what_pirlnav_sees_ends_rectified_and_what_zson_sees_does_not():
     # Linear, ReLU in PIRLNav's published code; Linear, ReLU, Linear in ZSON's.
     for architecture, last, seen in ((PIRLNAV, "visual_fc.0", 0.0), (ZSON, "visual_fc.1", -2.0)):

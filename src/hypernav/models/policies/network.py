@@ -113,10 +113,10 @@ class PolicyNetwork:
         torch, side = self._torch, self.architecture.image_px
         image = torch.from_numpy(np.ascontiguousarray(rgb)).permute(2, 0, 1)[None].float()
         height, width = image.shape[2:]
-        scale = side / min(height, width)
-        size = (round(height * scale), round(width * scale))
-        # Habitat's transform keeps whole grades, and cuts their fractions off.
-        image = torch.nn.functional.interpolate(image, size=size, mode="area").floor()
+        short = min(height, width)
+        size = (height * side // short, width * side // short)
+        # The published code of both resizes by torchvision, whose default then was not to smooth.
+        image = torch.nn.functional.interpolate(image, size=size, mode="bilinear").round()
         top, left = (size[0] - side) // 2, (size[1] - side) // 2
         image = image[:, :, top : top + side, left : left + side] / 255.0
         mean, variance = (self._weights[f"running_mean_and_var.{k}"] for k in ("_mean", "_var"))
