@@ -7,7 +7,8 @@ an empty stand-in. Run it where nothing is lost, for example in a container with
     pip install torch safetensors
     python scripts/convert_policy.py pirlnav objectnav_rl_ft_hd.ckpt pirlnav.safetensors
 
-Names of weights are those of habitat-baselines. Where a checkpoint's differ, the script says which
+Names of weights are those of the published code (Ram81/pirlnav: ``pirlnav/policy``; gunagg/zson:
+``zson/policy.py``, ``zson/visual_encoder.py``). Where a checkpoint's differ, the script says which
 it doesn't know, and --rename OLD=NEW says what they are.
 """
 
@@ -20,21 +21,36 @@ from pathlib import Path
 from typing import Any
 
 PREFIX = "actor_critic."
-RENAMED = (
-    ("net.visual_encoder.running_mean_and_var.", "running_mean_and_var."),
+SHARED = (
     ("net.visual_encoder.backbone.", "backbone."),
     ("net.visual_encoder.compression.", "compression."),
-    ("net.visual_fc.1.", "visual_fc.0."),
-    ("net.visual_fc.3.", "visual_fc.1."),
     ("net.prev_action_embedding.", "prev_action_embedding."),
-    ("net.obj_categories_embedding.", "goal_embedding."),
-    ("net.gps_embedding.", "gps_embedding."),
-    ("net.compass_embedding.", "compass_embedding."),
     ("net.state_encoder.rnn.", "rnn."),
     ("action_distribution.linear.", "action."),
 )
-"""Beginnings of names in checkpoints, and in converted files."""
-LEFT_OUT = ("critic.", "aux_loss", "net.visual_encoder.running_mean_and_var._count")
+RENAMED = {
+    "pirlnav": (
+        ("net.visual_encoder.running_mean_and_var.", "running_mean_and_var."),
+        ("net.visual_fc.1.", "visual_fc.0."),
+        ("net.obj_categories_embedding.", "goal_embedding."),
+        ("net.gps_embedding.", "gps_embedding."),
+        ("net.compass_embedding.", "compass_embedding."),
+        *SHARED,
+    ),
+    "zson": (
+        ("net.visual_encoder.normalize.", "running_mean_and_var."),
+        ("net.policy_mlp.0.", "visual_fc.0."),
+        ("net.policy_mlp.2.", "visual_fc.1."),
+        *SHARED,
+    ),
+}
+"""Beginnings of names in the checkpoints of each policy, and in converted files."""
+LEFT_OUT = (
+    "critic.",
+    "aux_loss",
+    "net.visual_encoder.running_mean_and_var._count",
+    "net.visual_encoder.normalize._count",
+)
 """Beginnings of names that driving needs not."""
 _SAFE = {
     ("collections", "OrderedDict"),
@@ -98,10 +114,13 @@ def read_checkpoint(path: Path) -> dict[str, Any]:
     return {name: tensor for name, tensor in states.items() if isinstance(tensor, torch.Tensor)}
 
 
-def converted_names(names: Iterable[str], extra: Iterable[tuple[str, str]] = ()) -> dict[str, str]:
+def converted_names(
+    policy: str, names: Iterable[str], extra: Iterable[tuple[str, str]] = ()
+) -> dict[str, str]:
     """Names in the converted file by those in a checkpoint, without what is left out.
 
     Args:
+        policy: Name of the policy.
         names: Names in the checkpoint.
         extra: Further beginnings, and what replaces them; they come first.
 
@@ -111,7 +130,7 @@ def converted_names(names: Iterable[str], extra: Iterable[tuple[str, str]] = ())
     found, unknown = {}, []
     for name in names:
         bare = name.removeprefix(PREFIX)
-        for old, new in (*extra, *RENAMED):
+        for old, new in (*extra, *RENAMED[policy]):
             if bare.startswith(old) and not bare.startswith(LEFT_OUT):
                 if new:
                     found[name] = new + bare.removeprefix(old)
@@ -137,7 +156,7 @@ def _renaming(text: str) -> tuple[str, str]:
 def main() -> None:
     """Convert one file."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
-    parser.add_argument("policy", choices=("pirlnav", "zson"))
+    parser.add_argument("policy", choices=tuple(RENAMED))
     parser.add_argument("checkpoint", type=Path)
     parser.add_argument("output", type=Path)
     parser.add_argument("--rename", type=_renaming, action="append", default=[])
@@ -145,7 +164,7 @@ def main() -> None:
     from safetensors.torch import save_file
 
     tensors = read_checkpoint(options.checkpoint)
-    names = converted_names(tensors, options.rename)
+    names = converted_names(options.policy, tensors, options.rename)
     # Copies, because safetensors refuses tensors that share their memory.
     weights = {new: tensors[old].float().contiguous().clone() for old, new in names.items()}
     save_file(weights, options.output, metadata={"policy": options.policy})

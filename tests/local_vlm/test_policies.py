@@ -126,6 +126,42 @@ def test_memory_equals_torchs_own_layers(architecture):
     torch.testing.assert_close(network._remember(x, state), expected, rtol=1e-4, atol=1e-5)
 
 
+def test_a_bottleneck_equals_torchs_own_layers():
+    import torch
+    from torch import nn
+
+    weights, planes, after, before = weights_of(ZSON), 64, 256, 128
+    name = "backbone.layer2.0"
+
+    def loaded(*layers: tuple[str, nn.Module]) -> nn.Module:
+        for part, layer in layers:
+            start = f"{name}.{part}."
+            layer.load_state_dict(
+                {key.removeprefix(start): w for key, w in weights.items() if key.startswith(start)}
+            )
+        return nn.Sequential(*(layer for _, layer in layers))
+
+    own = loaded(
+        ("conv1", nn.Conv2d(before, planes, 1, bias=False)),
+        ("bn1", nn.GroupNorm(16, planes)),
+        ("", nn.ReLU()),
+        ("conv2", nn.Conv2d(planes, planes, 3, stride=2, padding=1, bias=False)),
+        ("bn2", nn.GroupNorm(16, planes)),
+        ("", nn.ReLU()),
+        ("conv3", nn.Conv2d(planes, after, 1, bias=False)),
+        ("bn3", nn.GroupNorm(16, after)),
+    )
+    beside = loaded(
+        ("downsample.0", nn.Conv2d(before, after, 1, stride=2, bias=False)),
+        ("downsample.1", nn.GroupNorm(16, after)),
+    )
+    x = torch.randn(1, before, 8, 8, generator=torch.Generator().manual_seed(1))
+    with torch.no_grad():
+        expected = (own(x) + beside(x)).relu()
+        found = PolicyNetwork(weights, ZSON)._bottleneck(name, x, 2)
+    torch.testing.assert_close(found, expected, rtol=1e-4, atol=1e-5)
+
+
 def test_an_image_is_shrunk_cut_and_normalised():
     weights = zeros_of(PIRLNAV)
     weights["running_mean_and_var._mean"][:] = 0.5
@@ -238,13 +274,45 @@ class Trap:
         return (Path.touch, (self.path,))
 
 
-def published(weights: dict[str, Any], module: Any) -> dict[str, Any]:
-    """The weights by the names that they have in a checkpoint."""
-    found = {}
-    for name, tensor in weights.items():
-        old, new = next(pair for pair in module.RENAMED if name.startswith(pair[1]))
-        found[module.PREFIX + old + name.removeprefix(new)] = tensor
-    return found
+PUBLISHED = {
+    PIRLNAV: {
+        "running_mean_and_var": "net.visual_encoder.running_mean_and_var",
+        "visual_fc.0": "net.visual_fc.1",
+        "goal_embedding": "net.obj_categories_embedding",
+        "gps_embedding": "net.gps_embedding",
+        "compass_embedding": "net.compass_embedding",
+    },
+    ZSON: {
+        "running_mean_and_var": "net.visual_encoder.normalize",
+        "visual_fc.0": "net.policy_mlp.0",
+        "visual_fc.1": "net.policy_mlp.2",
+    },
+}
+"""Names that layers have in the published code: Ram81/pirlnav, gunagg/zson."""
+PUBLISHED_OF_BOTH = {
+    "backbone": "net.visual_encoder.backbone",
+    "compression": "net.visual_encoder.compression",
+    "prev_action_embedding": "net.prev_action_embedding",
+    "rnn": "net.state_encoder.rnn",
+    "action": "action_distribution.linear",
+}
+
+
+def published(name: str, architecture: PolicyArchitecture) -> str:
+    """The name that a weight has in a checkpoint."""
+    layers = PUBLISHED[architecture] | PUBLISHED_OF_BOTH
+    ours = next(layer for layer in layers if name.startswith(f"{layer}."))
+    return f"actor_critic.{layers[ours]}{name.removeprefix(ours)}"
+
+
+@pytest.mark.parametrize("architecture", BOTH, ids=lambda one: one.name)
+def test_weights_are_found_by_their_published_names(architecture):
+    names = {published(name, architecture): name for name in architecture.shapes()}
+    count = published("running_mean_and_var._count", architecture)
+    found = converter().converted_names(
+        architecture.name, [*names, count, "actor_critic.critic.fc.bias"]
+    )
+    assert found == names
 
 
 def test_a_checkpoint_is_converted_and_nothing_in_it_is_run(
@@ -255,7 +323,8 @@ def test_a_checkpoint_is_converted_and_nothing_in_it_is_run(
 
     module, trap = converter(), tmp_path / "trapped"
     weights = weights_of(ZSON)
-    states = published(weights, module) | {"actor_critic.critic.fc.bias": torch.zeros(1)}
+    states = {published(name, ZSON): tensor for name, tensor in weights.items()}
+    states["actor_critic.critic.fc.bias"] = torch.zeros(1)
     source, target = tmp_path / "zson.ckpt", tmp_path / "zson.safetensors"
     torch.save({"state_dict": states, "config": Trap(trap)}, source)
     arguments = ["convert_policy.py", "zson", str(source), str(target)]
@@ -271,10 +340,10 @@ def test_a_checkpoint_is_converted_and_nothing_in_it_is_run(
 def test_unknown_names_are_said_and_can_be_renamed():
     module = converter()
     with pytest.raises(SystemExit, match=r"net\.mystery\.weight"):
-        module.converted_names(["actor_critic.net.mystery.weight"])
-    renamed = module.converted_names(["net.mystery.weight"], [("net.mystery.", "action.")])
+        module.converted_names("zson", ["actor_critic.net.mystery.weight"])
+    renamed = module.converted_names("zson", ["net.mystery.weight"], [("net.mystery.", "action.")])
     assert renamed == {"net.mystery.weight": "action.weight"}
-    assert module.converted_names(["net.mystery.weight"], [("net.mystery.", "")]) == {}
+    assert module.converted_names("zson", ["net.mystery.weight"], [("net.mystery.", "")]) == {}
 
 
 def test_actions_have_the_numbers_of_the_policies():

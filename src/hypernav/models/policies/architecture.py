@@ -2,8 +2,9 @@
 
 Both look at images with a ResNet-50 of half the usual width, with group instead of batch
 normalisation (Wijmans et al., "DD-PPO", 2020), and remember with two recurrent layers. Sources:
-Ramrakhya et al., "PIRLNav", 2023; Majumdar et al., "ZSON", 2022. Names of weights follow
-habitat-baselines; ours where the sources name none.
+Ramrakhya et al., "PIRLNav", 2023 (Ram81/pirlnav: ``pirlnav/policy``); Majumdar et al., "ZSON", 2022
+(gunagg/zson: ``zson/policy.py``, ``zson/visual_encoder.py``, ``configs/experiments``). Names of the
+ResNet's weights are theirs; those of the rest are ours, see ``scripts/convert_policy.py``.
 """
 
 from dataclasses import dataclass
@@ -15,7 +16,7 @@ PLANES = 32
 """Width of its first layer; each of the next is twice as wide."""
 EXPANSION = 4
 GROUPS = PLANES // 2
-"""Groups of each normalisation, as habitat-baselines builds the ResNet."""
+"""Groups of each normalisation, as both build the ResNet."""
 _FLAT = 2048
 """Number of values that an image is compressed to."""
 EMBEDDED = 32
@@ -131,8 +132,8 @@ def _encoder_shapes(channels: int) -> Shapes:
     found: Shapes = {
         "running_mean_and_var._mean": (1, 3, 1, 1),
         "running_mean_and_var._var": (1, 3, 1, 1),
-        "backbone.conv1.0.weight": (PLANES, 3, 7, 7),
-        **_norm("backbone.conv1.1", PLANES),
+        "backbone.conv1.weight": (PLANES, 3, 7, 7),
+        **_norm("backbone.bn1", PLANES),
     }
     before = PLANES
     for layer, blocks in enumerate(BLOCKS):
@@ -140,12 +141,12 @@ def _encoder_shapes(channels: int) -> Shapes:
         after = planes * EXPANSION
         for block in range(blocks):
             name = f"backbone.layer{layer + 1}.{block}"
-            found[f"{name}.convs.0.weight"] = (planes, before, 1, 1)
-            found |= _norm(f"{name}.convs.1", planes)
-            found[f"{name}.convs.3.weight"] = (planes, planes, 3, 3)
-            found |= _norm(f"{name}.convs.4", planes)
-            found[f"{name}.convs.6.weight"] = (after, planes, 1, 1)
-            found |= _norm(f"{name}.convs.7", after)
+            found[f"{name}.conv1.weight"] = (planes, before, 1, 1)
+            found |= _norm(f"{name}.bn1", planes)
+            found[f"{name}.conv2.weight"] = (planes, planes, 3, 3)
+            found |= _norm(f"{name}.bn2", planes)
+            found[f"{name}.conv3.weight"] = (after, planes, 1, 1)
+            found |= _norm(f"{name}.bn3", after)
             if block == 0:
                 found[f"{name}.downsample.0.weight"] = (after, before, 1, 1)
                 found |= _norm(f"{name}.downsample.1", after)

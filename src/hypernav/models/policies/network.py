@@ -125,8 +125,8 @@ class PolicyNetwork:
     def _see(self, image: Any) -> Any:
         """What the encoder makes of an image, a vector."""
         functional = self._torch.nn.functional
-        x = functional.conv2d(image, self._weights["backbone.conv1.0.weight"], stride=2, padding=3)
-        x = self._norm("backbone.conv1.1", x).relu()
+        x = functional.conv2d(image, self._weights["backbone.conv1.weight"], stride=2, padding=3)
+        x = self._norm("backbone.bn1", x).relu()
         x = functional.max_pool2d(x, kernel_size=3, stride=2, padding=1)
         for layer, blocks in enumerate(BLOCKS):
             for block in range(blocks):
@@ -142,11 +142,11 @@ class PolicyNetwork:
 
     def _bottleneck(self, name: str, x: Any, stride: int) -> Any:
         functional, weights = self._torch.nn.functional, self._weights
-        y = functional.conv2d(x, weights[f"{name}.convs.0.weight"])
-        y = self._norm(f"{name}.convs.1", y).relu()
-        y = functional.conv2d(y, weights[f"{name}.convs.3.weight"], stride=stride, padding=1)
-        y = self._norm(f"{name}.convs.4", y).relu()
-        y = self._norm(f"{name}.convs.7", functional.conv2d(y, weights[f"{name}.convs.6.weight"]))
+        y = functional.conv2d(x, weights[f"{name}.conv1.weight"])
+        y = self._norm(f"{name}.bn1", y).relu()
+        y = functional.conv2d(y, weights[f"{name}.conv2.weight"], stride=stride, padding=1)
+        y = self._norm(f"{name}.bn2", y).relu()
+        y = self._norm(f"{name}.bn3", functional.conv2d(y, weights[f"{name}.conv3.weight"]))
         if f"{name}.downsample.0.weight" in weights:
             x = functional.conv2d(x, weights[f"{name}.downsample.0.weight"], stride=stride)
             x = self._norm(f"{name}.downsample.1", x)
