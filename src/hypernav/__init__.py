@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from hypernav.build.agents import BuiltAgent, build_agent, build_search
     from hypernav.build.component_specs import ComponentSpecs
+    from hypernav.build.native import native_config
     from hypernav.build.presets import HyPerNavConfig, preset
     from hypernav.build.scenes import load_scene
     from hypernav.build.search import find
@@ -132,6 +133,7 @@ __all__ = [
     "find",
     "load_runs",
     "load_scene",
+    "native_config",
     "preset",
     "random_start",
     "write_report",
@@ -142,6 +144,7 @@ _MODULES = {
     "build_agent": "hypernav.build.agents",
     "build_search": "hypernav.build.agents",
     "ComponentSpecs": "hypernav.build.component_specs",
+    "native_config": "hypernav.build.native",
     "HyPerNavConfig": "hypernav.build.presets",
     "preset": "hypernav.build.presets",
     "load_scene": "hypernav.build.scenes",

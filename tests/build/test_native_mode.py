@@ -2,11 +2,13 @@
 
 import pytest
 
+from hypernav.build.agents import build_agent
 from hypernav.build.choosing import choose_components
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.native import native_config, step_limit_of
 from hypernav.build.presets import HyPerNavConfig, preset
 from hypernav.cli.agent_options import AgentOptions
+from hypernav.cli.command_line import run_command
 from hypernav.core.errors import ConfigError
 from hypernav.perception.arrows.chat_arrows import ChatArrowsConfig
 
@@ -47,6 +49,21 @@ def test_no_forty_moves_take_more_steps_than_the_limit():
 def test_without_a_robot_of_its_own_there_is_no_native_mode(agent):
     with pytest.raises(ConfigError, match="no robot or stop of its own"):
         AgentOptions(agent=agent, native=True).resolve()
+    with pytest.raises(ConfigError, match="no robot or stop of its own"):
+        choose_components(ComponentSpecs(agent=agent, native=True))
+
+
+def test_native_agents_are_refused_on_the_robot_of_common_mode():
+    specs, common = ComponentSpecs(agent="vlmnav", native=True), preset("default")
+    with pytest.raises(ConfigError, match=r"hypernav\.native_config"):
+        build_agent(common, specs)
+    built = build_agent(native_config("vlmnav", common), specs)
+    assert built.chosen.as_dict()["mode"] == "native"
+
+
+def test_a_recording_has_no_native_mode(tmp_path):
+    with pytest.raises(ConfigError, match="the camera that it was made with"):
+        run_command(["robot", "replay", str(tmp_path), "--agent", "vlmnav", "--native"])
 
 
 def test_native_agents_are_called_so_wherever_they_are_named():

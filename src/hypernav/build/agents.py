@@ -10,6 +10,7 @@ from hypernav.build.chat import is_named, model_words, wrap_chat
 from hypernav.build.choosing import ChosenComponents, choose_components, role_in
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.construction import asked_by, make, section_of
+from hypernav.build.native import check_native_robot
 from hypernav.build.presets import HyPerNavConfig, PriceConfig
 from hypernav.build.registries import AGENTS, ROLES, Factory
 from hypernav.build.stand_ins import SegmenterWords, reasoner_warning, segmenter_words
@@ -146,13 +147,16 @@ def build_agent(
         resume: Whether questions that this file holds already are answered from it.
 
     Raises:
-        ConfigError: Components that do not exist, or do not go together.
+        ConfigError: Components that do not exist, or do not go together; native mode on the robot
+            of common mode.
         ContractError: A component of another package does not do what its protocol says.
         ModelError: A model's file cannot be used.
         RecordingError: A recording is missing, broken or in the way.
         MissingExtraError: A component needs a package that is not installed.
     """
     chosen = choose_components(specs or ComponentSpecs(), presence=config.presence.enabled)
+    if chosen.native:
+        check_native_robot(config)
     log, ledger, truth = ExchangeLog(), Ledger(), EpisodeTruth()
     chat, recording = wrap_chat(chosen.vlm, config.chat, ledger, record, resume=resume)
     # A reasoner that is asked while the robot drives to its last answer needs its own log.

@@ -6,6 +6,7 @@ from typing import Any
 
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.construction import asked_by, section_of
+from hypernav.build.native import step_limit_of
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.registries import (
     AGENTS,
@@ -98,6 +99,8 @@ def choose_components(specs: ComponentSpecs, *, presence: bool = True) -> Chosen
         ConfigError: Components do not go together, or do not exist; the message says which do.
         ContractError: A component of another package can't be built.
     """
+    if specs.native:
+        step_limit_of(specs.agent)
     model = specs.vlm is not None
     has_own = specs.native and NATIVE_AGENTS.knows(specs.agent)
     agent = (NATIVE_AGENTS if has_own else AGENTS).find(specs.agent)

@@ -34,7 +34,8 @@ class ComponentSpecs:
         detector: Detector of the goal.
         reasoner: Reasoner that the agent asks where to go, or what a view is worth.
         segmenter: Segmenter of the pixels in a box.
-        native: Whether the agent has its own stop and moves, as published, where it has any.
+        native: Whether the agent has its own stop and moves, as published, where it has any; its
+            configuration is then that of `hypernav.native_config`.
     """
 
     agent: str = "hypernav"

@@ -64,6 +64,20 @@ def native_config(agent: str, base: HyPerNavConfig) -> HyPerNavConfig:
     return with_changes(base.model_copy(update={"world": judged_as_before}), _changes(agent, base))
 
 
+def check_native_robot(config: HyPerNavConfig) -> None:
+    """Refuse an agent in native mode on the robot of common mode, which would be neither mode.
+
+    Raises:
+        ConfigError: The configuration was not made by `native_config`.
+    """
+    # Only native mode moves the camera away from the eye by which goals are judged.
+    if config.world.judge_eye_m is None:
+        raise ConfigError(
+            "native=True needs the robot that was published with the agent, and this configuration "
+            "has the one of common mode: make it by hypernav.native_config(agent, configuration)"
+        )
+
+
 def _changes(agent: str, base: HyPerNavConfig) -> dict[str, Any]:
     match agent:
         case "vlfm":
