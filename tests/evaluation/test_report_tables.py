@@ -228,3 +228,18 @@ def test_native_and_common_mode_share_no_report(tmp_path, good):
     assert run.is_told_truth  # no model says when to stop
     assert any("native mode" in warning for warning in report_text.warnings([run]))
     assert not load_runs([good])[0].is_native
+
+
+def test_runs_with_the_mistakes_of_released_code_are_called_so(tmp_path, good):
+    records = [record("0", "a", goal="bed")]
+    released = written(tmp_path / "x", records, agent="pivot", preset="pivot-as-released")
+    paper = written(tmp_path / "y", records, preset="paper")
+    runs = load_runs([good, released, paper])
+    assert [run.name for run in runs] == [
+        "hypernav",
+        "pivot (pivot-as-released)",
+        "hypernav (paper)",
+    ]
+    told = [text for text in report_text.warnings(runs) if "released code" in text]
+    assert len(told) == 1
+    assert told[0].startswith("pivot (pivot-as-released) ")

@@ -89,6 +89,12 @@ def warnings(runs: Sequence[RunData]) -> list[str]:
         for run in runs
         if run.is_native
     ]
+    found += [
+        f"{run.name} makes the mistakes of its method's released code: beside other runs it tells "
+        "what that code achieves on the shared robot, not what the method would."
+        for run in runs
+        if run.errs_as_released
+    ]
     for run in runs:
         if len(run.records) < run.wanted:
             found.append(

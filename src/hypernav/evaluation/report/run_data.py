@@ -10,6 +10,7 @@ from hypernav.evaluation.record import EpisodeKey, EpisodeRecord
 from hypernav.evaluation.store.run_store import read_configuration, read_records, read_sessions
 from hypernav.evaluation.store.session import Session
 from hypernav.evaluation.summary import counted
+from hypernav.show.captions import ITS_OWN
 
 
 @dataclass(frozen=True)
@@ -67,6 +68,11 @@ class RunData:
     def is_native(self) -> bool:
         """Whether the method had its own camera, step and stop, not those that all share."""
         return is_native(self.configuration)
+
+    @property
+    def errs_as_released(self) -> bool:
+        """Whether the method made the mistakes of its released code."""
+        return str(self.who["preset"]).endswith("-as-released")
 
 
 def is_native(configuration: dict[str, Any]) -> bool:
@@ -126,10 +132,14 @@ def _check_version(folder: Path, configuration: dict[str, Any]) -> None:
 
 
 def _names(folders: Sequence[Path], configurations: Sequence[dict[str, Any]]) -> list[str]:
-    """Shortest unique names of runs: by agent, by preset as well, else by folder."""
+    """Shortest unique names of runs: by agent and unusual preset, by any preset, else by folder."""
     agents = [str(c["who"]["agent"]) for c in configurations]
     presets = [f"{c['who']['agent']} ({c['who']['preset']})" for c in configurations]
-    for names in (agents, presets, [folder.name for folder in folders]):
+    short = [
+        agent if c["who"]["preset"] in ("default", ITS_OWN) else full
+        for agent, full, c in zip(agents, presets, configurations, strict=True)
+    ]
+    for names in (short, presets, [folder.name for folder in folders]):
         if len(set(names)) == len(names):
             return names
     return [str(folder) for folder in folders]
