@@ -10,6 +10,7 @@ from hypernav.build.chat import is_named, model_words, wrap_chat
 from hypernav.build.choosing import ChosenComponents, choose_components, role_in
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.construction import asked_by, make, section_of
+from hypernav.build.given_files import given_files
 from hypernav.build.native import check_native_robot
 from hypernav.build.presets import HyPerNavConfig, PriceConfig
 from hypernav.build.registries import AGENTS, ROLES, Factory
@@ -60,6 +61,7 @@ class BuiltAgent:
         reasoner_words: Name of the reasoner or explorer for people.
         segmenter: Name of the segmenter for people, and what it stands in for.
         components: All components, for their optional abilities.
+        files: Files that components were given, such as weights.
         ledger: Ledger of the questions to the chat model; empty without one.
         price: Price of the chat model's tokens.
         truth: Truth that stand-ins for models wait to be told, see
@@ -72,6 +74,7 @@ class BuiltAgent:
     reasoner_words: str
     segmenter: SegmenterWords
     components: tuple[object, ...]
+    files: tuple[Path, ...]
     ledger: Ledger
     price: PriceConfig
     truth: EpisodeTruth
@@ -204,6 +207,7 @@ def build_agent(
         reasoner_words=(chosen.reasoner or chosen.agent).words(model=model),
         segmenter=segmenter_words(chosen, published, detector_words=detector_words, model=model),
         components=tuple(one for one in (*built.values(), presence, recording) if one is not None),
+        files=given_files(chosen, config),
         ledger=ledger,
         price=config.price,
         truth=truth,

@@ -116,7 +116,16 @@ class AgentOptions:
         return build_agent(config or self.resolve(), self.specs, record=self.record)
 
     def describe(self, parts: "BuiltAgent") -> dict[str, Any]:
-        """Description for ``result.json``: words for people, specifications for repeating a run."""
+        """Description for ``result.json``: words for people, specifications for repeating a run.
+
+        Files that components were given, such as weights, are told by their content as well.
+
+        Raises:
+            ModelError: Such a file can't be read.
+        """
+        from hypernav.build.given_files import digests
+
+        files = {"files": digests(parts.files)} if parts.files else {}
         return {
             "agent": self.name,
             "preset": self.preset,
@@ -124,6 +133,7 @@ class AgentOptions:
             "reasoner": parts.reasoner_words,
             "segmenter": parts.segmenter.words,
             "parts": parts.chosen.as_dict(),
+            **files,
         }
 
 
