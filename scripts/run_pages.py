@@ -91,12 +91,13 @@ def _agree(said: str, printed: str) -> bool:
 
 
 def _call(command: list[str], folder: str) -> subprocess.CompletedProcess[str]:
-    """Run a command in a terminal of 100 columns without colours."""
+    """Run a command in a terminal of 100 columns without colours, on a network without a proxy."""
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    plain = {key: value for key, value in os.environ.items() if not key.lower().endswith("_proxy")}
     return subprocess.run(
         command,
         cwd=folder,
-        env=os.environ | {"PATH": path, "COLUMNS": "100", "NO_COLOR": "1"},
+        env=plain | {"PATH": path, "COLUMNS": "100", "NO_COLOR": "1"},
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,

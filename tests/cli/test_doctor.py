@@ -120,6 +120,7 @@ def test_broken_1_wrong_url(capsys: pytest.CaptureFixture[str]):
     (fault,) = faults(lines)
     assert "server:" in fault
     assert "Connection refused" in fault
+    assert "Errno" not in fault
     assert "correct the URL" in lines[-1]
 
 

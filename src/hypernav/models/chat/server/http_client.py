@@ -141,7 +141,9 @@ class HttpClient:
         return ModelSetupError(f"{where}: {said}{hint if status in {401, 403} else ''}")
 
     def _told(self, error: Exception) -> str:
-        return self._without_key(str(error) or type(error).__name__)
+        # Systems number their errors differently, and the words say it all.
+        words = error.strerror if isinstance(error, OSError) else None
+        return self._without_key(words or str(error) or type(error).__name__)
 
     def _without_key(self, text: str) -> str:
         return shortened(text.replace(self._key, "***") if self._key else text, 240)
