@@ -86,7 +86,12 @@ def evaluate(
             console.print(heading)
         if again := store.withdraw(lambda record: not record.counts):
             console.print(f"{again} episodes that don't count are run again")
-        keep_scenes(store, episodes)
+        with console.status("looking at the files of the scenes …") as status:
+            keep_scenes(
+                store,
+                episodes,
+                lambda done, total: status.update(f"reading the scenes, {done} of {total} …"),
+            )
         if store.records:
             console.print(f"{len(store.records)} of {len(episodes)} episodes are done already")
         pool = _pool(options, folder, plan.config)

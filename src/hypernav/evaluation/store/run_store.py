@@ -5,7 +5,7 @@
 ``episodes.jsonl``      one `EpisodeRecord` per line, in the order in which they were done
 ``retried.jsonl``       records that were withdrawn because their episodes run again
 ``sessions.jsonl``      one line for every start of the program: workers, time, memory
-``scenes.json``         a hash of the files of every scene that is one (`scene_files`)
+``scenes.json``         hash, sizes and times of the files of every scene (`scene_files`)
 ``episodes/``           pages and videos of single episodes, if they are kept
 ======================= ============================================================================
 
