@@ -2,7 +2,6 @@
 
 import signal
 import subprocess
-import sys
 import threading
 import time
 from contextlib import closing, contextmanager
@@ -23,12 +22,12 @@ from hypernav.robot.wire.requests import OpenSearch
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.worlds.simulation import SimulatedWorld
 from robot_links import StandIn
+from servers.processes import HYPERNAV, serving_process, simulate
 from servers.robots import TOKEN, real_plan, robot_server
 from small_episodes import episode_from
 from small_worlds import small_config, two_rooms
 
 _FAULTS = NetworkFaults(loss_share=0.2, jitter_s=0.05, duplicate_share=0.2, reorder_share=0.2)
-_HYPERNAV = [sys.executable, "-c", "from hypernav.cli.main import main; main()"]
 
 
 @contextmanager
@@ -102,41 +101,17 @@ def test_the_stop_button_ends_a_motion_under_way(tmp_path):
 
 @pytest.fixture
 def served(tmp_path):
-    """A server in a process of its own, and its address."""
-    command = [*_HYPERNAV, "serve", "--port", "0", "--state", str(tmp_path / "state")]
-    server = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
-    assert server.stderr is not None
-    address = ""
-    for line in server.stderr:
-        if "serving at" in line:
-            address = line.split("serving at ")[1].split(",")[0]
-            break
-    reader = threading.Thread(target=server.stderr.read, daemon=True)
-    reader.start()
-    yield server, address
-    server.send_signal(signal.SIGCONT)
-    server.terminate()
-    server.wait(60.0)
-    reader.join(5.0)
-    server.stderr.close()
+    with serving_process(tmp_path / "state") as served:
+        yield served
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "options",
-    [
-        ["--link", "http"],
-        ["--link", "websocket", "--motion", "continuous"],
-        ["--loss", "0.2", "--jitter", "0.5", "--duplicates", "0.2", "--reordered", "0.2"],
-    ],
-    ids=["http", "websocket", "faults"],
-)
-def test_the_bed_of_the_small_house_is_found_between_processes(
-    options, served, small_house, tmp_path
+def test_a_bad_network_between_processes_keeps_no_bed_from_being_found(
+    served, small_house, tmp_path
 ):
+    faults = ("--loss", "0.2", "--jitter", "0.5", "--duplicates", "0.2", "--reordered", "0.2")
     out = tmp_path / "page"
-    command = [*_HYPERNAV, "robot", "simulate", "bed", "--scene", str(small_house)]
-    command += ["--server", served[1], "--start", "4.0", "-1.0", "180", *options, "--out", str(out)]
+    command = simulate(small_house, served[1], *faults, "--out", str(out))
     done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
     assert done.returncode == 0, done.stderr
     assert "found the bed" in done.stderr
@@ -172,7 +147,7 @@ def test_a_robot_stands_while_its_server_hangs_and_goes_on_after_it(served):
 
 @pytest.mark.slow
 def test_without_an_address_a_server_is_started_for_the_search(small_house):
-    command = [*_HYPERNAV, "robot", "simulate", "bed", "--scene", str(small_house)]
+    command = [*HYPERNAV, "robot", "simulate", "bed", "--scene", str(small_house)]
     command += ["--start", "4.0", "-1.0", "180"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
     assert done.returncode == 0, done.stderr
@@ -180,7 +155,7 @@ def test_without_an_address_a_server_is_started_for_the_search(small_house):
 
 def test_a_server_that_is_not_there_is_an_error_that_names_it(capsys):
     done = subprocess.run(
-        [*_HYPERNAV, "robot", "simulate", "bed", "--server", "http://127.0.0.1:9"],
+        [*HYPERNAV, "robot", "simulate", "bed", "--server", "http://127.0.0.1:9"],
         capture_output=True,
         text=True,
         timeout=120,

@@ -2,6 +2,7 @@
 
 import re
 import shutil
+import subprocess
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
@@ -27,6 +28,7 @@ from hypernav.robot.wire.replies import SearchEnding
 from hypernav.robot.wire.requests import OpenSearch
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.worlds.simulation import SimulatedWorld
+from servers.processes import serving_process, simulate
 from servers.robots import TOKEN, body_of, real_plan, robot_server
 from small_episodes import episode_from
 from small_worlds import small_config, two_rooms
@@ -46,8 +48,8 @@ class Page:
     def __getattr__(self, name: str) -> Any:
         return self.driver.find_element(By.ID, name.replace("_", "-"))
 
-    def until(self, is_so: Callable[[], object]) -> None:
-        WebDriverWait(self.driver, _PATIENCE_S, 0.05).until(lambda _: is_so())
+    def until(self, is_so: Callable[[], object], patience_s: float = _PATIENCE_S) -> None:
+        WebDriverWait(self.driver, patience_s, 0.05).until(lambda _: is_so())
 
     def ask_for(self, goal: str) -> None:
         self.until(self.send.is_enabled)
@@ -180,6 +182,31 @@ def test_a_goal_typed_on_the_page_is_found(page, tmp_path):
         assert page.live.get_attribute("aria-pressed") == "false"
         page.live.click()
         assert page.live.get_attribute("aria-pressed") == "true"
+    assert not page.driver.get_log("browser")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "options",
+    [("--link", "http"), ("--link", "websocket", "--motion", "continuous")],
+    ids=["http", "websocket"],
+)
+def test_the_bed_of_the_small_house_is_found_between_processes_as_the_page_shows(
+    page, options, small_house, tmp_path
+):
+    with serving_process(tmp_path / "state") as (_, address):
+        page.driver.get(address)
+        page.until(lambda: page.connection.text.endswith("Connected"))
+        command = simulate(small_house, address, *options)
+        with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as robot:
+            page.until(lambda: page.map_size_m or robot.poll() is not None, 300.0)
+            first = page.map_size_m
+            page.until(lambda: page.map_size_m > first or robot.poll() is not None, 300.0)
+            assert page.map_size_m > first
+            _, said = robot.communicate(timeout=300.0)
+        assert robot.returncode == 0, said
+        assert "found the bed" in said
+        page.until(lambda: page.headline.text == "Found “bed”")
     assert not page.driver.get_log("browser")
 
 
