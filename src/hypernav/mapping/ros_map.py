@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import yaml
+from jaxtyping import Int8
 from PIL import Image
 
 from hypernav.core.errors import MapError
@@ -18,6 +19,7 @@ from hypernav.core.geometry.grid import Cell, OccupancyGrid
 OCCUPIED_THRESHOLD = 0.65
 FREE_THRESHOLD = 0.196
 _SHADES = np.array([205, 254, 0], dtype=np.uint8)
+_OCCUPANCY = np.array([-1, 0, 100], dtype=np.int8)
 
 
 def save_ros_map(grid: OccupancyGrid, folder: Path, name: str = "map") -> Path:
@@ -53,6 +55,11 @@ def save_ros_map(grid: OccupancyGrid, folder: Path, name: str = "map") -> Path:
     }
     text = yaml.safe_dump(facts, sort_keys=False, default_flow_style=None)
     return _replace(folder / f"{name}.yaml", text.encode())
+
+
+def occupancy(grid: OccupancyGrid) -> Int8[np.ndarray, "rows columns"]:
+    """The cells as ``nav_msgs/OccupancyGrid`` has them: -1 unknown, 0 free, 100 occupied."""
+    return _OCCUPANCY[grid.cells]
 
 
 def load_ros_map(path: Path) -> OccupancyGrid:

@@ -9,6 +9,7 @@ from jaxtyping import UInt8
 from hypernav.core.geometry.grid import OccupancyGrid as Grid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import BlockRecord, StepTrace
+from hypernav.mapping.ros_map import occupancy
 from hypernav.robot.ros2.base import ros_time
 from hypernav.robot.ros2.config import Ros2Config
 from hypernav.robot.ros2.idl_types import (
@@ -30,8 +31,6 @@ from hypernav.robot.ros2.network import Quality, Ros2Network
 from hypernav.show.drawing import palette
 from hypernav.show.video.camera_panel import draw_camera
 
-_CHANCES = np.array([-1, 0, 100], dtype=np.int8)
-"""Values of unknown, free and occupied cells."""
 _LINE_STRIP, _TEXT, _DELETE_ALL = 4, 9, 3
 _LINE_M, _TEXT_M, _ABOVE_M = 0.04, 0.4, 0.05
 
@@ -83,7 +82,7 @@ def grid_message(grid: Grid, header: Header) -> OccupancyGrid:
     x, y = grid.origin
     origin = Pose(Point(float(x), float(y)))
     info = MapMetaData(header.stamp, float(grid.resolution_m), columns, rows, origin)
-    return OccupancyGrid(header, info, _CHANCES[grid.cells].tobytes())
+    return OccupancyGrid(header, info, occupancy(grid).tobytes())
 
 
 def path_message(path: Sequence[tuple[float, float]], header: Header) -> Path:

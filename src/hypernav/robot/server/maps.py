@@ -8,10 +8,9 @@ import numpy as np
 from PIL import Image
 
 from hypernav.core.geometry.grid import OccupancyGrid
-from hypernav.mapping.ros_map import save_ros_map
+from hypernav.mapping.ros_map import occupancy, save_ros_map
 
 _COLORS = np.array([[128, 128, 128, 0], [255, 255, 255, 255], [30, 30, 30, 255]], dtype=np.uint8)
-_PROBABILITIES = np.array([-1, 0, 100], dtype=np.int8)
 
 
 def map_png(grid: OccupancyGrid) -> bytes:
@@ -43,5 +42,5 @@ def occupancy_grid(grid: OccupancyGrid) -> dict[str, object]:
                 "orientation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0},
             },
         },
-        "data": _PROBABILITIES[grid.cells].ravel().tolist(),
+        "data": occupancy(grid).ravel().tolist(),
     }
