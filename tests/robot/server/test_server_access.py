@@ -196,7 +196,7 @@ def test_an_ended_search_is_on_the_disk_and_not_in_memory(tmp_path):
         extent = link.call("GET", search).json["map"]
         link.call("POST", f"{search}/close")
         (kept,) = [o for o in gc.get_objects() if type(o) is Search and o not in before]
-        assert (kept._grid, kept._colour) == (None, None)
+        assert (kept._views._grid, kept._views._colour) == (None, None)
         assert [link.call("GET", path).content for path in paths] == shown
         assert link.call("GET", search).json["map"] == extent
     with robot_server(tmp_path) as link:  # started again

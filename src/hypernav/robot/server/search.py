@@ -4,7 +4,7 @@ import logging
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import AbstractContextManager, contextmanager
 
 from hypernav.core.errors import (
     HyPerNavError,
@@ -17,10 +17,12 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.robot.server.bell import Bell
 from hypernav.robot.server.decisions import Decisions
 from hypernav.robot.server.state.journal import EndRecord, Journal, StepRecord
+from hypernav.robot.server.state.views import Views
 from hypernav.robot.server.turns import Turn, Turns
 from hypernav.robot.server.worker import Worker
 from hypernav.robot.wire.frames import PackedObservation, unpack_observation
-from hypernav.robot.wire.replies import MapExtent, Reply, SearchEnding, SearchState, Status
+from hypernav.robot.wire.replies import Reply, SearchEnding, SearchState, Status
+from hypernav.robot.wire.requests import ObservationFacts
 
 _LOG = logging.getLogger(__name__)
 
@@ -31,7 +33,6 @@ class Search:
     Attributes:
         record: What it was opened with.
         bell: Bell that rings at every change of the status.
-        pose: Last pose of the robot ``(x, y, yaw)``, ``map`` frame; None before the first.
         heard_s: When its robot was last heard of, or it was taken up, on `time.monotonic`.
     """
 
@@ -45,33 +46,17 @@ class Search:
         """
         self.record = journal.record
         self.bell = Bell()
-        self.pose: tuple[float, float, float] | None = None
         self.heard_s = time.monotonic()
         self._journal = journal
         self._lock = threading.RLock()
         self._version = 0
         self._worker: Worker | None = None
         self._is_resuming = False
+        last = _last_observation(journal)
+        self._views = Views(journal, last)
         end = journal.end
         self._is_end_kept = end is not None
-        self._colour: tuple[str, bytes] | None = None
-        self._turns = Turns(self._recalled(), end)
-        self._note_map(None if end is None else journal.read_map())
-        if end is not None:
-            self._forget_views()
-
-    def _recalled(self) -> Turn | None:
-        """The last observation of the journal; its image, and the last pose, are taken, too."""
-        journal, count = self._journal, self._journal.observation_count
-        if count == 0:
-            return None
-        packed = unpack_observation(journal.observation(count - 1))
-        self._colour = (packed.header.colour.format, packed.colour)
-        if journal.step_count == 0:
-            return Turn(count - 1)
-        step = journal.step(journal.step_count - 1)
-        self.pose = None if step.trace is None else step.trace.pose
-        return Turn(count - 1, step.reply if journal.step_count == count else None)
+        self._turns = Turns(None if last is None else _turn(last.header, journal), end)
 
     @property
     def is_over(self) -> bool:
@@ -90,25 +75,29 @@ class Search:
 
     @property
     def grid(self) -> OccupancyGrid | None:
-        """Map after the last decision, from the disk once the end is kept; None before the first.
+        """Map after the last decision; None before the first.
 
         Raises:
             HyPerNavError: It was damaged on the disk.
         """
-        with self._lock:
-            grid, is_on_disk = self._grid, self._is_end_kept
-        return self._journal.read_map() if grid is None and is_on_disk else grid
+        return self._views.grid
 
     @property
     def colour(self) -> tuple[str, bytes] | None:
-        """Format and bytes of the last colour image, from the disk once the end is kept.
+        """Format and bytes of the last colour image; None before the first.
 
         Raises:
-            RunFolderError: The journal is damaged.
+            HyPerNavError: It was damaged on the disk.
         """
-        with self._lock:
-            colour, is_on_disk = self._colour, self._is_end_kept
-        return self.colour_of(None) if colour is None and is_on_disk else colour
+        return self._views.colour
+
+    def colour_of(self, sequence: int) -> tuple[str, bytes] | None:
+        """Format and bytes of an observation's colour image; None if it has not come."""
+        return self._views.colour_of(sequence)
+
+    def reading(self) -> AbstractContextManager[Journal]:
+        """The journal, opened once more to read it while the search goes on, or after its end."""
+        return self._views.reading()
 
     def go_on(self, decisions: Decisions) -> None:
         """Begin to decide, after the agent has seen again what the journal holds.
@@ -178,9 +167,9 @@ class Search:
             RunFolderError: It cannot be written; the robot is stopped all the same.
         """
         if self._turns.end is not None:
-            self._journal.write_end(self._turns.end, self._grid)
+            self._journal.write_end(self._turns.end, self._views.unwritten_grid)
             self._is_end_kept = True
-            self._forget_views()
+            self._views.forget()
 
     def halt(self) -> Worker | None:
         """Let go of everything; the search is not over, and can be taken up again.
@@ -208,8 +197,8 @@ class Search:
                 state=self._state,
                 next_sequence=turns.next_sequence,
                 last=None if turns.last is None else turns.last.reply,
-                pose=self.pose,
-                map=self._extent,
+                pose=self._views.pose,
+                map=self._views.extent,
                 ending=None if turns.end is None else turns.end.ending,
                 detail="" if turns.end is None else turns.end.detail,
             )
@@ -218,26 +207,6 @@ class Search:
     def end_reply(self) -> Reply | None:
         """The answer to any further observation once the search is over; None before."""
         return self._turns.end_reply
-
-    def colour_of(self, sequence: int | None) -> tuple[str, bytes] | None:
-        """Format and bytes of an observation's colour image; None if it has not come.
-
-        Args:
-            sequence: Number of the observation; None is the last that was accepted.
-        """
-        with self.reading() as journal:
-            count = journal.observation_count
-            sequence = count - 1 if sequence is None else sequence
-            if not 0 <= sequence < count:
-                return None
-            packed = unpack_observation(journal.observation(sequence))
-        return packed.header.colour.format, packed.colour
-
-    @contextmanager
-    def reading(self) -> Iterator[Journal]:
-        """The journal, opened once more to read it while the search goes on, or after its end."""
-        with closing(Journal(self._journal.folder, to_read=True)) as journal:
-            yield journal
 
     @property
     def _state(self) -> SearchState:
@@ -262,7 +231,7 @@ class Search:
                 return
             with self._lock:
                 self._turns.accept(turn)
-                self._colour = (packed.header.colour.format, packed.colour)
+                self._views.note_image(packed)
             self._note_change()
             self._answer(turn, self._decisions.decide(packed.header, observation))
 
@@ -272,7 +241,7 @@ class Search:
             self._decisions.repeat(self._is_wanted)
             with self._lock:
                 self._is_resuming = False
-                self._note_map(self._decisions.grid)
+                self._views.note_map(self._decisions.grid)
             self._note_change()
             if last.reply is not None and last.reply.ending is not None:
                 self._finish(last.reply.ending, last.reply.reason)
@@ -288,9 +257,9 @@ class Search:
         self._journal.add_step(step)
         with self._lock:
             turn.reply = turn.reply or step.reply
-            self._note_map(self._decisions.grid)
+            self._views.note_map(self._decisions.grid)
             if step.trace is not None:
-                self.pose = step.trace.pose
+                self._views.pose = step.trace.pose
         if step.reply.ending is not None:
             self._finish(step.reply.ending, step.reply.reason)
         self._note_change()
@@ -315,17 +284,6 @@ class Search:
         self._journal.close()
         del self._decisions
 
-    def _note_map(self, grid: OccupancyGrid | None) -> None:
-        self._grid = grid
-        self._extent = None if grid is None else extent_of(grid)
-
-    def _forget_views(self) -> None:
-        """Let go of map and image, of which the disk has copies: the server keeps many searches."""
-        with self._lock:
-            if self._journal.has_map:
-                self._grid = None
-            self._colour = None
-
     def _note_change(self) -> None:
         with self._lock:
             self._version += 1
@@ -346,8 +304,13 @@ class Search:
             _LOG.error("search %s: %s", self.record.id, error)
 
 
-def extent_of(grid: OccupancyGrid) -> MapExtent:
-    """Where a map lies, for the status."""
-    rows, columns = grid.cells.shape
-    x, y = (round(value, 6) for value in grid.origin)
-    return MapExtent(rows=rows, columns=columns, resolution_m=grid.resolution_m, origin=(x, y))
+def _last_observation(journal: Journal) -> PackedObservation | None:
+    last = journal.observation_count - 1
+    return None if last < 0 else unpack_observation(journal.observation(last))
+
+
+def _turn(facts: ObservationFacts, journal: Journal) -> Turn:
+    """An observation, with its answer if it has one."""
+    is_answered = journal.step_count > facts.sequence
+    reply = journal.step(facts.sequence).reply if is_answered else None
+    return Turn(facts.sequence, reply)

@@ -12,7 +12,7 @@ from hypernav.core.errors import RequestRefusedError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.trace import StepTrace
 from hypernav.robot.server.bell import Bell
-from hypernav.robot.server.search import extent_of
+from hypernav.robot.server.maps import extent_of
 from hypernav.robot.wire.replies import SearchEnding, SearchState, Status
 from hypernav.show import captions
 from hypernav.show.video.frame import EpisodeInfo
