@@ -62,7 +62,9 @@ def _result(trial: FieldTrial) -> TrialResult:
 
 
 def _table(rows: Sequence[StudyRow]) -> Table:
-    table = Table("goal", "method", box=SIMPLE)
+    table = Table(box=SIMPLE, pad_edge=False, collapse_padding=True)
+    for name in ("goal", "method"):
+        table.add_column(name, overflow="fold")
     for name in ("found", "SR", "SPL", "95 % interval", "driven", "shortest"):
         table.add_column(name, justify="right", no_wrap=True)
     previous = rows[0].goal
