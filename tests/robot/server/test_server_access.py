@@ -274,6 +274,7 @@ def test_an_end_that_cannot_be_written_is_no_fault_of_who_needs_the_slot(
         (b"", "body"),
         (b"{", "body"),
         (b"[" * 60_000, "body"),
+        (b'{"goal": "sofa", "goal": "bed"}', "the key 'goal' twice"),
         ({}, "goal"),
         ({"goal": ""}, "goal"),
         ({"goal": "\u0007"}, "control character"),

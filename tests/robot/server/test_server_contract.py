@@ -61,6 +61,17 @@ def test_a_repetition_gets_the_same_answer_and_changes_nothing(link, script):
     assert link.call("GET", f"{search}/replies/0").content == first.content
 
 
+def test_images_of_before_the_last_are_refused(tmp_path):
+    with robot_server(tmp_path) as link:
+        search = link.open()
+        link.observe(search, body_of(0, stamp_s=12.5))
+    with robot_server(tmp_path) as link:  # a restart forgets no time
+        answer = link.observe(search, body_of(1, stamp_s=12.4))
+        assert answer.status == 422
+        assert "went back from 12.500000 to 12.400000" in answer.json["message"]
+        assert link.observe(search, body_of(1, stamp_s=12.5)).status == 200
+
+
 @pytest.mark.parametrize("sequence", [0, 3, 999_999])
 def test_another_number_is_refused_with_the_expected_one(link, sequence):
     search = link.open()

@@ -118,6 +118,7 @@ FAR = encoded((images()[1] * 1000).astype(np.uint16))
         (b"{}\n", "sequence: Field required"),
         (b'{"sequence": false}\n', "sequence: Input should be a valid integer"),
         (b'{"sequence": "0"}\n', "sequence: Input should be a valid integer"),
+        (body_of(GREY, FAR).replace(b'"sequence"', b'"sequence":5,"sequence"', 1), "twice"),
         (b"[" * 100_000 + b"\n", "header"),
         (b"\xff\n", "header"),
         (b" " * (MOST_BODY_BYTES + 1), "at most"),

@@ -20,6 +20,7 @@ from hypernav.core.errors import RequestRefusedError
 from hypernav.robot.server.limits import ServerLimits
 from hypernav.robot.wire.frames import MOST_BODY_BYTES
 from hypernav.robot.wire.replies import ErrorBody
+from hypernav.robot.wire.values import repeated_key
 
 API = "/v1"
 _OBSERVATIONS = "/observations"
@@ -193,13 +194,19 @@ class Guard:
                     if len(body) > most:
                         raise _too_large(most)
                     if not message.get("more_body", False):
-                        return bytes(body)
+                        break
         except TimeoutError:
             raise RequestRefusedError(
                 f"the body did not arrive within {body_s:g} s",
                 error="too-slow",
                 status=408,
             ) from None
+        is_json = "json" in headers.get("content-type", "")
+        if is_json and (key := repeated_key(bytes(body))) is not None:
+            raise RequestRefusedError(
+                f"the body has the key {key[:80]!a} twice", error="invalid", status=422
+            )
+        return bytes(body)
 
 
 def refusal(error: str, message: str, status: int, expected: int | None = None) -> JSONResponse:

@@ -127,7 +127,7 @@ class Search:
             turn = self._turns.known(packed.header.sequence)
             if turn is not None:
                 return turn
-            turn = self._turns.begin(packed.header.sequence)
+            turn = self._turns.begin(packed.header.sequence, packed.header.stamp_s)
             if self._worker is not None:
                 self._worker.submit(lambda: self._take(turn, packed, body))
         self._note_change()
@@ -313,4 +313,4 @@ def _turn(facts: ObservationFacts, journal: Journal) -> Turn:
     """An observation, with its answer if it has one."""
     is_answered = journal.step_count > facts.sequence
     reply = journal.step(facts.sequence).reply if is_answered else None
-    return Turn(facts.sequence, reply)
+    return Turn(facts.sequence, facts.stamp_s, reply)

@@ -14,11 +14,13 @@ class Turn:
 
     Attributes:
         sequence: Number of the observation.
+        stamp_s: Time of its images on the robot's clock, seconds.
         reply: The answer; None before.
         error: Why the observation was not accepted: it is broken, or the disk full; None if it was.
     """
 
     sequence: int
+    stamp_s: float = 0.0
     reply: Reply | None = None
     error: WireError | RunFolderError | None = None
 
@@ -85,9 +87,9 @@ class Turns:
         if last is not None and last.sequence == sequence and (self.end is None or is_final):
             return last
         if self.end is not None:
-            return Turn(sequence, _end_reply(sequence, self.end))
+            return Turn(sequence, reply=_end_reply(sequence, self.end))
         if final is not None and is_final:
-            return Turn(sequence, final.model_copy(update={"sequence": sequence}))
+            return Turn(sequence, reply=final.model_copy(update={"sequence": sequence}))
         if self.pending is not None:
             raise _refused(
                 "pending",
@@ -112,9 +114,19 @@ class Turns:
             raise _refused("sequence", message, self.next_sequence)
         return turn
 
-    def begin(self, sequence: int) -> Turn:
-        """Look at the next observation."""
-        self._before, self.last = self.last, Turn(sequence)
+    def begin(self, sequence: int, stamp_s: float) -> Turn:
+        """Look at the next observation.
+
+        Raises:
+            WireError: Its images are of before the last.
+        """
+        last = self.last
+        if last is not None and stamp_s < last.stamp_s:
+            raise WireError(
+                f"stamp_s went back from {last.stamp_s:.6f} to {stamp_s:.6f}; expected the time of "
+                "each observation's images, on one clock of the robot"
+            )
+        self._before, self.last = last, Turn(sequence, stamp_s)
         return self.last
 
     def accept(self, turn: Turn) -> None:

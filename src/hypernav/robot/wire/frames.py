@@ -30,7 +30,7 @@ from hypernav.robot.wire.requests import (
     ObservationFacts,
     ObservationHeader,
 )
-from hypernav.robot.wire.values import MAP_REACH_M
+from hypernav.robot.wire.values import MAP_REACH_M, repeated_key
 
 MOST_HEADER_BYTES = 300_000
 MOST_BODY_BYTES = 20_000_000
@@ -125,6 +125,8 @@ def unpack_observation(body: bytes) -> PackedObservation:
         header = ObservationHeader.model_validate_json(body[:end])
     except ValidationError as error:
         raise WireError(f"the observation's header: {first_mistake(error)}") from error
+    if (key := repeated_key(body[:end])) is not None:
+        raise WireError(f"the observation's header has the key {key[:80]!a} twice")
     parts = [header.colour, header.depth] + ([header.labels] if header.labels else [])
     announced = sum(part.bytes for part in parts)
     if announced != len(body) - end - 1:

@@ -91,7 +91,8 @@ class ObservationFacts(Message):
 
     Attributes:
         sequence: Number of the observation in its search, from 0 without gaps.
-        stamp_s: Time at which the images were taken, on the robot's clock, seconds.
+        stamp_s: Time at which the images were taken, on the robot's clock, seconds; never before
+            that of the observation before.
         base_to_odom: Pose of the robot in the frame of its odometry, which drifts but never jumps.
         odom_to_map: Pose of the odometry frame in the ``map`` frame, by localisation; may jump.
             Without localisation both frames are one.

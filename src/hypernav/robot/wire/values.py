@@ -1,5 +1,7 @@
 """What the messages are made of: their base, poses, names and bounds."""
 
+import json
+from collections import Counter
 from typing import Annotated, ClassVar
 
 import numpy as np
@@ -41,6 +43,21 @@ def _checked_rigid(rows: tuple[tuple[float, ...], ...]) -> tuple[tuple[float, ..
 _Row = tuple[Coordinate, Coordinate, Coordinate, Coordinate]
 RigidMatrix = Annotated[tuple[_Row, _Row, _Row, _Row], AfterValidator(_checked_rigid)]
 """Homogeneous 4 × 4 matrix of a camera's pose on the robot, row by row."""
+
+
+def repeated_key(text: bytes) -> str | None:
+    """A key that an object in a JSON text has twice; None if there is none, or this is no JSON."""
+    repeated: list[str] = []
+
+    def note(pairs: list[tuple[str, object]]) -> None:
+        counts = Counter(key for key, _ in pairs)
+        repeated.extend(key for key, count in counts.items() if count > 1)
+
+    try:
+        json.loads(text, object_pairs_hook=note)
+    except (ValueError, RecursionError):
+        return None
+    return repeated[0] if repeated else None
 
 
 class Message(BaseModel):
