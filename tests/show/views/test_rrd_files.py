@@ -1,5 +1,6 @@
 """Searches as ``.rrd``, read back by rerun's own reader."""
 
+import shutil
 import subprocess
 import sys
 from dataclasses import replace
@@ -109,6 +110,26 @@ def test_a_full_disk_is_one_error_that_names_the_file(make_step, observation):
 
 def test_a_viewer_that_does_not_start_says_what_to_do_instead(monkeypatch):
     monkeypatch.setattr(rerun_view, "_OPENING_S", 0.1)
-    monkeypatch.setattr(rerun_view.sys, "executable", "/bin/false")
+    monkeypatch.setattr(rerun_view.sys, "executable", shutil.which("false"))
     with pytest.raises(ViewError, match=r"did not start.*--rrd FILE"):
         RerunView(INFO)
+
+
+def test_ctrl_c_while_a_viewer_starts_leaves_none(monkeypatch, tmp_path):
+    sleeper, started, popen = tmp_path / "viewer", [], subprocess.Popen
+    sleeper.write_text("#!/bin/sh\nexec sleep 60\n")
+    sleeper.chmod(0o755)
+
+    def start(*arguments, **options):
+        started.append(popen(*arguments, **options))
+        return started[-1]
+
+    def interrupted(port):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(rerun_view.sys, "executable", str(sleeper))
+    monkeypatch.setattr(rerun_view.subprocess, "Popen", start)
+    monkeypatch.setattr(rerun_view, "_answers", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        RerunView(INFO)
+    assert [viewer.poll() is None for viewer in started] == [False]

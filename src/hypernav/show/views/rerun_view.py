@@ -181,15 +181,19 @@ def _started_viewer() -> int:
             stderr=said,
             start_new_session=True,  # Ctrl-C is for the search
         )
-        end_s = time.monotonic() + _PATIENCE_S
-        while time.monotonic() < end_s and viewer.poll() is None and not _answers(port):
-            time.sleep(_LOOK_S)
-        time.sleep(_OPENING_S)
-        if viewer.poll() is None and _answers(port):
+        listens = False
+        try:
+            end_s = time.monotonic() + _PATIENCE_S
+            while time.monotonic() < end_s and viewer.poll() is None and not _answers(port):
+                time.sleep(_LOOK_S)
+            time.sleep(_OPENING_S)
+            listens = viewer.poll() is None and _answers(port)
+        finally:  # Ctrl-C during the wait as well
+            if not listens and viewer.poll() is None:
+                os.killpg(viewer.pid, signal.SIGKILL)
+                viewer.wait()
+        if listens:
             return port
-        if viewer.poll() is None:
-            os.killpg(viewer.pid, signal.SIGKILL)
-            viewer.wait()
         said.seek(0)
         reason = " ".join(said.read().split())[:_MOST_WORDS]
     raise ViewError(
