@@ -16,6 +16,8 @@ from websockets.typing import Subprotocol
 from box_scenes import room_glb
 from hypernav.cli.main import main
 from hypernav.cli.views import opening
+from hypernav.cli.views.options import ViewOptions
+from hypernav.core.errors import ConfigError
 from mcap_files import counts_of
 
 SMALL = ("--set", "embodiment.camera.width=160", "embodiment.camera.height=120")
@@ -63,6 +65,12 @@ def test_a_recorded_search_has_the_trace_of_an_unrecorded_one(glb, tmp_path):
     steps = traces[0].count(b"\n")
     assert counts_of(tmp_path / "b.mcap")["/camera/image"] == steps
     assert images_in(tmp_path / "b.rrd") == steps
+
+
+def test_two_recordings_never_share_a_file(tmp_path):
+    same = tmp_path / "folder" / ".." / "a.rrd"
+    with pytest.raises(ConfigError, match="each needs its own file"):
+        opening.check_views(ViewOptions(rrd=tmp_path / "a.rrd", mcap=same))
 
 
 def test_ctrl_c_leaves_files_that_open(glb, tmp_path):

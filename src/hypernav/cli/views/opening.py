@@ -17,7 +17,7 @@ from hypernav.cli.terminal import Terminal
 from hypernav.cli.views.options import ViewOptions
 from hypernav.core.components.extras import require
 from hypernav.core.config import check_option
-from hypernav.core.errors import OutputError
+from hypernav.core.errors import ConfigError, OutputError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.observation import Observation
 from hypernav.core.trace import StepTrace
@@ -32,7 +32,7 @@ def check_views(options: ViewOptions) -> None:
     """Refuse views that cannot be opened, before anything is loaded.
 
     Raises:
-        ConfigError: The pace is impossible.
+        ConfigError: The pace is impossible, or two recordings name one file.
         MissingExtraError: A package is not installed.
         OutputError: A file cannot be written.
     """
@@ -45,9 +45,11 @@ def check_views(options: ViewOptions) -> None:
         require("rerun", extra="rerun")
     if options.view == "foxglove" or options.mcap is not None:
         require("foxglove", extra="foxglove")
-    for file in (options.rrd, options.mcap):
-        if file is not None:
-            check_file(file)
+    files = [file for file in (options.rrd, options.mcap) if file is not None]
+    if len({file.resolve() for file in files}) < len(files):
+        raise ConfigError(f"--rrd and --mcap both name {options.rrd}; each needs its own file")
+    for file in files:
+        check_file(file)
 
 
 class Views:
