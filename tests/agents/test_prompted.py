@@ -131,6 +131,18 @@ def test_the_search_is_given_up_after_its_moves():
     agent = agent_of(Ahead(), Says(), most_moves=3)
     assert acted(agent) == [Action.MOVE_FORWARD] * 6 + [None]
     assert agent.take_report() == {"moves": 3, "actions_of_half_a_metre": 6}
+    assert agent.take_report() == {"moves": 0, "actions_of_half_a_metre": 0}
+
+
+def test_a_report_gives_no_budget_back():
+    agent = agent_of(Ahead(), Says(), most_moves=1)
+    room = BoxRoom(embodiment=agent.embodiment)
+    agent.reset(Goal("bed"))
+    actions = []
+    for _ in range(3):
+        actions.append(agent.act(room.observe()))
+        agent.take_report()
+    assert actions == [Action.MOVE_FORWARD, Action.MOVE_FORWARD, None]
 
 
 def test_the_search_is_given_up_when_its_actions_are_spent():

@@ -5,7 +5,7 @@ which move to make; the move is then made without looking. Source: Goetting, Sin
 "End-to-End Navigation with Vision-Language Models", 2024, and its released code.
 """
 
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable
 from typing import Any
 
@@ -107,6 +107,7 @@ class PromptedAgent:
         self._map: TopDownMap | None = None
         self._trace: StepTrace | None = None
         self._moves = self._spent = 0
+        self._untold = Counter[str]()
 
     @property
     def embodiment(self) -> Embodiment:
@@ -185,14 +186,17 @@ class PromptedAgent:
         if destination is None:
             return None, "no move is left"
         self._destination = destination
+        spent = paper_actions(destination, robot)
         self._moves += 1
-        self._spent += paper_actions(destination, robot)
+        self._spent += spent
+        self._untold.update(moves=1, actions_of_half_a_metre=spent)
         self._left.extend(actions_to(destination, robot, self._embodiment.motion))
         return self._left.popleft(), destination.reason
 
     def take_report(self) -> dict[str, Any]:
-        """Moves since the reset, the actions of 0.5 m and 30° that they are worth, and faults."""
-        report = {"moves": self._moves, "actions_of_half_a_metre": self._spent}
+        """Moves since the last call, the actions of 0.5 m and 30° they are worth, and faults."""
+        report = {key: self._untold[key] for key in ("moves", "actions_of_half_a_metre")}
+        self._untold.clear()
         return report | (self._stop.take_report() if isinstance(self._stop, Reports) else {})
 
     @property
