@@ -58,9 +58,17 @@ def test_the_number_of_arrows_is_one_short_where_turning_is_barred(may_turn, cou
 def test_an_outage_is_an_outage_unless_it_is_to_be_a_step(hidden):
     chat = Parrot(ModelUnavailableError("no answer for 60 s"))
     config = ChatArrowsConfig(outage_is_no_answer=hidden)
-    reasoner = ChatArrowReasoner(chat, ExchangeLog(), config)
+    log = ExchangeLog()
+    reasoner = ChatArrowReasoner(chat, log, config)
     if hidden:
         assert reasoner.choose(view_of(arrow(1)), BED).numbers == ()
+        (exchange,) = log.drain()
+        assert (exchange.kind, exchange.answer, exchange.fault) == (
+            "choose arrow",
+            "",
+            "unavailable",
+        )
+        assert exchange.remarks == ["no answer for 60 s"]
         assert reasoner.take_report() == {"unread_arrow_answers": 1}
     else:
         with pytest.raises(ModelUnavailableError):

@@ -12,7 +12,7 @@ from hypernav.core.components.protocols import ChatModel
 from hypernav.core.config import RoomConfig
 from hypernav.core.errors import ModelUnavailableError
 from hypernav.core.goal import Goal
-from hypernav.core.trace import ExchangeLog
+from hypernav.core.trace import Exchange, ExchangeLog
 from hypernav.models.chat.answer_parsing import shortened, without_thinking
 from hypernav.perception.exchanges import exchange_of
 
@@ -42,7 +42,8 @@ class ChatArrowsConfig(RoomConfig):
         count_short: Whether the question says one arrow less than there are where the robot may not
             turn around: a mistake of VLMnav's code.
         outage_is_no_answer: Whether a model that isn't available counts as an answer without a
-            number, which is a step ahead, as in VLMnav's code; else the episode ends as such.
+            number, which is a step ahead, as in VLMnav's code; else the episode ends as such. Other
+            questions, such as the one whether to stop, are not meant.
     """
 
     max_tokens: int = Field(default=500, ge=8, le=100_000)
@@ -87,6 +88,17 @@ class ChatArrowReasoner:
             if not self._config.outage_is_no_answer:
                 raise
             self._unread += 1
+            self._log.record(
+                Exchange(
+                    kind=question.kind,
+                    asked="a model that is away",
+                    by_model=True,
+                    question=question.text,
+                    answer="",
+                    fault="unavailable",
+                    remarks=[str(error)],
+                )
+            )
             return ArrowChoice((), f"no answer: {shortened(str(error))}")
         said = without_thinking(answer.text)
         numbers = () if answer.fault is not None else named_numbers(said, view)
