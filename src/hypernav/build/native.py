@@ -4,14 +4,12 @@ The episodes and the referee are those of common mode; what a difference between
 nobody can tell, so they never share a table.
 """
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
-from hypernav.build.presets import HyPerNavConfig, with_changes
+from hypernav.build.presets import ARROWS_AS_RELEASED, HyPerNavConfig, with_changes
 from hypernav.core.errors import ConfigError
-
-_STEP_LIMITS = {"vlfm": 500, "navvlm": 400, "vlmnav": 2000, "pivot": 2000}
-"""Step limits of the methods that have a native mode. Those of the last two are in short steps, so
-that `PromptedConfig` ends their searches: no 40 moves take more."""
 
 _LOOKING_DOWN: dict[str, Any] = {
     "embodiment": {
@@ -31,7 +29,62 @@ _LOOKING_DOWN: dict[str, Any] = {
 }
 """VLMnav's robot. Ours: half the published number of pixels in both directions, 10 m of depth, and
 the length of the actions that its moves are made of."""
-_AS_DRAWN = {"marks": {"slide": False}, "blind_step_m": 0.2}
+_NAVVLM: dict[str, Any] = {
+    "embodiment": {
+        "camera": {"width": 640, "height": 480, "hfov_deg": 90.0, "height_m": 1.1},
+        "motion": {"forward_m": 0.3, "turn_angle_deg": 30.0},
+    },
+    "world": {"sliding": True},
+    "search": {"look_around_at_start": False},
+}
+
+
+def _vlfm(base: HyPerNavConfig) -> dict[str, Any]:
+    return {
+        "embodiment": {"motion": {"forward_m": 0.25, "turn_angle_deg": 30.0}},
+        "world": {"sliding": False},
+        "search": {
+            "look_around_at_start": True,
+            "finish_first_look": True,
+            "least_unseen_m2": None,
+            # Its 0.9 m are measured to the goal itself, ours to the area around it.
+            **dict.fromkeys(("stop_distance_m", "approach_gap_m"), 0.9 - _rim_m(base)),
+            "face_target": False,
+            "see_before_stop": False,
+            "enter_in_sight": False,
+            "enter_fully": False,
+        },
+        "presence": {"enabled": False},
+    }
+
+
+def _rim_m(config: HyPerNavConfig) -> float:
+    """Width of the rim that is dilated around a goal, metres."""
+    local = config.local
+    return local.dilation_kernel // 2 * local.dilation_iterations * config.mapping.cell_size_m
+
+
+@dataclass(frozen=True)
+class _NativeMethod:
+    """What was published of a method.
+
+    Attributes:
+        step_limit: Number of steps after which its searches end.
+        changes: Values that differ from a configuration of common mode.
+    """
+
+    step_limit: int
+    changes: Callable[[HyPerNavConfig], dict[str, Any]]
+
+
+_METHODS = {
+    "vlfm": _NativeMethod(500, _vlfm),
+    "navvlm": _NativeMethod(400, lambda _: _NAVVLM),
+    "vlmnav": _NativeMethod(2000, lambda _: _LOOKING_DOWN | {"vlmnav": ARROWS_AS_RELEASED}),
+    "pivot": _NativeMethod(2000, lambda _: _LOOKING_DOWN | {"pivot": ARROWS_AS_RELEASED}),
+}
+"""Methods that have a native mode. Limits of the last two are in short steps, so that
+`PromptedConfig` ends their searches: no 40 moves take more."""
 
 
 def step_limit_of(agent: str) -> int:
@@ -40,12 +93,12 @@ def step_limit_of(agent: str) -> int:
     Raises:
         ConfigError: The agent has no native mode.
     """
-    if agent not in _STEP_LIMITS:
+    if agent not in _METHODS:
         raise ConfigError(
             f"--native: {agent} has no robot or stop of its own; known are those of "
-            f"{', '.join(_STEP_LIMITS)}; drop --native"
+            f"{', '.join(_METHODS)}; drop --native"
         )
-    return _STEP_LIMITS[agent]
+    return _METHODS[agent].step_limit
 
 
 def native_config(agent: str, base: HyPerNavConfig) -> HyPerNavConfig:
@@ -61,7 +114,8 @@ def native_config(agent: str, base: HyPerNavConfig) -> HyPerNavConfig:
     step_limit_of(agent)
     eye_m = base.world.judge_eye_m or base.embodiment.camera.height_m
     judged_as_before = base.world.model_copy(update={"judge_eye_m": eye_m})
-    return with_changes(base.model_copy(update={"world": judged_as_before}), _changes(agent, base))
+    judged = base.model_copy(update={"world": judged_as_before})
+    return with_changes(judged, _METHODS[agent].changes(base))
 
 
 def check_native_robot(config: HyPerNavConfig) -> None:
@@ -76,43 +130,3 @@ def check_native_robot(config: HyPerNavConfig) -> None:
             "native=True needs the robot that was published with the agent, and this configuration "
             "has the one of common mode: make it by hypernav.native_config(agent, configuration)"
         )
-
-
-def _changes(agent: str, base: HyPerNavConfig) -> dict[str, Any]:
-    match agent:
-        case "vlfm":
-            return {
-                "embodiment": {"motion": {"forward_m": 0.25, "turn_angle_deg": 30.0}},
-                "world": {"sliding": False},
-                "search": {
-                    "look_around_at_start": True,
-                    "finish_first_look": True,
-                    "least_unseen_m2": None,
-                    # Its 0.9 m are measured to the goal itself, ours to the area around it.
-                    **dict.fromkeys(("stop_distance_m", "approach_gap_m"), 0.9 - _rim_m(base)),
-                    "face_target": False,
-                    "see_before_stop": False,
-                    "enter_in_sight": False,
-                    "enter_fully": False,
-                },
-                "presence": {"enabled": False},
-            }
-        case "navvlm":
-            return {
-                "embodiment": {
-                    "camera": {"width": 640, "height": 480, "hfov_deg": 90.0, "height_m": 1.1},
-                    "motion": {"forward_m": 0.3, "turn_angle_deg": 30.0},
-                },
-                "world": {"sliding": True},
-                "search": {"look_around_at_start": False},
-            }
-        case "vlmnav":
-            return _LOOKING_DOWN | {"vlmnav": {"sight": _AS_DRAWN}}
-        case _:
-            return _LOOKING_DOWN | {"pivot": {"sight": _AS_DRAWN}}
-
-
-def _rim_m(config: HyPerNavConfig) -> float:
-    """Width of the rim that is dilated around a goal, metres."""
-    local = config.local
-    return local.dilation_kernel // 2 * local.dilation_iterations * config.mapping.cell_size_m

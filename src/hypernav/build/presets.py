@@ -180,9 +180,10 @@ class HyPerNavConfig(RoomConfig):
         return near_m + max(local.entry_reach_m - dilated_m, 0.0)
 
 
-_ARROWS_AS_RELEASED: dict[str, Any] = {
+ARROWS_AS_RELEASED: dict[str, Any] = {
     "sight": {"marks": {"slide": False}, "blind_step_m": 0.2},
 }
+"""What VLMnav's and PIVOT's released code does with arrows; in native mode it is so as well."""
 _ANSWERS_AS_RELEASED: dict[str, Any] = {"count_short": True, "outage_is_no_answer": True}
 _AS_RELEASED: dict[str, dict[str, Any]] = {
     "vlfm-as-released": {
@@ -191,11 +192,11 @@ _AS_RELEASED: dict[str, dict[str, Any]] = {
     },
     "navvlm-as-released": {"navvlm": {"visited_radius_m": 0.0, "clear_rows": True}},
     "vlmnav-as-released": {
-        "vlmnav": {**_ARROWS_AS_RELEASED, "moves": {"space_explored": False}},
+        "vlmnav": {**ARROWS_AS_RELEASED, "moves": {"space_explored": False}},
         "chat_arrows": _ANSWERS_AS_RELEASED,
     },
     "pivot-as-released": {
-        "pivot": {**_ARROWS_AS_RELEASED, "zero_is_last": True},
+        "pivot": {**ARROWS_AS_RELEASED, "zero_is_last": True},
         "chat_arrows": _ANSWERS_AS_RELEASED,
     },
 }

@@ -271,7 +271,7 @@ AGENTS: Registry[Factory] = Registry(
 
 NATIVE_AGENTS: Registry[Factory] = Registry(
     "agent",
-    "hypernav.native_agents",
+    "",
     [
         Entry(
             "vlmnav",

@@ -107,7 +107,8 @@ class Registry(Generic[T]):
 
         Args:
             kind: Name of the kind, in the singular.
-            group: Group of entry points; those of any installed package are found as well.
+            group: Group of entry points; those of any installed package are found as well. Empty
+                where other packages add none.
             entries: Built-in components.
         """
         self.kind = kind
