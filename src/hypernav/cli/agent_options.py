@@ -26,7 +26,8 @@ class AgentOptions:
     """Agent: hypernav, frontier, vlfm, navvlm, vlmnav, pivot, dynavlm-style, pirlnav:FILE,
     zson:FILE or module:Name."""
     preset: PresetName = "default"
-    """Values of the method: the published ones, or those that measured better."""
+    """Values of the method: the published ones, those that measured better, or those of a
+    published method's released code, with its mistakes."""
     native: bool = False
     """A published method's own camera, step and stop, not those that all agents share."""
     vlm: str | None = None

@@ -12,6 +12,7 @@ from hypernav.evaluation.store.run_store import RunStore
 from hypernav.evaluation.store.scene_files import keep_scenes
 from hypernav.evaluation.workers.process_pool import ProcessPool
 from hypernav.evaluation.workers.worker import Job
+from hypernav.show.captions import ITS_OWN
 
 
 def evaluate(
@@ -30,7 +31,7 @@ def evaluate(
 
     Args:
         plan: Data set, robot and protocol. What `RunPlan.who` leaves open is filled in.
-        folder: Folder of the run; `hypernav.evaluation.report.report_page.write_report` reads it.
+        folder: Folder of the run; `hypernav.load_runs` reads it for `hypernav.write_report`.
         make_agent: Factory of the agent, called once in every worker.
         workers: Number of processes.
         save: Choice of episodes that keep page and video.
@@ -42,10 +43,12 @@ def evaluate(
     Raises:
         RunFolderError: The folder can't be used.
         RunHaltedError: The run stopped before its end.
+        EpisodeError: There is no such data set, or nothing in it is chosen.
+        SceneError: A scene cannot be used.
     """
     name = getattr(make_agent, "__name__", type(make_agent).__name__)
-    own = {"agent": name, "preset": "its own", "detector": "its own", "reasoner": "its own"}
-    plan = replace(plan, who=own | plan.who)
+    own = dict.fromkeys(("preset", "detector", "reasoner"), ITS_OWN)
+    plan = replace(plan, who={"agent": name, **own} | plan.who)
     episodes = plan.episodes()
     job = Job(
         folder=folder,

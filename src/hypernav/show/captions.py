@@ -26,7 +26,7 @@ MODES_EXPLAINED: dict[Mode, str] = {
 }
 
 ITS_OWN = "its own"
-"""Name of the detector of an agent that does all itself."""
+"""Name of detector, reasoner and preset of an agent that does all itself."""
 
 QUESTIONS: dict[str, str] = {
     "ground": "Is it in the image?",
