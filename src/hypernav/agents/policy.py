@@ -12,16 +12,16 @@ from pydantic import Field
 
 from hypernav.agents.trained_robots import HM3D_CAMERA, SQUARE_CAMERA, Camera, check_robot
 from hypernav.core.actions import Action
-from hypernav.core.components.extras import require
 from hypernav.core.config import MOST_SEED, RoomConfig
 from hypernav.core.embodiment import Embodiment
-from hypernav.core.errors import ConfigError, GoalError, ModelError
+from hypernav.core.errors import GoalError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.labels import same_name
 from hypernav.core.observation import Observation
 from hypernav.models.policies.architecture import PIRLNAV, ZSON, PolicyArchitecture
-from hypernav.models.policies.network import EXTRA, PolicyNetwork
+from hypernav.models.policies.goal_vectors import read_vectors
+from hypernav.models.policies.network import PolicyNetwork
 
 _PIRLNAV_GOALS = ("chair", "bed", "potted plant", "toilet", "tv", "sofa")
 """Goals in the order of their numbers."""
@@ -131,7 +131,7 @@ class PolicyAgent(ABC):
         """
 
     def act(self, observation: Observation) -> Action:
-        """The action that the policy chooses; looks up and down, which no robot here can, never."""
+        """The action that the policy chooses, never a look up or down, which no robot here can."""
         pose = None
         if self._network.architecture.has_pose:
             self._start = self._start or observation.robot
@@ -223,7 +223,7 @@ class ZsonAgent(PolicyAgent):
         check_robot(ZSON.name, embodiment, cameras)
         network = PolicyNetwork.load(Path(path), ZSON)
         super().__init__(network, embodiment, cameras, config)
-        self._vectors = read_vectors(config.goals)
+        self._vectors = read_vectors(config.goals, ZSON.goal_size)
 
     def goal_input(self, goal: Goal) -> Float32[np.ndarray, "n"]:
         """The vector of a goal.
@@ -251,35 +251,3 @@ def pose_input(robot: Pose2, start: Pose2) -> tuple[float, float, float]:
     ahead = math.cos(start.yaw) * away_x + math.sin(start.yaw) * away_y
     left = math.cos(start.yaw) * away_y - math.sin(start.yaw) * away_x
     return ahead, -left, math.remainder(robot.yaw - start.yaw, math.tau)
-
-
-def read_vectors(path: str) -> dict[str, Float32[np.ndarray, "n"]]:
-    """Vectors of goals, by their words, each of length 1.
-
-    Raises:
-        ConfigError: No file is named.
-        MissingExtraError: safetensors is not installed.
-        ModelError: The file can't be read, or holds something else.
-    """
-    if not path:
-        raise ConfigError(
-            "zson compares images with vectors of goals: name a file of them, safetensors with a "
-            f"vector of {ZSON.goal_size} numbers (CLIP RN50, of the bare words) for each goal, "
-            "--set policy.goals=FILE"
-        )
-    safetensors = require("safetensors", extra=EXTRA)
-    reader = require("safetensors.numpy", extra=EXTRA)
-    try:
-        vectors = reader.load_file(path)
-    except (OSError, safetensors.SafetensorError) as error:
-        raise ModelError(f"{path} can't be read as safetensors: {error}") from error
-    for name, vector in vectors.items():
-        if vector.shape != (ZSON.goal_size,) or not np.linalg.norm(vector) > 0.0:
-            raise ModelError(
-                f"{path}: '{name}' has the shape {vector.shape}; expected a vector of "
-                f"{ZSON.goal_size} numbers that are not all 0"
-            )
-    return {
-        name: (vector / np.linalg.norm(vector)).astype(np.float32)
-        for name, vector in vectors.items()
-    }
