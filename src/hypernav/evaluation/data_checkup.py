@@ -1,6 +1,7 @@
 """Examination of a data folder before a long run: what of each benchmark is there, what isn't."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -45,9 +46,12 @@ def check_data(folder: Path) -> Iterator[Finding]:
     used: dict[Path, Benchmark] = {}
     found = False
     for benchmark in (*(BENCHMARKS[name] for name in ("hm3d", "mp3d", "ovon")), GENERATED):
-        if found_splits(benchmark, folder) or scene_folders(benchmark, folder):
+        splits = [_read(benchmark, folder, split) for split in found_splits(benchmark, folder)]
+        if splits or scene_folders(benchmark, folder):
             found = True
-            yield from _check_benchmark(benchmark, folder, used)
+            yield from _check_benchmark(benchmark, folder, splits)
+            meshes = [mesh for split in splits for mesh in split.meshes]
+            used |= {mesh: used.get(mesh, benchmark) for mesh in meshes}
         elif benchmark is not GENERATED:
             yield Finding(benchmark.name, State.NOTE, f"nothing of {benchmark.title} is here")
     yield from _check_files(used)
@@ -56,26 +60,31 @@ def check_data(folder: Path) -> Iterator[Finding]:
         yield Finding("folder", State.FAULT, f"{folder} holds no benchmark", remedy)
 
 
-def _check_benchmark(
-    benchmark: Benchmark, folder: Path, used: dict[Path, Benchmark]
-) -> Iterator[Finding]:
-    """Findings about a benchmark; the meshes of its scenes are added to ``used``."""
-    splits = found_splits(benchmark, folder)
-    names = {split.name for split in splits}
-    missing = [name for name in benchmark.splits if name not in names]
-    if missing:
-        expected = folder / benchmark.episodes[0] / missing[0]
-        state = State.NOTE if splits else State.FAULT
-        words = f"no episodes of {', '.join(missing)}; expected {expected}"
-        yield Finding(f"{benchmark.name} episodes", state, words, benchmark.where)
-    for split in splits:
-        yield from _check_split(benchmark, folder, split, used)
+@dataclass(frozen=True)
+class _SplitContent:
+    """What the episode files of a split hold.
+
+    Attributes:
+        split: The split.
+        count: Number of episodes.
+        goals: Categories of their goals.
+        files: Meshes of their scenes by the scenes' ids; None where one is missing.
+        fault: What is wrong with a file; empty if nothing is.
+    """
+
+    split: SplitFolder
+    count: int = 0
+    goals: frozenset[str] = frozenset()
+    files: Mapping[str, Path | None] = field(default_factory=dict)
+    fault: str = ""
+
+    @property
+    def meshes(self) -> list[Path]:
+        """The meshes that are there."""
+        return [mesh for mesh in self.files.values() if mesh is not None]
 
 
-def _check_split(
-    benchmark: Benchmark, folder: Path, split: SplitFolder, used: dict[Path, Benchmark]
-) -> Iterator[Finding]:
-    check = f"{benchmark.name} {split.version}/{split.name}"
+def _read(benchmark: Benchmark, folder: Path, split: SplitFolder) -> _SplitContent:
     count, scenes, goals = 0, dict[str, None](), set[str]()
     try:
         for episodes in split_parts(split.path):
@@ -83,16 +92,37 @@ def _check_split(
             scenes.update(dict.fromkeys(episode.scene_id for episode in episodes))
             goals.update(episode.goal.text for episode in episodes)
     except EpisodeError as error:
-        remedy = f"get the episodes again; {benchmark.where}"
-        yield Finding(check, State.FAULT, str(error), remedy)
-        return
-    words = f"{count:,} episodes in {len(scenes)} scenes, {len(goals)} categories"
-    yield Finding(check, State.GOOD, words)
+        return _SplitContent(split, fault=str(error))
     files = {scene_id: scene_below(benchmark, folder, scene_id) for scene_id in scenes}
-    meshes = [mesh for mesh in files.values() if mesh is not None]
-    used |= {mesh: used.get(mesh, benchmark) for mesh in meshes}
+    return _SplitContent(split, count, frozenset(goals), files)
+
+
+def _check_benchmark(
+    benchmark: Benchmark, folder: Path, contents: Sequence[_SplitContent]
+) -> Iterator[Finding]:
+    """Findings about a benchmark, but for the content of its scenes' files."""
+    names = {content.split.name for content in contents}
+    missing = [name for name in benchmark.splits if name not in names]
+    if missing:
+        expected = folder / benchmark.episodes[0] / missing[0]
+        state = State.NOTE if contents else State.FAULT
+        words = f"no episodes of {', '.join(missing)}; expected {expected}"
+        yield Finding(f"{benchmark.name} episodes", state, words, benchmark.where)
+    for content in contents:
+        yield from _check_split(benchmark, content)
+
+
+def _check_split(benchmark: Benchmark, content: _SplitContent) -> Iterator[Finding]:
+    split, files = content.split, content.files
+    check = f"{benchmark.name} {split.version}/{split.name}"
+    if content.fault:
+        remedy = f"get the episodes again; {benchmark.where}"
+        yield Finding(check, State.FAULT, content.fault, remedy)
+        return
+    words = f"{content.count:,} episodes in {len(files)} scenes, {len(content.goals)} categories"
+    yield Finding(check, State.GOOD, words)
     yield from _check_scenes(benchmark, check, files)
-    scans = [scan for mesh in meshes if (scan := ScanFiles.of(mesh)) is not None]
+    scans = [scan for mesh in content.meshes if (scan := ScanFiles.of(mesh)) is not None]
     yield from _check_scans(check, scans)
     if any(scan.mesh.name.endswith(_BASIS) for scan in scans):
         yield _textures(check)
