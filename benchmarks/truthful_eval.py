@@ -16,7 +16,8 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from hypernav.build.agents import BuiltAgent, build_agent
+from hypernav.build.agents import build_agent
+from hypernav.build.built_agent import BuiltAgent
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.cli.main import main

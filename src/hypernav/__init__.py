@@ -9,7 +9,8 @@ import logging
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from hypernav.build.agents import BuiltAgent, build_agent, build_search
+    from hypernav.build.agents import build_agent, build_search
+    from hypernav.build.built_agent import BuiltAgent
     from hypernav.build.component_specs import ComponentSpecs
     from hypernav.build.native import native_config
     from hypernav.build.presets import HyPerNavConfig, preset
@@ -140,7 +141,7 @@ __all__ = [
 ]
 
 _MODULES = {
-    "BuiltAgent": "hypernav.build.agents",
+    "BuiltAgent": "hypernav.build.built_agent",
     "build_agent": "hypernav.build.agents",
     "build_search": "hypernav.build.agents",
     "ComponentSpecs": "hypernav.build.component_specs",

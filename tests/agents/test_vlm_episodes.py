@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from hypernav.build.agents import BuiltAgent, build_agent
+from hypernav.build.agents import build_agent
+from hypernav.build.built_agent import BuiltAgent
 from hypernav.build.component_specs import ComponentSpecs, PresetName
 from hypernav.core.episode import Outcome
 from hypernav.core.geometry.transforms import Pose2

@@ -1,40 +1,30 @@
 """Construction of agents: here alone a configuration becomes objects."""
 
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from hypernav.agents.search import SearchAgent, SearchComponents
+from hypernav.build.built_agent import BuiltAgent
 from hypernav.build.chat import is_named, model_words, wrap_chat
-from hypernav.build.choosing import ChosenComponents, choose_components, role_in
+from hypernav.build.choosing import choose_components, role_in
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.construction import asked_by, make, section_of
 from hypernav.build.given_files import given_files
 from hypernav.build.native import check_native_robot
-from hypernav.build.presets import HyPerNavConfig, PriceConfig
+from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.registries import AGENTS, ROLES, Factory
-from hypernav.build.stand_ins import SegmenterWords, reasoner_warning, segmenter_words
-from hypernav.core.components.abilities import (
-    ChecksGoal,
-    ChecksModel,
-    Closes,
-    Reports,
-    looks_at_colours,
-    warning_of,
-)
+from hypernav.build.stand_ins import segmenter_words
+from hypernav.core.components.abilities import ChecksModel
 from hypernav.core.components.protocols import (
     Agent,
     Detector,
     Explorer,
-    Guide,
     PresenceCheck,
-    SceneScorer,
     Segmenter,
 )
 from hypernav.core.components.registry import Choice, check_protocol
 from hypernav.core.episode_truth import EpisodeTruth
-from hypernav.core.goal import Goal
 from hypernav.core.sightings import Sightings
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.top_down_map import TopDownMap
@@ -48,90 +38,6 @@ from hypernav.perception.local.presence import VlmPresenceCheck
 from hypernav.show.captions import ITS_OWN
 
 _PROTOCOLS = {"detector": Detector, "segmenter": Segmenter}
-
-
-@dataclass(frozen=True)
-class BuiltAgent:
-    """An agent with its components and the ledger of its chat model.
-
-    Attributes:
-        agent: Agent, ready for `reset`.
-        chosen: Choices that it was built from.
-        detector_words: Name of the detector for people.
-        reasoner_words: Name of the reasoner or explorer for people.
-        segmenter: Name of the segmenter for people, and what it stands in for.
-        components: All components, for their optional abilities.
-        files: Files that components were given, such as weights.
-        ledger: Ledger of the questions to the chat model; empty without one.
-        price: Price of the chat model's tokens.
-        truth: Truth that stand-ins for models wait to be told, see
-            `hypernav.worlds.episode_run.EpisodeRun`; nobody else asks for it.
-    """
-
-    agent: Agent
-    chosen: ChosenComponents
-    detector_words: str
-    reasoner_words: str
-    segmenter: SegmenterWords
-    components: tuple[object, ...]
-    files: tuple[Path, ...]
-    ledger: Ledger
-    price: PriceConfig
-    truth: EpisodeTruth
-
-    def check_goal(self, goal: Goal) -> None:
-        """Refuse a goal that a component can never find, a detector of fixed classes for example.
-
-        Raises:
-            GoalError: The goal can never be found; the message names the nearest classes.
-        """
-        for component in self.components:
-            if isinstance(component, ChecksGoal):
-                component.check_goal(goal)
-
-    @property
-    def warnings(self) -> list[str]:
-        """Sentences to show before a search: what stands in for something, and the remedy."""
-        told = (self.segmenter.warning, reasoner_warning(self.chosen), warning_of(self.agent))
-        return [warning for warning in told if warning]
-
-    @property
-    def looks_at_colours(self) -> bool:
-        """Whether a chat model, or a component that is given images, looks at their colours."""
-        given_images = [
-            one
-            for one in self.components
-            if isinstance(one, Detector | Segmenter | SceneScorer | Guide | Agent)
-        ]
-        return self.chosen.vlm is not None or any(map(looks_at_colours, given_images))
-
-    def take_report(self) -> dict[str, Any]:
-        """Questions and counts since the last report, for ``result.json``.
-
-        Returns:
-            ``ledger``: calls, tokens, seconds and retries per kind of question, and the cost if a
-            price is configured; only with a chat model. ``fallbacks``: what components counted,
-            for example what was done in place of answers that could not be used.
-        """
-        report: dict[str, Any] = {}
-        if self.chosen.vlm is not None:
-            report["ledger"] = self.ledger.as_dict(
-                price_in_per_million=self.price.in_per_million,
-                price_out_per_million=self.price.out_per_million,
-            )
-            self.ledger.clear()
-        reporting = [one for one in self.components if isinstance(one, Reports)]
-        if reporting or self.chosen.vlm is not None:
-            report["fallbacks"] = {
-                key: value for one in reporting for key, value in one.take_report().items()
-            }
-        return report
-
-    def close(self) -> None:
-        """Close whatever holds a thread, a process or a file; a recording is on disk already."""
-        for component in self.components:
-            if isinstance(component, Closes):
-                component.close()
 
 
 def build_agent(

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from hypernav.build.agents import BuiltAgent, build_agent
+from hypernav.build.agents import build_agent
+from hypernav.build.built_agent import BuiltAgent
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.scenes import load_scene
 from hypernav.core.components.protocols import Agent

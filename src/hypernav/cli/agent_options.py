@@ -13,7 +13,7 @@ from hypernav.build.component_specs import ComponentSpecs, PresetName
 from hypernav.core.errors import ConfigError
 
 if TYPE_CHECKING:
-    from hypernav.build.agents import BuiltAgent
+    from hypernav.build.built_agent import BuiltAgent
     from hypernav.build.presets import HyPerNavConfig
     from hypernav.core.embodiment import Embodiment
 

@@ -105,7 +105,7 @@ class EpisodeRun:
             episode: Goal, start and limits.
             rng: Generator of the world's noise.
             told: What stand-ins for models in the agent are told of the truth, if it has any
-                (`hypernav.build.agents.BuiltAgent.truth`); their generator is spawned from ``rng``.
+                (`hypernav.BuiltAgent.truth`); their generator is spawned from ``rng``.
 
         Raises:
             ConfigError: The agent was built for another robot.

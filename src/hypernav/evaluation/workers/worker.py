@@ -10,7 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from hypernav.build.agents import BuiltAgent, build_agent
+from hypernav.build.agents import build_agent
+from hypernav.build.built_agent import BuiltAgent
 from hypernav.build.component_specs import ComponentSpecs, WorldName
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.scenes import load_scene
