@@ -1,4 +1,4 @@
-"""Observation, map and trace of a step as Foxglove's own messages, and two plain JSON ones.
+"""Observation, map and trace of a step as Foxglove's own messages.
 
 Frames: ``map``, ``base_link`` (the robot on the floor) and ``camera`` (optical: x right, y down, z
 forward), see docs/conventions.md.
@@ -15,7 +15,7 @@ from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.observation import Observation
-from hypernav.core.trace import DetectionRecord, Exchange, StepTrace
+from hypernav.core.trace import DetectionRecord, StepTrace
 from hypernav.show import captions
 from hypernav.show.drawing import palette
 from hypernav.show.views.frame_data import cloud, colour_jpeg, map_colors
@@ -27,50 +27,6 @@ _FLOAT, _BYTE = fg.PackedElementFieldNumericType.Float32, fg.PackedElementFieldN
 _POINT = np.dtype([("xyz", "<f4", 3), ("rgba", "u1", 4)])
 _LINE_M = 0.04
 _DESTINATION_M = 0.25
-
-# Foxglove reads fields of plain types: no references, no alternatives, no arrays of arrays.
-_TEXT, _NUMBER, _COUNT, _FLAG = (
-    {"type": kind} for kind in ("string", "number", "integer", "boolean")
-)
-
-
-def _schema(title: str, fields: dict[str, Any]) -> dict[str, Any]:
-    return {"title": title, "type": "object", "properties": fields}
-
-
-STEP_SCHEMA = _schema(
-    "hypernav.Step",
-    {
-        "step": _COUNT,
-        "mode": _TEXT,
-        "reason": _TEXT,
-        "action": _TEXT,
-        "ending": _TEXT,
-        "seconds": _NUMBER,
-        "events": {"type": "array", "items": _TEXT},
-        "detections": {
-            "type": "array",
-            "items": _schema(
-                "detection",
-                {"label": _TEXT, "score": _NUMBER, "accepted": _FLAG, "reason": _TEXT},
-            ),
-        },
-    },
-)
-QUESTION_SCHEMA = _schema(
-    "hypernav.Question",
-    {
-        "step": _COUNT,
-        "kind": _TEXT,
-        "asked": _TEXT,
-        "question": _TEXT,
-        "answer": _TEXT,
-        "fault": _TEXT,
-        "tokens_in": _COUNT,
-        "tokens_out": _COUNT,
-        "seconds": _NUMBER,
-    },
-)
 
 
 def transforms(stamp: fg.Timestamp, observation: Observation) -> fg.FrameTransforms:
@@ -216,29 +172,6 @@ def log(stamp: fg.Timestamp, step: StepTrace) -> list[fg.Log]:
         fg.Log(timestamp=stamp, level=fg.LogLevel.Info, message=message, name=f"step {step.step}")
         for message in (reason, *step.events)
     ]
-
-
-def step_fields(step: StepTrace) -> dict[str, Any]:
-    """The step as a message of `STEP_SCHEMA`."""
-    return {
-        "step": step.step,
-        "mode": step.mode.value,
-        "reason": step.reason,
-        "action": "" if step.action is None else step.action.name.lower().replace("_", " "),
-        "ending": "" if step.ending is None else step.ending.value,
-        "seconds": sum(step.seconds.values()),
-        "events": step.events,
-        "detections": [
-            one.model_dump(include={"label", "score", "accepted", "reason"})
-            for one in step.detections
-        ],
-    }
-
-
-def question_fields(number: int, exchange: Exchange) -> dict[str, Any]:
-    """A question and its answer as a message of `QUESTION_SCHEMA`."""
-    kept = QUESTION_SCHEMA["properties"].keys() - {"step"}
-    return {"step": number, **exchange.model_dump(include=kept)}
 
 
 def _blocks(entity: Any, asked: StepTrace | None) -> fg.SceneEntity:
