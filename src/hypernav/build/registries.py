@@ -5,7 +5,7 @@ Other packages register theirs as entry points of the group that each registry n
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from hypernav.core.components.protocols import (
     ArrowReasoner,
@@ -14,9 +14,6 @@ from hypernav.core.components.protocols import (
     SceneScorer,
 )
 from hypernav.core.components.registry import Entry, Registry
-
-if TYPE_CHECKING:
-    from hypernav.worlds.scenes.scene import Scene
 
 Factory = Callable[..., Any]
 """A class or function that makes a component from named arguments; see `construction.make`."""
@@ -297,15 +294,3 @@ COMPONENTS = (
     *(role.registry for role in ROLES.values()),
 )
 """The registries of all that an agent is made of."""
-
-SCENES: "Registry[Callable[..., Scene]]" = Registry(
-    "scene",
-    "hypernav.scenes",
-    [
-        Entry("builtin", "hypernav.build.scenes:builtin_house"),
-        Entry("houses", "hypernav.build.scenes:numbered_house", form="houses:N"),
-        Entry("offices", "hypernav.build.scenes:numbered_office", form="offices:N"),
-        Entry("shops", "hypernav.build.scenes:numbered_shop", form="shops:N"),
-    ],
-)
-"""Scenes that are no files: functions of the text after the name."""

@@ -1,15 +1,28 @@
 """Construction of scenes by name."""
 
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from hypernav.build.registries import SCENES
+from hypernav.core.components.registry import Entry, Registry
 from hypernav.core.errors import SceneError
 from hypernav.core.whole_numbers import is_whole_number
 from hypernav.houses.building import BUILTIN_HOUSE, NOUNS, Building, house
 from hypernav.houses.house_cache import cached_building
 from hypernav.worlds.scans.loading import open_scene
 from hypernav.worlds.scenes.scene import Scene
+
+SCENES: Registry[Callable[..., Scene]] = Registry(
+    "scene",
+    "hypernav.scenes",
+    [
+        Entry("builtin", "hypernav.build.scenes:builtin_house"),
+        Entry("houses", "hypernav.build.scenes:numbered_house", form="houses:N"),
+        Entry("offices", "hypernav.build.scenes:numbered_office", form="offices:N"),
+        Entry("shops", "hypernav.build.scenes:numbered_shop", form="shops:N"),
+    ],
+)
+"""Scenes that are no files: functions of the text after the name."""
 
 
 def load_scene(spec: str) -> Scene:
