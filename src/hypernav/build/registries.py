@@ -1,4 +1,4 @@
-"""The registries of everything that is found by name. A component of this package is one entry.
+"""The registries of all components that are found by name. One of this package is one entry.
 
 Other packages register theirs as entry points of the group that each registry names.
 """
