@@ -96,6 +96,14 @@ def test_who_asks_to_stop_says_what_was_answered_and_nothing_of_detections() -> 
     assert EpisodeInfo("bed", "pivot", "ground truth").has_detector
 
 
+def test_credits_name_no_part_that_an_agent_does_not_have() -> None:
+    assert EpisodeInfo("bed", "mine", captions.ITS_OWN, captions.ITS_OWN).credits == "mine"
+    native = EpisodeInfo("bed", "pivot (native)", captions.ITS_OWN, "model").credits
+    assert native.startswith("pivot (native)")
+    assert "sees with" not in native
+    assert "decides with model" in native
+
+
 def test_an_unknown_kind_of_question_keeps_its_name() -> None:
     exchange = Exchange(kind="ask a person", asked="", question="", answer="")
     assert captions.question_caption(exchange) == "Ask a person"

@@ -62,11 +62,11 @@ class EpisodeInfo:
 
     @property
     def credits(self) -> str:
-        """Agent, detector and reasoner, on one line."""
+        """Agent, and detector and reasoner where it has them, on one line."""
         parts = [self.agent]
-        if self.detector:
+        if self.detector and self.has_detector:
             parts.append(f"sees with {captions.component_caption(self.detector)}")
-        if self.reasoner:
+        if self.reasoner and self.reasoner != captions.ITS_OWN:
             parts.append(f"decides with {captions.component_caption(self.reasoner)}")
         return "   ·   ".join(parts)
 
