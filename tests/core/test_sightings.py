@@ -1,10 +1,8 @@
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from hypernav.core.geometry.boxes import Box, Detection
-from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
+from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.observation import Observation
 from hypernav.core.sightings import SeenThing, Sightings
@@ -60,30 +58,10 @@ def test_a_new_search_has_seen_nothing():
     assert (seen.things, seen.image) == ((), None)
 
 
-def wall_at(depth_m: float) -> Observation:
-    """A view straight ahead, from 0.88 m above the floor."""
-    flat = view(depth_m)
-    robot = Pose2(0.0, 0.0, 0.0)
-    return replace(flat, camera_to_map=robot.to_transform() @ optical_to_base(0.88))
-
-
-def test_walls_are_what_is_higher_than_furniture():
-    seen = Sightings(tells_rooms=True)
-    seen.note(wall_at(3.0), [])
-    assert len(seen.walls)
-    assert seen.walls[:, 0] == pytest.approx(np.full(len(seen.walls), 3.0), abs=0.1)
-    assert Sightings(tells_rooms=True).walls.shape == (0, 2)
-
-
-def test_walls_are_kept_only_for_who_asks_and_forgotten_with_all_else():
-    seen = Sightings()
-    seen.note(wall_at(3.0), [])
-    assert not len(seen.walls)
-    seen = Sightings(tells_rooms=True)
-    seen.note(wall_at(3.0), [])
+def test_what_was_named_is_forgotten_with_all_else():
+    seen = Sightings(everything=True)
     seen.note_named({7: SeenThing("sofa", (1.0, 2.0))})
     assert 7 in seen.named
     seen.reset()
-    assert not len(seen.walls)
     assert not seen.named
     assert not seen.things

@@ -74,9 +74,8 @@ def build_agent(
     map_log = ExchangeLog() if ahead else log
     # A thread that asks ahead would see more or less of it, as the model is fast or slow.
     remembers = asked_by(chosen.agent).get("sightings", False)
-    tells_rooms = config.geometric.trust_rooms > 0.0 or remembers
-    tells = (asks_map or tells_rooms) and not ahead
-    sightings = Sightings(tells_rooms=tells_rooms) if tells and not chosen.is_whole_agent else None
+    tells = (asks_map or remembers) and not ahead
+    sightings = Sightings(everything=remembers) if tells and not chosen.is_whole_agent else None
     built: dict[str, Any] = {}
     for kind, choice in chosen.by_kind.items():
         offers = _offers(config, map_log if kind in ("reasoner", "agent") else log) | built
@@ -143,8 +142,7 @@ def build_search(
     """
     log = log or ExchangeLog()
     remembers = asked_by(AGENTS.find(agent)).get("sightings", False)
-    tells_rooms = config.geometric.trust_rooms > 0.0 or remembers
-    sightings = Sightings(tells_rooms=True) if tells_rooms else None
+    sightings = Sightings(everything=True) if remembers else None
     explorer = build_explorer(config, log, agent, reasoner=reasoner, sightings=sightings)
     return _search(
         config,

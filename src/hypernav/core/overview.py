@@ -68,11 +68,6 @@ def prospects_of_boundaries(blocks: Sequence[Block]) -> Prospects:
     return Prospects(boundaries, np.eye(len(blocks), dtype=bool), _destinations(blocks))
 
 
-def equal_chances(positions: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "n"]:
-    """Chances of who knows nothing: 1 everywhere."""
-    return np.ones(len(positions))
-
-
 def straight_legs_m(blocks: Sequence[Block]) -> Float64[np.ndarray, "blocks blocks"]:
     """Distances between blocks as the crow flies, metres."""
     positions = _destinations(blocks)
@@ -98,8 +93,6 @@ class Overview:
         camera_image: What the robot's camera sees, RGB; None where nobody keeps it.
         prospects: Function that tells what some of the blocks would show; not every reasoner asks.
         legs_m: Function that tells the lengths of the paths between some of the blocks, metres.
-        chances: Function that tells how likely the goal is per square metre at positions ``(x, y)``
-            by the things that were seen around them, in relation to the average.
     """
 
     draw: Callable[[Collection[int], Collection[int]], UInt8[np.ndarray, "height width 3"]]
@@ -111,7 +104,6 @@ class Overview:
     camera_image: UInt8[np.ndarray, "height width 3"] | None = None
     prospects: Callable[[Sequence[Block]], Prospects] = prospects_of_boundaries
     legs_m: Callable[[Sequence[Block]], Float64[np.ndarray, "blocks blocks"]] = straight_legs_m
-    chances: Callable[[Float64[np.ndarray, "n 2"]], Float64[np.ndarray, "n"]] = equal_chances
 
     @cached_property
     def image(self) -> UInt8[np.ndarray, "height width 3"]:

@@ -1,7 +1,6 @@
 import math
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -92,29 +91,6 @@ def test_a_view_counts_and_not_the_boundary():
     for order in ("greedy", "tour"):
         assert choose(*blocks, order=order, gain="boundary").number == 1
         assert choose(*blocks, order=order, prospects=crumbs_and_a_room).number == 2
-
-
-def two_rooms(blocks):
-    shows = np.array([[True, False], [False, True]])
-    return Prospects(np.array([4.0, 3.0]), shows, np.array([[-2.0, 0.0], [2.0, 0.0]]))
-
-
-def on_the_right(positions):
-    return np.where(positions[:, 0] > 0.0, 3.0, 0.1)
-
-
-@pytest.mark.parametrize(("trust", "number"), [(0.0, 1), (0.9, 2)])
-def test_where_the_goal_is_likely_counts_as_much_as_rooms_are_trusted(trust, number):
-    blocks = (block(1, 20, 2.0, (-2.0, 0.0)), block(2, 20, 2.0, (2.0, 0.0)))
-    overview = Overview(
-        lambda *_: np.zeros((8, 8, 3), np.uint8),
-        blocks,
-        Pose2(0.0, 0.0, 0.0),
-        prospects=two_rooms,
-        chances=on_the_right,
-    )
-    reasoner = GeometricReasoner(ExchangeLog(), GeometricConfig(trust_rooms=trust))
-    assert reasoner.choose(overview, GOAL, frozenset()).number == number
 
 
 def test_a_tour_finishes_what_is_near_where_greed_leaves():

@@ -3,19 +3,9 @@
 import numpy as np
 import pytest
 
-from hypernav.core.goal import Goal
 from hypernav.perception.rooms.room_table import room_table
 
 TABLE = room_table()
-
-
-def kind(name):
-    return TABLE.numbers[name]
-
-
-def test_every_row_of_neighbours_is_a_distribution():
-    assert TABLE.beside.sum(axis=1) == pytest.approx(np.ones(len(TABLE.kinds)))
-    assert (TABLE.beside >= 0.0).all()
 
 
 def test_a_chance_is_one_and_no_thing_is_impossible():
@@ -34,11 +24,8 @@ def test_a_chance_is_one_and_no_thing_is_impossible():
         ("server rack", "server room"),
     ],
 )
-def test_a_goal_is_densest_in_its_room(name, room):
-    densities = TABLE.densities(Goal(name))
-    assert densities is not None
-    assert densities.argmax() == kind(room)
-    assert densities.mean() == pytest.approx(1.0)
+def test_a_thing_is_likeliest_in_its_room(name, room):
+    assert TABLE.kinds[TABLE.chances[name].argmax()] == room
 
 
 @pytest.mark.parametrize("text", ["fridge", "the big refrigerator", "Refrigerators"])
@@ -46,14 +33,8 @@ def test_other_words_for_a_thing_say_the_same(text):
     assert TABLE.of_thing(text) == "refrigerator"
 
 
-def test_a_room_in_the_goal_counts_where_the_thing_is_not_the_last_word():
-    densities = TABLE.densities(Goal("the umbrella in the home office"))
-    assert densities is not None
-    assert densities.argmax() == kind("study")
-
-
-def test_of_an_unknown_goal_nothing_is_known():
-    assert TABLE.densities(Goal("gramophone")) is None
+def test_of_an_unknown_thing_nothing_is_known():
+    assert TABLE.of_thing("gramophone") is None
 
 
 def test_what_stands_everywhere_tells_less_than_what_names_a_room():

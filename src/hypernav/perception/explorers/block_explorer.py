@@ -23,7 +23,6 @@ from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.frontiers import find_frontiers
 from hypernav.mapping.prospects import find_legs_m, find_prospects
 from hypernav.mapping.reachable_area import ReachableArea
-from hypernav.perception.rooms.room_belief import chances_of_goal
 from hypernav.show.drawing.question_map import QuestionStyle, draw_question_map
 
 
@@ -183,16 +182,12 @@ class BlockExplorer:
         def legs_m(between: Sequence[Block]) -> Float64[np.ndarray, "_ _"]:
             return find_legs_m(reach, [one.destination for one in between])
 
-        def chances(at: Float64[np.ndarray, "_ 2"]) -> Float64[np.ndarray, "_"]:
-            return chances_of_goal(self._goal, reach.grid, things, self._sightings.walls, at)
-
         return Overview(
             draw,
             blocks,
             robot,
             prospects=prospects,
             legs_m=legs_m,
-            chances=chances,
             legend=style.legend,
             trajectory=trajectory,
             things=things,

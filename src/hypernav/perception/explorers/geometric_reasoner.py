@@ -1,7 +1,6 @@
 """Choice of a block without a model: by what it would show, and travel cost."""
 
 import math
-from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -14,15 +13,12 @@ from hypernav.core.overview import (
     Block,
     BlockChoice,
     Overview,
-    Prospects,
     prospects_of_boundaries,
     straight_legs_m,
 )
 from hypernav.core.trace import Exchange, ExchangeLog
 from hypernav.perception.explorers.tour_kernels import soonest_tour, unseen_after
 
-_MOST_CHANCE = 10.0
-"""How many times the average a chance counts at most."""
 _NEVER_SEEN_M2 = 1e-3
 """What is left when all was seen: of tours that show nothing more, the shortest is the best."""
 
@@ -43,9 +39,6 @@ class GeometricConfig(RoomConfig):
             is "greedy". A tour counts metres only: what changes with every turn on the spot would
             change the tour, too.
         gain_exponent: Exponent of the gain in the value; 0 ignores the gain.
-        trust_rooms: Share, 0 to 1, to which the unknown in view counts by how likely the goal is
-            there, as the things around tell what room it is; the rest counts alike. 0: geometry
-            alone.
     """
 
     gain: Literal["boundary", "view"] = "view"
@@ -55,7 +48,6 @@ class GeometricConfig(RoomConfig):
     travel_scale_m: float = Field(default=3.0, ge=0.01, le=1000.0)
     turn_cost_m: float = Field(default=0.8, ge=0.0, le=1000.0)
     gain_exponent: float = Field(default=1.0, ge=0.0, le=10.0)
-    trust_rooms: float = Field(default=0.0, ge=0.0, le=1.0)
 
 
 class GeometricReasoner:
@@ -122,8 +114,6 @@ class GeometricReasoner:
         blocks = sorted(blocks, key=lambda one: (one.travel_m, one.number))
         by_view = config.gain == "view"
         prospects = (overview.prospects if by_view else prospects_of_boundaries)(blocks)
-        if by_view and config.trust_rooms > 0.0:
-            prospects = self._weighed(prospects, overview)
         gains = [float(gain) for gain in prospects.gains_m2]
         costs = [self._cost_m(block, overview.robot) for block in blocks]
         values = [
@@ -139,13 +129,6 @@ class GeometricReasoner:
             best = stops[soonest_tour(np.array([costs[k] for k in stops]), legs_m, unseen)[0]]
         return BlockChoice(blocks[best].number, self._reason(blocks[best], gains[best]))
 
-    def _weighed(self, prospects: Prospects, overview: Overview) -> Prospects:
-        """Prospects in which likely parts of the unknown are larger, and unlikely ones smaller."""
-        trust = self._config.trust_rooms
-        chances = np.minimum(overview.chances(prospects.positions), _MOST_CHANCE)
-        areas_m2 = prospects.areas_m2 * (1.0 - trust + trust * chances)
-        return replace(prospects, areas_m2=areas_m2)
-
     def _cost_m(self, block: Block, robot: Pose2) -> float:
         if self._config.order == "tour" or self._config.turn_cost_m == 0.0:
             return block.travel_m
@@ -153,8 +136,6 @@ class GeometricReasoner:
 
     def _reason(self, block: Block, gain: float) -> str:
         worth = f"{gain:.1f} m² of the unknown in view"
-        if self._config.trust_rooms > 0.0:
-            worth += " (by how likely the goal is there)"
         if self._config.gain == "boundary":
             worth = f"{block.frontier_cells} cells of unexplored boundary"
         return f"block {block.number}: {worth}, {block.travel_m:.1f} m away"

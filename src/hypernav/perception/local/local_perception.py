@@ -208,7 +208,7 @@ class LocalPerception:
         detections = self._detector.detect(observation, self._goal)
         if self._sightings is not None:
             self._sightings.note(observation, detections)
-            if self._sightings.tells_rooms and isinstance(self._detector, NamesThings):
+            if self._sightings.everything and isinstance(self._detector, NamesThings):
                 named = self._sightings.named
                 self._sightings.note_named(self._detector.name_things(observation, besides=named))
         for detection in (one for one in detections if one.is_goal):
