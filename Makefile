@@ -3,6 +3,8 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 VLM := .venv-vlm
+# The other supported versions of Python that this machine has.
+PYTHONS := $(foreach version,3.12 3.13,$(shell python$(version) -c 'print("python$(version)")' 2>/dev/null))
 
 .PHONY: demo test slow test-vlm lint docs wheel format clean
 
@@ -29,15 +31,23 @@ docs: $(VENV)/.installed-docs  ## run what the pages say, and build the site
 	$(BIN)/python scripts/run_pages.py docs/start.md docs/tutorials/*.md docs/commands/*.md
 	$(BIN)/mkdocs build --strict
 
-wheel: $(BIN)/python  ## build wheel and sdist, check them, and search with the wheel alone
+wheel: $(BIN)/python  ## build wheel and sdist, and search with the wheel alone, on every Python and with the lowest dependencies
 	rm -rf dist build/wheel
 	$(PYTHON) -m venv build/wheel/tools
-	build/wheel/tools/bin/pip install --quiet build twine
+	build/wheel/tools/bin/pip install --quiet build twine uv
 	build/wheel/tools/bin/python -m build
 	build/wheel/tools/bin/twine check --strict dist/*
-	$(PYTHON) -m venv build/wheel/empty
-	build/wheel/empty/bin/pip install --quiet dist/*.whl
-	cd build/wheel && empty/bin/hypernav --version && empty/bin/hypernav find bed --seed 2 --out page
+	cd build/wheel && for trial in $(PYTHON)/highest $(PYTHON)/lowest-direct $(PYTHONS:%=%/highest); do \
+	  resolution=$${trial##*/} python=$${trial%/*}; empty=$$(basename $$python)-$$resolution; \
+	  echo "the wheel alone: $$empty" && $$python -m venv $$empty && \
+	  tools/bin/uv pip install --quiet --python $$empty --resolution $$resolution ../../dist/*.whl && \
+	  $$empty/bin/hypernav --version && $$empty/bin/hypernav find bed --seed 2 --out $$empty/page && \
+	  cmp $$empty/page/trace.jsonl $(notdir $(PYTHON))-highest/page/trace.jsonl || exit 1; \
+	done
+	for version in 3.11 3.12 3.13; do \
+	  build/wheel/tools/bin/uv pip compile --quiet --python-version $$version --only-binary :all: \
+	    --all-extras pyproject.toml >/dev/null || exit 1; \
+	done
 
 format: $(VENV)/.installed-dev
 	$(BIN)/ruff format .
