@@ -164,8 +164,8 @@ def test_stop_stops_a_robot_that_drives_to_its_goal(page, tmp_path, monkeypatch)
         (stopped_s,) = stops
         assert robot.base.now_s - stopped_s <= 0.3 + 1e-6
         assert link.call("GET", "/v1/searches").json[0]["ending"] == "stopped"
+        assert not page.driver.get_log("browser")
     assert robot.endings[-1] in (None, SearchEnding.STOPPED)
-    assert not page.driver.get_log("browser")
 
 
 @pytest.mark.slow
@@ -182,7 +182,7 @@ def test_a_goal_typed_on_the_page_is_found(page, tmp_path):
         assert page.live.get_attribute("aria-pressed") == "false"
         page.live.click()
         assert page.live.get_attribute("aria-pressed") == "true"
-    assert not page.driver.get_log("browser")
+        assert not page.driver.get_log("browser")
 
 
 @pytest.mark.slow
@@ -207,7 +207,7 @@ def test_the_bed_of_the_small_house_is_found_between_processes_as_the_page_shows
         assert robot.returncode == 0, said
         assert "found the bed" in said
         page.until(lambda: page.headline.text == "Found “bed”")
-    assert not page.driver.get_log("browser")
+        assert not page.driver.get_log("browser")
 
 
 def test_the_page_survives_a_restart_of_the_server(page, tmp_path):
