@@ -7,6 +7,7 @@ Every building contributes one of the four views that show most objects, each in
 rank of the chosen view changes from one to the next: the sheet does not show living rooms only.
 """
 
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -14,8 +15,10 @@ import tyro
 from PIL import Image, ImageOps
 
 from hypernav.houses.building import Building
-from hypernav.houses.export.page import interior_views, view_from_above
+from hypernav.houses.export.views import interior_views, view_from_above
 from hypernav.houses.generator import generate, plan_of
+from hypernav.worlds.drawing.renderer import CpuRenderer
+from hypernav.worlds.surface.walkable import WalkableGrid
 
 GAP = 6
 
@@ -52,7 +55,11 @@ def main(
         if above:
             image = view_from_above(scene)
         else:
-            views = interior_views(scene, plan_of(building), building.number, 4)
+            grid = WalkableGrid.from_scene(scene)
+            with closing(CpuRenderer(scene)) as renderer:
+                views = interior_views(
+                    scene, plan_of(building), building.number, 4, grid=grid, renderer=renderer
+                )
             image = views[k % len(views)]
         view = ImageOps.contain(Image.fromarray(np.ascontiguousarray(image)), (width, height))
         row, column = divmod(k, columns)

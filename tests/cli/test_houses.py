@@ -166,7 +166,7 @@ def test_a_split_that_does_not_exist_is_not_exported(what, words, tmp_path, caps
 
 
 def test_a_house_is_shown_on_a_page(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(page, "_page", lambda building: f"page of {building.scene}")
+    monkeypatch.setattr(page, "_page", lambda building, progress: f"page of {building.scene}")
     assert hypernav("houses", "show", "houses:12", "--out", tmp_path / "new") == 0
     path = tmp_path / "new" / "house_12.html"
     assert str(path) in capsys.readouterr().err.replace("\n", "")
@@ -174,7 +174,7 @@ def test_a_house_is_shown_on_a_page(tmp_path, monkeypatch, capsys):
 
 
 def test_other_buildings_are_shown_by_the_name_of_their_scene(tmp_path, monkeypatch):
-    monkeypatch.setattr(page, "_page", lambda building: f"page of {building.scene}")
+    monkeypatch.setattr(page, "_page", lambda building, progress: f"page of {building.scene}")
     assert hypernav("houses", "show", "shops:12", "--out", tmp_path, "--quiet") == 0
     assert (tmp_path / "shop_12.html").read_text() == "page of shops:12"
 

@@ -150,8 +150,13 @@ def _show(options: Show) -> None:
     out = _folder_for(building) if options.out is None else options.out
     check_folder(out.parent if out.suffix == ".html" else out)
     console = Terminal(quiet=options.quiet)
-    with console.status(f"building and drawing {building.noun} {building.number} …"):
-        page = building_page(building, out)
+    with interruptions_of_kernels(), _progress(console) as bar:
+        task = bar.add_task(f"drawing {building.noun} {building.number}", total=None)
+        page = building_page(
+            building,
+            out,
+            progress=lambda done, total: bar.update(task, completed=done, total=total),
+        )
     console.print(f"{building.noun} {building.number}: open {page}", soft_wrap=True)
 
 

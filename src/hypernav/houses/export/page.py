@@ -1,46 +1,35 @@
-"""Web page about one building: floor plan, top view, interior views, list of objects."""
+"""Web page about one building: floor plan and walk, top view, interior views, list of objects."""
 
-import math
-from collections.abc import Sequence
+import os
+from collections.abc import Callable, Sequence
 from contextlib import closing
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from jaxtyping import UInt8
-
-from hypernav.core.embodiment import CameraConfig
 from hypernav.core.errors import SceneError
-from hypernav.core.geometry.camera import PinholeCamera
-from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.labels import ObjectLabel
 from hypernav.houses.assembly import to_scene
 from hypernav.houses.building import Building
 from hypernav.houses.export.floor_plan_svg import floor_plan_svg
+from hypernav.houses.export.views import interior_views, view_from_above
+from hypernav.houses.export.walk import walk_data
+from hypernav.houses.export.walk_graph import walk_graph
 from hypernav.houses.generator import build_compact, plan_of
-from hypernav.houses.plan.shapes import FloorPlan, Rect
-from hypernav.houses.random_stream import RandomStream
 from hypernav.show.pages.templating import image_uri, page_environment
 from hypernav.worlds.drawing.renderer import CpuRenderer
-from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.walkable import WalkableGrid
 
-_POSES_PER_ROOM = 16
-_UNINTERESTING = ("window", "door", "ceiling lamp", "picture", "doormat")
-_MIN_IMAGE_SHARE = 0.003
-_NEAR_M = 1.0
 
-Image = UInt8[np.ndarray, "height width 3"]
-
-
-def building_page(building: Building, out: Path) -> Path:
+def building_page(
+    building: Building, out: Path, *, progress: Callable[[int, int], None] | None = None
+) -> Path:
     """Write a self-contained page about a building.
 
     Args:
         building: The building.
         out: File of the page; or a folder, in which it is called ``house_N.html`` or
             ``office_N.html``.
+        progress: Is told how many panoramas of how many are drawn.
 
     Returns:
         File of the page.
@@ -49,17 +38,28 @@ def building_page(building: Building, out: Path) -> Path:
         SceneError: The page cannot be written.
     """
     path = out if out.suffix == ".html" else out / f"{building.file_stem}.html"
+    part = path.with_name(path.name + ".part")
+    text = _page(building, progress)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(_page(building), encoding="utf-8")
+        try:
+            part.write_text(text, encoding="utf-8")
+            os.replace(part, path)
+        finally:
+            part.unlink(missing_ok=True)
     except OSError as error:
         raise SceneError(f"{path}: cannot be written ({error.strerror or error})") from error
     return path
 
 
-def _page(building: Building) -> str:
+def _page(building: Building, progress: Callable[[int, int], None] | None) -> str:
     plan = plan_of(building)
     scene = to_scene(build_compact(building), building.scene)
+    grid = WalkableGrid.from_scene(scene)
+    graph = walk_graph(grid, plan)
+    with closing(CpuRenderer(scene)) as renderer:
+        views = interior_views(scene, plan, building.number, 4, grid=grid, renderer=renderer)
+        walk = walk_data(scene, plan, graph, grid=grid, renderer=renderer, progress=progress)
     rooms = [room for room in plan.rooms if not room.is_outside]
     labels = [i.label for i in scene.instances if i.label and i.label.category != "window"]
     return (
@@ -72,7 +72,8 @@ def _page(building: Building) -> str:
             rooms=[room.name for room in plan.rooms],
             plan=floor_plan_svg(plan, scene.instances),
             above=image_uri(view_from_above(scene)),
-            views=[image_uri(view) for view in interior_views(scene, plan, building.number, 4)],
+            views=[image_uri(view) for view in views],
+            walk=walk,
             categories=_by_category(labels),
             total=len(labels),
             triangles=f"{len(scene.faces):,}",
@@ -95,92 +96,3 @@ def _by_category(labels: Sequence[ObjectLabel]) -> list[dict[str, Any]]:
         }
         for category, own in sorted(kinds.items())
     ]
-
-
-def view_from_above(scene: Scene, width: int = 1280) -> Image:
-    """Image of a building without its ceilings, straight from above."""
-    hidden = np.array([i.name.startswith(("ceiling", "chandelier")) for i in scene.instances])
-    keep = ~hidden[scene.face_instance]
-    open_scene = replace(
-        scene,
-        faces=scene.faces[keep],
-        uv=scene.uv[keep],
-        colors=scene.colors[keep],
-        normals=None if scene.normals is None else scene.normals[keep],
-        face_material=scene.face_material[keep],
-        face_instance=scene.face_instance[keep],
-    )
-    vertices = scene.vertices.astype(np.float64)
-    low, high = vertices.min(axis=0), vertices.max(axis=0)
-    size = high - low
-    height = max(int(width * size[1] / size[0]), width // 4)
-    focal = 2.5 * width
-    above = 1.04 * max(size[0] * focal / width, size[1] * focal / height) + high[2]
-    camera = PinholeCamera(width, height, focal, focal, width / 2, height / 2)
-    looking_down = np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]])
-    middle = (low + high) / 2.0
-    pose = Transform(looking_down, np.array([middle[0], middle[1], above]))
-    with closing(CpuRenderer(open_scene)) as renderer:
-        return renderer.render(camera, pose).rgb
-
-
-def interior_views(scene: Scene, plan: FloorPlan, number: int, count: int) -> list[Image]:
-    """Camera images from different rooms, from the poses that show most objects.
-
-    Args:
-        scene: Scene of the building.
-        plan: Floor plan of the building.
-        number: Number of the building, the seed of the poses.
-        count: Greatest number of images.
-    """
-    with closing(CpuRenderer(scene)) as renderer:
-        return _best_views(scene, plan, RandomStream(number, "views"), count, renderer)
-
-
-def _best_views(
-    scene: Scene, plan: FloorPlan, rng: RandomStream, count: int, renderer: CpuRenderer
-) -> list[Image]:
-    config = CameraConfig()
-    grid = WalkableGrid.from_scene(scene)
-    best: list[tuple[float, Pose2]] = []
-    for room in plan.rooms:
-        positions = _positions_in(room.inner, grid)
-        tries = []
-        for _ in range(min(_POSES_PER_ROOM, len(positions))):
-            pose = Pose2(
-                *positions[rng.integer(0, len(positions) - 1)], rng.uniform(-math.pi, math.pi)
-            )
-            tries.append((_interest(scene, renderer, _camera_pose(grid, config, pose)), pose))
-        best += [max(tries, key=lambda t: t[0])] if tries else []
-    chosen = sorted(best, key=lambda t: -t[0])[:count]
-    return [
-        renderer.render(config.intrinsics, _camera_pose(grid, config, pose)).rgb
-        for _, pose in chosen
-    ]
-
-
-def _positions_in(rect: Rect, grid: WalkableGrid) -> list[tuple[float, float]]:
-    centres = grid.centres()
-    low, high = np.array((rect.x0, rect.y0)), np.array((rect.x1, rect.y1))
-    inside = ((centres > low) & (centres < high)).all(axis=1)
-    return [(float(x), float(y)) for x, y in centres[inside]]
-
-
-def _camera_pose(grid: WalkableGrid, config: CameraConfig, pose: Pose2) -> Transform:
-    return pose.to_transform(grid.height_at(*pose.xy)) @ config.camera_to_base
-
-
-def _interest(scene: Scene, renderer: CpuRenderer, pose: Transform) -> float:
-    """Score of a view: many objects that are not too small, and nothing too near."""
-    seen = renderer.render(CameraConfig(width=160, height=120).intrinsics, pose)
-    pixels = np.bincount(seen.instance_ids[seen.instance_ids >= 0], minlength=len(scene.instances))
-    share = pixels / seen.instance_ids.size
-    shown = [
-        float(share[i.id])
-        for i in scene.instances
-        if i.label is not None
-        and i.label.category not in _UNINTERESTING
-        and share[i.id] > _MIN_IMAGE_SHARE
-    ]
-    near = float((seen.depth < _NEAR_M).mean())
-    return len(shown) + 12.0 * min(sum(shown), 0.5) - 15.0 * near
