@@ -38,7 +38,8 @@ def test_neither_counts_as_configured_and_is_told(unsure: Literal["yes", "no"]):
     log = ExchangeLog()
     check = VlmPresenceCheck(Parrot("perhaps"), log, PresenceConfig(unsure=unsure))
     assert check.is_present(VIEW, BED) is (unsure == "yes")
-    assert check.unsure == 1
+    assert check.take_report() == {"unsure_presence_checks": 1}
+    assert check.take_report() == {"unsure_presence_checks": 0}
     assert f"taken for {unsure}" in log.drain()[0].remarks[0]
 
 

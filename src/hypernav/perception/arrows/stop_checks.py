@@ -6,21 +6,21 @@ import numpy as np
 from jaxtyping import Bool
 from pydantic import Field
 
-from hypernav.core.chat import Question
 from hypernav.core.components.protocols import ChatModel
 from hypernav.core.config import RoomConfig
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Exchange, ExchangeLog
-from hypernav.perception.exchanges import exchange_of
 from hypernav.perception.local.ground_truth import GroundTruthDetector
+from hypernav.perception.yes_or_no import YesNoAsker, yes_no_question
 
 _PROMPT = (
     "A robot looks for a {goal}. The picture is what its camera sees now. Is the robot already "
     "VERY close to a real {goal}? Take care not to mistake another piece of furniture for it. If "
     "there is none, if it is far away or if you aren't sure, say no. Answer yes or no."
 )
+_MORE_YES_THAN_NO = 0.5
 
 
 class StopCheckConfig(RoomConfig):
@@ -57,15 +57,12 @@ class ChatStopCheck:
             log: Log of all questions and answers, for the trace.
             config: Configuration of the question.
         """
-        self._chat = chat
-        self._log = log
+        self._asker = YesNoAsker(chat, log)
         self._config = config or StopCheckConfig()
-        self._unsure = 0
 
     def take_report(self) -> dict[str, Any]:
         """Number of answers that were neither yes nor no since the last call."""
-        report, self._unsure = {"unsure_stop_checks": self._unsure}, 0
-        return report
+        return {"unsure_stop_checks": self._asker.take_unsure()}
 
     def is_here(self, observation: Observation, goal: Goal) -> bool:
         """Ask yes or no; anything else is a no.
@@ -73,20 +70,9 @@ class ChatStopCheck:
         Raises:
             ModelUnavailableError: The model did not answer within the configured patience.
         """
-        question = Question(
-            kind="stop",
-            text=goal.named_in(self._config.prompt),
-            images=(observation.rgb,),
-            allowed=("yes", "no"),
-            max_tokens=8,
-        )
-        answer = self._chat.ask(question)
-        remarks = []
-        if answer.fault is not None:
-            self._unsure += 1
-            remarks = [f"{answer.detail}; taken for no"]
-        self._log.record(exchange_of(question, answer, remarks=remarks))
-        return answer.fault is None and answer.value == "yes"
+        text = goal.named_in(self._config.prompt)
+        yes = self._asker.ask(yes_no_question("stop", text, observation.rgb), "taken for no")
+        return yes is not None and yes >= _MORE_YES_THAN_NO
 
 
 class TruthStopCheck:

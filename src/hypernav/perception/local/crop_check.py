@@ -2,10 +2,11 @@
 
 import numpy as np
 
-from hypernav.core.chat import Answer, Image, Question
+from hypernav.core.chat import Image, Question
 from hypernav.core.geometry.boxes import Box
 from hypernav.core.goal import Goal
 from hypernav.core.labels import same_name
+from hypernav.perception.yes_or_no import yes_no_question
 
 _CONFUSIONS: tuple[tuple[str, ...], ...] = (
     ("shower curtain", "window curtain"),
@@ -21,8 +22,6 @@ _CONFUSIONS: tuple[tuple[str, ...], ...] = (
     ("potted plant", "vase"),
     ("toilet", "bidet"),
 )
-UNSURE = 0.5
-"""Probability that an answer which is neither yes nor no stands for."""
 
 
 def confusions(goal: Goal) -> tuple[str, ...]:
@@ -40,16 +39,11 @@ def crop_question(crop: Image, goal: Goal) -> Question:
     """Question whether a crop shows the goal, with what it is easily taken for as alternatives."""
     wanted = goal.with_article
     others = "".join(f", {Goal(other).with_article}" for other in confusions(goal))
-    return Question(
-        kind="crop",
-        text=(
-            f"What is the thing in the middle of this image: {wanted}{others} or something else? "
-            f"Answer yes if it is {wanted}, else no."
-        ),
-        images=(crop,),
-        allowed=("yes", "no"),
-        max_tokens=8,
+    text = (
+        f"What is the thing in the middle of this image: {wanted}{others} or something else? "
+        f"Answer yes if it is {wanted}, else no."
     )
+    return yes_no_question("crop", text, crop)
 
 
 def crop_of(image: Image, box: Box, margin: float) -> Image:
@@ -65,10 +59,3 @@ def crop_of(image: Image, box: Box, margin: float) -> Image:
     height, width = image.shape[:2]
     x_min, y_min, x_max, y_max = around.clipped(width, height).pixels()
     return np.ascontiguousarray(image[y_min:y_max, x_min:x_max])
-
-
-def probability_of_yes(answer: Answer) -> float:
-    """Probability that a crop shows the goal; 1 or 0 where the model tells none."""
-    if answer.fault is not None:
-        return UNSURE
-    return float(answer.probabilities.get("yes", answer.value == "yes"))

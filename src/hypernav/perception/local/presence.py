@@ -10,7 +10,7 @@ from hypernav.core.config import RoomConfig
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
-from hypernav.perception.exchanges import exchange_of
+from hypernav.perception.yes_or_no import YesNoAsker, yes_no_question
 
 _PROMPT = "Is there a {goal} in this picture? Answer yes or no."
 
@@ -37,13 +37,8 @@ class PresenceConfig(RoomConfig):
 def presence_question(config: PresenceConfig, image: Image, goal: Goal) -> Question:
     """Question to a model at the goal."""
     as_said = config.prompt.replace("{goal}", goal.text.strip())
-    return Question(
-        kind="verify",
-        text=goal.named_in(config.prompt) if config.right_articles else as_said,
-        images=(image,),
-        allowed=("yes", "no"),
-        max_tokens=8,
-    )
+    text = goal.named_in(config.prompt) if config.right_articles else as_said
+    return yes_no_question("verify", text, image)
 
 
 class VlmPresenceCheck:
@@ -59,16 +54,12 @@ class VlmPresenceCheck:
             log: Log of all questions and answers, for the trace.
             config: Configuration of the question.
         """
-        self._chat = chat
-        self._log = log
+        self._asker = YesNoAsker(chat, log)
         self._config = config or PresenceConfig()
-        self.unsure = 0
-        """Number of answers so far that were neither yes nor no."""
 
     def take_report(self) -> dict[str, Any]:
         """Number of answers that were neither yes nor no since the last call."""
-        report, self.unsure = {"unsure_presence_checks": self.unsure}, 0
-        return report
+        return {"unsure_presence_checks": self._asker.take_unsure()}
 
     def is_present(self, observation: Observation, goal: Goal) -> bool:
         """Ask yes or no.
@@ -77,15 +68,7 @@ class VlmPresenceCheck:
             ModelUnavailableError: The model did not answer within the configured patience.
         """
         question = presence_question(self._config, observation.rgb, goal)
-        answer = self._chat.ask(question)
-        remarks = []
-        if answer.fault is not None:
-            self.unsure += 1
-            remarks = [f"{answer.detail}; taken for {self._config.unsure}"]
-            present = self._config.unsure == "yes"
-        elif "yes" in answer.probabilities:
-            present = answer.probabilities["yes"] >= self._config.min_probability
-        else:
-            present = answer.value == "yes"
-        self._log.record(exchange_of(question, answer, remarks=remarks))
-        return present
+        yes = self._asker.ask(question, f"taken for {self._config.unsure}")
+        if yes is None:
+            return self._config.unsure == "yes"
+        return yes >= self._config.min_probability

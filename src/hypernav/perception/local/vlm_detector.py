@@ -16,14 +16,17 @@ from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
 from hypernav.models.chat.vlm_families import FamilyName, VlmFamily, family_named, family_of
 from hypernav.perception.exchanges import exchange_of
-from hypernav.perception.local.crop_check import crop_of, crop_question, probability_of_yes
+from hypernav.perception.local.crop_check import crop_of, crop_question
 from hypernav.perception.local.grounding_format import GroundedBox, Grounding, read_grounding
+from hypernav.perception.yes_or_no import YesNoAsker
 
 _PROMPT = (
     "Locate every {goal} in the picture and report the bounding boxes in JSON format, for example "
     '[{{"{key}": {example}, "label": "{goal}"}}]. If there is no {goal} in the picture, '
     "answer []."
 )
+_UNSURE = 0.5
+"""Score of a crop about which the answer is neither yes nor no."""
 
 
 class VlmDetectorConfig(RoomConfig):
@@ -116,6 +119,7 @@ class VlmDetector:
         """
         self._chat = chat
         self._log = log
+        self._crops = YesNoAsker(chat, log)
         self._config = config or VlmDetectorConfig()
         self._family: VlmFamily | None = None
         self.rejected: Counter[str] = Counter()
@@ -183,12 +187,8 @@ class VlmDetector:
         by_size = sorted(range(len(found)), key=lambda k: -found[k].box.area)
         for k in by_size[: self._config.score_crops]:
             crop = crop_of(observation.rgb, found[k].box, self._config.crop_margin)
-            question = crop_question(crop, goal)
-            answer = self._chat.ask(question)
-            score = probability_of_yes(answer)
-            remarks = [] if answer.fault is None else [answer.detail]
-            self._log.record(exchange_of(question, answer, remarks=remarks))
-            found[k] = replace(found[k], score=score)
+            yes = self._crops.ask(crop_question(crop, goal))
+            found[k] = replace(found[k], score=_UNSURE if yes is None else yes)
         kept = [one for one in found if one.score >= self._config.min_score]
         if len(kept) < len(found):
             self.rejected["denied on a closer look"] += len(found) - len(kept)

@@ -4,13 +4,12 @@ from typing import Any
 
 from pydantic import Field
 
-from hypernav.core.chat import Question
 from hypernav.core.components.protocols import ChatModel
 from hypernav.core.config import RoomConfig
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
-from hypernav.perception.exchanges import exchange_of
+from hypernav.perception.yes_or_no import YesNoAsker, yes_no_question
 
 _PROMPT = (
     "You look for a {goal} in a building. Is the place in this picture one from which a {goal} is "
@@ -46,15 +45,12 @@ class ChatScorer:
             log: Log of all questions and answers, for the trace.
             config: Configuration of the question.
         """
-        self._chat = chat
-        self._log = log
+        self._asker = YesNoAsker(chat, log)
         self._config = config or ChatScorerConfig()
-        self._unsure = 0
 
     def take_report(self) -> dict[str, Any]:
         """Number of answers that were neither yes nor no since the last call."""
-        report, self._unsure = {"unsure_scores": self._unsure}, 0
-        return report
+        return {"unsure_scores": self._asker.take_unsure()}
 
     def score(self, observation: Observation, goal: Goal) -> float:
         """Probability of yes, 0 to 1.
@@ -62,20 +58,8 @@ class ChatScorer:
         Raises:
             ModelUnavailableError: The model did not answer within the configured patience.
         """
-        question = Question(
-            kind="score view",
-            text=goal.named_in(self._config.prompt),
-            images=(observation.rgb,),
-            allowed=("yes", "no"),
-            max_tokens=8,
+        question = yes_no_question(
+            "score view", goal.named_in(self._config.prompt), observation.rgb
         )
-        answer = self._chat.ask(question)
-        remarks = []
-        if answer.fault is not None:
-            self._unsure += 1
-            score = self._config.unsure
-            remarks = [f"{answer.detail}; scored {score:g}"]
-        else:
-            score = answer.probabilities.get("yes", float(answer.value == "yes"))
-        self._log.record(exchange_of(question, answer, remarks=remarks))
-        return score
+        yes = self._asker.ask(question, f"scored {self._config.unsure:g}")
+        return self._config.unsure if yes is None else yes
