@@ -62,7 +62,7 @@ def test_one_model_can_do_all(server: ScriptedServer):
     assert {"ground", "choose arrow", "verify"} <= kinds
 
 
-@pytest.mark.parametrize("agent", ["vlmnav", "pivot"])
+@pytest.mark.parametrize("agent", ["vlmnav", pytest.param("pivot", marks=pytest.mark.slow)])
 def test_in_native_mode_the_model_is_asked_to_stop_and_nothing_is_detected(
     server: ScriptedServer, agent: str
 ):

@@ -58,6 +58,7 @@ def test_view_points_of_child_categories_count_too(benchmark_data):
     assert {*map(tuple, sofa.view_points)} == {*map(tuple, both)}
 
 
+@pytest.mark.slow
 def test_what_the_file_names_is_found_whatever_the_annotators_called_it(own_data, tmp_path):
     text = own_data / "scene_datasets" / "hm3d" / "val" / SCENE / f"{HASH}.semantic.txt"
     text.write_text(

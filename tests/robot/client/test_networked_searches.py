@@ -41,11 +41,8 @@ def simulated_robot():
         yield base
 
 
-@pytest.mark.parametrize(
-    "kind",
-    [HttpLink, pytest.param(WebSocketLink, marks=pytest.mark.slow)],
-    ids=["http", "websocket"],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", [HttpLink, WebSocketLink], ids=["http", "websocket"])
 def test_a_search_goes_through_whatever_the_network_does(kind, tmp_path):
     with (
         robot_server(tmp_path, real_plan, token=TOKEN) as plain,

@@ -92,6 +92,7 @@ def test_on_hold_it_stands_still_and_asks_again():
     assert held.base.path_length_m == at_once.base.path_length_m
 
 
+@pytest.mark.slow
 def test_a_bad_network_changes_nothing_but_the_time():
     """Lost, late, doubled and reordered: every action is still executed once, in order."""
     good, bad = undisturbed(), search(faults=BAD_NETWORK)

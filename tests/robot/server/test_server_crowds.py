@@ -30,6 +30,7 @@ def connected(link: RobotLink, opened: ExitStack, source: str = "127.0.0.1") -> 
     return opened.enter_context(closing(connection))
 
 
+@pytest.mark.slow
 def test_stop_is_heard_among_hundreds_that_come_at_once(link, monkeypatch):
     is_held, may_go_on = threading.Event(), threading.Event()
 
