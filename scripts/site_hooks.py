@@ -10,6 +10,13 @@ from typing import Any
 from mkdocs.structure.files import File, Files
 
 _ROOT = Path(__file__).parents[1]
+_SPOKEN = {
+    'data-md-component="search" role="dialog"': (
+        'data-md-component="search" role="dialog" aria-label="Search"'
+    ),
+    "<th></th>": "<td></td>",
+}
+"""What the theme leaves without a name, and what is put there."""
 _HELP = re.compile(r"^<!-- help: (.+?) -->$", re.MULTILINE)
 _EXAMPLE = re.compile(r"\]\(((?:\.\./)+)(?=examples/)")
 
@@ -26,6 +33,13 @@ def on_page_markdown(markdown: str, **_: Any) -> str:
     """Put in the help, and lead links out of ``docs/`` to the copies of the examples."""
     markdown = _EXAMPLE.sub(lambda link: f"]({link[1].removeprefix('../')}", markdown)
     return _HELP.sub(lambda asked: f"```text\n{_help(asked[1])}\n```", markdown)
+
+
+def on_post_page(output: str, **_: Any) -> str:
+    """Name for screen readers what the theme does not."""
+    for said, spoken in _SPOKEN.items():
+        output = output.replace(said, spoken)
+    return output
 
 
 def _help(command: str) -> str:
