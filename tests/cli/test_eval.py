@@ -1,7 +1,9 @@
 import csv
+import hashlib
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -54,6 +56,23 @@ def test_a_run_leaves_its_episodes_and_its_configuration(runs):
     session = json.loads((runs / "hypernav" / "sessions.jsonl").read_text())
     assert (session["ended"], session["episodes"]) == ("finished", 2)
     assert session["peak_memory_mb"]["0"] > 50
+
+
+def test_a_run_does_not_go_on_with_other_weights_in_the_same_file(
+    room, test_data, tmp_path, capsys
+):
+    weights = tmp_path / "net.onnx"
+    shutil.copyfile(test_data / "models" / "yolox_nano.onnx", weights)
+    arguments = ["eval", f"scene:{room}#1", *QUICK, "--quiet", "--out", tmp_path / "run"]
+    arguments += ["--detector", f"yolox:{weights}", "--goals", "bed", "--max-steps", "2"]
+    assert hypernav(*arguments) == 0
+    who = json.loads((tmp_path / "run" / "run.json").read_text())["configuration"]["who"]
+    whole = hashlib.sha256(weights.read_bytes()).hexdigest()
+    assert whole.startswith(who["files"][str(weights)])
+    with weights.open("ab") as file:
+        file.write(b"\x9a\x06\x00")  # an empty field that no reader knows: another file, as good
+    assert hypernav(*arguments) == 2
+    assert "files" in capsys.readouterr().err
 
 
 def test_there_is_one_worker_a_core_unless_each_would_load_a_model():

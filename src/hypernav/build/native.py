@@ -124,7 +124,7 @@ def check_native_robot(config: HyPerNavConfig) -> None:
     Raises:
         ConfigError: The configuration was not made by `native_config`.
     """
-    # Only native mode moves the camera away from the eye by which goals are judged.
+    # `native_config` sets the eye by which goals are judged. Who sets it by hand says so himself.
     if config.world.judge_eye_m is None:
         raise ConfigError(
             "native=True needs the robot that was published with the agent, and this configuration "

@@ -46,12 +46,14 @@ def check_data(folder: Path) -> Iterator[Finding]:
     used: dict[Path, Benchmark] = {}
     found = False
     for benchmark in (*(BENCHMARKS[name] for name in ("hm3d", "mp3d", "ovon")), GENERATED):
-        splits = [_read(benchmark, folder, split) for split in found_splits(benchmark, folder)]
+        splits = found_splits(benchmark, folder)
         if splits or scene_folders(benchmark, folder):
             found = True
-            yield from _check_benchmark(benchmark, folder, splits)
-            meshes = [mesh for split in splits for mesh in split.meshes]
-            used |= {mesh: used.get(mesh, benchmark) for mesh in meshes}
+            yield from _missing_splits(benchmark, folder, splits)
+            for split in splits:
+                content = _read(benchmark, folder, split)
+                yield from _check_split(benchmark, content)
+                used |= {mesh: used.get(mesh, benchmark) for mesh in content.meshes}
         elif benchmark is not GENERATED:
             yield Finding(benchmark.name, State.NOTE, f"nothing of {benchmark.title} is here")
     yield from _check_files(used)
@@ -97,19 +99,17 @@ def _read(benchmark: Benchmark, folder: Path, split: SplitFolder) -> _SplitConte
     return _SplitContent(split, count, frozenset(goals), files)
 
 
-def _check_benchmark(
-    benchmark: Benchmark, folder: Path, contents: Sequence[_SplitContent]
+def _missing_splits(
+    benchmark: Benchmark, folder: Path, splits: Sequence[SplitFolder]
 ) -> Iterator[Finding]:
-    """Findings about a benchmark, but for the content of its scenes' files."""
-    names = {content.split.name for content in contents}
+    """The finding about splits that should be there, if there is one."""
+    names = {split.name for split in splits}
     missing = [name for name in benchmark.splits if name not in names]
     if missing:
         expected = folder / benchmark.episodes[0] / missing[0]
-        state = State.NOTE if contents else State.FAULT
+        state = State.NOTE if splits else State.FAULT
         words = f"no episodes of {', '.join(missing)}; expected {expected}"
         yield Finding(f"{benchmark.name} episodes", state, words, benchmark.where)
-    for content in contents:
-        yield from _check_split(benchmark, content)
 
 
 def _check_split(benchmark: Benchmark, content: _SplitContent) -> Iterator[Finding]:

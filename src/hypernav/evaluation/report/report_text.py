@@ -91,7 +91,7 @@ def warnings(runs: Sequence[RunData]) -> list[str]:
     ]
     found += [
         f"{run.name} makes the mistakes of its method's released code: beside other runs it tells "
-        "what that code achieves on the shared robot, not what the method would."
+        "what that code achieves, not what the method would."
         for run in runs
         if run.errs_as_released
     ]

@@ -169,7 +169,7 @@
   const drive = (aside) => {
     const next = towards(wanted + aside);
     if (next) go(next.n, next.course - (Math.abs(aside) > 90 ? aside : 0));
-    else say(0, aside ? "No way back there: turn first." : "No way ahead: turn first.");
+    else say(0, Math.abs(aside) > 90 ? "No way back there: turn first." : "No way there: turn first.");
   };
 
   for (const button of document.querySelectorAll("#walk button")) {

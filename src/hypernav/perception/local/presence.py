@@ -31,7 +31,7 @@ class PresenceConfig(RoomConfig):
     prompt: str = _PROMPT
     right_articles: bool = True
     unsure: Literal["yes", "no"] = "no"
-    min_probability: float = Field(default=0.5, ge=0.0, le=1.0)
+    min_probability: float = Field(default=0.5, gt=0.0, le=1.0)
 
 
 def presence_question(config: PresenceConfig, image: Image, goal: Goal) -> Question:
