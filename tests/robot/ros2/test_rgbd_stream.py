@@ -2,6 +2,7 @@
 
 from types import SimpleNamespace
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -69,3 +70,13 @@ def test_a_pair_of_before_is_there_for_an_odometry_that_lags_behind():
     assert pair is not None
     assert pair.stamp_s == 0.2
     assert stream.newest_until(0.05) is None
+
+
+@pytest.mark.parametrize("period_ms", [10, 50, 200, 500])
+def test_pairs_are_kept_for_as_long_at_any_rate(period_ms):
+    stream = RgbdStream(0.0)
+    for at_ms in range(0, 3001, period_ms):
+        stream.add_colour(image(at_ms))
+        stream.add_depth(image(at_ms))
+    assert stream.newest_until(2.6) is not None
+    assert stream.newest_until(2.35) is None

@@ -12,7 +12,12 @@ import pytest
 from cyclonedds.sub import DataReader
 
 from hypernav.core.config import layered
-from hypernav.core.errors import ConfigError, RosNetworkError, TopicChoiceError
+from hypernav.core.errors import (
+    ConfigError,
+    RosNetworkError,
+    TopicChoiceError,
+    TransformMissingError,
+)
 from hypernav.robot.ros2 import idl_types as ros
 from hypernav.robot.ros2.base import Ros2Base, ros_time
 from hypernav.robot.ros2.config import Ros2Config
@@ -181,6 +186,24 @@ def test_images_wait_for_the_odometry_of_their_time(networks):
         for _ in range(10):
             assert base.sense().stamp_s > 0.0
             assert (base.depth_view().depth == 1.5).all()
+
+
+def test_odometry_that_lags_too_far_behind_images_is_nothing_to_drive_by(networks):
+    theirs, ours = networks
+    config = configured(*NAMED, "timing.patience_s=2")
+    with legged_robot(theirs, odometry_behind_s=0.45):
+        sensors = Ros2Sensors(ours, config)
+        with pytest.raises(RosNetworkError, match="no fresh images and odometry"):
+            sensors.wait_for_pair()
+
+
+def test_odometry_that_lags_for_longer_than_images_are_kept_is_named_at_the_start(networks):
+    theirs, ours = networks
+    with (
+        legged_robot(theirs, odometry_behind_s=1.5),
+        pytest.raises(TransformMissingError, match=r"the odometry is 1\.[5-9].* behind all images"),
+    ):
+        Ros2Sensors(ours, configured(*NAMED, "timing.find_s=4"))
 
 
 def test_a_halt_ends_the_wait_for_images(networks):

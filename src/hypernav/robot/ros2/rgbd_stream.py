@@ -10,7 +10,10 @@ from typing import Any
 
 from hypernav.robot.ros.messages import stamp_s
 
-_KEPT = 10
+_MOST_WAITING = 10
+"""Images of a kind that wait for their partners."""
+_KEPT_S = 0.6
+"""Time by which kept pairs may be older than the newest; odometry that is later is too late."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +51,7 @@ class RgbdStream:
         self._waiting: dict[str, dict[float, Any]] = {"colour": {}, "depth": {}}
         self._seen_s: dict[str, float] = {}
         self._changed = threading.Condition()
-        self._pairs: deque[ImagePair] = deque(maxlen=_KEPT)
+        self._pairs: deque[ImagePair] = deque()
 
     def add_colour(self, message: Any) -> None:
         """Take a colour image."""
@@ -107,7 +110,7 @@ class RgbdStream:
         self._seen_s[name] = self._clock()
         waiting, partners = self._waiting[name], self._waiting[other]
         waiting[stamp] = message
-        while len(waiting) > _KEPT:
+        while len(waiting) > _MOST_WAITING:
             del waiting[min(waiting)]
         near = min(partners, key=lambda partner: abs(partner - stamp), default=None)
         if near is None or abs(near - stamp) > self._apart_s:
@@ -117,4 +120,6 @@ class RgbdStream:
         with self._changed:
             if not self._pairs or at_s > self._pairs[-1].stamp_s:
                 self._pairs.append(ImagePair(pair["colour"], pair["depth"], at_s, self._clock()))
+                while at_s - self._pairs[0].stamp_s > _KEPT_S:
+                    self._pairs.popleft()
                 self._changed.notify_all()

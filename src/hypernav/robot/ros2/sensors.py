@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 from hypernav.core.errors import RosNetworkError, TopicChoiceError, TransformMissingError
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.robot.ros.calibration import Calibration, calibration_of
+from hypernav.robot.ros.messages import stamp_s
 from hypernav.robot.ros.topics import (
     CAMERA_TYPES,
     CameraTopics,
@@ -64,7 +65,8 @@ class Ros2Sensors:
             (chosen.colour.name, self.stream.add_colour),
             (chosen.depth.name, self.stream.add_depth),
         ):
-            network.subscribe(topic, ROS_TYPES[types[topic]], Quality.SENSOR, receive)
+            heard = partial(self._add_image, receive)
+            network.subscribe(topic, ROS_TYPES[types[topic]], Quality.SENSOR, heard)
         self._found(self._first_pose)
 
     @property
@@ -182,6 +184,11 @@ class Ros2Sensors:
             self._tree.add_odometry(message)
             self._note_odometry()
 
+    def _add_image(self, receive: Callable[[Any], None], message: Any) -> None:
+        """Images tell the time, too: by odometry alone, its delay would pass for a clock's."""
+        self._clock.hear(stamp_s(message.header))
+        receive(message)
+
     def _note_odometry(self) -> None:
         newest_s = self._tree.newest_s(self._config.frames.base, self._config.frames.odom)
         if newest_s is not None and newest_s > self._odometry_s:
@@ -247,6 +254,11 @@ class Ros2Sensors:
                 f"and at most {self._config.timing.apart_s:g} s apart (timing.apart_s)?"
             )
         pair = self.stream.newest_until(self._odometry_s) or self.stream.latest
+        if 0.0 <= self._odometry_s < pair.stamp_s:
+            raise TransformMissingError(
+                f"the odometry is {pair.stamp_s - self._odometry_s:.2f} s behind all images, "
+                "expected that of their time; are the clocks of two computers the same (chrony)?"
+            )
         self.camera_to_base(pair.stamp_s)
         self.odom_to_map()
         if self._odometry_s < 0.0:
@@ -254,11 +266,6 @@ class Ros2Sensors:
             raise TransformMissingError(
                 f"'{frames.base}' has a fixed pose in '{frames.odom}', expected odometry that "
                 "changes, on /tf or topics.odometry"
-            )
-        if pair.stamp_s > self._odometry_s:
-            raise TransformMissingError(
-                f"the odometry is {pair.stamp_s - self._odometry_s:.2f} s behind all images, "
-                "expected that of their time; are the clocks of two computers the same (chrony)?"
             )
 
 
