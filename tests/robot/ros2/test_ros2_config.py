@@ -62,10 +62,10 @@ def test_two_servers_are_a_mistake(capsys):
     assert "--server" in capsys.readouterr().err
 
 
-def test_it_drives_for_the_oldest_image_and_the_longest_command():
+def test_it_drives_for_the_oldest_image_the_longest_command_and_its_own_reaction():
     assert Ros2Config().driving.reaction_s == pytest.approx(0.7)
     assignments = ["timing.fresh_s=0.3", "speed.max_speed_m_s=0.2"]
     config = layered(Ros2Config(), environment={}, assignments=assignments)
     assert (config.driving.reaction_s, config.driving.max_speed_m_s) == pytest.approx((0.6, 0.2))
-    config = layered(Ros2Config(), environment={}, assignments=["speed.reaction_s=1.5"])
-    assert config.driving.reaction_s == 1.5
+    config = layered(Ros2Config(), environment={}, assignments=["speed.reaction_s=0.2"])
+    assert config.driving.reaction_s == pytest.approx(0.9)

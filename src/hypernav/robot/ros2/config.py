@@ -100,10 +100,9 @@ class Ros2Config(RoomConfig):
         """Limits of the velocity, for a robot that reacts as late as the timing allows.
 
         An image may be as old as fresh ones are, and a command holds for a while if this process
-        hangs.
+        hangs; the robot's own reaction comes on top.
         """
-        least_s = self.timing.fresh_s + VALID_S
-        reaction_s = max(self.speed.reaction_s, least_s)
+        reaction_s = self.timing.fresh_s + VALID_S + self.speed.reaction_s
         return self.speed.model_copy(update={"reaction_s": reaction_s})
 
     @property
