@@ -4,6 +4,8 @@ import threading
 import time
 from contextlib import closing
 
+import pytest
+
 from hypernav.core.errors import RosNetworkError
 from hypernav.robot.motion.velocity import STANDSTILL, Velocity
 from hypernav.robot.ros2.velocity_output import VelocityOutput
@@ -66,6 +68,26 @@ def test_the_last_word_is_standstill():
     output.command(FORWARD)
     output.close()
     assert wheels.told[-1] == STANDSTILL
+
+
+@pytest.mark.parametrize(("refused", "is_told"), [(3, True), (1000, False)])
+def test_the_last_standstill_is_tried_again_and_its_failure_is_an_error(refused, is_told, caplog):
+    wheels, left = Wheels(), 0
+
+    def send(velocity: Velocity) -> None:
+        nonlocal left
+        if left > 0:
+            left -= 1
+            raise RosNetworkError("the buffer is full")
+        wheels(velocity)
+
+    output = VelocityOutput(send, lambda: True)
+    output.command(FORWARD)
+    left = refused
+    output.close()
+    assert (wheels.told[-1] == STANDSTILL) is is_told
+    errors = [record for record in caplog.records if record.levelname == "ERROR"]
+    assert (not errors) is is_told
 
 
 def test_what_the_network_does_not_take_is_said_once_and_tried_again(caplog):

@@ -47,11 +47,15 @@ class VelocityOutput:
             self._tick()
 
     def close(self) -> None:
-        """Stand still, and send nothing any more."""
+        """Stand still, and send nothing any more; a standstill that can't be sent is logged."""
         self.command(STANDSTILL)
         self._ended.set()
         self._thread.join()
-        self._is_sent(STANDSTILL)
+        for _ in range(_STANDS):
+            if self._is_sent(STANDSTILL):
+                return
+            time.sleep(_PERIOD_S)
+        _LOG.error("the robot could not be told to stand still; it stops if its base does so alone")
 
     def _run(self) -> None:
         while not self._ended.wait(_PERIOD_S):
