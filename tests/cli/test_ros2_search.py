@@ -29,8 +29,9 @@ class Client(RobotClient):
         pass
 
     def __iter__(self) -> Iterator[ClientStep]:
-        sensed = Sensed(np.zeros((2, 2, 3), np.uint8), np.ones((2, 2), np.float32), HERE, 0.0)
         for number in range(4):
+            image = np.full((2, 2, 3), number, np.uint8)
+            sensed = Sensed(image, np.ones((2, 2), np.float32), HERE, 0.0)
             reply = Reply(sequence=number, action=Action.TURN_LEFT, mode=Mode.EXPLORE)
             yield ClientStep(sensed, reply, Executed.DONE, blocked=False)
 
@@ -54,13 +55,13 @@ class Server(HttpServer):
 
 
 class Recorder(EpisodeRecorder):
-    """Notes the steps."""
+    """Notes the steps, and which image each was recorded with."""
 
     def __init__(self) -> None:
-        self.noted: list[int] = []
+        self.noted: list[tuple[int, int | None]] = []
 
-    def record(self, step: StepTrace, grid: OccupancyGrid | None, image: object) -> None:
-        self.noted.append(step.step)
+    def record(self, step: StepTrace, grid: OccupancyGrid | None, image: Any) -> None:
+        self.noted.append((step.step, None if image is None else int(image[0, 0, 0])))
 
 
 class FullNetwork:
@@ -70,7 +71,7 @@ class FullNetwork:
         raise RosNetworkError("the buffer is full")
 
 
-def test_a_lost_answer_and_a_full_network_end_no_search():
+def test_a_lost_answer_and_a_full_network_end_no_search_and_are_told(caplog):
     recorder = Recorder()
     base: Any = SimpleNamespace(
         odometry=lambda: HERE,
@@ -81,4 +82,6 @@ def test_a_lost_answer_and_a_full_network_end_no_search():
     network: Any = FullNetwork()
     ended = ros2._search(Client(), base, Server(), opened, network, recorder, status)
     assert ended == (None, 0.0)
-    assert recorder.noted == [0, 1, 2, 3]
+    assert recorder.noted == [(0, 0), (1, None), (2, 2), (3, 3)]
+    assert "step 2 is not shown: the answer got lost" in caplog.text
+    assert "step 3 is not shown: the buffer is full" in caplog.text

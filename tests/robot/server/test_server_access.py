@@ -20,6 +20,7 @@ from hypernav.robot.server.serving import check_access, listening, read_token
 from hypernav.robot.server.state.journal import Journal
 from hypernav.robot.wire.frames import MOST_BODY_BYTES
 from hypernav.robot.wire.requests import OpenSearch
+from hypernav.robot.wire.values import repeated_key
 from servers.robots import (
     TOKEN,
     RobotLink,
@@ -295,6 +296,25 @@ def test_a_search_that_cannot_be_says_why(link, request_body, words):
     assert answer.status in (400, 422), answer.content
     assert words in answer.json["message"]
     assert link.call("GET", "/v1/searches").json == []
+
+
+@pytest.mark.parametrize("kind", ["application/json", "text/plain"])
+def test_keys_are_counted_by_path_whatever_kind_of_body_is_announced(link, kind, monkeypatch):
+    counted: list[bytes] = []
+
+    def count(text: bytes) -> str | None:
+        counted.append(text)
+        return repeated_key(text)
+
+    monkeypatch.setattr(guard, "repeated_key", count)
+    twice, headers = b'{"goal": "sofa", "goal": "bed"}', {"content-type": kind}
+    answer = link.call("POST", "/v1/searches", twice, headers=headers)
+    assert (answer.status, counted) == (422, [twice])
+    assert "the key 'goal' twice" in answer.json["message"]
+    # That of an observation may be large, and only its header is JSON.
+    answer = link.call("POST", f"{link.open()}/observations", b"[{},{}]", headers=headers)
+    assert answer.status == 422
+    assert b"[{},{}]" not in counted
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,6 @@
 """The command `hypernav robot ros2`: a search on a robot that speaks ROS 2."""
 
+import logging
 import uuid
 from collections.abc import Iterator
 from contextlib import (
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
     from hypernav.robot.ros2.base import Ros2Base
     from hypernav.robot.ros2.outputs import Ros2Outputs
 
+_LOG = logging.getLogger(__name__)
 _OUTCOMES: dict[SearchEnding | None, Outcome] = {
     SearchEnding.FOUND: Outcome.FOUND,
     SearchEnding.GAVE_UP: Outcome.NOT_FOUND,
@@ -167,13 +169,16 @@ def _search(
         before = sensed.odometry
         status.update(escape(f"step {reply.sequence + 1} · {reply.mode} · {reply.reason}"))
         # What people see must not end the search; the next step catches up.
-        with suppress(LinkLostError, RequestRefusedError):
+        try:
             for trace in server.trace(opened.id, since=known):
                 grid = server.grid(opened.id)
-                if recorder is not None:
-                    recorder.record(trace, grid, sensed.rgb)
+                is_present = trace.step == reply.sequence
+                if recorder is not None:  # the images of steps before are gone
+                    recorder.record(trace, grid, sensed.rgb if is_present else None)
                 known = trace.step + 1
-                frame, at_s = base.sensors.calibration.frame, sensed.stamp_s
-                with suppress(RosNetworkError):
+                if is_present:
+                    frame, at_s = base.sensors.calibration.frame, sensed.stamp_s
                     outputs.publish(trace, grid, sensed.rgb, at_s=at_s, camera_frame=frame)
+        except (LinkLostError, RequestRefusedError, RosNetworkError) as error:
+            _LOG.warning("step %d is not shown: %s", reply.sequence + 1, error)
     return ending, length_m

@@ -169,7 +169,8 @@ class Guard:
 
     async def _body(self, scope: Scope, receive: Receive) -> bytes:
         """The whole body, of limited size and in limited time."""
-        most = MOST_BODY_BYTES if scope["path"].endswith(_OBSERVATIONS) else _MOST_JSON_BYTES
+        is_json = not scope["path"].endswith(_OBSERVATIONS)
+        most = _MOST_JSON_BYTES if is_json else MOST_BODY_BYTES
         headers = Headers(scope=scope)
         announced = headers.get("content-length", "0")
         if "content-length" in headers and "transfer-encoding" in headers:
@@ -201,7 +202,6 @@ class Guard:
                 error="too-slow",
                 status=408,
             ) from None
-        is_json = "json" in headers.get("content-type", "")
         if is_json and (key := repeated_key(bytes(body))) is not None:
             raise RequestRefusedError(
                 f"the body has the key {key[:80]!a} twice", error="invalid", status=422

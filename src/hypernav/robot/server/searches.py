@@ -206,11 +206,13 @@ class Searches:
         quietest = min(under_way, key=lambda search: (search.is_deciding, search.heard_s))
         idle_s = time.monotonic() - quietest.heard_s
         if quietest.is_deciding or idle_s < self._limits.idle_s:
+            left_min = max(self._limits.idle_s - idle_s, 0.0) / 60.0
+            later = f"can be replaced after another {left_min:.0f} minutes without a word"
             raise RequestRefusedError(
                 f"{len(under_way)} searches are under way, as many as there may be; close one by "
                 f"POST {SEARCHES}/ID/close. That of which nothing was heard for longest, "
-                f"{quietest.record.id}, ends by itself after another "
-                f"{max(self._limits.idle_s - idle_s, 0.0) / 60.0:.0f} minutes without a word",
+                f"{quietest.record.id}, "
+                + ("waits for an answer of this server" if quietest.is_deciding else later),
                 error="busy",
                 status=429,
             )

@@ -124,7 +124,8 @@ class Turns:
         if last is not None and stamp_s < last.stamp_s:
             raise WireError(
                 f"stamp_s went back from {last.stamp_s:.6f} to {stamp_s:.6f}; expected the time of "
-                "each observation's images, on one clock of the robot"
+                "each observation's images, on one clock of the robot; if that began anew, open "
+                "a new search"
             )
         self._before, self.last = last, Turn(sequence, stamp_s)
         return self.last
