@@ -76,7 +76,13 @@ def _reached(graph: WalkGraph) -> set[int]:
     return reached
 
 
-@pytest.mark.parametrize("name", ["houses:0", "houses:12", "offices:7"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "houses:0",
+        *(pytest.param(name, marks=pytest.mark.slow) for name in ("houses:12", "offices:7")),
+    ],
+)
 def test_every_position_is_reached_by_straight_drives_there_and_back(name):
     building = Building.named(name)
     grid, plan = WalkableGrid.from_scene(generate(building)), plan_of(building)
