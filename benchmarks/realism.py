@@ -76,16 +76,7 @@ def kind_of(instance: Instance) -> str | None:
 
 def only(scene: Scene, instance: Instance) -> Scene:
     """The scene reduced to one object."""
-    keep = scene.face_instance == instance.id
-    return replace(
-        scene,
-        faces=scene.faces[keep],
-        uv=scene.uv[keep],
-        colors=scene.colors[keep],
-        normals=None if scene.normals is None else scene.normals[keep],
-        face_material=scene.face_material[keep],
-        face_instance=scene.face_instance[keep],
-    )
+    return scene.of_faces(scene.face_instance == instance.id)
 
 
 def pixels_of(caster: RayCaster, number: int, pose: Transform) -> Bool[np.ndarray, "height width"]:

@@ -4,6 +4,7 @@ import base64
 import io
 import json
 import math
+import os
 import re
 import shutil
 from collections.abc import Iterator
@@ -197,7 +198,7 @@ def test_an_interrupted_page_leaves_the_old_one_and_nothing_else(tmp_path, monke
     def interrupted(*_: Any) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(page_module.os, "replace", interrupted)
+    monkeypatch.setattr(os, "fsync", interrupted)
     with pytest.raises(KeyboardInterrupt):
         page_of_text(tmp_path, monkeypatch, "new")
     assert [file.name for file in tmp_path.iterdir()] == [path.name]

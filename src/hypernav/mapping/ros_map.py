@@ -1,7 +1,6 @@
 """Maps on disk as ROS reads them: ``map.pgm`` and ``map.yaml``."""
 
 import io
-import os
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ from PIL import Image
 from hypernav.core.errors import MapError
 from hypernav.core.files.image_sizes import MOST_PIXELS
 from hypernav.core.files.reading import read_file
+from hypernav.core.files.whole_files import write_whole
 from hypernav.core.files.yaml_text import MOST_CHARACTERS, parse_yaml
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 
@@ -43,7 +43,7 @@ def save_ros_map(grid: OccupancyGrid, folder: Path, name: str = "map") -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     rows, columns = grid.cells.shape
     pixels = _SHADES[grid.cells[::-1]].tobytes()
-    _replace(folder / f"{name}.pgm", f"P5\n{columns} {rows}\n255\n".encode() + pixels)
+    write_whole(folder / f"{name}.pgm", f"P5\n{columns} {rows}\n255\n".encode() + pixels)
     facts = {
         "image": f"{name}.pgm",
         "mode": "trinary",
@@ -54,7 +54,9 @@ def save_ros_map(grid: OccupancyGrid, folder: Path, name: str = "map") -> Path:
         "free_thresh": FREE_THRESHOLD,
     }
     text = yaml.safe_dump(facts, sort_keys=False, default_flow_style=None)
-    return _replace(folder / f"{name}.yaml", text.encode())
+    path = folder / f"{name}.yaml"
+    write_whole(path, text)
+    return path
 
 
 def occupancy(grid: OccupancyGrid) -> Int8[np.ndarray, "rows columns"]:
@@ -116,10 +118,3 @@ def _read_facts(path: Path) -> dict[str, Any]:
     if not isinstance(facts, dict):
         raise MapError(f"{path}: expected the keys of a ROS map, got {facts!r:.60}")
     return facts
-
-
-def _replace(path: Path, content: bytes) -> Path:
-    part = path.with_name(path.name + ".part")
-    part.write_bytes(content)
-    os.replace(part, path)
-    return path

@@ -4,6 +4,7 @@ import os
 from pathlib import Path
 
 from hypernav.core.errors import RunFolderError
+from hypernav.core.files import whole_files
 
 
 def append_line(path: Path, line: str) -> None:
@@ -61,20 +62,14 @@ class LineFile:
 
 
 def write_whole(path: Path, content: str | bytes) -> None:
-    """Replace a file in one step, so that nobody reads half of it, and wait for the disk.
+    """Replace a file of a run's folder in one step, and wait for the disk.
 
     Raises:
         RunFolderError: The disk is full, or the file can't be written. The file is as before.
     """
-    fresh = path.with_name(f".{path.name}.new")
     try:
-        with fresh.open("wb") as file:
-            file.write(content.encode() if isinstance(content, str) else content)
-            file.flush()
-            os.fsync(file.fileno())
-        fresh.replace(path)
+        whole_files.write_whole(path, content)
     except OSError as error:
-        fresh.unlink(missing_ok=True)
         raise _unwritable(path, error) from error
 
 

@@ -1,12 +1,12 @@
 """Web page about one building: floor plan and walk, top view, interior views, list of objects."""
 
-import os
 from collections.abc import Callable, Sequence
 from contextlib import closing
 from pathlib import Path
 from typing import Any
 
 from hypernav.core.errors import SceneError
+from hypernav.core.files.whole_files import write_whole
 from hypernav.core.labels import ObjectLabel
 from hypernav.houses.assembly import to_scene
 from hypernav.houses.building import Building
@@ -38,15 +38,10 @@ def building_page(
         SceneError: The page cannot be written.
     """
     path = out if out.suffix == ".html" else out / f"{building.file_stem}.html"
-    part = path.with_name(path.name + ".part")
     text = _page(building, progress)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            part.write_text(text, encoding="utf-8")
-            os.replace(part, path)
-        finally:
-            part.unlink(missing_ok=True)
+        write_whole(path, text)
     except OSError as error:
         raise SceneError(f"{path}: cannot be written ({error.strerror or error})") from error
     return path

@@ -2,7 +2,6 @@
 
 import math
 from contextlib import closing
-from dataclasses import replace
 
 import numpy as np
 from jaxtyping import UInt8
@@ -27,16 +26,7 @@ Image = UInt8[np.ndarray, "height width 3"]
 def view_from_above(scene: Scene, width: int = 1280) -> Image:
     """Image of a building without its ceilings, straight from above."""
     hidden = np.array([i.name.startswith(("ceiling", "chandelier")) for i in scene.instances])
-    keep = ~hidden[scene.face_instance]
-    open_scene = replace(
-        scene,
-        faces=scene.faces[keep],
-        uv=scene.uv[keep],
-        colors=scene.colors[keep],
-        normals=None if scene.normals is None else scene.normals[keep],
-        face_material=scene.face_material[keep],
-        face_instance=scene.face_instance[keep],
-    )
+    open_scene = scene.of_faces(~hidden[scene.face_instance])
     vertices = scene.vertices.astype(np.float64)
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     size = high - low

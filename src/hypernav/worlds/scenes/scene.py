@@ -3,7 +3,7 @@
 The scene frame is z up, metres. A glTF file (y up) becomes ``(x, -z, y)``.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from pathlib import Path
 
@@ -77,3 +77,21 @@ class Scene:
     unlit: bool = False
     navmesh: Path | None = None
     cache: Path | None = None
+
+    def of_faces(self, keep: Bool[np.ndarray, "faces"]) -> "Scene":
+        """The scene with some of its triangles only; nothing that was computed is kept for it.
+
+        Args:
+            keep: Whether each triangle stays.
+        """
+        return replace(
+            self,
+            faces=self.faces[keep],
+            uv=self.uv[keep],
+            colors=self.colors[keep],
+            normals=None if self.normals is None else self.normals[keep],
+            face_material=self.face_material[keep],
+            face_instance=self.face_instance[keep],
+            navmesh=None,
+            cache=None,
+        )
