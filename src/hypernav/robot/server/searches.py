@@ -189,7 +189,9 @@ class Searches:
         try:
             return self._forgotten()
         except RequestRefusedError:
-            search.halt()
+            worker = search.halt()
+            if worker is not None:  # it writes in the folder, which is removed next
+                worker.join(_PATIENCE_S)
             raise
 
     def _forgotten(self) -> Search | None:

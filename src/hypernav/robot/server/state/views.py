@@ -96,11 +96,14 @@ class Views:
     def note_image(self, packed: PackedObservation) -> None:
         """Take the colour image of an observation that was accepted."""
         with self._lock:
-            self._colour = (packed.header.colour.format, packed.colour)
+            if not self._is_forgotten:
+                self._colour = (packed.header.colour.format, packed.colour)
 
     def note_map(self, grid: OccupancyGrid | None) -> None:
         """Take the map after a decision."""
         with self._lock:
+            if self._is_forgotten:  # the search ended meanwhile, and the disk has its map
+                return
             self._grid = grid
             self.extent = None if grid is None else extent_of(grid)
 
