@@ -124,7 +124,7 @@ def check_native_robot(config: HyPerNavConfig) -> None:
     Raises:
         ConfigError: The configuration was not made by `native_config`.
     """
-    # `native_config` sets the eye by which goals are judged. Who sets it by hand says so himself.
+    # `native_config` sets this; a configuration in which it was set by hand passes as well.
     if config.world.judge_eye_m is None:
         raise ConfigError(
             "native=True needs the robot that was published with the agent, and this configuration "
