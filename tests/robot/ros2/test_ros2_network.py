@@ -41,6 +41,29 @@ def test_a_message_that_cannot_be_decoded_is_as_one_that_got_lost(monkeypatch, c
     assert "/tf: unpack_from" in caplog.text
 
 
+def test_a_mistake_of_a_receiver_is_no_lost_message(monkeypatch, caplog):
+    told: list[object] = []
+    raised = threading.Event()
+
+    def note(failed: threading.ExceptHookArgs) -> None:
+        told.append(failed.exc_value)
+        raised.set()
+
+    def receive(_: object) -> None:
+        raise ValueError("a mistake of ours")
+
+    monkeypatch.setattr(threading, "excepthook", note)
+    with closing(Ros2Network(DOMAIN)) as theirs, closing(Ros2Network(DOMAIN)) as ours:
+        ours.subscribe("/tf", ros.TFMessage, Quality.RELIABLE, receive)
+        publisher = theirs.publisher("/tf", ros.TFMessage)
+        for _ in range(400):
+            publisher.publish(ros.TFMessage())
+            if raised.wait(0.05):
+                break
+    assert [str(error) for error in told] == ["a mistake of ours"]
+    assert caplog.text == ""
+
+
 @pytest.mark.parametrize("refused", ["DataReader", "DataWriter", "Topic"])
 def test_what_dds_refuses_names_the_topic(monkeypatch, refused):
     def refuse(*_: object, **__: object) -> None:

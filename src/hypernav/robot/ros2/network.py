@@ -105,15 +105,22 @@ class _Subscription:
         for _ in range(_MOST_WAITING):
             try:
                 messages = self.reader.take(1)  # of many, one that is broken would lose all
-                if not messages:
-                    return
-                if messages[0].sample_info.valid_data:
-                    self.receive(messages[0])
-            except (RosMessageError, *_UNDECODABLE) as error:
+            except _UNDECODABLE as error:
                 _LOG.warning("%s: %s", self.topic, error)
+                continue
             except DDSException as error:
                 _LOG.warning("%s: %s", self.topic, error)
                 return
+            if not messages:
+                return
+            if messages[0].sample_info.valid_data:
+                self._hand_on(messages[0])
+
+    def _hand_on(self, message: Any) -> None:
+        try:
+            self.receive(message)
+        except RosMessageError as error:
+            _LOG.warning("%s: %s", self.topic, error)
 
 
 class Ros2Network:
