@@ -33,6 +33,23 @@ def random_rooms(rng: np.random.Generator, *, door_m: float, furniture: int = 12
     return OccupancyGrid(cells, 0.05, (-3.3, -4.1))
 
 
+def random_clutter(rng: np.random.Generator, *, furniture: int = 14) -> OccupancyGrid:
+    """A hall of 8 m with furniture at some angle to the map, completely known; free at (0, 0)."""
+    side = 160
+    cells = np.full((side, side), Cell.FREE, np.uint8)
+    y, x = (np.indices((side, side)) + 0.5) * 0.05 - 4.0
+    angle = rng.uniform(0.0, math.pi / 2.0)
+    along = x * math.cos(angle) + y * math.sin(angle)
+    across = y * math.cos(angle) - x * math.sin(angle)
+    for _ in range(furniture):
+        middle, half = rng.uniform(-3.0, 3.0, 2), rng.uniform(0.2, 1.2, 2)
+        if (np.abs(middle) >= half + 0.2).any():
+            inside = (np.abs(along - middle[0]) < half[0]) & (np.abs(across - middle[1]) < half[1])
+            cells[inside] = Cell.OCCUPIED
+    cells[[0, -1]] = cells[:, [0, -1]] = Cell.OCCUPIED
+    return OccupancyGrid(cells, 0.05, (-4.0, -4.0))
+
+
 class DrivenRobot:
     """Turns and steps as ordered; a step ends where the robot's disc would touch an obstacle."""
 

@@ -20,7 +20,7 @@ from hypernav.planning.costmap import Costmap
 from hypernav.planning.follower import PathFollower
 from hypernav.planning.navigator import Navigator
 from hypernav.planning.planner import PlannedPath, Planner
-from random_rooms import DrivenRobot, random_rooms
+from random_rooms import DrivenRobot, random_clutter, random_rooms
 
 CONFIG = PlanningConfig()
 ROBOT = Embodiment()
@@ -159,6 +159,30 @@ def drive(seed, config, *, door_m, limit=300, actions=None):
 def test_it_never_touches_what_the_map_shows_and_always_comes_to_an_end(seed, door_m):
     robot, _, _ = drive(seed, WIDE, door_m=door_m)
     assert robot.bumps == 0
+
+
+@settings(deadline=None, max_examples=25)
+@given(st.integers(0, 2**32 - 1))
+@example(29)  # in these the wider path leads to a dead end, and the way out of it goes back
+@example(236)
+@example(355)
+@example(762)
+def test_it_does_not_go_to_and_fro_between_a_wider_path_and_a_squeezed_one(seed):
+    rng = np.random.default_rng(seed)
+    grid = random_clutter(rng)
+    robot = DrivenRobot(grid, Pose2(0.0, 0.0, rng.uniform(-3.1, 3.1)), radius_m=0.1)
+    row, column = rng.choice(np.argwhere(grid.free))
+    goal = np.array([grid.centre_of(int(row), int(column))])
+    navigator, bumps = Navigator(CONFIG, ROBOT), BumpSensor(CONFIG, ROBOT)
+    for _ in range(300):
+        for x, y in bumps.points(robot.pose, grid):
+            grid.cells[grid.cell_of(x, y)] = Cell.OCCUPIED
+        action = navigator.towards(grid, robot.pose, goal)
+        if action is None:
+            return
+        bumps.note_action(robot.pose, action)
+        robot.do(action)
+    raise AssertionError("still driving after 300 actions")
 
 
 @pytest.mark.parametrize("door_m", [0.65, 0.8])

@@ -58,6 +58,11 @@ class PathFollower:
             self._plan: list[Action] = []
 
     @property
+    def planned(self) -> int:
+        """Number of actions that are left of the sequence under way; 0 without one."""
+        return len(self._plan)
+
+    @property
     def path(self) -> PlannedPath | None:
         """The path that is being followed."""
         return self._path

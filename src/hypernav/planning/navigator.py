@@ -1,6 +1,8 @@
 """Navigation to a destination, one action at a time."""
 
 import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -14,6 +16,29 @@ from hypernav.planning.config import PlanningConfig
 from hypernav.planning.costmap import Costmap
 from hypernav.planning.follower import PathFollower
 from hypernav.planning.planner import PlannedPath, Planner, is_blocked
+
+_SAME_END_M = 0.25
+"""Distance between the ends of paths to the same destination, metres."""
+
+
+@dataclass(frozen=True)
+class _DeadEnd:
+    """A position from which no sequence of actions leads on along a path.
+
+    Attributes:
+        clearance_m: Distance from obstacles that the path keeps, metres.
+        end: End of the path.
+        cost: Cost of the path from the dead end on.
+    """
+
+    clearance_m: float
+    end: tuple[float, float]
+    cost: float
+
+    def is_on(self, costmap: Costmap, path: PlannedPath) -> bool:
+        """Whether a path to the same end is not shorter than that from the dead end."""
+        is_alike = costmap.clearance_m == self.clearance_m and path.cost >= self.cost
+        return is_alike and math.dist(path.end, self.end) <= _SAME_END_M
 
 
 class Navigator:
@@ -37,6 +62,7 @@ class Navigator:
         self._follower.follow(None)
         self._age, self._clearance_m = 0, self._clearances_m[0]
         self._destinations: tuple[Float64[np.ndarray, "_ 2"], ...] = ()
+        self._dead_ends: list[_DeadEnd] = []
 
     @property
     def path(self) -> PlannedPath | None:
@@ -81,6 +107,11 @@ class Navigator:
         """Length of the path that is left, metres; 0 without a path."""
         return sum(math.dist(*leg) for leg in pairwise(self._follower.remaining(robot)))
 
+    @property
+    def planned(self) -> int:
+        """Number of actions that are left of the sequence under way; 0 without one."""
+        return self._follower.planned
+
     def _path_is_fresh(self, destinations: tuple[Float64[np.ndarray, "_ 2"], ...]) -> bool:
         every = self._config.replan_every_steps
         is_young = every is None or self._age < every
@@ -109,13 +140,33 @@ class Navigator:
     ) -> Action | None:
         """Plan anew and begin."""
         self._destinations, self._age = destinations, 0
-        for costmap, path in self._planner.options(grid, robot.xy, destinations):
+        for costmap, path in self._untried_first(
+            self._planner.options(grid, robot.xy, destinations)
+        ):
             self._clearance_m = costmap.clearance_m
             self._follower.follow(path)
             action = self._follower.next_action(robot, costmap)
             if action is not None or self.arrived:
                 return action
+            if path is not None:
+                self._dead_ends.append(_DeadEnd(costmap.clearance_m, path.end, path.cost))
         return None
+
+    def _untried_first(
+        self, options: Iterable[tuple[Costmap, PlannedPath | None]]
+    ) -> Iterator[tuple[Costmap, PlannedPath | None]]:
+        """The options; those that lead to a dead end of before, and cost no less, last.
+
+        The way out of a dead end may begin by going back. If the same path were taken again from
+        there, the robot would go to and fro for ever.
+        """
+        tried = list[tuple[Costmap, PlannedPath | None]]()
+        for costmap, path in options:
+            if path is not None and any(end.is_on(costmap, path) for end in self._dead_ends):
+                tried.append((costmap, path))
+            else:
+                yield costmap, path
+        yield from tried
 
     def _costmap(self, grid: OccupancyGrid, robot: Pose2) -> Costmap:
         is_squeezed = self._clearance_m < self._clearances_m[0]
