@@ -35,7 +35,7 @@ class Endurance:
         """Begin with another destination."""
         self._steps = 0
 
-    def lasts(self, left_m: float) -> bool:
+    def lasts(self, left_m: float, planned: int) -> bool:
         """Whether a step is left; to be asked once a step."""
         self._steps += 1
         return self._steps <= self._limit
@@ -45,7 +45,8 @@ class Progress:
     """Notices a robot that goes to and fro, or stands still, instead of coming nearer.
 
     It is the path that must get shorter: a robot that drives around a wall gets farther away in a
-    straight line. If the path turns out to be longer, the steps of that detour are granted.
+    straight line. If the path turns out to be longer, the steps of that detour are granted, and so
+    are the turns of a robot that shunts its way through a gap.
     """
 
     worn_out = "no progress to destination"
@@ -55,25 +56,30 @@ class Progress:
 
         Args:
             patience_steps: Number of steps that may bring the robot no nearer, on top of those of a
-                detour.
+                detour and of a planned sequence of actions.
         """
         self._patience_steps = patience_steps
         self.reset()
 
     def reset(self) -> None:
         """Begin another path."""
-        self._shortest_m, self._longest_m, self._steps = math.inf, 0.0, 0
+        self._shortest_m, self._longest_m = math.inf, 0.0
+        self._steps = self._planned = 0
 
-    def lasts(self, left_m: float) -> bool:
+    def lasts(self, left_m: float, planned: int) -> bool:
         """Whether the robot still makes progress; to be asked once a step.
 
         Args:
             left_m: Length of the path that is left, metres.
+            planned: Number of actions that are left of the sequence under way.
         """
         if left_m < self._shortest_m - _STEP_M:
-            self._shortest_m, self._longest_m, self._steps = left_m, left_m, 0
+            self._shortest_m, self._longest_m = left_m, left_m
+            self._steps = self._planned = 0
             return True
         self._steps += 1
+        self._planned = max(self._planned, planned)
         self._longest_m = max(self._longest_m, left_m)
         detour_m = self._longest_m - self._shortest_m
-        return self._steps <= self._patience_steps + _DETOUR_STEPS_PER_M * detour_m
+        granted = self._planned + _DETOUR_STEPS_PER_M * detour_m
+        return self._steps <= self._patience_steps + granted

@@ -92,7 +92,7 @@ class Approach:
                 self.forget()
                 return PhaseName.LOOK_AROUND
             left_m = self._navigator.left_m(robot)
-            if action is not None and self._patience.lasts(left_m):
+            if action is not None and self._patience.lasts(left_m, self._navigator.planned):
                 self._leave_exploration(step)
                 reason = f"going to the {self._goal.thing}"
                 return Decision(action, Mode.APPROACH, reason, self._navigator.remaining(robot))

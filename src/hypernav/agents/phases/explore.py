@@ -108,7 +108,7 @@ class Explore:
                 self._end("destination reached" if arrived else "no path to destination", step)
                 if destination.holds:
                     break  # The next move is chosen from another image.
-            elif not self._patience.lasts(self._navigator.left_m(robot)):
+            elif not self._patience.lasts(self._navigator.left_m(robot), self._navigator.planned):
                 self._end(self._patience.worn_out, step)
             else:
                 self._age += 1
