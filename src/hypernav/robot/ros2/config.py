@@ -10,8 +10,8 @@ from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import ConfigError
 from hypernav.robot.driving.driven_robot import CAREFUL
 from hypernav.robot.motion.config import DriveConfig
+from hypernav.robot.ros2.guarded_output import VALID_S
 from hypernav.robot.ros2.robot_clock import NTP_DRIFT
-from hypernav.robot.ros2.velocity_output import VALID_S
 
 _MOST_DOMAINS = 232
 

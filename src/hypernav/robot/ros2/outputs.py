@@ -10,7 +10,6 @@ from hypernav.core.geometry.grid import OccupancyGrid as Grid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import BlockRecord, StepTrace
 from hypernav.mapping.ros_map import occupancy
-from hypernav.robot.ros2.base import ros_time
 from hypernav.robot.ros2.config import Ros2Config
 from hypernav.robot.ros2.idl_types import (
     ColorRGBA,
@@ -24,10 +23,10 @@ from hypernav.robot.ros2.idl_types import (
     Point,
     Pose,
     PoseStamped,
-    Quaternion,
     Vector3,
 )
 from hypernav.robot.ros2.network import Quality, Ros2Network
+from hypernav.robot.ros2.poses import pose_message, ros_time
 from hypernav.show.drawing import palette
 from hypernav.show.video.camera_panel import draw_camera
 
@@ -95,12 +94,6 @@ def path_message(path: Sequence[tuple[float, float]], header: Header) -> Path:
         else:
             poses.append(pose_message(Pose2(x, y, yaw), header))
     return Path(header, poses)
-
-
-def pose_message(pose: Pose2, header: Header) -> PoseStamped:
-    """A pose on the floor."""
-    rotation = Quaternion(z=math.sin(pose.yaw / 2.0), w=math.cos(pose.yaw / 2.0))
-    return PoseStamped(header, Pose(Point(pose.x, pose.y), rotation))
 
 
 def image_message(rgb: UInt8[np.ndarray, "height width 3"], header: Header) -> Image:

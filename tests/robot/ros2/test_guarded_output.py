@@ -1,4 +1,4 @@
-"""Velocities go to the robot only as long as somebody means them and it is safe."""
+"""Commands go to the robot only as long as somebody means them and it is safe."""
 
 import threading
 import time
@@ -8,7 +8,7 @@ import pytest
 
 from hypernav.core.errors import RosNetworkError
 from hypernav.robot.motion.velocity import STANDSTILL, Velocity
-from hypernav.robot.ros2.velocity_output import VelocityOutput
+from hypernav.robot.ros2.guarded_output import GuardedOutput
 
 FORWARD = Velocity(0.5)
 
@@ -32,7 +32,7 @@ class Wheels:
 
 def test_a_command_holds_for_a_moment_without_another():
     wheels = Wheels()
-    with closing(VelocityOutput(wheels, lambda: True)) as output:
+    with closing(GuardedOutput(wheels, STANDSTILL, is_safe=lambda: True)) as output:
         output.command(FORWARD)
         assert wheels.told == [FORWARD]
         assert wheels.wait_for(STANDSTILL)
@@ -40,7 +40,7 @@ def test_a_command_holds_for_a_moment_without_another():
 
 def test_what_is_not_safe_is_not_sent():
     wheels, safe = Wheels(), threading.Event()
-    with closing(VelocityOutput(wheels, safe.is_set)) as output:
+    with closing(GuardedOutput(wheels, STANDSTILL, is_safe=safe.is_set)) as output:
         output.command(FORWARD)
         assert wheels.told[-1] == STANDSTILL
         safe.set()
@@ -52,7 +52,7 @@ def test_what_is_not_safe_is_not_sent():
 
 def test_standing_it_falls_silent_so_that_others_may_drive():
     wheels = Wheels()
-    with closing(VelocityOutput(wheels, lambda: True)) as output:
+    with closing(GuardedOutput(wheels, STANDSTILL, is_safe=lambda: True)) as output:
         output.command(FORWARD)
         output.command(STANDSTILL)
         time.sleep(1.0)
@@ -62,9 +62,38 @@ def test_standing_it_falls_silent_so_that_others_may_drive():
         assert len(wheels.told) == told
 
 
+def test_standstill_is_said_on_until_the_robot_stands_and_never_again_without_a_command():
+    wheels, stands = Wheels(), threading.Event()
+    with closing(
+        GuardedOutput(wheels, STANDSTILL, is_safe=lambda: True, is_standing=stands.is_set)
+    ) as output:
+        output.command(FORWARD)
+        output.halt()
+        time.sleep(1.0)
+        assert len(wheels.told) > 13
+        stands.set()
+        time.sleep(0.3)
+        told = len(wheels.told)
+        stands.clear()  # somebody else drives it now
+        time.sleep(0.3)
+        assert len(wheels.told) == told
+        stands.set()
+
+
+def test_a_robot_that_drives_on_at_the_end_is_an_error(caplog):
+    wheels = Wheels()
+    output = GuardedOutput(wheels, STANDSTILL, is_safe=lambda: True, is_standing=lambda: False)
+    output.command(FORWARD)
+    output.close()
+    assert wheels.told[-1] == STANDSTILL
+    assert [record.message for record in caplog.records] == [
+        "the robot was told to stand still, and does not stand by its odometry"
+    ]
+
+
 def test_the_last_word_is_standstill():
     wheels = Wheels()
-    output = VelocityOutput(wheels, lambda: True)
+    output = GuardedOutput(wheels, STANDSTILL, is_safe=lambda: True)
     output.command(FORWARD)
     output.close()
     assert wheels.told[-1] == STANDSTILL
@@ -81,7 +110,7 @@ def test_the_last_standstill_is_tried_again_and_its_failure_is_an_error(refused,
             raise RosNetworkError("the buffer is full")
         wheels(velocity)
 
-    output = VelocityOutput(send, lambda: True)
+    output = GuardedOutput(send, STANDSTILL, is_safe=lambda: True)
     output.command(FORWARD)
     left = refused
     output.close()
@@ -98,7 +127,7 @@ def test_what_the_network_does_not_take_is_said_once_and_tried_again(caplog):
             raise RosNetworkError("the buffer is full")
         wheels(velocity)
 
-    with closing(VelocityOutput(send, lambda: True)) as output:
+    with closing(GuardedOutput(send, STANDSTILL, is_safe=lambda: True)) as output:
         output.command(STANDSTILL)
         time.sleep(1.0)  # longer than standstill is said
         works.set()
@@ -106,5 +135,5 @@ def test_what_the_network_does_not_take_is_said_once_and_tried_again(caplog):
         output.command(FORWARD)
         assert wheels.told[-1] == FORWARD
     assert [record.message for record in caplog.records] == [
-        "the robot is told no velocity: the buffer is full; trying again"
+        "the robot is not told how to drive: the buffer is full; trying again"
     ]
