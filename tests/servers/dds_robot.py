@@ -1,7 +1,8 @@
 """A robot in a building that speaks nothing but DDS, in a process of its own and in real time.
 
 Reads commands from its standard input, one a line, and answers each with a line of JSON:
-``freeze`` (the camera sends nothing any more), ``thaw``, ``state``. It ends with its input.
+``freeze`` (the camera sends nothing any more), ``lose`` (the odometry doesn't), ``thaw`` (both do
+again), ``state``. It ends with its input.
 """
 
 import argparse
@@ -29,7 +30,7 @@ from hypernav.worlds.simulation import SimulatedWorld
 from small_worlds import small_config
 
 _WHEELS_S, _IMAGES_S = 0.02, 0.06
-_DEADMAN_S = 0.5
+_DEADMAN_S = _HELD_S = 0.5
 _OPTICAL = "camera_optical_frame"
 _BASE_M = 0.1
 """Height of ``base_link`` above the floor."""
@@ -41,8 +42,8 @@ class DdsRobot:
     def __init__(self, base: SimulatedBase, network: Ros2Network) -> None:
         self._base, self._camera = base, base.embodiment.camera
         self._goal = base.world.goal_truth(Goal("bed"))
-        self._command, self._commanded_s = STANDSTILL, 0.0
-        self.is_frozen = False
+        self._command, self._commanded_s, self._held_s = STANDSTILL, 0.0, 0.0
+        self.is_frozen = self.is_lost = False
         self.stopped_s = time.time()
         sensor, reliable = Quality.SENSOR, Quality.RELIABLE
         self._colour = network.publisher("/camera/image_raw", ros.Image, sensor)
@@ -51,6 +52,7 @@ class DdsRobot:
         self._tf = network.publisher("/tf", ros.TFMessage, reliable)
         self._static = network.publisher("/tf_static", ros.TFMessage, Quality.STATIC)
         network.subscribe("/cmd_vel", ros.Twist, reliable, self._take)
+        network.subscribe("/stop_cmd_vel", ros.Twist, reliable, self._take_stop)
         mount = optical_to_base(self._camera.height_m - _BASE_M, self._camera.pitch_deg)
         self._static.publish(_pose("base_link", _OPTICAL, mount, time.time()))
 
@@ -58,6 +60,8 @@ class DdsRobot:
         """Drive as told for the time that has really passed, and tell where that led."""
         is_late = time.monotonic() - self._commanded_s > _DEADMAN_S
         self._base.drive(STANDSTILL if is_late else self._command, seconds)
+        if self.is_lost:
+            return
         odometry = self._base.odometry().to_transform(_BASE_M)
         self._tf.publish(_pose("odom", "base_link", odometry, time.time()))
 
@@ -70,12 +74,23 @@ class DdsRobot:
         """How far from the bed it really is, how it drives, and when it last stopped."""
         return {
             "goal_m": self._goal.distance(*self._base.position),
+            "x": self._base.pose.x,
+            "y": self._base.pose.y,
             "speed": self._command.linear_m_s,
             "now_s": time.time(),
             "stopped_s": self.stopped_s,
         }
 
+    def _take_stop(self, message: ros.Twist) -> None:
+        """Prefer this input to the other for a while, as a multiplexer does."""
+        self._obey(message)
+        self._held_s = time.monotonic()
+
     def _take(self, message: ros.Twist) -> None:
+        if time.monotonic() - self._held_s > _HELD_S:
+            self._obey(message)
+
+    def _obey(self, message: ros.Twist) -> None:
         was_moving = not self._command.is_zero
         self._command = Velocity(message.linear.x, message.angular.z)
         self._commanded_s = time.monotonic()
@@ -136,8 +151,8 @@ def main() -> None:
         def obey() -> None:
             for line in sys.stdin:
                 word = line.strip()
-                if word in ("freeze", "thaw"):
-                    robot.is_frozen = word == "freeze"
+                if word != "state":
+                    robot.is_frozen, robot.is_lost = word == "freeze", word == "lose"
                 print(json.dumps(robot.state()), flush=True)
             ended.set()
 

@@ -117,8 +117,11 @@ class Ros2:
     """Its detector, if not --vlm: yolox:PATH.onnx, zero-shot:ID, …"""
     reasoner: str | None = None
     """What it asks where to go, if not --vlm: geometric, …"""
-    motion: Literal["steps", "continuous"] = "steps"
-    """Steps and turns one by one, or smooth driving along the path."""
+    drive: Literal["cmd_vel", "nav2"] = "cmd_vel"
+    """Who drives: hypernav by velocities, or a running Nav2 by goals."""
+    motion: Literal["steps", "continuous"] | None = None
+    """Steps and turns one by one, or smooth driving along the path; steps by default, continuous
+    with --drive nav2."""
     agent: str | None = None
     """Agent of the search: hypernav, frontier; the server's by default."""
     preset: RobotPresetName | None = None
@@ -129,6 +132,11 @@ class Ros2:
     """Folder of the page about the search; none by default."""
     quiet: bool = False
     """Print errors only."""
+
+    @property
+    def is_continuous(self) -> bool:
+        """Whether the robot follows paths smoothly."""
+        return (self.motion or ("continuous" if self.drive == "nav2" else "steps")) == "continuous"
 
     @property
     def own_server(self) -> list[str]:

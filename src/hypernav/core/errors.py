@@ -155,6 +155,10 @@ class RosNetworkError(HyPerNavError):
     """A ROS 2 network can't be joined, or what a robot must send doesn't come."""
 
 
+class Nav2Error(HyPerNavError):
+    """Nav2 does not drive the robot: it takes no goals, or makes no progress to any."""
+
+
 class TopicChoiceError(HyPerNavError):
     """No ROS topic, or more than one, could be the one that is needed."""
 

@@ -1,17 +1,13 @@
 """A robot in another process that speaks nothing but DDS, on the loopback interface."""
 
 import json
-import os
-import subprocess
-import sys
 import time
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
-from pathlib import Path
-from typing import Any
 
 import pytest
 
+from dds_processes import PATIENT, robot_in
 from hypernav.cli.main import main
 from hypernav.core.config import layered
 from hypernav.core.errors import TopicChoiceError
@@ -24,52 +20,15 @@ from hypernav.robot.ros2.network import Quality, Ros2Network
 from hypernav.robot.ros2.sensors import Ros2Sensors
 from loopback import DOMAIN, LOOPBACK
 
-_ROBOT = Path(__file__).parents[2] / "servers" / "dds_robot.py"
-_PATIENT = ("timing.find_s=200", f"domain={DOMAIN}")
-"""Processes start slowly on a busy machine."""
-
 
 @pytest.fixture(autouse=True)
 def _loopback(monkeypatch):
     monkeypatch.setenv("CYCLONEDDS_URI", LOOPBACK)
 
 
-class DdsRobot:
-    """The other process."""
-
-    def __init__(self, process: subprocess.Popen[str]) -> None:
-        self._process = process
-
-    def told(self, command: str) -> dict[str, Any]:
-        """Give a command, and hear how the robot is."""
-        assert self._process.stdin is not None
-        assert self._process.stdout is not None
-        self._process.stdin.write(f"{command}\n")
-        self._process.stdin.flush()
-        return json.loads(self._process.stdout.readline())
-
-
-@contextmanager
-def robot_in(scene: str, start: tuple[float, float, float], *, camera=(160, 120)):
-    words = ["--scene", scene, "--domain", DOMAIN, "--start", *start, "--camera", *camera]
-    tests = str(_ROBOT.parents[1])
-    path = os.pathsep.join([tests, *filter(None, [os.environ.get("PYTHONPATH")])])
-    with subprocess.Popen(
-        [sys.executable, str(_ROBOT), *map(str, words)],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        text=True,
-        env=os.environ | {"PYTHONPATH": path},
-    ) as process:
-        try:
-            yield DdsRobot(process)
-        finally:
-            process.kill()
-
-
 @contextmanager
 def base_of(*assignments: str) -> Iterator[Ros2Base]:
-    config = layered(Ros2Config(), environment={}, assignments=[*_PATIENT, *assignments])
+    config = layered(Ros2Config(), environment={}, assignments=[*PATIENT, *assignments])
     with closing(Ros2Network(DOMAIN)) as network:
         sensors = Ros2Sensors(network, config)
         with closing(Ros2Base(network, config, sensors)) as base:
@@ -98,7 +57,7 @@ def test_a_camera_that_freezes_stops_the_robot_soon():
 @pytest.mark.slow
 def test_topics_are_found_by_type_and_a_wrong_name_lists_them():
     with robot_in("builtin", (0.0, 0.0, 0.0)), closing(Ros2Network(DOMAIN)) as network:
-        config = layered(Ros2Config(), environment={}, assignments=_PATIENT)
+        config = layered(Ros2Config(), environment={}, assignments=PATIENT)
         assert Ros2Sensors(network, config).calibration.frame == "camera_optical_frame"
         config = layered(
             Ros2Config(), environment={}, assignments=["topics.colour=/nose", "timing.find_s=3"]
@@ -117,7 +76,7 @@ def test_the_bed_of_a_real_house_is_found_over_dds(small_house, test_data, tmp_p
     ):
         maps: list[OccupancyGrid] = []
         rviz.subscribe("/hypernav/map", OccupancyGrid, Quality.LATCHED, maps.append)
-        words = [word for value in _PATIENT for word in ("--set", value)]
+        words = [word for value in PATIENT for word in ("--set", value)]
         command = ["robot", "ros2", "bed", *words, "--detector", detector]
         with pytest.raises(SystemExit) as left:
             main([*command, "--out", str(tmp_path), "--quiet"])

@@ -25,6 +25,10 @@ class Wheels:
             self.told.append(velocity)
             self.changed.notify_all()
 
+    def wait_for_more_than(self, count: int) -> bool:
+        with self.changed:
+            return self.changed.wait_for(lambda: len(self.told) > count, timeout=30.0)
+
     def wait_for(self, velocity: Velocity) -> bool:
         with self.changed:
             return self.changed.wait_for(lambda: self.told[-1:] == [velocity], timeout=30.0)
@@ -62,7 +66,7 @@ def test_standing_it_falls_silent_so_that_others_may_drive():
         assert len(wheels.told) == told
 
 
-def test_standstill_is_said_on_until_the_robot_stands_and_never_again_without_a_command():
+def test_standstill_is_said_on_until_the_robot_stands_and_again_when_it_moves():
     wheels, stands = Wheels(), threading.Event()
     with closing(
         GuardedOutput(wheels, STANDSTILL, is_safe=lambda: True, is_standing=stands.is_set)
@@ -74,10 +78,19 @@ def test_standstill_is_said_on_until_the_robot_stands_and_never_again_without_a_
         stands.set()
         time.sleep(0.3)
         told = len(wheels.told)
-        stands.clear()  # somebody else drives it now
         time.sleep(0.3)
         assert len(wheels.told) == told
+        stands.clear()
+        assert wheels.wait_for_more_than(told)
         stands.set()
+
+
+def test_nothing_is_said_before_the_first_command():
+    wheels = Wheels()
+    output = GuardedOutput(wheels, STANDSTILL, is_safe=lambda: True, is_standing=lambda: False)
+    time.sleep(0.3)
+    assert wheels.told == []
+    output.close()
 
 
 def test_a_robot_that_drives_on_at_the_end_is_an_error(caplog):

@@ -35,13 +35,12 @@ from hypernav.evaluation.recorder import EpisodeRecorder
 from hypernav.robot.client.links import HttpLink, HttpServer, ServerAddress
 from hypernav.robot.client.robot_client import RobotClient
 from hypernav.robot.client.stop_listener import StopListener
-from hypernav.robot.driving.driven_robot import DrivenRobot
 from hypernav.robot.wire.replies import SearchEnding, SearchOpened
 from hypernav.robot.wire.requests import Intrinsics, OpenSearch
 
 if TYPE_CHECKING:
-    from hypernav.robot.ros2.base import Ros2Base
     from hypernav.robot.ros2.outputs import Ros2Outputs
+    from hypernav.robot.ros2.sensing_robot import SensingRobot
 
 _LOG = logging.getLogger(__name__)
 _OUTCOMES: dict[SearchEnding | None, Outcome] = {
@@ -64,15 +63,15 @@ def run(options: Ros2) -> int:
         ConfigError: An option or the configuration is wrong.
         TopicChoiceError: No topic of the camera fits, or several do.
         RosNetworkError: There is no network, or data doesn't come.
+        Nav2Error: Nav2 takes no goals, or never moves the robot.
         RobotLinkError: The server can't be reached.
         RequestRefusedError: The server refuses the search.
     """
     require("cyclonedds", extra="ros2")
-    from hypernav.robot.ros2.base import Ros2Base
     from hypernav.robot.ros2.config import Ros2Config
+    from hypernav.robot.ros2.drives import check_drive, opened_drive
     from hypernav.robot.ros2.network import Ros2Network
     from hypernav.robot.ros2.outputs import Ros2Outputs
-    from hypernav.robot.ros2.sensors import Ros2Sensors
 
     check_steps_and_seed(options.max_steps, 0)
     goal = Goal(options.goal)
@@ -81,31 +80,32 @@ def run(options: Ros2) -> int:
     if options.server is not None and options.own_server:
         raise ConfigError("--vlm, --detector and --reasoner are options of the server of --server")
     config = layered(Ros2Config(), file=options.config, environment={}, assignments=options.set)
+    check_drive(options.drive, config)
     console = Terminal(quiet=options.quiet)
     with (
         console.status("looking for the robot …") as status,
         closing(Ros2Network(config.domain_id)) as network,
-        closing(Ros2Base(network, config, Ros2Sensors(network, config))) as base,
+        opened_drive(options.drive, network, config) as (robot, senses),
         server_at(options.server, options.own_server) as url,
         closing(HttpServer(ServerAddress.of(url, options.token_file))) as server,
-        _opened(options, goal, base, server) as opened,
+        _opened(options, goal, senses, server) as opened,
     ):
         console.print(f"searching for {goal.text}; watch and stop it at {url}/", markup=False)
         link = HttpLink(server.address, opened.id)
-        robot = DrivenRobot(base, config.driving)
-        client = RobotClient(robot, link, continuous=options.motion == "continuous")
+        client = RobotClient(robot, link, continuous=options.is_continuous)
         outputs = Ros2Outputs(network, config)
         with (
             recording(options, opened) as recorder,
             StopListener(server.address, opened.id, client.stop),
         ):
-            ending, length_m = _search(client, base, server, opened, outputs, recorder, status)
+            ending, length_m = _search(client, senses, server, opened, outputs, recorder, status)
             detector, reasoner = opened.detector_and_reasoner
             result: dict[str, Any] = {
                 "goal": goal.text,
                 "scene": "a robot on ROS 2",
                 "agent": options.agent or "hypernav",
                 "preset": options.preset or "default",
+                "drive": options.drive,
                 "detector": detector,
                 "reasoner": reasoner,
                 "outcome": _OUTCOMES.get(ending, Outcome.INTERRUPTED),
@@ -125,14 +125,14 @@ def run(options: Ros2) -> int:
 
 @contextmanager
 def _opened(
-    options: Ros2, goal: Goal, base: "Ros2Base", server: HttpServer
+    options: Ros2, goal: Goal, senses: "SensingRobot", server: HttpServer
 ) -> Iterator[SearchOpened]:
     """A search of the server, closed at the end."""
-    camera = base.camera
+    camera = senses.camera
     opened = server.open(
         OpenSearch(
             goal=goal.text,
-            embodiment=base.embodiment,
+            embodiment=senses.embodiment,
             intrinsics=Intrinsics(fx=camera.fx, fy=camera.fy, cx=camera.cx, cy=camera.cy),
             preset=options.preset,
             agent=options.agent,
@@ -149,7 +149,7 @@ def _opened(
 
 def _search(
     client: RobotClient,
-    base: "Ros2Base",
+    senses: "SensingRobot",
     server: HttpServer,
     opened: SearchOpened,
     outputs: "Ros2Outputs",
@@ -161,7 +161,7 @@ def _search(
     Returns:
         Ending, and length of the path by odometry, metres.
     """
-    ending, known, length_m, before = None, 0, 0.0, base.odometry()
+    ending, known, length_m, before = None, 0, 0.0, senses.odometry()
     for step in client:
         reply, sensed = step.reply, step.sensed
         ending = reply.ending
@@ -177,7 +177,7 @@ def _search(
                     recorder.record(trace, grid, sensed.rgb if is_present else None)
                 known = trace.step + 1
                 if is_present:
-                    frame, at_s = base.sensors.calibration.frame, sensed.stamp_s
+                    frame, at_s = senses.sensors.calibration.frame, sensed.stamp_s
                     outputs.publish(trace, grid, sensed.rgb, at_s=at_s, camera_frame=frame)
         except (LinkLostError, RequestRefusedError, RosNetworkError) as error:
             _LOG.warning("step %d is not shown: %s", reply.sequence + 1, error)

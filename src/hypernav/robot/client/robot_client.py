@@ -26,7 +26,7 @@ from hypernav.robot.wire.requests import ObservationFacts
 from hypernav.robot.wire.values import PlanarPose, RigidMatrix
 
 _LOG = logging.getLogger(__name__)
-_MADE_SHARE = 0.6
+MADE_SHARE = 0.6
 """Share of a motion below which it did not happen; agents take the same for a bump."""
 _FIRST_PAUSE_S, _LONGEST_PAUSE_S = 0.05, 2.0
 """Pauses between attempts: doubled from the first to the longest."""
@@ -194,9 +194,9 @@ class RobotClient:
             return True
         before, motion = last.sensed.odometry, self._robot.embodiment.motion
         if last.reply.action is Action.MOVE_FORWARD:
-            return before.distance_to(*now.xy) < _MADE_SHARE * motion.forward_m
+            return before.distance_to(*now.xy) < MADE_SHARE * motion.forward_m
         turned = abs(wrap_angle(now.yaw - before.yaw))
-        return turned < _MADE_SHARE * math.radians(motion.turn_angle_deg)
+        return turned < MADE_SHARE * math.radians(motion.turn_angle_deg)
 
     def _answer(self, sensed: Sensed, blocked: bool) -> Reply:
         """The decision about an observation, however often it must be sent."""

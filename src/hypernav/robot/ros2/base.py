@@ -40,7 +40,7 @@ class Ros2Base(SensingRobot):
         """
         super().__init__(config, sensors)
         self._halts = 0
-        send = _velocity_sender(network, config, sensors)
+        send = velocity_sender(config.topics.cmd_vel, network, config, sensors)
         self._output = GuardedOutput(send, STANDSTILL, is_safe=sensors.is_fresh)
 
     def close(self) -> None:
@@ -83,15 +83,19 @@ class Ros2Base(SensingRobot):
         self._output.halt()
 
 
-def _velocity_sender(
-    network: Ros2Network, config: Ros2Config, sensors: Ros2Sensors
+def velocity_sender(
+    topic: str, network: Ros2Network, config: Ros2Config, sensors: Ros2Sensors
 ) -> Callable[[Velocity], None]:
-    """What sends a velocity, in the type that the robot takes."""
+    """What sends a velocity, in the type that the robot takes.
+
+    Raises:
+        RosNetworkError: The topic can't be written.
+    """
 
     def twist(velocity: Velocity) -> Twist:
         return Twist(Vector3(velocity.linear_m_s), Vector3(z=velocity.angular_rad_s))
 
-    topic, frame = config.topics.cmd_vel, config.frames.base
+    frame = config.frames.base
     if config.cmd_vel_type == "Twist":
         plain = network.publisher(topic, Twist)
         return lambda velocity: plain.publish(twist(velocity))

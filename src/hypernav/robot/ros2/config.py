@@ -25,6 +25,9 @@ class TopicsConfig(RoomConfig):
         camera_info: Calibration of the colour images.
         odometry: ``nav_msgs/Odometry``, for a robot whose tf lacks the pose of the base.
         cmd_vel: Velocity that the robot shall drive with.
+        goal_pose: Goals of Nav2, where that drives the robot.
+        stop_cmd_vel: An input of the robot's velocity multiplexer above that of Nav2, which is told
+            standstill while Nav2 is to stand; None without one.
         output: Beginning of the names of all that is published for people.
     """
 
@@ -33,6 +36,8 @@ class TopicsConfig(RoomConfig):
     camera_info: str | None = None
     odometry: str | None = None
     cmd_vel: str = "/cmd_vel"
+    goal_pose: str = "/goal_pose"
+    stop_cmd_vel: str | None = None
     output: str = "/hypernav"
 
 
@@ -47,9 +52,9 @@ class FramesConfig(RoomConfig):
             have its origin where the body was at the start, which is above the floor.
     """
 
-    base: str = "base_link"
-    odom: str = "odom"
-    map: str | None = None
+    base: str = Field(default="base_link", min_length=1)
+    odom: str = Field(default="odom", min_length=1)
+    map: str | None = Field(default=None, min_length=1)
     floor_z_m: float = Field(default=0.0, ge=-10.0, le=10.0)
 
 
@@ -73,6 +78,27 @@ class TimingConfig(RoomConfig):
     patience_s: float = Field(default=60.0, ge=1.0, le=3600.0)
 
 
+class Nav2Config(RoomConfig):
+    """How a running Nav2 drives the robot, and what counts as done, by odometry.
+
+    Attributes:
+        ahead_m: Largest length along the agent's path up to the next goal, metres.
+        corner_cut_m: Largest distance of the path's corners from the straight line to that goal,
+            metres. Larger ones leave more of the route to Nav2.
+        reached_m: Distance from a goal at which it is reached, metres; not below
+            ``xy_goal_tolerance`` of Nav2's goal checker.
+        reached_deg: Difference of the heading at which it is reached, degrees; not below
+            ``yaw_goal_tolerance``, which is in radians.
+        blocked_s: Time without motion after which a goal can't be reached, seconds.
+    """
+
+    ahead_m: float = Field(default=1.5, ge=0.2, le=50.0)
+    corner_cut_m: float = Field(default=0.1, ge=0.01, le=50.0)
+    reached_m: float = Field(default=0.15, ge=0.01, le=1.0)
+    reached_deg: float = Field(default=10.0, ge=1.0, le=90.0)
+    blocked_s: float = Field(default=15.0, ge=1.0, le=600.0)
+
+
 class Ros2Config(RoomConfig):
     """A robot on a ROS 2 network.
 
@@ -82,6 +108,7 @@ class Ros2Config(RoomConfig):
         topics: Names of the topics.
         frames: Names of the frames.
         timing: What is late.
+        nav2: How Nav2 drives the robot, where it does.
         speed: Limits of the velocity, where hypernav drives itself; see `driving`.
         embodiment: Body and actions of the robot, and the range of its depth; the rest of the
             camera is taken from camera info and tf.
@@ -92,6 +119,7 @@ class Ros2Config(RoomConfig):
     topics: TopicsConfig = TopicsConfig()
     frames: FramesConfig = FramesConfig()
     timing: TimingConfig = TimingConfig()
+    nav2: Nav2Config = Nav2Config()
     speed: DriveConfig = CAREFUL
     embodiment: Embodiment = Embodiment()
 

@@ -12,10 +12,10 @@ _LOG = logging.getLogger(__name__)
 _PERIOD_S = 0.05
 VALID_S = 0.3
 """Time for which a command holds; then whoever gave it hangs."""
-_STANDS = 10
-"""Number of times that standstill is said before silence, so that others may drive."""
-_CLOSES = 60
-"""Number of times that standstill is said at the end to a robot that doesn't stand yet."""
+_STANDS_S = 0.5
+"""Time for which standstill is said before silence, so that others may drive."""
+_CLOSE_S = 3.0
+"""Time beyond it for which standstill is said at the end to a robot that doesn't stand yet."""
 _CommandT = TypeVar("_CommandT")
 
 
@@ -34,6 +34,7 @@ class GuardedOutput(Generic[_CommandT]):
         *,
         is_safe: Callable[[], bool],
         is_standing: Callable[[], bool] = lambda: True,
+        stands_s: float = _STANDS_S,
     ) -> None:
         """Begin at a standstill.
 
@@ -41,13 +42,16 @@ class GuardedOutput(Generic[_CommandT]):
             send: Function that sends a command to the robot, 20 times a second.
             standstill: The command to stand still.
             is_safe: Whether the robot may drive now.
-            is_standing: Whether the robot is known to stand; else standstill is said on and on.
+            is_standing: Whether the robot is known to stand; else standstill is said on and on, and
+                again when it moves.
+            stands_s: Least time for which standstill is said, seconds.
         """
         self._send, self._standstill = send, standstill
         self._is_safe, self._is_standing = is_safe, is_standing
         self._lock = threading.Lock()
-        self._command, self._commanded_s, self._stands = standstill, 0.0, _STANDS
-        self._is_silent, self._fails = True, False
+        self._command, self._commanded_s = standstill, 0.0
+        self._least = round(stands_s / _PERIOD_S)
+        self._stands, self._is_new, self._fails = 0, True, False
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, name="drive", daemon=True)
         self._thread.start()
@@ -56,7 +60,7 @@ class GuardedOutput(Generic[_CommandT]):
         """Drive by a command from now on, for as long as commands follow."""
         with self._lock:
             self._command, self._commanded_s = command, time.monotonic()
-            self._stands, self._is_silent = 0, False
+            self._stands, self._is_new = 0, False
             self._tick()
 
     def halt(self) -> None:
@@ -69,9 +73,10 @@ class GuardedOutput(Generic[_CommandT]):
         self._ended.set()
         self._thread.join()
         is_told = False
-        for _ in range(_CLOSES):
+        for _ in range(self._least + round(_CLOSE_S / _PERIOD_S)):
             is_told = self._is_sent(self._standstill)
-            if is_told and self._is_standing():
+            self._stands += is_told
+            if is_told and self._stands >= self._least and self._is_standing():
                 return
             time.sleep(_PERIOD_S)
         _LOG.error(
@@ -90,14 +95,14 @@ class GuardedOutput(Generic[_CommandT]):
         if self._command == self._standstill or is_late or not self._is_safe():
             self._stand()
         else:
-            self._stands, self._is_silent = 0, False
+            self._stands = 0
             self._is_sent(self._command)
 
     def _stand(self) -> None:
-        """Say standstill until it was said often enough and the robot stands; then be silent."""
-        self._is_silent |= self._stands >= _STANDS and self._is_standing()
-        if not self._is_silent:
-            self._stands += self._is_sent(self._standstill)
+        """Say standstill until it was said often enough and the robot stands."""
+        if self._is_new or (self._stands >= self._least and self._is_standing()):
+            return
+        self._stands += self._is_sent(self._standstill)
 
     def _is_sent(self, command: _CommandT) -> bool:
         """Send a command, and say the first time that it can't be sent."""

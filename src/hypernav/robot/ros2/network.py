@@ -92,6 +92,11 @@ class Publisher(Generic[_MessageT]):
         with _told_as("a message can't be sent"):
             self._writer.write(message)
 
+    def has_reader(self) -> bool:
+        """Whether somebody takes the messages."""
+        with _told_as("nobody knows who reads"):
+            return bool(self._writer.get_matched_subscriptions())
+
 
 @dataclass(frozen=True, eq=False)
 class _Subscription:

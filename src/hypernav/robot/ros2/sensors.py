@@ -1,5 +1,6 @@
 """What a robot on a ROS 2 network senses: images, calibration and the poses of its frames."""
 
+import math
 import threading
 import time
 from collections.abc import Callable
@@ -7,7 +8,7 @@ from functools import partial
 from typing import Any, TypeVar
 
 from hypernav.core.errors import RosNetworkError, TopicChoiceError, TransformMissingError
-from hypernav.core.geometry.transforms import Pose2, Transform
+from hypernav.core.geometry.transforms import Pose2, Transform, wrap_angle
 from hypernav.robot.ros.calibration import Calibration, calibration_of
 from hypernav.robot.ros.messages import stamp_s
 from hypernav.robot.ros.topics import (
@@ -29,6 +30,8 @@ _MEMORY_S = 10.0
 _LOOK_S = 0.2
 _ALL_S = 2.0
 """Time after which all topics are known."""
+_STILL_S, _STILL_M, _STILL_RAD = 0.3, 0.01, math.radians(1.5)
+"""A robot stands that has moved no more in so long."""
 _FoundT = TypeVar("_FoundT")
 
 
@@ -132,6 +135,18 @@ class Ros2Sensors:
         """
         frames = self._config.frames
         return _planar(self._pose(frames.base, frames.odom, at_s))
+
+    def is_standing(self) -> bool:
+        """Whether odometry is fresh and has shown no motion for a moment."""
+        newest_s = self._odometry_s
+        if self._clock.age_s(newest_s) > self._config.timing.fresh_s:
+            return False
+        try:
+            before, now = self.odometry(newest_s - _STILL_S), self.odometry(newest_s)
+        except TransformMissingError:  # it has only just begun
+            return False
+        turned = abs(wrap_angle(now.yaw - before.yaw))
+        return before.distance_to(*now.xy) < _STILL_M and turned < _STILL_RAD
 
     def odom_to_map(self) -> Pose2:
         """Pose of the odometry in the map of the robot's localisation; the same without one.

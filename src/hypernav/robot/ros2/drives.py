@@ -1,0 +1,71 @@
+"""The drives of a robot on a ROS 2 network: its own velocities, or a running Nav2."""
+
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from typing import Literal
+
+from hypernav.core.errors import ConfigError
+from hypernav.robot.client.robot import Robot
+from hypernav.robot.client.robot_client import MADE_SHARE
+from hypernav.robot.driving.driven_robot import DrivenRobot
+from hypernav.robot.ros2.base import Ros2Base
+from hypernav.robot.ros2.config import Ros2Config
+from hypernav.robot.ros2.nav2.robot import Nav2Robot
+from hypernav.robot.ros2.network import Ros2Network
+from hypernav.robot.ros2.sensing_robot import SensingRobot
+from hypernav.robot.ros2.sensors import Ros2Sensors
+
+Drive = Literal["cmd_vel", "nav2"]
+"""Who makes velocities of what the agent decides: hypernav, or Nav2."""
+
+
+def check_drive(drive: Drive, config: Ros2Config) -> None:
+    """Refuse a configuration by which a drive can't make the agent's motions.
+
+    Raises:
+        ConfigError: What counts as reached is so much that a motion is not made then.
+    """
+    if drive != "nav2":
+        return
+    nav2, motion, lacks = config.nav2, config.embodiment.motion, 1.0 - MADE_SHARE
+    for name, reached, made in (
+        ("reached_m", nav2.reached_m, motion.forward_m),
+        ("reached_deg", nav2.reached_deg, motion.turn_angle_deg),
+    ):
+        if reached >= lacks * made:
+            option = "forward_m" if name == "reached_m" else "turn_angle_deg"
+            raise ConfigError(
+                f"nav2.{name} {reached:g}: a motion of {made:g} (embodiment.motion.{option}) that "
+                f"lacks {reached:g} counts as blocked; expected less than {lacks * made:g}, and a "
+                "goal checker of Nav2 whose tolerance is not above it"
+            )
+
+
+@contextmanager
+def opened_drive(
+    drive: Drive, network: Ros2Network, config: Ros2Config
+) -> Iterator[tuple[Robot, SensingRobot]]:
+    """Take a robot over, which stands still at the end of the block.
+
+    Args:
+        drive: Who drives it.
+        network: Its network.
+        config: Its topics, frames and limits, which `check_drive` has looked at.
+
+    Returns:
+        The robot as a search drives it, and as its sensors show it.
+
+    Raises:
+        ConfigError: No robot can have its camera.
+        Nav2Error: Nav2 takes no goals.
+        RosNetworkError: Its data doesn't come.
+        TopicChoiceError: No topic of its camera fits, or several do.
+        TransformMissingError: A frame is missing.
+    """
+    sensors = Ros2Sensors(network, config)
+    if drive == "nav2":
+        with closing(Nav2Robot(network, config, sensors)) as robot:
+            yield robot, robot
+    else:
+        with closing(Ros2Base(network, config, sensors)) as base:
+            yield DrivenRobot(base, config.driving), base

@@ -1,0 +1,106 @@
+"""Goals for Nav2 as messages, and standstill as a goal where the robot is."""
+
+import math
+import time
+from collections.abc import Callable
+
+from hypernav.core.errors import Nav2Error
+from hypernav.core.geometry.transforms import Pose2, wrap_angle
+from hypernav.robot.motion.velocity import STANDSTILL
+from hypernav.robot.ros2.base import velocity_sender
+from hypernav.robot.ros2.config import Ros2Config
+from hypernav.robot.ros2.idl_types import Header, PoseStamped
+from hypernav.robot.ros2.network import Publisher, Ros2Network
+from hypernav.robot.ros2.poses import pose_message
+from hypernav.robot.ros2.sensors import Ros2Sensors
+
+_SAME_M, _SAME_RAD = 0.05, math.radians(3.0)
+"""Difference below which a goal is that of before: each one makes Nav2 plan anew."""
+_STAND_S = 0.2
+"""Time between two goals at the present pose, for a robot that doesn't stand yet."""
+_LOOK_S = 0.1
+
+
+class Nav2Goals:
+    """Publishes goals for ``bt_navigator``, each of which replaces the one before.
+
+    Poses are given in the frame of the odometry, which doesn't jump, and published in that of the
+    localisation if there is one. Where that has moved them, they are published again.
+    """
+
+    def __init__(
+        self,
+        network: Ros2Network,
+        config: Ros2Config,
+        sensors: Ros2Sensors,
+        *,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        """Announce the topic.
+
+        Args:
+            network: The robot's network.
+            config: Names of the topic and of the frames.
+            sensors: Poses of the robot and of its localisation.
+            clock: Clock of this machine.
+        """
+        self._topic = config.topics.goal_pose
+        self._frame = config.frames.map or config.frames.odom
+        self._sensors, self._clock = sensors, clock
+        self._publisher: Publisher[PoseStamped] = network.publisher(self._topic, PoseStamped)
+        stop = config.topics.stop_cmd_vel
+        self._hold = None if stop is None else velocity_sender(stop, network, config, sensors)
+        self._last: Pose2 | None = None
+        self._stood_s = -math.inf
+
+    def await_reader(self, timeout_s: float) -> None:
+        """Wait until somebody takes goals.
+
+        Raises:
+            Nav2Error: Nobody does.
+        """
+        until_s = time.monotonic() + timeout_s
+        while not self._publisher.has_reader():
+            if time.monotonic() > until_s:
+                raise Nav2Error(
+                    f"nobody reads '{self._topic}' as geometry_msgs/PoseStamped, expected Nav2's "
+                    "bt_navigator; is Nav2 running and configured (`ros2 lifecycle get "
+                    "/bt_navigator`), in this domain, and without a namespace (topics.goal_pose)?"
+                )
+            time.sleep(_LOOK_S)
+
+    def send(self, goal: Pose2 | None) -> None:
+        """Publish a goal if it is another than before; None, standstill.
+
+        Nav2 follows its old path until it plans anew, by default once a second; only what lies
+        between Nav2 and the wheels can stop it sooner, and is told so with every call.
+
+        Raises:
+            RosNetworkError: The network doesn't take it.
+        """
+        if goal is None and self._hold is not None:
+            self._hold(STANDSTILL)
+        if goal is not None:
+            self._stood_s = -math.inf
+            wanted = self._in_frame(goal)
+            if self._last is None or not _is_same(wanted, self._last):
+                self._publish(wanted)
+                self._last = wanted
+        elif self._clock() - self._stood_s >= _STAND_S:
+            self._last = None  # whatever comes next is new
+            self._publish(self._in_frame(self._sensors.odometry()))
+            self._stood_s = self._clock()
+
+    def _publish(self, pose: Pose2) -> None:
+        # Without a time it is a pose of the newest transforms, which no clock can be too early for.
+        self._publisher.publish(pose_message(pose, Header(frame_id=self._frame)))
+
+    def _in_frame(self, pose: Pose2) -> Pose2:
+        found = self._sensors.odom_to_map().to_transform() @ pose.to_transform()
+        x, y, _ = found.translation.tolist()
+        return Pose2(x, y, found.yaw)
+
+
+def _is_same(one: Pose2, other: Pose2) -> bool:
+    turned = abs(wrap_angle(one.yaw - other.yaw))
+    return one.distance_to(*other.xy) < _SAME_M and turned < _SAME_RAD

@@ -1,0 +1,163 @@
+"""A robot whose base is driven by a running Nav2."""
+
+import logging
+import math
+import threading
+from collections.abc import Callable, Sequence
+
+from hypernav.core.actions import Action
+from hypernav.core.errors import Nav2Error
+from hypernav.core.geometry.transforms import Pose2, wrap_angle
+from hypernav.robot.client.robot import Executed, Sensed
+from hypernav.robot.driving.driven_robot import TICK_S
+from hypernav.robot.ros2.config import Ros2Config
+from hypernav.robot.ros2.guarded_output import GuardedOutput
+from hypernav.robot.ros2.nav2.aims import Aims
+from hypernav.robot.ros2.nav2.goals import Nav2Goals
+from hypernav.robot.ros2.nav2.progress import Arrival, Progress
+from hypernav.robot.ros2.network import Ros2Network
+from hypernav.robot.ros2.sensing_robot import SensingRobot
+from hypernav.robot.ros2.sensors import Ros2Sensors
+
+_LOG = logging.getLogger(__name__)
+_STANDS_S = 3.0
+"""Time for which Nav2 is told to stand: it may go on as before until it plans anew."""
+_STRAY_M = 0.5
+"""Length by which Nav2 may go around on one motion; what needs more is for the agent to decide."""
+
+
+class Nav2Robot(SensingRobot):
+    """Makes the motions of a search by goals for Nav2, and judges them by odometry: a `Robot`.
+
+    A step or a turn is a goal at its end. A path is followed by goals on it, each as far ahead as
+    the robot can go straight. The present pose is the goal to stand still, which the guard of all
+    drives gives while images or odometry are not fresh, or the search hangs.
+    """
+
+    def __init__(self, network: Ros2Network, config: Ros2Config, sensors: Ros2Sensors) -> None:
+        """Take over a robot whose Nav2 has no goal.
+
+        Args:
+            network: The robot's network.
+            config: Topics, frames and body, and what counts as reached.
+            sensors: The robot's sensors, which work already.
+
+        Raises:
+            ConfigError: No robot can have their camera.
+            Nav2Error: Nobody takes goals.
+            RosNetworkError: Images are not fresh within the patience.
+        """
+        super().__init__(config, sensors)
+        self._config, self._topic = config.nav2, config.topics.goal_pose
+        goals = Nav2Goals(network, config, sensors)
+        goals.await_reader(config.timing.find_s)
+        self._output = GuardedOutput[Pose2 | None](
+            goals.send,
+            None,
+            is_safe=sensors.is_fresh,
+            is_standing=sensors.is_standing,
+            stands_s=_STANDS_S,
+        )
+        self._stopping = threading.Event()
+        self._has_moved = False
+
+    def close(self) -> None:
+        """Stand still and let others drive."""
+        self._output.close()
+
+    def observe(self) -> Sensed:
+        """Images and pose, taken now."""
+        return self.sense()
+
+    def execute(self, action: Action) -> Executed:
+        """Make a step or a turn."""
+        motion, start = self.embodiment.motion, self.odometry()
+        if action is Action.MOVE_FORWARD:
+            x, y = (
+                here + motion.forward_m * share
+                for here, share in zip(
+                    start.xy, (math.cos(start.yaw), math.sin(start.yaw)), strict=True
+                )
+            )
+            goal = Pose2(x, y, start.yaw)
+        else:
+            turn = math.radians(motion.turn_angle_deg) * (1 if action is Action.TURN_LEFT else -1)
+            goal = Pose2(*start.xy, wrap_angle(start.yaw + turn))
+        arrival = self._arrival(math.radians(self._config.reached_deg))
+        return self._run(lambda _: goal, lambda robot: self._is_at(arrival, goal, robot))
+
+    def follow(
+        self, path: Sequence[tuple[float, float]], until: Callable[[Pose2], bool]
+    ) -> Executed:
+        """Drive along a path, and come back without braking when it is enough."""
+        aims = Aims(path, self._config)
+        end = Pose2(*path[-1], 0.0)
+        arrival = self._arrival(math.pi)  # a path ends at no heading
+        return self._run(aims.at, lambda robot: self._is_at(arrival, end, robot), is_enough=until)
+
+    def stop(self) -> None:
+        """Stand still at once."""
+        self._stopping.set()
+        self._output.halt()
+
+    def _arrival(self, reached_rad: float) -> Arrival:
+        return Arrival(self._config.reached_m, reached_rad)
+
+    def _is_at(self, arrival: Arrival, goal: Pose2, robot: Pose2) -> bool:
+        return arrival.is_at(goal, robot, TICK_S, is_standing=self.sensors.is_standing())
+
+    def _run(
+        self,
+        aim: Callable[[Pose2], Pose2],
+        has_arrived: Callable[[Pose2], bool],
+        *,
+        is_enough: Callable[[Pose2], bool] = lambda _: False,
+    ) -> Executed:
+        """Give goals until a motion is done, blocked or stopped.
+
+        Raises:
+            Nav2Error: The robot has never moved.
+            RosNetworkError: Nothing fresh comes within the patience.
+        """
+        self._stopping.clear()
+        start = self.odometry()
+        farthest_m = start.distance_to(*aim(start).xy) + _STRAY_M
+        progress = Progress(start)
+        while True:
+            self.sensors.wait_for_pair(unless=self._stopping.is_set)
+            if self._stopping.is_set():
+                return self._stand(Executed.STOPPED)
+            robot = self.odometry()
+            if is_enough(robot):
+                return Executed.DONE
+            if has_arrived(robot):
+                return self._stand(Executed.DONE)
+            still_s = progress.still_s(robot, TICK_S)
+            self._has_moved |= progress.has_moved
+            if still_s > self._config.blocked_s:
+                return self._blocked()
+            if start.distance_to(*robot.xy) > farthest_m:
+                _LOG.info("Nav2 goes around by more than %g m; the agent decides anew", _STRAY_M)
+                return self._stand(Executed.BLOCKED)
+            self._output.command(aim(robot))
+            self._stopping.wait(TICK_S)
+
+    def _blocked(self) -> Executed:
+        """Stand before what Nav2 makes no progress to.
+
+        Raises:
+            Nav2Error: It has never made any.
+        """
+        self._stand(Executed.BLOCKED)
+        if not self._has_moved:
+            raise Nav2Error(
+                f"Nav2 has taken goals on '{self._topic}', and the robot has not moved for "
+                f"{self._config.blocked_s:g} s by its odometry (nav2.blocked_s). Are all nodes of "
+                "Nav2 active, is the robot localised, does a goal from RViz move it, and are "
+                "nav2.reached_m and nav2.reached_deg not below the tolerances of its goal checker?"
+            )
+        return Executed.BLOCKED
+
+    def _stand(self, outcome: Executed) -> Executed:
+        self._output.halt()
+        return outcome
