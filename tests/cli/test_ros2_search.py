@@ -1,6 +1,6 @@
 """What people see of a search on ROS 2 may get lost; the search goes on."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from types import SimpleNamespace
 from typing import Any
 
@@ -8,17 +8,19 @@ import numpy as np
 from rich.console import Console
 
 from hypernav.cli.robots import ros2
+from hypernav.cli.views.opening import Views
 from hypernav.core.actions import Action
 from hypernav.core.errors import LinkLostError, RosNetworkError
+from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.grid import OccupancyGrid
-from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.trace import Mode, StepTrace
-from hypernav.evaluation.recorder import EpisodeRecorder
 from hypernav.robot.client.links import HttpServer
 from hypernav.robot.client.robot import Executed, Sensed
 from hypernav.robot.client.robot_client import ClientStep, RobotClient
 from hypernav.robot.wire.replies import Reply, SearchOpened
 
+CAMERA = PinholeCamera.from_hfov(2, 2, 79.0)
 HERE = Pose2(0.0, 0.0, 0.0)
 
 
@@ -54,14 +56,21 @@ class Server(HttpServer):
         return OccupancyGrid(np.ones((1, 1), np.uint8), 0.05, (0.0, 0.0))
 
 
-class Recorder(EpisodeRecorder):
+class Recorder:
     """Notes the steps, and which image each was recorded with."""
 
     def __init__(self) -> None:
         self.noted: list[tuple[int, int | None]] = []
 
-    def record(self, step: StepTrace, grid: OccupancyGrid | None, image: Any) -> None:
-        self.noted.append((step.step, None if image is None else int(image[0, 0, 0])))
+    def add(self, step: StepTrace, grid: OccupancyGrid | None, observation: Any) -> None:
+        image = None if observation is None else int(observation.rgb[0, 0, 0])
+        self.noted.append((step.step, image))
+
+    def finish(self, result: Mapping[str, Any]) -> None:
+        pass
+
+    def close(self) -> None:
+        pass
 
 
 class FullNetwork:
@@ -75,12 +84,13 @@ def test_a_lost_answer_and_a_full_network_end_no_search_and_are_told(caplog):
     recorder = Recorder()
     base: Any = SimpleNamespace(
         odometry=lambda: HERE,
+        observation=lambda sensed: sensed.observation(CAMERA, Transform.identity()),
         sensors=SimpleNamespace(calibration=SimpleNamespace(frame="camera")),
     )
     opened = SearchOpened(id="0" * 32, next_sequence=0, version="", words="")
     status = Console(quiet=True).status("")
     network: Any = FullNetwork()
-    ended = ros2._search(Client(), base, Server(), opened, network, recorder, status)
+    ended = ros2._search(Client(), base, Server(), opened, network, Views([recorder], None), status)
     assert ended == (None, 0.0)
     assert recorder.noted == [(0, 0), (1, None), (2, 2), (3, 3)]
     assert "step 2 is not shown: the answer got lost" in caplog.text

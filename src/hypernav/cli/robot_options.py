@@ -8,6 +8,7 @@ import tyro
 
 from hypernav.build.component_specs import RobotPresetName
 from hypernav.cli.agent_options import AgentOptions, FlatAgentOptions
+from hypernav.cli.views.options import FlatRobotViewOptions, RobotViewOptions
 
 
 @dataclass(frozen=True)
@@ -61,6 +62,8 @@ class Simulate:
     """Single values of these, for example embodiment.camera.width=320."""
     out: Path | None = None
     """Folder of the page about the search; none by default."""
+    views: FlatRobotViewOptions = field(default_factory=RobotViewOptions)
+    """The options that choose views."""
     quiet: bool = False
     """Print errors only."""
 
@@ -130,6 +133,8 @@ class Ros2:
     """Maximum number of observations."""
     out: Path | None = None
     """Folder of the page about the search; none by default."""
+    views: FlatRobotViewOptions = field(default_factory=RobotViewOptions)
+    """The options that choose views."""
     quiet: bool = False
     """Print errors only."""
 
@@ -165,6 +170,8 @@ class Replay:
     """Topic of the colour images' calibration."""
     out: Path | None = None
     """Folder of the results; runs/<time>-<recording> by default."""
+    views: FlatRobotViewOptions = field(default_factory=RobotViewOptions)
+    """The options that choose views."""
     quiet: bool = False
     """Print errors only."""
 

@@ -9,7 +9,6 @@ import threading
 import urllib.request
 
 import pytest
-from rerun.chunk import RrdReader
 from websockets.sync.client import connect
 from websockets.typing import Subprotocol
 
@@ -19,6 +18,7 @@ from hypernav.cli.views import opening
 from hypernav.cli.views.options import ViewOptions
 from hypernav.core.errors import ConfigError
 from mcap_files import counts_of
+from rrd_files import images_in
 
 SMALL = ("--set", "embodiment.camera.width=160", "embodiment.camera.height=120")
 _PROTOCOL = Subprotocol("foxglove.sdk.v1")
@@ -36,12 +36,6 @@ def hypernav(*arguments):
     with pytest.raises(SystemExit) as stop:
         main([str(argument) for argument in arguments])
     return stop.value.code
-
-
-def images_in(path):
-    """Number of camera images in a recording of rerun."""
-    chunks = RrdReader(path).store().stream()
-    return sum(one.num_rows for one in chunks if str(one.entity_path) == "/map/camera/image")
 
 
 @pytest.fixture

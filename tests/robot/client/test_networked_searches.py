@@ -9,6 +9,8 @@ from contextlib import closing, contextmanager
 import numpy as np
 import pytest
 
+from box_scenes import room_glb
+from hypernav.cli.main import main
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.robot.client.links import HttpLink, HttpServer, ServerAddress
 from hypernav.robot.client.robot_client import Patience, RobotClient
@@ -21,7 +23,9 @@ from hypernav.robot.wire.replies import SearchEnding
 from hypernav.robot.wire.requests import OpenSearch
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.worlds.simulation import SimulatedWorld
+from mcap_files import counts_of
 from robot_links import StandIn
+from rrd_files import images_in
 from servers.processes import HYPERNAV, serving_process, simulate
 from servers.robots import TOKEN, real_plan, robot_server
 from small_episodes import episode_from
@@ -148,6 +152,22 @@ def test_without_an_address_a_server_is_started_for_the_search(small_house):
     command += ["--start", "4.0", "-1.0", "180"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
     assert done.returncode == 0, done.stderr
+
+
+def test_a_search_over_the_network_is_recorded_for_the_viewers(tmp_path):
+    glb, out = room_glb(tmp_path / "room.glb"), tmp_path / "out"
+    files = ["--mcap", str(tmp_path / "a.mcap"), "--rrd", str(tmp_path / "a.rrd")]
+    with robot_server(tmp_path / "state", real_plan) as plain:
+        command = simulate(glb, f"http://127.0.0.1:{plain.port}", "--max-steps", "6", *files)
+        words = command[len(HYPERNAV) :]
+        words[words.index("--start") : words.index("--start") + 4] = []
+        for option in ([], ["--out", str(out)]):
+            with pytest.raises(SystemExit) as left:
+                main([*words, *option, "--quiet"])
+            assert left.value.code in (0, 1)
+            counts = counts_of(tmp_path / "a.mcap")
+            assert 0 < counts["/step"] == counts["/camera/image"] == images_in(tmp_path / "a.rrd")
+    assert (out / "trace.jsonl").read_text().count("\n") == counts["/step"]
 
 
 def test_a_server_that_is_not_there_is_an_error_that_names_it(capsys):

@@ -10,6 +10,8 @@ from hypernav.cli.main import main
 from hypernav.core.errors import RecordingError
 from hypernav.robot.recordings.opening import open_recording
 from hypernav.robot.recordings.upright import world_to_map
+from mcap_files import counts_of
+from rrd_files import images_in
 from small_worlds import two_rooms
 
 WRITERS = pytest.mark.parametrize("write", [write_matched_frames, write_tum])
@@ -99,3 +101,18 @@ def test_what_is_broken_is_named(name, content, message, tmp_path):
 def test_a_folder_without_a_recording_says_what_is_expected(tmp_path):
     with pytest.raises(RecordingError, match="TUM"):
         open_recording(tmp_path)
+
+
+def test_a_replay_is_recorded_for_the_viewers_as_a_search_is(tmp_path):
+    (tmp_path / "recording").mkdir()
+    write_matched_frames(tmp_path / "recording")
+    files = ["--mcap", str(tmp_path / "a.mcap"), "--rrd", str(tmp_path / "a.rrd")]
+    arguments = ["robot", "replay", str(tmp_path / "recording"), "--out", str(tmp_path / "out")]
+    with pytest.raises(SystemExit) as left:
+        main([*arguments, *files, "--quiet"])
+    assert left.value.code == 0
+    counts = counts_of(tmp_path / "a.mcap")
+    assert {counts[f"/{name}"] for name in ("step", "map", "camera/image", "camera/points")} == {
+        len(POSES)
+    }
+    assert images_in(tmp_path / "a.rrd") == len(POSES)

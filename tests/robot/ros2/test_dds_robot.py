@@ -19,6 +19,8 @@ from hypernav.robot.ros2.idl_types import OccupancyGrid
 from hypernav.robot.ros2.network import Quality, Ros2Network
 from hypernav.robot.ros2.sensors import Ros2Sensors
 from loopback import DOMAIN, LOOPBACK
+from mcap_files import counts_of
+from rrd_files import images_in
 
 
 @pytest.fixture(autouse=True)
@@ -77,7 +79,8 @@ def test_the_bed_of_a_real_house_is_found_over_dds(small_house, test_data, tmp_p
         maps: list[OccupancyGrid] = []
         rviz.subscribe("/hypernav/map", OccupancyGrid, Quality.LATCHED, maps.append)
         words = [word for value in PATIENT for word in ("--set", value)]
-        command = ["robot", "ros2", "bed", *words, "--detector", detector]
+        files = ["--mcap", str(tmp_path / "a.mcap"), "--rrd", str(tmp_path / "a.rrd")]
+        command = ["robot", "ros2", "bed", *words, "--detector", detector, *files]
         with pytest.raises(SystemExit) as left:
             main([*command, "--out", str(tmp_path), "--quiet"])
         assert left.value.code == 0
@@ -86,3 +89,6 @@ def test_the_bed_of_a_real_house_is_found_over_dds(small_house, test_data, tmp_p
         assert robot.told("state")["goal_m"] < SUCCESS_DISTANCE_M
     assert maps[-1].info.width * maps[-1].info.height == len(maps[-1].data)
     assert len(maps) > 5
+    counts = counts_of(tmp_path / "a.mcap")
+    assert counts["/step"] == result["steps"]
+    assert 5 < counts["/camera/image"] == counts["/camera/points"] == images_in(tmp_path / "a.rrd")

@@ -10,8 +10,10 @@ from PIL import Image
 
 from hypernav.core.embodiment import CameraConfig
 from hypernav.core.errors import WireError
+from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels, Observation
+from hypernav.robot.client.robot import Sensed
 from hypernav.robot.wire.frames import (
     MOST_BODY_BYTES,
     decode_observation,
@@ -159,3 +161,28 @@ def test_broken_images_never_surprise():
         except WireError:
             refused += 1
     assert refused > 100
+
+
+def test_views_show_the_observation_that_the_server_decodes():
+    rgb, depth = images()
+    depth[0, 0] = np.nan
+    rotation = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    mounted = Transform(rotation @ CAMERA.camera_to_base.rotation, np.array([0.1, 0.0, 1.2]))
+    sensed = Sensed(
+        rgb, depth, Pose2(1.0, 0.5, 0.4), 12.5, Pose2(3.0, -2.0, 1.1), mounted, height_m=0.2
+    )
+    a, b, c, d = (tuple(row) for row in mounted.matrix.tolist())
+    facts = ObservationFacts(
+        sequence=7,
+        stamp_s=12.5,
+        base_to_odom=PlanarPose(x=1.0, y=0.5, yaw=0.4, z=0.2),
+        odom_to_map=PlanarPose(x=3.0, y=-2.0, yaw=1.1),
+        camera_to_base=(a, b, c, d),
+    )
+    shown = sensed.observation(CAMERA.intrinsics, CAMERA.camera_to_base)
+    sent = decoded(pack_observation(facts, rgb, depth, jpeg_quality=None, raw_depth=True))
+    assert np.array_equal(shown.rgb, sent.rgb)
+    assert np.array_equal(shown.depth, sent.depth)
+    assert shown.camera == sent.camera
+    assert np.allclose(shown.camera_to_map.matrix, sent.camera_to_map.matrix)
+    assert (*shown.robot.xy, shown.robot.yaw) == pytest.approx((*sent.robot.xy, sent.robot.yaw))

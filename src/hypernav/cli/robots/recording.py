@@ -1,24 +1,34 @@
-"""The page and video of a search that a command drives on a server."""
+"""Page, video and views of a search that a command drives on a server."""
 
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import asdict
 
 from hypernav.cli.robot_options import Ros2, Simulate
+from hypernav.cli.views.opening import Views, opened_views
 from hypernav.evaluation.recorder import EpisodeRecorder
 from hypernav.robot.wire.replies import SearchOpened
+from hypernav.show.video.frame import EpisodeInfo
 
 
-def recording(
-    options: Simulate | Ros2, opened: SearchOpened
-) -> AbstractContextManager[EpisodeRecorder | None]:
-    """The recorder of a search, or nothing where no folder is named."""
-    if options.out is None:
-        return nullcontext()
+@contextmanager
+def recording(options: Simulate | Ros2, opened: SearchOpened) -> Iterator[Views]:
+    """All on which a search is shown: its page where a folder is named, and the views asked for.
+
+    Raises:
+        OutputError: A file cannot be written.
+        ViewError: A viewer does not start.
+    """
     detector, reasoner = opened.detector_and_reasoner
-    return EpisodeRecorder(
-        options.out,
+    info = EpisodeInfo(
         goal=options.goal,
         agent=options.agent or "hypernav",
         detector=detector,
         reasoner=reasoner,
         step_limit=options.max_steps,
     )
+    with ExitStack() as files:
+        recorder = None
+        if options.out is not None:
+            recorder = files.enter_context(EpisodeRecorder(options.out, **asdict(info)))
+        yield files.enter_context(opened_views(options.views.chosen, info, recorder))

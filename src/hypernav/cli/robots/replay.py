@@ -2,6 +2,7 @@
 
 import time
 from contextlib import closing
+from dataclasses import asdict
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.robot_options import Replay
 from hypernav.cli.terminal import Terminal
+from hypernav.cli.views.opening import check_views, opened_views
 from hypernav.core.config import check_option
 from hypernav.core.errors import ConfigError
 from hypernav.core.goal import Goal
@@ -21,6 +23,7 @@ from hypernav.evaluation.recorder import EpisodeRecorder
 from hypernav.robot.recordings.opening import open_recording
 from hypernav.robot.recordings.replay import UprightRecording, replayed
 from hypernav.robot.ros.topics import CameraTopics
+from hypernav.show.video.frame import EpisodeInfo
 
 
 def run(options: Replay) -> int:
@@ -47,6 +50,7 @@ def run(options: Replay) -> int:
     name = options.recording.resolve().name
     folder = options.out or Path("runs") / f"{datetime.now():%Y%m%d-%H%M%S}-{name}"
     check_folder(folder)
+    check_views(options.views.chosen)
     with crash_report(folder):
         return _replay(options, folder)
 
@@ -69,20 +73,25 @@ def _mapped(options: Replay, folder: Path, upright: UprightRecording) -> ExitSta
         if goal is not None:
             parts.check_goal(goal)
             detector = parts.detector_words
-        with EpisodeRecorder(
-            folder,
+        info = EpisodeInfo(
             goal=options.goal or "nothing",
             agent="replay",
             detector=detector,
             reasoner="nothing: the recording is what it is",
             step_limit=len(recording.frames[:: options.every]),
-        ) as recorder:
+        )
+        with (
+            EpisodeRecorder(folder, **asdict(info)) as recorder,
+            opened_views(options.views.chosen, info, recorder) as views,
+        ):
+            views.await_watchers(status)
             sightings = 0
             steps = replayed(upright, parts.agent.components, goal, every=options.every)
             for step in steps:
-                recorder.add(step.trace, step.grid, step.observation)
+                views.add(step.trace, step.grid, step.observation)
                 sightings += any(one.accepted for one in step.trace.detections)
                 status.update(f"frame {step.trace.step + 1}: {escape(step.trace.reason)}")
+                views.keep_pace()
             count = len(recorder.steps)
             result: dict[str, Any] = {
                 "goal": options.goal or "nothing",
@@ -100,7 +109,9 @@ def _mapped(options: Replay, folder: Path, upright: UprightRecording) -> ExitSta
                 "seconds": {"total": round(time.perf_counter() - began, 3)},
                 "config": config.model_dump(mode="json"),
             }
-            recorder.finish(result)
-    console.print(f"replayed {result['detail']}", markup=False, soft_wrap=True)
-    console.print(f"  open {folder / 'index.html'}", markup=False, soft_wrap=True)
+            views.finish(result)
+            status.stop()
+            console.print(f"replayed {result['detail']}", markup=False, soft_wrap=True)
+            console.print(f"  open {folder / 'index.html'}", markup=False, soft_wrap=True)
+            views.stay(console)
     return ExitStatus.SUCCESS

@@ -3,11 +3,7 @@
 import logging
 import uuid
 from collections.abc import Iterator
-from contextlib import (
-    closing,
-    contextmanager,
-    suppress,
-)
+from contextlib import ExitStack, closing, contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
 from rich.markup import escape
@@ -20,6 +16,7 @@ from hypernav.cli.robot_options import Ros2
 from hypernav.cli.robots.own_server import server_at
 from hypernav.cli.robots.recording import recording
 from hypernav.cli.terminal import Terminal
+from hypernav.cli.views.opening import Views, check_views
 from hypernav.core.components.extras import require
 from hypernav.core.config import layered
 from hypernav.core.episode import Outcome
@@ -31,7 +28,6 @@ from hypernav.core.errors import (
     RosNetworkError,
 )
 from hypernav.core.goal import Goal
-from hypernav.evaluation.recorder import EpisodeRecorder
 from hypernav.robot.client.links import HttpLink, HttpServer, ServerAddress
 from hypernav.robot.client.robot_client import RobotClient
 from hypernav.robot.client.stop_listener import StopListener
@@ -39,6 +35,7 @@ from hypernav.robot.wire.replies import SearchEnding, SearchOpened
 from hypernav.robot.wire.requests import Intrinsics, OpenSearch
 
 if TYPE_CHECKING:
+    from hypernav.robot.ros2.config import Ros2Config
     from hypernav.robot.ros2.outputs import Ros2Outputs
     from hypernav.robot.ros2.sensing_robot import SensingRobot
 
@@ -64,24 +61,53 @@ def run(options: Ros2) -> int:
         TopicChoiceError: No topic of the camera fits, or several do.
         RosNetworkError: There is no network, or data doesn't come.
         Nav2Error: Nav2 takes no goals, or never moves the robot.
+        OutputError: A file cannot be written.
+        ViewError: A viewer does not start.
         RobotLinkError: The server can't be reached.
         RequestRefusedError: The server refuses the search.
     """
     require("cyclonedds", extra="ros2")
     from hypernav.robot.ros2.config import Ros2Config
-    from hypernav.robot.ros2.drives import check_drive, opened_drive
-    from hypernav.robot.ros2.network import Ros2Network
-    from hypernav.robot.ros2.outputs import Ros2Outputs
+    from hypernav.robot.ros2.drives import check_drive
 
     check_steps_and_seed(options.max_steps, 0)
     goal = Goal(options.goal)
     if options.out is not None:
         check_folder(options.out)
+    check_views(options.views.chosen)
     if options.server is not None and options.own_server:
         raise ConfigError("--vlm, --detector and --reasoner are options of the server of --server")
     config = layered(Ros2Config(), file=options.config, environment={}, assignments=options.set)
     check_drive(options.drive, config)
     console = Terminal(quiet=options.quiet)
+    with ExitStack() as shown:
+        ending, steps, views = _searched(options, goal, config, console, shown)
+        console.print(f"{goal.text}: {ending or 'stopped'} after {steps} steps", markup=False)
+        views.stay(console)
+    if ending is SearchEnding.MODEL_UNAVAILABLE:
+        return ExitStatus.MODEL_UNAVAILABLE
+    return ExitStatus.SUCCESS if ending is SearchEnding.FOUND else ExitStatus.FAILURE
+
+
+def _searched(
+    options: Ros2, goal: Goal, config: "Ros2Config", console: Terminal, shown: ExitStack
+) -> tuple[SearchEnding | None, int, Views]:
+    """Take the robot over, search, and give it back.
+
+    Args:
+        options: The options.
+        goal: The object to find.
+        config: The configuration, which has been checked.
+        console: Where to tell people.
+        shown: What the views are left to, which are there for longer than the robot is needed.
+
+    Returns:
+        Ending, number of steps, and the views.
+    """
+    from hypernav.robot.ros2.drives import opened_drive
+    from hypernav.robot.ros2.network import Ros2Network
+    from hypernav.robot.ros2.outputs import Ros2Outputs
+
     with (
         console.status("looking for the robot …") as status,
         closing(Ros2Network(config.domain_id)) as network,
@@ -94,11 +120,10 @@ def run(options: Ros2) -> int:
         link = HttpLink(server.address, opened.id)
         client = RobotClient(robot, link, continuous=options.is_continuous)
         outputs = Ros2Outputs(network, config)
-        with (
-            recording(options, opened) as recorder,
-            StopListener(server.address, opened.id, client.stop),
-        ):
-            ending, length_m = _search(client, senses, server, opened, outputs, recorder, status)
+        views = shown.enter_context(recording(options, opened))
+        views.await_watchers(status)
+        with StopListener(server.address, opened.id, client.stop):
+            ending, length_m = _search(client, senses, server, opened, outputs, views, status)
             detector, reasoner = opened.detector_and_reasoner
             result: dict[str, Any] = {
                 "goal": goal.text,
@@ -115,12 +140,8 @@ def run(options: Ros2) -> int:
                 "late_answers": client.watchdog.times_late,
                 "config": config.model_dump(mode="json"),
             }
-            if recorder is not None:
-                recorder.finish(result)
-    console.print(f"{goal.text}: {ending or 'stopped'} after {client.steps} steps", markup=False)
-    if ending is SearchEnding.MODEL_UNAVAILABLE:
-        return ExitStatus.MODEL_UNAVAILABLE
-    return ExitStatus.SUCCESS if ending is SearchEnding.FOUND else ExitStatus.FAILURE
+            views.finish(result)
+    return ending, client.steps, views
 
 
 @contextmanager
@@ -153,7 +174,7 @@ def _search(
     server: HttpServer,
     opened: SearchOpened,
     outputs: "Ros2Outputs",
-    recorder: EpisodeRecorder | None,
+    views: Views,
     status: Status,
 ) -> tuple[SearchEnding | None, float]:
     """Run the search to its end, and publish what the server says about every step.
@@ -173,8 +194,8 @@ def _search(
             for trace in server.trace(opened.id, since=known):
                 grid = server.grid(opened.id)
                 is_present = trace.step == reply.sequence
-                if recorder is not None:  # the images of steps before are gone
-                    recorder.record(trace, grid, sensed.rgb if is_present else None)
+                # The images of steps before are gone.
+                views.add(trace, grid, senses.observation(sensed) if is_present else None)
                 known = trace.step + 1
                 if is_present:
                     frame, at_s = senses.sensors.calibration.frame, sensed.stamp_s

@@ -24,12 +24,13 @@ from hypernav.cli.robot_options import Simulate
 from hypernav.cli.robots.own_server import server_at
 from hypernav.cli.robots.recording import recording
 from hypernav.cli.terminal import Terminal
+from hypernav.cli.views.opening import Views, check_views
 from hypernav.core.config import check_option, layered
+from hypernav.core.embodiment import Embodiment
 from hypernav.core.episode import Episode, Outcome
 from hypernav.core.errors import RequestRefusedError, RobotLinkError
 from hypernav.core.goal import Goal
 from hypernav.core.metrics import SUCCESS_DISTANCE_M, EpisodeMetrics, measure
-from hypernav.evaluation.recorder import EpisodeRecorder
 from hypernav.robot.client.links import HttpLink, HttpServer, Link, ServerAddress
 from hypernav.robot.client.robot_client import RobotClient
 from hypernav.robot.client.stop_listener import StopListener
@@ -71,6 +72,7 @@ def run(options: Simulate) -> int:
     goal, faults, mishaps = Goal(options.goal), _faults(options), _mishaps(options)
     if options.out is not None:
         check_folder(options.out)
+    check_views(options.views.chosen)
     config = layered(HyPerNavConfig(), file=options.config, assignments=options.set)
     console = Terminal(quiet=options.quiet)
     with (
@@ -99,10 +101,11 @@ def run(options: Simulate) -> int:
         shortest_m = region.distance(*base.position)
         try:
             with (
-                recording(options, opened) as recorder,
+                recording(options, opened) as views,
                 StopListener(server.address, opened.id, client.stop),
             ):
-                ending = _search(client, server, opened, recorder, status)
+                views.await_watchers(status)
+                ending = _search(client, config.embodiment, server, opened, views, status)
                 metrics = measure(
                     stopped=ending is SearchEnding.FOUND,
                     distance_to_goal_m=region.distance(*base.position),
@@ -125,12 +128,13 @@ def run(options: Simulate) -> int:
                     **_mishap_numbers(base, client, link),
                     "config": config.model_dump(mode="json"),
                 }
-                if recorder is not None:
-                    recorder.finish(result)
+                views.finish(result)
+                status.stop()
+                _say(console, options, result)
+                views.stay(console)
         finally:
             with suppress(RobotLinkError, RequestRefusedError):
                 server.close_search(opened.id)
-    _say(console, options, result)
     if ending is SearchEnding.MODEL_UNAVAILABLE:
         return ExitStatus.MODEL_UNAVAILABLE
     return ExitStatus.SUCCESS if metrics.success else ExitStatus.FAILURE
@@ -138,20 +142,24 @@ def run(options: Simulate) -> int:
 
 def _search(
     client: RobotClient,
+    embodiment: Embodiment,
     server: HttpServer,
     opened: SearchOpened,
-    recorder: EpisodeRecorder | None,
+    views: Views,
     status: Status,
 ) -> SearchEnding | None:
     """Run the search to its end, and record what the server says about every step."""
-    ending = None
+    ending, known, camera = None, 0, embodiment.camera
     for step in client:
         reply = step.reply
         ending = reply.ending
         status.update(escape(f"step {reply.sequence + 1} · {reply.mode} · {reply.reason}"))
-        if recorder is not None:
-            for trace in server.trace(opened.id, since=len(recorder.steps)):
-                recorder.record(trace, server.grid(opened.id), step.sensed.rgb)
+        if views.are_open:
+            seen = step.sensed.observation(camera.intrinsics, camera.camera_to_base)
+            for trace in server.trace(opened.id, since=known):
+                views.add(trace, server.grid(opened.id), seen)
+                known = trace.step + 1
+            views.keep_pace()
     return ending
 
 

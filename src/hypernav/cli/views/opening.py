@@ -57,6 +57,7 @@ class Views:
 
     Attributes:
         watched: Those of them that somebody connects to.
+        are_open: Whether there are any.
     """
 
     def __init__(self, views: Sequence[View], pace: float | None) -> None:
@@ -67,6 +68,7 @@ class Views:
             pace: Largest number of steps a second; None chooses one for whoever watches.
         """
         self._views = views
+        self.are_open = bool(views)
         self.watched = [view for view in views if isinstance(view, WatchedView)]
         pace = pace or (_PACE_TO_WATCH if self.watched else None)
         self._step_s = 0.0 if pace is None else 1.0 / pace
@@ -122,16 +124,17 @@ class Views:
 
 
 @contextmanager
-def opened_views(options: ViewOptions, info: EpisodeInfo, recorder: View) -> Iterator[Views]:
+def opened_views(options: ViewOptions, info: EpisodeInfo, recorder: View | None) -> Iterator[Views]:
     """Open the views that the options ask for, and close them at the end of the block.
 
     Args:
         options: The options, which `check_views` has looked at.
         info: Goal and components of the search.
-        recorder: The view that every search has, its page and video; the caller closes it.
+        recorder: The view that a search has anyway, its page and video, which the caller closes;
+            None for one without.
     """
     with ExitStack() as opened:
-        views = [recorder]
+        views = [] if recorder is None else [recorder]
 
         def open_view(view: View) -> None:
             views.append(opened.enter_context(closing(view)))

@@ -23,4 +23,25 @@ class ViewOptions:
     limit."""
 
 
+@dataclass(frozen=True)
+class RobotViewOptions:
+    """Where to show what a robot does beside its page and video; the server's page is there anyway.
+
+    They are those of `ViewOptions` that say nothing about the pace, which is the robot's own.
+    """
+
+    view: Literal["rerun", "foxglove"] | None = None
+    """Watch it as it goes: rerun, in its viewer; foxglove, at a WebSocket."""
+    rrd: Path | None = None
+    """File to record it in for rerun."""
+    mcap: Path | None = None
+    """File to record it in for Foxglove and other readers of MCAP."""
+
+    @property
+    def chosen(self) -> ViewOptions:
+        """The same among the options of all views."""
+        return ViewOptions(view=self.view, rrd=self.rrd, mcap=self.mcap)
+
+
+FlatRobotViewOptions = Annotated[RobotViewOptions, tyro.conf.arg(name="")]
 FlatViewOptions = Annotated[ViewOptions, tyro.conf.arg(name="")]

@@ -10,8 +10,10 @@ from jaxtyping import Float32, UInt8
 
 from hypernav.core.actions import Action
 from hypernav.core.embodiment import Embodiment
+from hypernav.core.geometry.camera import PinholeCamera
+from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.transforms import Pose2, Transform
-from hypernav.core.observation import LabelledPixels
+from hypernav.core.observation import LabelledPixels, Observation
 
 _ORIGIN = Pose2(0.0, 0.0, 0.0)
 
@@ -42,6 +44,25 @@ class Sensed:
     camera_to_base: Transform | None = None
     height_m: float = 0.0
     truth: LabelledPixels | None = None
+
+    def observation(self, camera: PinholeCamera, camera_to_base: Transform) -> Observation:
+        """The same as an agent takes it.
+
+        Args:
+            camera: Camera of the images.
+            camera_to_base: Pose of the camera on the robot, unless it was sensed, too.
+        """
+        base_to_odom = self.odometry.to_transform(self.height_m)
+        base_to_map = self.odom_to_map.to_transform() @ base_to_odom
+        x, y, _ = base_to_map.translation.tolist()
+        return Observation(
+            rgb=self.rgb,
+            depth=np.where(is_measured(self.depth), self.depth, np.float32(0.0)),
+            camera=camera,
+            camera_to_map=base_to_map @ (self.camera_to_base or camera_to_base),
+            robot=Pose2(x, y, base_to_map.yaw),
+            truth=self.truth,
+        )
 
 
 class Executed(StrEnum):

@@ -12,6 +12,7 @@ from hypernav.core.errors import ConfigError
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.transforms import Pose2, Transform
+from hypernav.core.observation import Observation
 from hypernav.robot.client.robot import Sensed
 from hypernav.robot.ros.images import colour_of, depth_of
 from hypernav.robot.ros2.config import Ros2Config
@@ -74,6 +75,10 @@ class SensingRobot:
     def odometry(self) -> Pose2:
         """Pose in the frame of the odometry, now."""
         return self.sensors.odometry()
+
+    def observation(self, sensed: Sensed) -> Observation:
+        """What was sensed, as an agent takes it."""
+        return sensed.observation(self.camera, self._embodiment.camera.camera_to_base)
 
     def depth_of(self, pair: ImagePair) -> Float32[np.ndarray, "height width"]:
         """All depth of a pair of images, metres, without distortion.
