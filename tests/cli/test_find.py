@@ -6,6 +6,8 @@ import pytest
 
 from box_scenes import room_glb
 from hypernav.cli.main import main
+from hypernav.cli.warnings_shown import no_such_object_line
+from hypernav.core.goal import Goal
 
 SMALL = ("--set", "embodiment.camera.width=160", "embodiment.camera.height=120")
 
@@ -76,7 +78,10 @@ def test_screen_result_and_page_say_what_stands_in_for_the_papers_segmenter(glb,
         (["find", "bed", "--start", "1", "a", "2"], "--start: expected FLOAT, got '1', 'a', '2'"),
         (["find", "bed", "--seed", "x"], "with base 10: 'x'; see hypernav find --help"),
         (["fnd", "bed"], "find"),
-        (["find"], "required"),
+        (["find"], "missing: The object to find"),
+        (["find", "potted", "plant"], 'one name go in quotes, as in "potted plant"'),
+        (["find", "bed", "--scene", "house:7"], "did you mean 'houses:7'?"),
+        (["find", "bed", "--scene", "bultin"], "did you mean 'builtin'?"),
     ],
 )
 def test_bad_input_is_one_line_with_the_remedy(arguments, words, capsys):
@@ -85,6 +90,21 @@ def test_bad_input_is_one_line_with_the_remedy(arguments, words, capsys):
     assert words in said
     assert said.count("\n") == 1
     assert said.startswith("hypernav: ")
+
+
+@pytest.mark.parametrize(
+    ("goal", "words"),
+    [("bedd", "to 'bedd'; did you mean 'bed'?"), ("zeppelin", "to 'zeppelin'; it holds ")],
+)
+def test_a_goal_that_the_building_does_not_hold_is_said_before_the_search(
+    goal, words, glb, tmp_path, capsys
+):
+    hypernav("find", goal, "--scene", glb, "--out", tmp_path, "--max-steps", 1)
+    assert words in capsys.readouterr().err.splitlines()[0]
+
+
+def test_a_building_without_names_is_told_how_to_get_some():
+    assert "objects.json" in no_such_object_line(Goal("bed"), [])
 
 
 def test_a_start_inside_a_wall_names_a_better_one(glb, tmp_path, capsys):

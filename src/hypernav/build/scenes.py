@@ -1,5 +1,6 @@
 """Construction of scenes by name."""
 
+import difflib
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -36,7 +37,13 @@ def load_scene(spec: str) -> Scene:
     Raises:
         SceneError: The file cannot be used, or there is no such building.
     """
-    if not SCENES.knows(spec.partition(":")[0]):
+    name, colon, number = spec.partition(":")
+    if not SCENES.knows(name):
+        close = difflib.get_close_matches(name, SCENES.names, n=1)
+        if close and not Path(spec).suffix and not Path(spec).exists():
+            raise SceneError(
+                f"there is no scene '{spec:.40}'; did you mean '{close[0]}{colon}{number:.20}'?"
+            )
         return open_scene(Path(spec))
     choice = SCENES.find(spec)
     return choice.load()(*choice.arguments)

@@ -37,6 +37,8 @@ _BOX = re.compile(r"[\u2500-\u257f]+|(?<!\S)-{3,}(?!\S)")
 _KIND_OF_ERROR = re.compile(
     r"^(Value error Error parsing|(Invalid|Missing|Required|Unrecognized) \w+) (?=[-\w])"
 )
+_MISSING = re.compile(r"^Missing from hypernav [\w -]+: [A-Z]+ (.*?)\.? \(required\)")
+_UNQUOTED = re.compile(r"^Unrecognized options: (?!-)")
 _NO_TYPE = re.compile(
     r"no type matching (?:\{None\}\|)?[{\[]*(\w+).*? could be instantiated from \[(.*?)\]"
 )
@@ -92,7 +94,10 @@ def _parse(name: str, arguments: list[str]) -> Any:
 def _plain(said: str) -> str:
     """An error of tyro in one line, without its names of types and its help."""
     line = " ".join(_BOX.sub(" ", said).split())
-    return _NO_TYPE.sub(r"expected \1, got \2", _KIND_OF_ERROR.sub("", _ITS_HELP.sub("", line)))
+    line = _KIND_OF_ERROR.sub("", _ITS_HELP.sub("", line))
+    if _UNQUOTED.match(line):
+        line += '; several words that are one name go in quotes, as in "potted plant"'
+    return _NO_TYPE.sub(r"expected \1, got \2", _MISSING.sub(r"missing: \1", line))
 
 
 def _help() -> NoReturn:

@@ -22,7 +22,11 @@ from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.terminal import Terminal
 from hypernav.cli.views.opening import Views, check_views, opened_views
-from hypernav.cli.warnings_shown import unusable_answers_line, warnings_on
+from hypernav.cli.warnings_shown import (
+    no_such_object_line,
+    unusable_answers_line,
+    warnings_on,
+)
 from hypernav.core.config import check_option
 from hypernav.core.episode import MAX_STEPS, Episode, Outcome
 from hypernav.core.errors import ConfigError, ModelSetupError, OutputError
@@ -91,6 +95,9 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
         start = start_pose(options.start, world, goal, rng)
         episode = Episode(options.scene, "", goal, start, max_steps=steps)
         search = EpisodeRun(parts.agent, world, episode, rng=rng, told=parts.truth)
+        if not search.trial.holds_goal:
+            labels = [one.label for one in world.instances if one.label is not None]
+            console.print(no_such_object_line(goal, labels), soft_wrap=True)
         info = EpisodeInfo(
             goal=goal.text,
             agent=options.who.name,
@@ -122,7 +129,7 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
                 stopped_by = stopped_by or unwritten
                 status.stop()
                 if not isinstance(stopped_by, ModelSetupError):
-                    _say(console, goal, outcome, folder, holds_goal=search.trial.holds_goal)
+                    _say(console, goal, outcome, folder)
                     _warn(console, outcome, recorder)
             if not isinstance(stopped_by, Terminated | ModelSetupError):
                 views.stay(console)
@@ -192,15 +199,9 @@ def _warn(console: Console, result: EpisodeResult, recorder: EpisodeRecorder) ->
         console.print(line, soft_wrap=True)
 
 
-def _say(
-    console: Console, goal: Goal, result: EpisodeResult, folder: Path, *, holds_goal: bool
-) -> None:
+def _say(console: Console, goal: Goal, result: EpisodeResult, folder: Path) -> None:
     metrics = result.metrics
     console.print(OUTCOME_WORDS[result.outcome].format(goal=escape(goal.thing)))
-    if not holds_goal:
-        console.print(
-            f"  nothing in this building answers to '{escape(goal.text)}'", soft_wrap=True
-        )
     if result.detail:
         console.print(f"  {escape(result.detail)}", soft_wrap=True)
     lengths = [f"{metrics.path_length_m:.1f} m driven"]

@@ -40,7 +40,8 @@ def server_at(url: str | None, options: Sequence[str] = ()) -> Iterator[str]:
                     drain.start()
                     yield match[1]
                     return
-            raise RobotLinkError(f"hypernav serve did not start: {said.strip()[-300:]}")
+            reason = said.strip().removeprefix("hypernav: ")
+            raise RobotLinkError(f"hypernav serve did not start: {reason[-300:]}")
         finally:
             server.terminate()
             server.wait()

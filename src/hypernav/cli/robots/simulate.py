@@ -253,12 +253,14 @@ def _say(console: Terminal, options: Simulate, result: dict[str, Any]) -> None:
         f"  {result['steps']} steps, {result['path_length_m']:.1f} m driven "
         f"({result['odometry_length_m']:.1f} m by odometry), shortest "
         f"{result['shortest_path_m']:.1f} m, SPL {result['spl']:.2f}, "
-        f"{result['robot_seconds']:.0f} s of driving"
+        f"{result['robot_seconds']:.0f} s of driving",
+        soft_wrap=True,
     )
     console.print(
         f"  {result['messages_lost']} messages lost, {result['observations_doubled']} doubled, "
         f"{result['observations_reordered']} reordered, {result['sent_again']} sent again; "
-        f"{result['blocked']} motions blocked"
+        f"{result['blocked']} motions blocked",
+        soft_wrap=True,
     )
     if options.person:
         console.print(

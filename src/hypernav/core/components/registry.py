@@ -131,6 +131,11 @@ class Registry(Generic[T]):
         return [entry.full_form for entry in self._entries.values()]
 
     @property
+    def names(self) -> list[str]:
+        """Names of everything built in or from an installed package."""
+        return [*self._entries, *(point.name for point in entry_points(group=self.group))]
+
+    @property
     def sections(self) -> set[str]:
         """Sections of the configuration that are for components built in."""
         return {entry.section for entry in self._entries.values() if entry.section}
@@ -197,7 +202,7 @@ class Registry(Generic[T]):
         return arguments
 
     def _advice(self, name: str) -> str:
-        names = [*self._entries, *(point.name for point in entry_points(group=self.group))]
+        names = self.names
         close = difflib.get_close_matches(name, names, n=1)
         hint = f"did you mean '{close[0]}'? " if close else ""
         installed = [name for name in names if name not in self._entries]

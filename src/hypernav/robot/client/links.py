@@ -245,7 +245,9 @@ class HttpServer:
             self.close()
             if was_open and isinstance(error, _CLOSED_MEANWHILE):
                 return self._request(method, path, body, timeout_s=timeout_s, kind=kind)
-            raise LinkLostError(f"{self.address}: {error or type(error).__name__}") from error
+            hint = "; is hypernav serve running there?" * isinstance(error, ConnectionRefusedError)
+            reason = error or type(error).__name__
+            raise LinkLostError(f"{self.address}: {reason}{hint}") from error
         if response.status >= 400:
             raise refused(response.status, content)
         return content
