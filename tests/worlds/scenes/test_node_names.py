@@ -19,6 +19,8 @@ from hypernav.worlds.scenes.node_names import category_of, is_structural, words_
         ("floor-lamp.001", "floor lamp"),
         ("Toilet.fbx", "toilet"),
         ("TV", "tv"),
+        ("cabinet_lower_left", "cabinet lower left"),
+        ("wall_clock_kitchen", "wall clock kitchen"),
     ],
 )
 def test_names_become_words(name: str, category: str) -> None:
@@ -38,6 +40,9 @@ def test_names_become_words(name: str, category: str) -> None:
         "window-frame",
         "walls",
         "Roof",
+        "wall_north",
+        "WallOuterLeft_02",
+        "floor_kitchen",
     ],
 )
 def test_the_building_itself_has_no_category(name: str) -> None:

@@ -33,6 +33,13 @@ _STRUCTURAL = frozenset(
     stairs staircase railing structure shell architecture
     """.split()  # noqa: SIM905
 )
+_SIDES = frozenset(
+    """
+    north south east west left right front back rear inner outer inside outside interior exterior
+    upper lower top bottom kitchen bathroom bedroom hall hallway corridor
+    """.split()  # noqa: SIM905
+)
+"""Words after the name of a part of the building that say which one it is."""
 _STRUCTURAL_PAIRS = frozenset(
     {"door frame", "window frame", "skirting board", "crown molding", "door jamb", "wall panel"}
 )
@@ -60,8 +67,13 @@ def is_meaningful(name: str) -> bool:
 
 
 def is_structural(name: str) -> bool:
-    """Whether a name means the building itself: ``RoomWall_01`` does, ``wall clock`` does not."""
-    words = words_of(name)
+    """Whether a name means the building itself.
+
+    ``RoomWall_01`` and ``wall_north`` do, ``wall clock`` does not.
+    """
+    words = list(words_of(name))
+    while len(words) > 1 and words[-1] in _SIDES:
+        words.pop()
     if not words:
         return False
     return words[-1] in _STRUCTURAL or " ".join(words[-2:]) in _STRUCTURAL_PAIRS
