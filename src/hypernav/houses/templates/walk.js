@@ -253,6 +253,7 @@
     const scale = Math.min(devicePixelRatio, 2);
     canvas.width = Math.round(eye.clientWidth * scale);
     canvas.height = Math.round(eye.clientHeight * scale);
+    if (canvas.height === 0) return; // not laid out, as while the page is left
     const reach = 9 * unit;
     const [x, y] = [reach * Math.cos(halfField()), reach * Math.sin(halfField())];
     sight.setAttribute("d", `M0 0L${x} ${-y}A${reach} ${reach} 0 0 1 ${x} ${y}Z`);
