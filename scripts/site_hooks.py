@@ -17,8 +17,6 @@ _SPOKEN = {
     "<th></th>": "<td></td>",
 }
 """What the theme leaves without a name, and what is put there."""
-_IMAGE = re.compile(r'^<img src="(.+?)" alt="(.+?)" width="(\d+)">$', re.MULTILINE)
-"""An image of a set width, which elsewhere than on the site only HTML can say."""
 _HELP = re.compile(r"^<!-- help: (.+?) -->$", re.MULTILINE)
 _EXAMPLE = re.compile(r"\]\(((?:\.\./)+)(?=examples/)")
 
@@ -32,8 +30,7 @@ def on_files(files: Files, config: Any) -> Files:
 
 
 def on_page_markdown(markdown: str, **_: Any) -> str:
-    """Put in the help, and lead images and links to where the site has them."""
-    markdown = _IMAGE.sub(r'![\2](\1){ width="\3" }', markdown)
+    """Put in the help, and lead links out of ``docs/`` to the copies of the examples."""
     markdown = _EXAMPLE.sub(lambda link: f"]({link[1].removeprefix('../')}", markdown)
     return _HELP.sub(lambda asked: f"```text\n{_help(asked[1])}\n```", markdown)
 
