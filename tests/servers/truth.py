@@ -37,6 +37,7 @@ from hypernav.perception.local.vlm_detector import VlmDetector
 from hypernav.perception.values.chat_scorer import ChatScorer
 from hypernav.perception.values.truth_scorer import chance_in_view
 from hypernav.worlds.simulation import SimulatedWorld
+from hypernav.worlds.surface.goal_regions import GoalRegion
 from servers.scripted import Asked
 
 
@@ -76,9 +77,11 @@ class Truth:
     arrows: tuple[ArrowView, Goal] | None = None
     guided: tuple[GuideView, Goal] | None = None
     scored: tuple[Observation, Goal] | None = None
+    region: GoalRegion | None = None
 
     def forget(self) -> None:
         """Forget what was seen: another search begins."""
+        self.region = None
         self.observations.clear()
         self.overviews.clear()
         self.crops.clear()
@@ -104,13 +107,20 @@ class Truth:
         """Length of the shortest path from a position to the goal."""
         assert self.world is not None
         x, y, _ = self.world.map_to_scene.apply(np.array([[*position, 0.0]]))[0]
-        return self.world.goal_truth(goal).distance(float(x), float(y))
+        return self._region_of(goal).distance(float(x), float(y))
 
     def left_here_m(self, goal: Goal) -> float:
         """Length of the shortest path from where the robot is to the goal."""
         assert self.world is not None
         x, y, _ = self.world.position
-        return self.world.goal_truth(goal).distance(x, y)
+        return self._region_of(goal).distance(x, y)
+
+    def _region_of(self, goal: Goal) -> GoalRegion:
+        """Where the goal is reached; its distances are computed once in a search."""
+        assert self.world is not None
+        if self.region is None or self.region.goal != goal:
+            self.region = self.world.goal_truth(goal)
+        return self.region
 
 
 def _small(image: np.ndarray) -> np.ndarray:
