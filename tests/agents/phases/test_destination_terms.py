@@ -163,7 +163,7 @@ def test_the_same_answer_again_does_not_renew_patience():
         SearchConfig(**stuck),
     )
     events = []
-    for _ in range(8):  # the robot never moves
+    for _ in range(40):  # the robot never moves, whatever is planned
         frame = Observation(
             rgb=np.zeros((3, 4, 3), dtype=np.uint8),
             depth=np.zeros((3, 4), dtype=np.float32),
