@@ -77,7 +77,7 @@ def test_a_goal_beyond_the_depth_camera_gives_no_area_and_says_why():
 def test_a_rejected_area_is_remembered():
     local = perception()
     local.look(thing_before_wall())
-    local.reject_target()
+    local.belief.reject()
     (record,) = local.look(thing_before_wall(robot=Pose2(0.3, 0.1, 0.0), thing_m=1.7))
     assert local.target is None
     assert record.reason == "rejected before"
@@ -89,7 +89,7 @@ def test_a_rejected_area_is_remembered():
 def test_a_rejection_may_be_for_now_only():
     local = perception(rejected_for_looks=3)
     local.look(thing_before_wall())
-    local.reject_target()
+    local.belief.reject()
     for _ in range(3):
         (record,) = local.look(thing_before_wall())
         assert record.reason == "rejected before"
@@ -110,23 +110,23 @@ def looks_until_believed(local, step_m, most=40):
 def test_a_rejected_target_comes_back_after_enough_images_and_later_only_after_more():
     local = perception(min_verdicts=3)
     local.look(thing_before_wall())
-    local.reject_target()
+    local.belief.reject()
     assert looks_until_believed(local, 0.5) == 3
-    local.reject_target()
+    local.belief.reject()
     assert looks_until_believed(local, 0.5) == 6
 
 
 def test_images_from_one_position_bring_nothing_back():
     local = perception(min_verdicts=3)
     local.look(thing_before_wall())
-    local.reject_target()
+    local.belief.reject()
     assert looks_until_believed(local, 0.0) is None
 
 
 def test_low_scores_bring_nothing_back():
     local = perception(ScriptedDetector([seen()] + [[replace(seen()[0], score=0.4)]] * 40))
     local.look(thing_before_wall())
-    local.reject_target()
+    local.belief.reject()
     assert looks_until_believed(local, 0.5) is None
 
 
@@ -134,7 +134,7 @@ def test_low_scores_bring_nothing_back():
 def test_what_was_denied_for_good_or_is_not_to_be_believed_again_stays_rejected(options):
     local = perception(min_verdicts=3, believe_again=bool(options))
     local.look(thing_before_wall())
-    local.reject_target(**options)
+    local.belief.reject(**options)
     assert looks_until_believed(local, 0.5) is None
 
 
@@ -143,11 +143,11 @@ def test_one_image_that_misses_the_target_outweighs_a_doubtful_sighting_only(sco
     sighting = [replace(seen()[0], score=score)]
     local = perception(ScriptedDetector([sighting, [], sighting]))
     local.look(thing_before_wall())
-    assert not local.is_missed
+    assert not local.belief.is_missed
     local.look(thing_before_wall())
-    assert local.is_missed == is_missed
+    assert local.belief.is_missed == is_missed
     local.look(thing_before_wall())
-    assert not local.is_missed
+    assert not local.belief.is_missed
 
 
 def test_every_rejected_target_is_reconsidered_once_the_most_likely_first():
@@ -155,20 +155,20 @@ def test_every_rejected_target_is_reconsidered_once_the_most_likely_first():
     local = perception(ScriptedDetector([[replace(seen()[0], score=s)] for s in (0.5, 0.7)]))
     for view in views:
         local.look(view)
-        local.reject_target()
+        local.belief.reject()
     for score in (0.7, 0.5):
-        assert local.reconsider()
+        assert local.belief.reconsider()
         assert certain(local.target).mean_score == score
-        local.reject_target()
-    assert not local.reconsider()
+        local.belief.reject()
+    assert not local.belief.reconsider()
     assert local.target is None
 
 
 def test_what_was_denied_for_good_is_not_reconsidered():
     local = perception()
     local.look(thing_before_wall())
-    local.reject_target(for_good=True)
-    assert not local.reconsider()
+    local.belief.reject(for_good=True)
+    assert not local.belief.reconsider()
 
 
 @pytest.mark.parametrize("keeps", [True, False])
@@ -301,7 +301,7 @@ def test_a_new_search_knows_of_no_far_sighting():
 def test_a_far_sighting_behind_a_rejected_area_is_not_followed():
     local = perception()
     local.look(thing_before_wall(thing_m=2.0))
-    local.reject_target()
+    local.belief.reject()
     local.look(thing_before_wall(thing_m=7.0, wall_m=9.0, robot=Pose2(-5.0, 0.0, 0.0)))
     assert local.far_position is None
 
@@ -311,10 +311,10 @@ def test_uncertain_detections_do_not_convince():
     local = perception(ScriptedDetector([faint, faint, seen()]), min_mean_score=0.45)
     local.look(thing_before_wall())
     local.look(thing_before_wall())
-    assert not local.is_convincing
+    assert not local.belief.is_convincing
     local.look(thing_before_wall())
     assert certain(local.target).mean_score == pytest.approx((0.31 + 0.31 + 0.9) / 3)
-    assert local.is_convincing
+    assert local.belief.is_convincing
 
 
 def rival(score, box=(58.0, 42.0, 102.0, 80.0)):
@@ -326,8 +326,8 @@ def test_a_target_that_looks_more_like_something_else_is_dropped():
     local = perception(ScriptedDetector([list(doubtful) for _ in range(4)]), min_verdicts=4)
     for _ in range(3):
         local.look(thing_before_wall())
-        assert not local.is_convincing
-        assert local.is_contradicted
+        assert not local.belief.is_convincing
+        assert local.belief.is_contradicted
     local.look(thing_before_wall())
     assert local.target is None
 
@@ -336,8 +336,8 @@ def test_a_weaker_rival_does_no_harm():
     local = perception(ScriptedDetector([[*seen(), rival(0.4)] for _ in range(6)]))
     for _ in range(6):
         local.look(thing_before_wall())
-    assert local.is_convincing
-    assert not local.is_contradicted
+    assert local.belief.is_convincing
+    assert not local.belief.is_contradicted
 
 
 @pytest.mark.parametrize(
@@ -359,17 +359,17 @@ def test_rivals_are_not_weighed_in_the_paper_s_way():
     local = perception(ScriptedDetector([[*seen(), rival(0.95)]] * 5), weigh_rivals=False)
     for _ in range(5):
         local.look(thing_before_wall())
-    assert local.is_convincing
+    assert local.belief.is_convincing
 
 
 def test_only_uncertain_targets_need_a_second_look_and_only_one():
     local = perception(sure_score=0.75)
     local.look(thing_before_wall())  # ground truth is certain
-    assert not local.needs_second_look
+    assert not local.belief.needs_second_look
     faint = [Detection(Box(60.0, 40.0, 100.0, 80.0), 0.6, "bed")]
     local = perception(ScriptedDetector([faint, faint]), sure_score=0.75)
     local.look(thing_before_wall())
-    assert local.needs_second_look
-    local.confirm_target()
+    assert local.belief.needs_second_look
+    local.belief.confirm()
     local.look(thing_before_wall())
-    assert not local.needs_second_look
+    assert not local.belief.needs_second_look

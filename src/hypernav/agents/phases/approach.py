@@ -98,7 +98,7 @@ class Approach:
                 return Decision(action, Mode.APPROACH, reason, self._navigator.remaining(robot))
             if config.local_first and (action is not None or not leads_there):
                 step.events.append("goal area given up for now")
-                self._local.reject_target()
+                self._local.belief.reject()
                 self.forget()
                 return PhaseName.LOOK_AROUND
             if left_m > _CLOSE_BY_M and not self.as_near_as_possible:

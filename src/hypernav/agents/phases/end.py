@@ -64,7 +64,7 @@ class End:
             self._look_around.begin()
             reason = "nothing is left to explore, looking once more"
             return Decision(Action.TURN_LEFT, Mode.LOOK_AROUND, reason)
-        if self._local.reconsider():
+        if self._local.belief.reconsider():
             self._approach.forget()
             step.events.append("rejected goal area reconsidered")
             reason = (

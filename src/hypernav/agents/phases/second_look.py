@@ -96,10 +96,10 @@ class SecondLook:
             return Decision(turn, Mode.VERIFY, reason, self._navigator.remaining(robot))
         self.cancel()
         self._approach.forget()
-        is_missed = self._local.is_missed and self._config.second_look_must_see
-        if is_missed or self._local.is_contradicted:
+        is_missed = self._local.belief.is_missed and self._config.second_look_must_see
+        if is_missed or self._local.belief.is_contradicted:
             step.events.append("goal area rejected")
-            self._local.reject_target()
+            self._local.belief.reject()
             return PhaseName.LOOK_AROUND
-        self._local.confirm_target()
+        self._local.belief.confirm()
         return PhaseName.APPROACH

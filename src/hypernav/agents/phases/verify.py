@@ -54,11 +54,11 @@ class Verify:
         if self._config.face_target and turn is not None:
             reason = f"turning to face the {self._goal.thing}"
             return Decision(turn, Mode.VERIFY, reason, self._navigator.remaining(step.robot))
-        if self._config.see_before_stop and self._local.bar_position(step.observation):
+        if self._config.see_before_stop and self._local.belief.bar_position(step.observation):
             step.events.append("goal area not in sight from here")
             self._approach.forget()
             return PhaseName.APPROACH
-        if self._local.needs_second_look and self._second_look.begin(step, target):
+        if self._local.belief.needs_second_look and self._second_look.begin(step, target):
             return PhaseName.SECOND_LOOK
         with step.clock("verify"):
             present = self._is_present(step, target)
@@ -67,12 +67,12 @@ class Verify:
             reason = f"here is the {self._goal.thing}"
             return Decision(Action.STOP, Mode.STOP, reason, ending=Ending.FOUND)
         step.events.append("goal area rejected")
-        self._local.reject_target(for_good=self._local.is_convincing)
+        self._local.belief.reject(for_good=self._local.belief.is_convincing)
         self._approach.forget()
         return PhaseName.LOOK_AROUND
 
     def _is_present(self, step: Step, target: Target) -> bool:
-        if not self._local.is_convincing:
+        if not self._local.belief.is_convincing:
             return False
         best = self._config.verify_view == "best"
         view = target.best_view if best else step.observation
