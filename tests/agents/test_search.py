@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from box_scenes import room_boxes, scene_of
+from hypernav.agents.phases import approach
 from hypernav.build.agents import build_search
 from hypernav.build.component_specs import PresetName
 from hypernav.core.actions import Action
@@ -170,10 +171,19 @@ def test_it_stops_in_the_goal_area_and_not_half_a_step_before_it():
     assert max(bed_gap_m(x, enter_fully=False) for x in starts) > reach_m
 
 
-def test_who_gets_nowhere_far_from_the_goal_explores_before_trying_again():
-    impatient = {"patience_steps": 0, "endurance_steps": 3, "least_unseen_m2": None}
-    unplanned = {"steering": "waypoint"}  # patience lasts as long as a planned sequence
-    steps, _ = run(search(search=impatient, planning=unplanned), "bed")
+def test_who_gets_nowhere_far_from_the_goal_explores_before_trying_again(monkeypatch):
+    class WearsOutOnce:
+        asked = 0
+
+        def reset(self):
+            pass
+
+        def lasts(self, left_m, planned):
+            self.asked += 1
+            return self.asked != 2
+
+    monkeypatch.setattr(approach, "patience_of", lambda config: WearsOutOnce())
+    steps, _ = run(search(search={"endurance_steps": 3, "least_unseen_m2": None}), "bed")
     given_up = [s.step for s in steps if "goal out of reach for now" in s.events]
     assert given_up
     for step in given_up:
