@@ -83,6 +83,7 @@ def test_heights_are_counted_from_the_floor():
     assert lowered.robot == seen.robot
 
 
+@pytest.mark.slow
 def test_a_search_draws_the_upper_floor_on_a_map_of_its_own(tmp_path):
     scene = open_scene(write_scan(two_storeys(), tmp_path / "00802-wcojb4TFT35"))
     world = SimulatedWorld(scene, CONFIG.world, CONFIG.embodiment)

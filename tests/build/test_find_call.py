@@ -33,6 +33,7 @@ class Idler:
         return Action.TURN_LEFT if self.turns < 4 else None
 
 
+@pytest.mark.slow
 def test_it_takes_the_steps_of_the_command(glb, tmp_path):
     command = ["find", "bed", "--scene", glb, "--seed", "5", "--quiet", "--out", str(tmp_path)]
     with pytest.raises(SystemExit):

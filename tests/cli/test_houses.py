@@ -204,6 +204,7 @@ def test_what_is_no_house_and_where_nothing_can_be_written_is_one_line(command, 
 HOUSE_IN_THE_DOCS = 1234
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "count"),
     [

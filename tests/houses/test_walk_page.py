@@ -154,6 +154,7 @@ def test_two_renderers_draw_the_same_file(scene, grid, renderer):
     assert one == two
 
 
+@pytest.mark.slow
 def test_what_is_said_to_be_seen_is_seen_by_the_camera(walk, scene, grid, renderer):
     config = CameraConfig(width=160, height=120)
     for place in walk["positions"][::5]:
@@ -172,6 +173,7 @@ def test_what_is_said_to_be_seen_is_seen_by_the_camera(walk, scene, grid, render
             assert depths.min() * 0.75 - 0.2 < tenths / 10.0 < depths.max() * 1.3 + 0.2
 
 
+@pytest.mark.slow
 def test_the_page_holds_a_panorama_for_every_position_and_needs_no_network(page, walk, grid):
     assert len(walk["panoramas"]) == len(walk["positions"]) > 10
     camera = slice_camera()
