@@ -64,7 +64,7 @@ class LocalPerception:
         self._config = config
         self._camera = camera
         self._cell_size_m = cell_size_m
-        self.belief = TargetBelief(config)
+        self.belief: TargetBelief = TargetBelief(config)
         self.reset(Goal("nothing yet"))
 
     def reset(self, goal: Goal) -> None:

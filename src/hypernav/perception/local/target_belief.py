@@ -42,7 +42,7 @@ class TargetBelief:
     def reset(self) -> None:
         """Forget target and rejections."""
         self._target: Target | None = None
-        self.rejections = Rejections(self._config)
+        self.rejections: Rejections = Rejections(self._config)
         self._score_now = 0.0
         self._missed_now = False
 
