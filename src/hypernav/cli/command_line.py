@@ -37,7 +37,7 @@ _BOX = re.compile(r"[\u2500-\u257f]+|(?<!\S)-{3,}(?!\S)")
 _KIND_OF_ERROR = re.compile(
     r"^(Value error Error parsing|(Invalid|Missing|Required|Unrecognized) \w+) (?=[-\w])"
 )
-_MISSING = re.compile(r"^Missing from hypernav [\w -]+: [A-Z]+ (.*?)\.? \(required\)")
+_MISSING = re.compile(r"^Missing from hypernav [\w -]+: [A-Z|]+ (.*?)\.? \(required\)")
 _UNQUOTED = re.compile(r"^Unrecognized options: (?!-)")
 _NO_TYPE = re.compile(
     r"no type matching (?:\{None\}\|)?[{\[]*(\w+).*? could be instantiated from \[(.*?)\]"
