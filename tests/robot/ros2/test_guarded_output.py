@@ -6,7 +6,7 @@ from contextlib import closing
 
 import pytest
 
-from hypernav.core.errors import RosNetworkError
+from hypernav.core.errors import RosNetworkError, TransformMissingError
 from hypernav.robot.motion.velocity import STANDSTILL, Velocity
 from hypernav.robot.ros2.guarded_output import GuardedOutput
 
@@ -52,6 +52,32 @@ def test_what_is_not_safe_is_not_sent():
         assert wheels.told[-1] == FORWARD
         safe.clear()
         assert wheels.wait_for(STANDSTILL)
+
+
+@pytest.mark.parametrize("error", [RosNetworkError("gone"), TransformMissingError("no tf")])
+def test_what_cannot_be_sent_for_a_while_is_tried_again(error):
+    wheels, fails = Wheels(), threading.Event()
+
+    def send(velocity):
+        if fails.is_set():
+            raise error
+        wheels(velocity)
+
+    with closing(GuardedOutput(send, STANDSTILL, is_safe=lambda: True)) as output:
+        output.command(FORWARD)
+        fails.set()
+        output.command(FORWARD)
+        fails.clear()
+        assert wheels.wait_for(STANDSTILL)
+
+
+def test_after_the_end_nothing_but_standstill_is_sent():
+    wheels = Wheels()
+    output = GuardedOutput(wheels, STANDSTILL, is_safe=lambda: True)
+    output.command(FORWARD)
+    output.close()
+    output.command(FORWARD)
+    assert wheels.told[-1] == STANDSTILL
 
 
 def test_standing_it_falls_silent_so_that_others_may_drive():

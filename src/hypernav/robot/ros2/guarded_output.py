@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from typing import Generic, TypeVar
 
-from hypernav.core.errors import RosNetworkError
+from hypernav.core.errors import HyPerNavError
 
 _LOG = logging.getLogger(__name__)
 _PERIOD_S = 0.05
@@ -57,7 +57,12 @@ class GuardedOutput(Generic[_CommandT]):
         self._thread.start()
 
     def command(self, command: _CommandT) -> None:
-        """Drive by a command from now on, for as long as commands follow."""
+        """Drive by a command from now on, for as long as commands follow.
+
+        After the end only standstill is sent: nobody would watch over another command.
+        """
+        if self._ended.is_set() and command != self._standstill:
+            return
         with self._lock:
             self._command, self._commanded_s = command, time.monotonic()
             self._stands, self._is_new = 0, False
@@ -108,7 +113,7 @@ class GuardedOutput(Generic[_CommandT]):
         """Send a command, and say the first time that it can't be sent."""
         try:
             self._send(command)
-        except RosNetworkError as error:
+        except HyPerNavError as error:  # no transform is no reason to fall silent either
             if not self._fails:
                 _LOG.warning("the robot is not told how to drive: %s; trying again", error)
             self._fails = True

@@ -121,7 +121,7 @@ class Nav2Robot(SensingRobot):
         """
         self._stopping.clear()
         start = self.odometry()
-        farthest_m = start.distance_to(*aim(start).xy) + _STRAY_M
+        farthest_m = 0.0
         progress = Progress(start)
         while True:
             self.sensors.wait_for_pair(unless=self._stopping.is_set)
@@ -136,10 +136,12 @@ class Nav2Robot(SensingRobot):
             self._has_moved |= progress.has_moved
             if still_s > self._config.blocked_s:
                 return self._blocked()
+            wanted = aim(robot)
+            farthest_m = max(farthest_m, start.distance_to(*wanted.xy) + _STRAY_M)
             if start.distance_to(*robot.xy) > farthest_m:
                 _LOG.info("Nav2 goes around by more than %g m; the agent decides anew", _STRAY_M)
                 return self._stand(Executed.BLOCKED)
-            self._output.command(aim(robot))
+            self._output.command(wanted)
             self._stopping.wait(TICK_S)
 
     def _blocked(self) -> Executed:
