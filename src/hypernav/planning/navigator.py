@@ -1,7 +1,7 @@
 """Navigation to a destination, one action at a time."""
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -17,8 +17,8 @@ from hypernav.planning.costmap import Costmap
 from hypernav.planning.follower import PathFollower
 from hypernav.planning.planner import PlannedPath, Planner, is_blocked
 
-_SAME_END_M = 0.25
-"""Distance between the ends of paths to the same destination, metres."""
+_NEAR_M = 0.25
+"""Distance between positions that are the same for a path."""
 
 
 @dataclass(frozen=True)
@@ -26,19 +26,19 @@ class _DeadEnd:
     """A position from which no sequence of actions leads on along a path.
 
     Attributes:
+        position: The position ``(x, y)``, metres.
         clearance_m: Distance from obstacles that the path keeps, metres.
         end: End of the path.
-        cost: Cost of the path from the dead end on.
     """
 
+    position: tuple[float, float]
     clearance_m: float
     end: tuple[float, float]
-    cost: float
 
-    def is_on(self, costmap: Costmap, path: PlannedPath) -> bool:
-        """Whether a path to the same end is not shorter than that from the dead end."""
-        is_alike = costmap.clearance_m == self.clearance_m and path.cost >= self.cost
-        return is_alike and math.dist(path.end, self.end) <= _SAME_END_M
+    def is_on(self, path: PlannedPath, clearance_m: float) -> bool:
+        """Whether a path leads to the same end by this position."""
+        is_alike = clearance_m == self.clearance_m and math.dist(path.end, self.end) <= _NEAR_M
+        return is_alike and _distance_m(self.position, path.waypoints) <= _NEAR_M
 
 
 class Navigator:
@@ -62,7 +62,7 @@ class Navigator:
         self._follower.follow(None)
         self._age, self._clearance_m = 0, self._clearances_m[0]
         self._destinations: tuple[Float64[np.ndarray, "_ 2"], ...] = ()
-        self._dead_ends: list[_DeadEnd] = []
+        self._dead_ends: set[_DeadEnd] = set()
 
     @property
     def path(self) -> PlannedPath | None:
@@ -149,25 +149,38 @@ class Navigator:
             if action is not None or self.arrived:
                 return action
             if path is not None:
-                self._dead_ends.append(_DeadEnd(costmap.clearance_m, path.end, path.cost))
+                self._dead_ends.add(_DeadEnd(robot.xy, costmap.clearance_m, path.end))
         return None
 
     def _untried_first(
         self, options: Iterable[tuple[Costmap, PlannedPath | None]]
     ) -> Iterator[tuple[Costmap, PlannedPath | None]]:
-        """The options; those that lead to a dead end of before, and cost no less, last.
+        """The options; those by a dead end of before last.
 
         The way out of a dead end may begin by going back. If the same path were taken again from
         there, the robot would go to and fro for ever.
         """
         tried = list[tuple[Costmap, PlannedPath | None]]()
         for costmap, path in options:
-            if path is not None and any(end.is_on(costmap, path) for end in self._dead_ends):
+            if path is not None and self._leads_nowhere(costmap, path):
                 tried.append((costmap, path))
             else:
                 yield costmap, path
         yield from tried
 
+    def _leads_nowhere(self, costmap: Costmap, path: PlannedPath) -> bool:
+        return any(one.is_on(path, costmap.clearance_m) for one in self._dead_ends)
+
     def _costmap(self, grid: OccupancyGrid, robot: Pose2) -> Costmap:
         is_squeezed = self._clearance_m < self._clearances_m[0]
         return Costmap.of(grid, self._config, robot.xy, self._clearance_m, is_squeezed=is_squeezed)
+
+
+def _distance_m(position: tuple[float, float], corners: Sequence[tuple[float, float]]) -> float:
+    """Distance of a position from a polyline, metres."""
+    ends = np.array(corners, dtype=np.float64)
+    starts, legs = ends[:-1], np.diff(ends, axis=0)
+    away = np.array(position) - starts
+    along = (away * legs).sum(axis=1) / np.maximum((legs**2).sum(axis=1), 1e-12)
+    nearest = starts + np.clip(along, 0.0, 1.0)[:, None] * legs
+    return float(np.linalg.norm(nearest - np.array(position), axis=1).min())
