@@ -70,7 +70,6 @@ def test_steps_turns_and_paths_end_where_odometry_says():
         here = robot.odometry()
         enough = robot.follow([here.xy, (here.x - 5.0, here.y)], lambda at: at.x < here.x - 0.3)
         assert enough is Executed.DONE
-        assert body.told("state")["speed"] > 0.0, "it drives on until the next answer"
         here = robot.odometry()
         path = [here.xy, (here.x - 0.4, here.y)]
         assert robot.follow(path, lambda _: False) is Executed.DONE
