@@ -123,6 +123,23 @@ def open_cell(rng, costmap, from_cell=None):
     return int(row), int(column)
 
 
+def drive_to_the_end(robot, grid, goal, config, *, limit=300):
+    """Drive until the navigator knows no further action; the actions."""
+    navigator, bumps = Navigator(config, ROBOT), BumpSensor(config, ROBOT)
+    known = OccupancyGrid(grid.cells.copy(), grid.resolution_m, grid.origin)
+    done = []
+    for _ in range(limit):
+        for x, y in bumps.points(robot.pose, known):
+            known.cells[known.cell_of(x, y)] = Cell.OCCUPIED
+        action = navigator.towards(known, robot.pose, goal)
+        if action is None:
+            return done
+        bumps.note_action(robot.pose, action)
+        robot.do(action)
+        done.append(action)
+    raise AssertionError(f"still driving after {limit} actions")
+
+
 def drive(seed, config, *, door_m, limit=300, actions=None):
     """Drive from one random position to another in random rooms; None if there is no other."""
     rng = np.random.default_rng(seed)
@@ -132,24 +149,10 @@ def drive(seed, config, *, door_m, limit=300, actions=None):
     end = open_cell(rng, costmap, start)
     goal = np.array([costmap.grid.centre_of(*end)])
     pose = Pose2(*costmap.grid.centre_of(*start), rng.uniform(-math.pi, math.pi))
-    robot, navigator, bumps = (
-        DrivenRobot(grid, pose),
-        Navigator(config, ROBOT),
-        BumpSensor(config, ROBOT),
-    )
-    known = OccupancyGrid(grid.cells.copy(), grid.resolution_m, grid.origin)
-    for _ in range(limit):
-        for x, y in bumps.points(robot.pose, known):
-            known.cells[known.cell_of(x, y)] = Cell.OCCUPIED
-        action = navigator.towards(known, robot.pose, goal)
-        if action is None:
-            break
-        bumps.note_action(robot.pose, action)
-        robot.do(action)
-        if actions is not None:
-            actions.append(action)
-    else:
-        raise AssertionError(f"seed {seed}: still driving after {limit} actions")
+    robot = DrivenRobot(grid, pose)
+    done = drive_to_the_end(robot, grid, goal, config, limit=limit)
+    if actions is not None:
+        actions += done
     planned = certain(Planner(config, ROBOT.body).plan(grid, pose.xy, goal))
     return robot, robot.pose.distance_to(*goal[0]), planned.length_m
 
@@ -173,16 +176,7 @@ def test_it_does_not_go_to_and_fro_between_a_wider_path_and_a_squeezed_one(seed)
     robot = DrivenRobot(grid, Pose2(0.0, 0.0, rng.uniform(-3.1, 3.1)), radius_m=0.1)
     row, column = rng.choice(np.argwhere(grid.free))
     goal = np.array([grid.centre_of(int(row), int(column))])
-    navigator, bumps = Navigator(CONFIG, ROBOT), BumpSensor(CONFIG, ROBOT)
-    for _ in range(300):
-        for x, y in bumps.points(robot.pose, grid):
-            grid.cells[grid.cell_of(x, y)] = Cell.OCCUPIED
-        action = navigator.towards(grid, robot.pose, goal)
-        if action is None:
-            return
-        bumps.note_action(robot.pose, action)
-        robot.do(action)
-    raise AssertionError("still driving after 300 actions")
+    drive_to_the_end(robot, grid, goal, CONFIG)  # which comes
 
 
 @pytest.mark.parametrize("door_m", [0.65, 0.8])
