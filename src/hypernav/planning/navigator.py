@@ -155,7 +155,7 @@ class Navigator:
     def _untried_first(
         self, options: Iterable[tuple[Costmap, PlannedPath | None]]
     ) -> Iterator[tuple[Costmap, PlannedPath | None]]:
-        """The options; those by a dead end of before last.
+        """The options; those that pass a position where they led nowhere before come last.
 
         The way out of a dead end may begin by going back. If the same path were taken again from
         there, the robot would go to and fro for ever.
