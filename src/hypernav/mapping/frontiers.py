@@ -1,5 +1,7 @@
 """Frontiers: the boundaries between known free floor and the unknown."""
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -51,6 +53,37 @@ def find_frontiers(
     )
     groups = np.split(cells[np.argsort(part, kind="stable")], np.cumsum(sizes)[:-1])
     return [_frontier(reach, groups[i]) for i in np.argsort(first)]
+
+
+def nearest_frontier(
+    grid: OccupancyGrid,
+    robot: Pose2,
+    config: MappingConfig,
+    clearances_m: Sequence[float],
+    *,
+    visits: Sequence[tuple[float, float]] = (),
+    visited_radius_m: float = 0.0,
+) -> Frontier | None:
+    """The frontier with the shortest path to it; None if none is left that can be reached.
+
+    Args:
+        grid: The map.
+        robot: Pose of the robot.
+        config: Length of the shortest frontier.
+        clearances_m: Distances from obstacles that the robot's middle keeps, metres: the first at
+            which a frontier is left counts.
+        visits: Positions ``(x, y)`` that were visited, metres.
+        visited_radius_m: Distance from a visit, metres, within which destinations are passed over.
+    """
+    for clearance_m in clearances_m:
+        fresh = [
+            frontier
+            for frontier in find_frontiers(grid, robot, config, clearance_m)
+            if all(math.dist(frontier.destination, one) >= visited_radius_m for one in visits)
+        ]
+        if fresh:
+            return min(fresh, key=lambda frontier: frontier.travel_m)
+    return None
 
 
 def _frontier(reach: ReachableArea, cells: Int64[np.ndarray, "n 2"]) -> Frontier:

@@ -9,6 +9,7 @@ from hypernav.core.overview import BlockChoice
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.config import MappingConfig
 from hypernav.perception.explorers.block_explorer import BlockExplorer, OverviewConfig
+from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
 from hypernav.perception.explorers.nearest_frontier import NearestFrontierExplorer
 
 HERE = Pose2(0.0, 0.0, 0.0)
@@ -75,8 +76,8 @@ def test_a_visited_block_is_excluded_and_asked_about_again():
     assert second.xy != first.xy
 
 
-def test_a_reasoner_that_insists_on_visited_blocks_ends_the_search():
-    explorer = blocks_explorer(Insists(1, 1, 1, 1))
+def test_a_reasoner_that_insists_on_visited_blocks_ends_the_search_of_blocks():
+    explorer = blocks_explorer(Insists(1, 1, 1, 1), beside_blocks=False)
     first = certain(explorer.next_destination(hall(), HERE, [(0.0, 0.0)]))
     explorer.remember_visit(*first.xy)
     explorer._reasoner = Insists(1, 1, 1, 1)
@@ -138,6 +139,39 @@ def test_where_the_only_block_is_the_robots_own_there_is_nowhere_to_go():
     grid = hall(length_m=1.0, width_m=1.0)
     explorer = blocks_explorer(InOrder(), (0.22,), visited_radius_m=5.0, **POSITIONS)
     assert explorer.next_destination(grid, HERE, [HERE.xy]) is None
+
+
+def test_where_no_block_is_left_the_nearest_frontier_is_visited():
+    none_left = InOrder()
+    none_left.choose = lambda *_: BlockChoice(None, "nothing is left")
+    explorer = blocks_explorer(none_left)
+    near_left = Pose2(-2.5, 0.0, 0.0)
+    first = certain(explorer.next_destination(hall(), near_left, [near_left.xy]))
+    assert first.x < -3.5
+    assert first.reason == "no block is left; nearest frontier: 2.0 m long"
+    assert not first.blocks
+    explorer.remember_visit(*first.xy)
+    second = certain(explorer.next_destination(hall(), near_left, [near_left.xy]))
+    assert second.x > 3.5
+    explorer.remember_visit(*second.xy)
+    assert explorer.next_destination(hall(), near_left, [near_left.xy]) is None
+
+
+def test_a_boundary_that_the_edges_of_blocks_cut_to_pieces_is_visited():
+    # 0.5 m of boundary, half of it in either of two blocks: each is too short for the reasoner.
+    grid = hall(width_m=4.0)
+    cells = grid.cells.copy()
+    cells[20:-20, 19] = cells[20:-20, -20] = Cell.OCCUPIED
+    cells[55:65, -20] = Cell.UNKNOWN
+    grid = OccupancyGrid(cells, grid.resolution_m, grid.origin)
+    destinations = [
+        blocks_explorer(GeometricReasoner(ExchangeLog()), beside_blocks=beside).next_destination(
+            grid, HERE, [HERE.xy]
+        )
+        for beside in (False, True)
+    ]
+    assert destinations[0] is None
+    assert certain(destinations[1]).x > 3.5
 
 
 def test_the_nearest_frontier_is_chosen_and_written_down():

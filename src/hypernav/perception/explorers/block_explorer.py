@@ -20,7 +20,7 @@ from hypernav.core.overview import Block, Overview, Prospects
 from hypernav.core.sightings import Sightings
 from hypernav.mapping.blocks import blocks_of
 from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.frontiers import find_frontiers
+from hypernav.mapping.frontiers import find_frontiers, nearest_frontier
 from hypernav.mapping.prospects import find_legs_m, find_prospects
 from hypernav.mapping.reachable_area import ReachableArea
 from hypernav.show.drawing.question_map import QuestionStyle, draw_question_map
@@ -47,6 +47,9 @@ class OverviewConfig(RoomConfig):
             None asks until an unvisited block is named or all are excluded (paper).
         forget_visits: Whether visits are forgotten when all blocks are excluded, so that the search
             goes on; else nothing is left to explore.
+        beside_blocks: Whether the nearest frontier is visited where no block is left: the edges
+            of the blocks may cut one into pieces too short to count, and a square with little
+            floor is no block.
     """
 
     image_px: int = Field(default=756, ge=64, le=4096)
@@ -59,6 +62,7 @@ class OverviewConfig(RoomConfig):
     visited_radius_m: float = Field(default=0.5, ge=0.0, le=100.0)
     max_questions: int | None = Field(default=4, ge=1, le=1000)
     forget_visits: bool = False
+    beside_blocks: bool = True
 
     @property
     def style(self) -> QuestionStyle:
@@ -124,12 +128,14 @@ class BlockExplorer:
     def next_destination(
         self, grid: OccupancyGrid, robot: Pose2, trajectory: Sequence[tuple[float, float]]
     ) -> Destination | None:
-        """Ask until a block is named that was not visited; None if there is none."""
+        """A block that was not visited, or a frontier beside all blocks; None if there is none."""
         destination = self._unvisited(grid, robot, trajectory)
         if destination is None and self._config.forget_visits:
             self._ended.clear()
             self._forgotten_positions = len(trajectory) - 1  # the robot is at the last one still
             destination = self._unvisited(grid, robot, trajectory)
+        if destination is None and self._config.beside_blocks:
+            destination = self._beside_blocks(grid, robot, trajectory)
         return destination
 
     def _unvisited(
@@ -148,6 +154,23 @@ class BlockExplorer:
             if destination is not None:
                 return destination
         return None
+
+    def _beside_blocks(
+        self, grid: OccupancyGrid, robot: Pose2, trajectory: Sequence[tuple[float, float]]
+    ) -> Destination | None:
+        """The nearest unvisited frontier, whatever blocks it lies in."""
+        nearest = nearest_frontier(
+            grid,
+            robot,
+            self._mapping,
+            self._clearances_m,
+            visits=self._visits(trajectory),
+            visited_radius_m=self._config.visited_radius_m,
+        )
+        if nearest is None:
+            return None
+        reason = f"no block is left; nearest frontier: {nearest.size_m:.1f} m long"
+        return Destination(*nearest.destination, reason=reason)
 
     def _overview(
         self,

@@ -1,6 +1,5 @@
 """The classic baseline of exploration: the nearest frontier."""
 
-import math
 from collections.abc import Sequence
 
 from hypernav.core.destination import Destination
@@ -9,7 +8,7 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import Exchange, ExchangeLog
 from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.frontiers import Frontier, find_frontiers
+from hypernav.mapping.frontiers import nearest_frontier
 
 
 class NearestFrontierExplorer:
@@ -50,13 +49,14 @@ class NearestFrontierExplorer:
         self, grid: OccupancyGrid, robot: Pose2, trajectory: Sequence[tuple[float, float]]
     ) -> Destination | None:
         """The nearest frontier by travel distance; None if all is explored."""
-        nearest = None
-        for clearance_m in self._clearances_m:
-            frontiers = find_frontiers(grid, robot, self._mapping, clearance_m)
-            fresh = [frontier for frontier in frontiers if not self._was_visited(frontier)]
-            nearest = min(fresh, key=lambda frontier: frontier.travel_m, default=None)
-            if nearest is not None:
-                break
+        nearest = nearest_frontier(
+            grid,
+            robot,
+            self._mapping,
+            self._clearances_m,
+            visits=self._visited,
+            visited_radius_m=self._visited_radius_m,
+        )
         reason = "no frontier is left that can be reached"
         if nearest is not None:
             reason = f"nearest frontier: {nearest.size_m:.1f} m long, {nearest.travel_m:.1f} m away"
@@ -69,9 +69,3 @@ class NearestFrontierExplorer:
             )
         )
         return None if nearest is None else Destination(*nearest.destination, reason=reason)
-
-    def _was_visited(self, frontier: Frontier) -> bool:
-        return any(
-            math.dist(frontier.destination, position) < self._visited_radius_m
-            for position in self._visited
-        )
