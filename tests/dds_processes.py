@@ -33,10 +33,14 @@ class DdsRobot:
 
 @contextmanager
 def robot_in(
-    scene: str, start: tuple[float, float, float], *, camera: tuple[int, int] = (160, 120)
+    scene: str,
+    start: tuple[float, float, float],
+    *options: str,
+    camera: tuple[int, int] = (160, 120),
 ) -> Iterator[DdsRobot]:
     """A robot in a building; see `servers/dds_robot.py`."""
     words = ["--scene", scene, "--domain", DOMAIN, "--start", *start, "--camera", *camera]
+    words += options
     with _running("dds_robot.py", *words) as process:
         yield DdsRobot(process)
 
@@ -46,6 +50,13 @@ def nav2(*options: str) -> Iterator[None]:
     """A navigation; see `servers/dds_nav2.py`."""
     with _running("dds_nav2.py", "--domain", DOMAIN, *options):
         yield
+
+
+@contextmanager
+def driver(*assignments: str) -> Iterator[subprocess.Popen[str]]:
+    """hypernav in a process that may be killed; see `servers/dds_driver.py`."""
+    with _running("dds_driver.py", *PATIENT, *assignments) as process:
+        yield process
 
 
 @contextmanager

@@ -1,7 +1,8 @@
 """A navigation that speaks nothing but DDS, in a process of its own: straight lines and turns.
 
-Takes ``/goal_pose`` in the frame ``odom`` and drives the robot there by ``/cmd_vel``; a later goal
-replaces the one before. Ends with its standard input.
+Takes ``/goal_pose`` in the frame ``odom``, or in ``base_link`` where its own odometry has that, and
+drives the robot there by ``/cmd_vel``; a later goal replaces the one before. Ends with its standard
+input.
 """
 
 import argparse
@@ -24,14 +25,14 @@ _ASIDE_RAD = 0.2
 class Nav2:
     """Drives to the last goal."""
 
-    def __init__(self, network: Ros2Network, *, is_asleep: bool, replans_s: float) -> None:
+    def __init__(self, network: Ros2Network, tf: str, *, is_asleep: bool, replans_s: float) -> None:
         self._is_asleep, self._replans_s = is_asleep, replans_s
         self._next: Pose2 | None = None
         self._planned_s = 0.0
         self._robot: Pose2 | None = None
         self._goal: Pose2 | None = None
         self._wheels = network.publisher("/cmd_vel", ros.Twist)
-        network.subscribe("/tf", ros.TFMessage, Quality.RELIABLE, self._see)
+        network.subscribe(tf, ros.TFMessage, Quality.RELIABLE, self._see)
         network.subscribe("/goal_pose", ros.PoseStamped, Quality.RELIABLE, self._take)
 
     def drive(self) -> None:
@@ -53,9 +54,15 @@ class Nav2:
             self._robot = Pose2(at.x, at.y, 2.0 * math.atan2(turn.z, turn.w))
 
     def _take(self, message: ros.PoseStamped) -> None:
-        assert message.header.frame_id == "odom"
         at, turn = message.pose.position, message.pose.orientation
-        self._next = Pose2(at.x, at.y, 2.0 * math.atan2(turn.z, turn.w))
+        goal = Pose2(at.x, at.y, 2.0 * math.atan2(turn.z, turn.w))
+        if message.header.frame_id == "base_link":
+            assert self._robot is not None
+            assert goal == Pose2(0.0, 0.0, 0.0)
+            goal = self._robot
+        else:
+            assert message.header.frame_id == "odom"
+        self._next = goal
 
 
 def _towards(goal: Pose2, robot: Pose2) -> tuple[float, float]:
@@ -74,11 +81,12 @@ def _towards(goal: Pose2, robot: Pose2) -> tuple[float, float]:
 def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--domain", type=int, required=True)
+    parser.add_argument("--tf", default="/tf", help="topic of its odometry")
     parser.add_argument("--asleep", action="store_true", help="take goals and never move")
     parser.add_argument("--replans", type=float, default=0.0, metavar="SECONDS")
     options = parser.parse_args()
     with closing(Ros2Network(options.domain)) as network:
-        nav2 = Nav2(network, is_asleep=options.asleep, replans_s=options.replans)
+        nav2 = Nav2(network, options.tf, is_asleep=options.asleep, replans_s=options.replans)
         ended = threading.Event()
 
         def wait() -> None:

@@ -2,7 +2,8 @@
 
 Reads commands from its standard input, one a line, and answers each with a line of JSON:
 ``freeze`` (the camera sends nothing any more), ``lose`` (the odometry doesn't), ``thaw`` (both do
-again), ``state``. It ends with its input.
+again), ``state``. It ends with its input. On ``/wheels/tf`` its odometry is never lost. A lock,
+where it has one, keeps ``/cmd_vel`` from the wheels as that of ``twist_mux`` does.
 """
 
 import argparse
@@ -39,10 +40,11 @@ _BASE_M = 0.1
 class DdsRobot:
     """Wheels and camera, each with a thread and a rate of its own."""
 
-    def __init__(self, base: SimulatedBase, network: Ros2Network) -> None:
+    def __init__(self, base: SimulatedBase, network: Ros2Network, lock: str | None) -> None:
         self._base, self._camera = base, base.embodiment.camera
         self._goal = base.world.goal_truth(Goal("bed"))
         self._command, self._commanded_s, self._held_s = STANDSTILL, 0.0, 0.0
+        self._has_lock, self._unlocked_s = lock is not None, 0.0
         self.is_frozen = self.is_lost = False
         self.stopped_s = time.time()
         sensor, reliable = Quality.SENSOR, Quality.RELIABLE
@@ -50,9 +52,12 @@ class DdsRobot:
         self._depth = network.publisher("/camera/depth/image_raw", ros.Image, sensor)
         self._info = network.publisher("/camera/camera_info", ros.CameraInfo, sensor)
         self._tf = network.publisher("/tf", ros.TFMessage, reliable)
+        self._own_tf = network.publisher("/wheels/tf", ros.TFMessage, reliable)
         self._static = network.publisher("/tf_static", ros.TFMessage, Quality.STATIC)
         network.subscribe("/cmd_vel", ros.Twist, reliable, self._take)
         network.subscribe("/stop_cmd_vel", ros.Twist, reliable, self._take_stop)
+        if lock is not None:
+            network.subscribe(lock, ros.Bool, reliable, self._take_lock)
         mount = optical_to_base(self._camera.height_m - _BASE_M, self._camera.pitch_deg)
         self._static.publish(_pose("base_link", _OPTICAL, mount, time.time()))
 
@@ -60,10 +65,11 @@ class DdsRobot:
         """Drive as told for the time that has really passed, and tell where that led."""
         is_late = time.monotonic() - self._commanded_s > _DEADMAN_S
         self._base.drive(STANDSTILL if is_late else self._command, seconds)
-        if self.is_lost:
-            return
         odometry = self._base.odometry().to_transform(_BASE_M)
-        self._tf.publish(_pose("odom", "base_link", odometry, time.time()))
+        message = _pose("odom", "base_link", odometry, time.time())
+        self._own_tf.publish(message)
+        if not self.is_lost:
+            self._tf.publish(message)
 
     def look(self) -> None:
         """Tell what is to be seen."""
@@ -76,6 +82,7 @@ class DdsRobot:
             "goal_m": self._goal.distance(*self._base.position),
             "x": self._base.pose.x,
             "y": self._base.pose.y,
+            "yaw": self._base.pose.yaw,
             "speed": self._command.linear_m_s,
             "now_s": time.time(),
             "stopped_s": self.stopped_s,
@@ -86,8 +93,13 @@ class DdsRobot:
         self._obey(message)
         self._held_s = time.monotonic()
 
+    def _take_lock(self, message: ros.Bool) -> None:
+        self._unlocked_s = 0.0 if message.data else time.monotonic()
+
     def _take(self, message: ros.Twist) -> None:
-        if time.monotonic() - self._held_s > _HELD_S:
+        now_s = time.monotonic()
+        is_locked = self._has_lock and now_s - self._unlocked_s > _HELD_S
+        if now_s - self._held_s > _HELD_S and not is_locked:
             self._obey(message)
 
     def _obey(self, message: ros.Twist) -> None:
@@ -131,6 +143,7 @@ def main() -> None:
     parser.add_argument("--domain", type=int, required=True)
     parser.add_argument("--start", type=float, nargs=3, required=True, metavar=("X", "Y", "DEG"))
     parser.add_argument("--camera", type=int, nargs=2, default=(160, 120))
+    parser.add_argument("--lock", metavar="TOPIC")
     options = parser.parse_args()
     config = small_config()
     values = config.embodiment.model_dump()
@@ -146,7 +159,7 @@ def main() -> None:
         base = SimulatedBase(world, renderer)
         start = Pose2(x, y, math.radians(deg))
         base.place(Episode(options.scene, "", Goal("bed"), start), np.random.default_rng(0))
-        robot, ended = DdsRobot(base, network), threading.Event()
+        robot, ended = DdsRobot(base, network, options.lock), threading.Event()
 
         def obey() -> None:
             for line in sys.stdin:

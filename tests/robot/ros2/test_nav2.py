@@ -8,7 +8,7 @@ from contextlib import closing, contextmanager
 
 import pytest
 
-from dds_processes import PATIENT, nav2, robot_in
+from dds_processes import PATIENT, driver, nav2, robot_in
 from hypernav.cli.main import main
 from hypernav.core.actions import Action
 from hypernav.core.config import layered
@@ -105,6 +105,49 @@ def test_nav2_is_stopped_when_the_camera_freezes_or_odometry_is_lost(lost, repla
         assert (later["x"], later["y"]) == pytest.approx((stood["x"], stood["y"]), abs=0.02)
         while body.told("state")["speed"] == 0.0:  # it goes on
             time.sleep(0.01)
+
+
+@pytest.mark.slow
+def test_nav2_that_still_has_odometry_does_not_drive_back_to_where_ours_ended():
+    with (
+        robot_in("builtin", HERE) as body,
+        nav2("--tf", "/wheels/tf"),
+        driven_by_nav2("timing.fresh_s=0.4") as robot,
+        driving(robot),
+    ):
+        while body.told("state")["speed"] < 0.3:
+            time.sleep(0.01)
+        body.told("lose")
+        seen = [body.told("state")]
+        while seen[-1]["speed"] > 0.0:
+            seen.append(body.told("state"))
+        stopped = seen[-1]
+        for _ in range(20):
+            time.sleep(0.1)
+            seen.append(body.told("state"))
+        assert min(one["x"] for one in seen[seen.index(stopped) :]) > stopped["x"] - 0.02
+        assert seen[-1]["yaw"] == pytest.approx(stopped["yaw"], abs=0.1)
+        body.told("thaw")
+
+
+@pytest.mark.slow
+def test_the_lock_stops_nav2_when_hypernav_is_killed():
+    settings = ("topics.nav2_lock=/nav2_lock", "nav2.ahead_m=4", "nav2.corner_cut_m=4")
+    with (
+        robot_in("builtin", (-1.4, 0.0, 0.0), "--lock", "/nav2_lock") as body,
+        nav2(),
+        driver(*settings) as hypernav,
+    ):
+        while body.told("state")["speed"] < 0.3:
+            assert hypernav.poll() is None
+            time.sleep(0.01)
+        hypernav.kill()
+        killed = body.told("state")
+        before, now = killed, body.told("state")
+        while now["x"] > before["x"] + 0.01 or now is killed:
+            time.sleep(0.5)
+            before, now = now, body.told("state")
+        assert now["x"] - killed["x"] < 1.0  # of 2 m to what stands before its goal
 
 
 @pytest.mark.slow

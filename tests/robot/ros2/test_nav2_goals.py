@@ -1,8 +1,10 @@
 """Goals for Nav2: their frame, how many there are, and when odometry shows that one is reached."""
 
 import math
+from collections import defaultdict
 from contextlib import closing
-from typing import Any
+from functools import partial
+from typing import Any, cast
 
 import pytest
 from hypothesis import given
@@ -10,15 +12,15 @@ from hypothesis import strategies as st
 
 from hypernav.cli.main import main
 from hypernav.core.config import layered
-from hypernav.core.errors import ConfigError, Nav2Error
+from hypernav.core.errors import ConfigError, Nav2Error, RosNetworkError, TransformMissingError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.robot.ros2.config import Nav2Config, Ros2Config
 from hypernav.robot.ros2.drives import check_drive
-from hypernav.robot.ros2.idl_types import PoseStamped
-from hypernav.robot.ros2.nav2 import goals as nav2_goals
+from hypernav.robot.ros2.idl_types import Bool, Twist, TwistStamped
 from hypernav.robot.ros2.nav2.aims import Aims
 from hypernav.robot.ros2.nav2.goals import Nav2Goals
 from hypernav.robot.ros2.nav2.progress import Arrival, Progress
+from hypernav.robot.ros2.nav2.wheel_hold import WheelHold
 from hypernav.robot.ros2.network import Quality, Ros2Network
 from loopback import DOMAIN, LOOPBACK
 
@@ -26,28 +28,33 @@ ORIGIN = Pose2(0.0, 0.0, 0.0)
 
 
 class Sensors:
-    """Where the robot is, and where its localisation has the odometry."""
+    """Where the localisation has the odometry, until it is lost."""
 
     def __init__(self) -> None:
-        self.robot, self.found = Pose2(1.0, 0.0, 0.0), ORIGIN
+        self.found: Pose2 | None = ORIGIN
 
-    def odometry(self) -> Pose2:
-        return self.robot
+    def lose(self) -> None:
+        self.found = None
 
     def odom_to_map(self) -> Pose2:
+        if self.found is None:
+            raise TransformMissingError("the localisation has ended")
         return self.found
 
 
 class Topic:
-    """Keeps what is published."""
+    """Keeps what is published, unless it is broken."""
 
     def __init__(self) -> None:
-        self.published: list[PoseStamped] = []
+        self.published: list[Any] = []
+        self.is_broken, self.is_read = False, True
 
-    def publisher(self, *_: object) -> "Topic":
-        return self
+    def has_reader(self) -> bool:
+        return self.is_read
 
-    def publish(self, message: PoseStamped) -> None:
+    def publish(self, message: object) -> None:
+        if self.is_broken:
+            raise RosNetworkError("the buffer is full")
         self.published.append(message)
 
     @property
@@ -58,20 +65,35 @@ class Topic:
         ]
 
 
-def goals_of(**frames: str) -> tuple[Nav2Goals, Topic, Any, list[float]]:
-    topic, sensors, now_s = Topic(), Sensors(), [0.0]
-    network: Any = topic
-    anything: Any = sensors
-    config = layered(
-        Ros2Config(),
-        environment={},
-        assignments=[f"frames.{name}={frame}" for name, frame in frames.items()],
-    )
-    return Nav2Goals(network, config, anything, clock=lambda: now_s[0]), topic, sensors, now_s
+class Network:
+    """Topics by name."""
+
+    def __init__(self) -> None:
+        self.topics = defaultdict[str, Topic](Topic)
+
+    def publisher(self, topic: str, *_: object) -> Topic:
+        return self.topics[topic]
+
+
+def configured(*assignments: str) -> Ros2Config:
+    return layered(Ros2Config(), environment={}, assignments=assignments)
+
+
+def goals_on(network: Network, *assignments: str) -> tuple[Nav2Goals, Sensors, list[float]]:
+    sensors, now_s = Sensors(), [0.0]
+    config = configured(*assignments)
+    goals = Nav2Goals(cast(Any, network), config, cast(Any, sensors), clock=lambda: now_s[0])
+    return goals, sensors, now_s
+
+
+def goals_of(*assignments: str) -> tuple[Nav2Goals, Topic, Sensors, list[float]]:
+    network = Network()
+    goals, sensors, now_s = goals_on(network, *assignments)
+    return goals, network.topics["/goal_pose"], sensors, now_s
 
 
 def test_goals_are_in_the_frame_of_the_odometry_without_a_localisation():
-    goals, topic, _, _ = goals_of(odom="robot1/odom")
+    goals, topic, _, _ = goals_of("frames.odom=robot1/odom")
     goals.send(Pose2(2.0, 1.0, 0.5))
     assert topic.poses == [pytest.approx((2.0, 1.0, 0.5))]
     header = topic.published[0].header
@@ -79,7 +101,7 @@ def test_goals_are_in_the_frame_of_the_odometry_without_a_localisation():
 
 
 def test_goals_are_in_the_map_of_the_localisation_and_follow_its_jumps():
-    goals, topic, sensors, _ = goals_of(map="map")
+    goals, topic, sensors, _ = goals_of("frames.map=map")
     sensors.found = Pose2(10.0, 0.0, math.pi / 2.0)
     goals.send(Pose2(2.0, 1.0, 0.0))
     assert topic.published[0].header.frame_id == "map"
@@ -97,35 +119,87 @@ def test_a_goal_is_published_once_and_again_after_a_standstill():
         goals.send(Pose2(2.0, 0.0, 0.0))
     goals.send(None)
     goals.send(Pose2(2.0, 0.0, 0.0))
-    assert [x for x, _, _ in topic.poses] == pytest.approx([2.0, 1.0, 2.0])
+    assert [x for x, _, _ in topic.poses] == pytest.approx([2.0, 0.0, 2.0])
 
 
-def test_standstill_is_the_pose_where_the_robot_is_by_now():
-    goals, topic, sensors, now_s = goals_of()
+def test_standstill_is_the_origin_of_the_base_which_nav2_itself_finds():
+    goals, topic, sensors, now_s = goals_of("frames.base=body", "frames.map=map")
     goals.send(Pose2(2.0, 0.0, 0.0))
+    sensors.lose()
     for tick in range(9):  # 20 times a second, while it rolls on
-        now_s[0], sensors.robot = 0.05 * tick, Pose2(1.0 + 0.01 * tick, 0.0, 0.1)
+        now_s[0] = 0.05 * tick
         goals.send(None)
-    assert topic.poses[1:] == [
-        pytest.approx((1.0, 0.0, 0.1)),
-        pytest.approx((1.04, 0.0, 0.1)),
-        pytest.approx((1.08, 0.0, 0.1)),
-    ]
+    assert topic.poses[1:] == [pytest.approx((0.0, 0.0, 0.0))] * 3
+    assert [one.header.frame_id for one in topic.published] == ["map", "body", "body", "body"]
+    assert {(one.header.stamp.sec, one.header.stamp.nanosec) for one in topic.published} == {(0, 0)}
 
 
-def test_without_nav2_nobody_takes_goals(monkeypatch):
+HOLDS = ("topics.stop_cmd_vel=/stop_cmd_vel", "topics.nav2_lock=/nav2_lock")
+
+
+def test_the_lock_is_open_only_while_nav2_is_told_to_drive():
+    network = Network()
+    goals, _, _ = goals_on(network, *HOLDS)
+    lock, stop = network.topics["/nav2_lock"], network.topics["/stop_cmd_vel"]
+    assert lock.published == []
+    for _ in range(3):
+        goals.send(Pose2(2.0, 0.0, 0.0))
+    assert lock.published == [Bool(False)] * 3
+    assert stop.published == []
+    for _ in range(3):
+        goals.send(None)
+    assert lock.published == [Bool(False)] * 3 + [Bool(True)] * 3
+    assert stop.published == [Twist()] * 3
+
+
+@pytest.mark.parametrize("broken", ["/stop_cmd_vel", "/nav2_lock", "/goal_pose"])
+def test_what_fails_to_stop_the_robot_keeps_nothing_else_from_it(broken):
+    network = Network()
+    goals, _, _ = goals_on(network, *HOLDS)
+    network.topics[broken].is_broken = True
+    with pytest.raises(RosNetworkError):
+        goals.send(None)
+    told = [len(topic.published) for name, topic in network.topics.items() if name != broken]
+    assert told == [1, 1]
+
+
+def test_a_goal_that_is_not_taken_opens_no_lock():
+    network = Network()
+    goals, sensors, _ = goals_on(network, "frames.map=map", *HOLDS)
+    sensors.lose()
+    with pytest.raises(TransformMissingError):
+        goals.send(Pose2(2.0, 0.0, 0.0))
+    assert network.topics["/nav2_lock"].published == []
+
+
+@pytest.mark.parametrize(
+    ("unread", "message"),
+    [
+        ("/goal_pose", "nobody reads '/goal_pose' .* Nav2 running"),
+        ("/stop_cmd_vel", "nobody reads '/stop_cmd_vel' .* geometry_msgs/Twist, .*cmd_vel_type"),
+        ("/nav2_lock", "nobody reads '/nav2_lock' .* std_msgs/Bool, .* with this lock"),
+    ],
+)
+def test_whoever_is_to_be_told_must_be_there(unread, message):
+    network = Network()
+    goals, _, _ = goals_on(network, *HOLDS)
+    goals.await_readers(0.0)
+    network.topics[unread].is_read = False
+    with pytest.raises(Nav2Error, match=message):
+        goals.await_readers(0.0)
+
+
+def test_a_reader_of_another_type_is_none(monkeypatch):
     monkeypatch.setenv("CYCLONEDDS_URI", LOOPBACK)
-    config = layered(
-        Ros2Config(), environment={}, assignments=["topics.goal_pose=/nobody/goal_pose"]
-    )
-    anything: Any = Sensors()
+    config = configured("topics.stop_cmd_vel=/stop_cmd_vel", "cmd_vel_type=TwistStamped")
     with closing(Ros2Network(DOMAIN)) as ours, closing(Ros2Network(DOMAIN)) as theirs:
-        goals = Nav2Goals(ours, config, anything)
-        with pytest.raises(Nav2Error, match=r"nobody reads '/nobody/goal_pose' .* Nav2 running"):
-            goals.await_reader(0.3)
-        monkeypatch.setattr(nav2_goals, "_LOOK_S", 0.01)
-        theirs.subscribe("/nobody/goal_pose", PoseStamped, Quality.RELIABLE, lambda _: None)
-        goals.await_reader(60.0)
+        taken = partial(theirs.subscribe, quality=Quality.RELIABLE, receive=lambda _: None)
+        taken("/stop_cmd_vel", Twist)
+        hold = WheelHold(ours, config, cast(Any, Sensors()))
+        with pytest.raises(Nav2Error, match=r"nobody reads '/stop_cmd_vel' .*/TwistStamped"):
+            hold.await_readers(1.0)
+        taken("/stop_cmd_vel", TwistStamped)
+        hold.await_readers(60.0)
 
 
 def test_a_robot_has_arrived_when_it_stands_at_the_goal_or_stays_there():
@@ -187,10 +261,26 @@ def test_a_goal_cuts_no_corner_by_more_than_is_allowed(along, cut_m):
     ],
 )
 def test_what_counts_as_reached_must_be_a_motion_made(assignment, message):
-    config = layered(Ros2Config(), environment={}, assignments=[assignment])
+    config = configured(assignment)
     check_drive("cmd_vel", config)
     with pytest.raises(ConfigError, match=message):
         check_drive("nav2", config)
+
+
+def test_what_holds_the_wheels_is_an_input_of_its_own():
+    config = configured("topics.stop_cmd_vel=cmd_vel")
+    check_drive("cmd_vel", config)
+    with pytest.raises(ConfigError, match=r"stop_cmd_vel 'cmd_vel' is topics\.cmd_vel.*twist_mux"):
+        check_drive("nav2", config)
+
+
+@pytest.mark.parametrize(
+    ("settings", "is_said"),
+    [((), False), (("nav2.ahead_m=10",), True), (("nav2.ahead_m=10", HOLDS[1]), False)],
+)
+def test_far_goals_without_a_lock_are_warned_of(settings, is_said, caplog):
+    check_drive("nav2", configured(*settings))
+    assert ("topics.nav2_lock" in caplog.text) is is_said
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,6 @@
 
 import math
 import time
-from collections.abc import Callable
 
 import numpy as np
 
@@ -11,11 +10,10 @@ from hypernav.robot.driving.base import DepthView
 from hypernav.robot.motion.velocity import STANDSTILL, Velocity
 from hypernav.robot.ros2.config import Ros2Config
 from hypernav.robot.ros2.guarded_output import GuardedOutput
-from hypernav.robot.ros2.idl_types import Header, Twist, TwistStamped, Vector3
 from hypernav.robot.ros2.network import Ros2Network
-from hypernav.robot.ros2.poses import ros_time
 from hypernav.robot.ros2.sensing_robot import SensingRobot
 from hypernav.robot.ros2.sensors import Ros2Sensors
+from hypernav.robot.ros2.velocity_publisher import VelocityPublisher
 
 _SAFETY_COLUMNS = 160
 
@@ -40,8 +38,8 @@ class Ros2Base(SensingRobot):
         """
         super().__init__(config, sensors)
         self._halts = 0
-        send = velocity_sender(config.topics.cmd_vel, network, config, sensors)
-        self._output = GuardedOutput(send, STANDSTILL, is_safe=sensors.is_fresh)
+        wheels = VelocityPublisher(config.topics.cmd_vel, network, config, sensors)
+        self._output = GuardedOutput(wheels.publish, STANDSTILL, is_safe=sensors.is_fresh)
 
     def close(self) -> None:
         """Stand still and let others drive."""
@@ -81,28 +79,6 @@ class Ros2Base(SensingRobot):
         """Command standstill at once; may be called from any thread."""
         self._halts += 1
         self._output.halt()
-
-
-def velocity_sender(
-    topic: str, network: Ros2Network, config: Ros2Config, sensors: Ros2Sensors
-) -> Callable[[Velocity], None]:
-    """What sends a velocity, in the type that the robot takes.
-
-    Raises:
-        RosNetworkError: The topic can't be written.
-    """
-
-    def twist(velocity: Velocity) -> Twist:
-        return Twist(Vector3(velocity.linear_m_s), Vector3(z=velocity.angular_rad_s))
-
-    frame = config.frames.base
-    if config.cmd_vel_type == "Twist":
-        plain = network.publisher(topic, Twist)
-        return lambda velocity: plain.publish(twist(velocity))
-    stamped = network.publisher(topic, TwistStamped)
-    return lambda velocity: stamped.publish(
-        TwistStamped(Header(ros_time(sensors.robot_now_s), frame), twist(velocity))
-    )
 
 
 def _coarse(camera: PinholeCamera, every: int) -> PinholeCamera:

@@ -38,6 +38,7 @@ class TopicsConfig(RoomConfig):
     cmd_vel: str = "/cmd_vel"
     goal_pose: str = "/goal_pose"
     stop_cmd_vel: str | None = None
+    nav2_lock: str | None = None
     output: str = "/hypernav"
 
 

@@ -1,5 +1,6 @@
 """The drives of a robot on a ROS 2 network: its own velocities, or a running Nav2."""
 
+import logging
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from typing import Literal
@@ -15,18 +16,27 @@ from hypernav.robot.ros2.network import Ros2Network
 from hypernav.robot.ros2.sensing_robot import SensingRobot
 from hypernav.robot.ros2.sensors import Ros2Sensors
 
+_LOG = logging.getLogger(__name__)
+_LARGE_AHEAD_M = 3.0
+"""Distance to the next goal that is far to drive with nobody at the wheel."""
+
 Drive = Literal["cmd_vel", "nav2"]
 """Who makes velocities of what the agent decides: hypernav, or Nav2."""
 
 
 def check_drive(drive: Drive, config: Ros2Config) -> None:
-    """Refuse a configuration by which a drive can't make the agent's motions.
+    """Refuse a configuration by which a drive can't make the agent's motions, or can't be stopped.
 
     Raises:
-        ConfigError: What counts as reached is so much that a motion is not made then.
+        ConfigError: What counts as reached is so much that a motion is not made then, or what
+            holds the wheels is not above Nav2.
     """
-    if drive != "nav2":
-        return
+    if drive == "nav2":
+        _check_reached(config)
+        _check_stops(config)
+
+
+def _check_reached(config: Ros2Config) -> None:
     nav2, motion, lacks = config.nav2, config.embodiment.motion, 1.0 - MADE_SHARE
     for name, reached, made in (
         ("reached_m", nav2.reached_m, motion.forward_m),
@@ -39,6 +49,24 @@ def check_drive(drive: Drive, config: Ros2Config) -> None:
                 f"lacks {reached:g} counts as blocked; expected less than {lacks * made:g}, and a "
                 "goal checker of Nav2 whose tolerance is not above it"
             )
+
+
+def _check_stops(config: Ros2Config) -> None:
+    topics, ahead_m = config.topics, config.nav2.ahead_m
+    if topics.stop_cmd_vel is not None and (
+        topics.stop_cmd_vel.lstrip("/") == topics.cmd_vel.lstrip("/")
+    ):
+        raise ConfigError(
+            f"topics.stop_cmd_vel '{topics.stop_cmd_vel}' is topics.cmd_vel, where Nav2's "
+            "velocities would come between; expected an input of its own of the robot's "
+            "multiplexer (twist_mux), of higher priority than Nav2's"
+        )
+    if ahead_m > _LARGE_AHEAD_M and topics.nav2_lock is None:
+        _LOG.warning(
+            "nav2.ahead_m %g: so far Nav2 drives on where hypernav or its network dies; a lock of "
+            "twist_mux with a timeout (topics.nav2_lock) stops it",
+            ahead_m,
+        )
 
 
 @contextmanager

@@ -60,6 +60,13 @@ class Header(IdlStruct, typename="std_msgs.msg.dds_.Header_"):
 
 
 @dataclass
+class Bool(IdlStruct, typename="std_msgs.msg.dds_.Bool_"):
+    """Yes or no."""
+
+    data: bool = False
+
+
+@dataclass
 class ColorRGBA(IdlStruct, typename="std_msgs.msg.dds_.ColorRGBA_"):
     """A colour, each value from 0 to 1."""
 
@@ -326,6 +333,7 @@ ROS_TYPES: dict[str, type[IdlStruct]] = {
     "sensor_msgs/msg/CameraInfo": CameraInfo,
     "sensor_msgs/msg/CompressedImage": CompressedImage,
     "sensor_msgs/msg/Image": Image,
+    "std_msgs/msg/Bool": Bool,
     "tf2_msgs/msg/TFMessage": TFMessage,
     "visualization_msgs/msg/MarkerArray": MarkerArray,
 }

@@ -1,15 +1,14 @@
-"""Goals for Nav2 as messages, and standstill as a goal where the robot is."""
+"""Goals for Nav2 as messages, and standstill as a goal at the origin of the robot's base."""
 
 import math
 import time
 from collections.abc import Callable
 
-from hypernav.core.errors import Nav2Error
 from hypernav.core.geometry.transforms import Pose2, wrap_angle
-from hypernav.robot.motion.velocity import STANDSTILL
-from hypernav.robot.ros2.base import velocity_sender
 from hypernav.robot.ros2.config import Ros2Config
 from hypernav.robot.ros2.idl_types import Header, PoseStamped
+from hypernav.robot.ros2.nav2.readers import await_reader
+from hypernav.robot.ros2.nav2.wheel_hold import WheelHold
 from hypernav.robot.ros2.network import Publisher, Ros2Network
 from hypernav.robot.ros2.poses import pose_message
 from hypernav.robot.ros2.sensors import Ros2Sensors
@@ -17,8 +16,8 @@ from hypernav.robot.ros2.sensors import Ros2Sensors
 _SAME_M, _SAME_RAD = 0.05, math.radians(3.0)
 """Difference below which a goal is that of before: each one makes Nav2 plan anew."""
 _STAND_S = 0.2
-"""Time between two goals at the present pose, for a robot that doesn't stand yet."""
-_LOOK_S = 0.1
+"""Time between two goals to stand, for a robot that doesn't stand yet."""
+_HERE = Pose2(0.0, 0.0, 0.0)
 
 
 class Nav2Goals:
@@ -26,6 +25,9 @@ class Nav2Goals:
 
     Poses are given in the frame of the odometry, which doesn't jump, and published in that of the
     localisation if there is one. Where that has moved them, they are published again.
+
+    The goal to stand is the origin of the robot's base, which Nav2 itself finds: by our odometry,
+    which may be lost or late, it would be where the robot was, and Nav2 would drive back.
     """
 
     def __init__(
@@ -46,54 +48,59 @@ class Nav2Goals:
         """
         self._topic = config.topics.goal_pose
         self._frame = config.frames.map or config.frames.odom
+        self._base = config.frames.base
         self._sensors, self._clock = sensors, clock
         self._publisher: Publisher[PoseStamped] = network.publisher(self._topic, PoseStamped)
-        stop = config.topics.stop_cmd_vel
-        self._hold = None if stop is None else velocity_sender(stop, network, config, sensors)
+        self._wheels = WheelHold(network, config, sensors)
         self._last: Pose2 | None = None
         self._stood_s = -math.inf
 
-    def await_reader(self, timeout_s: float) -> None:
-        """Wait until somebody takes goals.
+    def await_readers(self, timeout_s: float) -> None:
+        """Wait until Nav2 takes goals, and the multiplexer what holds the wheels.
 
         Raises:
             Nav2Error: Nobody does.
         """
-        until_s = time.monotonic() + timeout_s
-        while not self._publisher.has_reader():
-            if time.monotonic() > until_s:
-                raise Nav2Error(
-                    f"nobody reads '{self._topic}' as geometry_msgs/PoseStamped, expected Nav2's "
-                    "bt_navigator; is Nav2 running and configured (`ros2 lifecycle get "
-                    "/bt_navigator`), in this domain, and without a namespace (topics.goal_pose)?"
-                )
-            time.sleep(_LOOK_S)
+        await_reader(
+            self._publisher,
+            timeout_s,
+            f"nobody reads '{self._topic}' as geometry_msgs/PoseStamped, expected Nav2's "
+            "bt_navigator; is Nav2 running and configured (`ros2 lifecycle get /bt_navigator`), "
+            "in this domain, and without a namespace (topics.goal_pose)?",
+        )
+        self._wheels.await_readers(timeout_s)
 
     def send(self, goal: Pose2 | None) -> None:
         """Publish a goal if it is another than before; None, standstill.
 
         Nav2 follows its old path until it plans anew, by default once a second; only what lies
-        between Nav2 and the wheels can stop it sooner, and is told so with every call.
+        between Nav2 and the wheels can stop it sooner, and is told with every call.
 
         Raises:
             RosNetworkError: The network doesn't take it.
         """
-        if goal is None and self._hold is not None:
-            self._hold(STANDSTILL)
-        if goal is not None:
-            self._stood_s = -math.inf
-            wanted = self._in_frame(goal)
-            if self._last is None or not _is_same(wanted, self._last):
-                self._publish(wanted)
-                self._last = wanted
-        elif self._clock() - self._stood_s >= _STAND_S:
+        if goal is None:
+            try:
+                self._wheels.hold()
+            finally:  # each of them may stop the robot where the other fails
+                self._stand()
+            return
+        self._stood_s = -math.inf
+        wanted = self._in_frame(goal)
+        if self._last is None or not _is_same(wanted, self._last):
+            self._publish(wanted, self._frame)
+            self._last = wanted
+        self._wheels.let_go()
+
+    def _stand(self) -> None:
+        if self._clock() - self._stood_s >= _STAND_S:
             self._last = None  # whatever comes next is new
-            self._publish(self._in_frame(self._sensors.odometry()))
+            self._publish(_HERE, self._base)
             self._stood_s = self._clock()
 
-    def _publish(self, pose: Pose2) -> None:
+    def _publish(self, pose: Pose2, frame: str) -> None:
         # Without a time it is a pose of the newest transforms, which no clock can be too early for.
-        self._publisher.publish(pose_message(pose, Header(frame_id=self._frame)))
+        self._publisher.publish(pose_message(pose, Header(frame_id=frame)))
 
     def _in_frame(self, pose: Pose2) -> Pose2:
         found = self._sensors.odom_to_map().to_transform() @ pose.to_transform()

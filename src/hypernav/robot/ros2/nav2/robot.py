@@ -30,8 +30,8 @@ class Nav2Robot(SensingRobot):
     """Makes the motions of a search by goals for Nav2, and judges them by odometry: a `Robot`.
 
     A step or a turn is a goal at its end. A path is followed by goals on it, each as far ahead as
-    the robot can go straight. The present pose is the goal to stand still, which the guard of all
-    drives gives while images or odometry are not fresh, or the search hangs.
+    the robot can go straight. The goal to stand still is where Nav2 has the robot by then; the
+    guard of all drives gives it while images or odometry are not fresh, or the search hangs.
     """
 
     def __init__(self, network: Ros2Network, config: Ros2Config, sensors: Ros2Sensors) -> None:
@@ -44,13 +44,13 @@ class Nav2Robot(SensingRobot):
 
         Raises:
             ConfigError: No robot can have their camera.
-            Nav2Error: Nobody takes goals.
+            Nav2Error: Nobody takes goals, or what holds the wheels.
             RosNetworkError: Images are not fresh within the patience.
         """
         super().__init__(config, sensors)
         self._config, self._topic = config.nav2, config.topics.goal_pose
         goals = Nav2Goals(network, config, sensors)
-        goals.await_reader(config.timing.find_s)
+        goals.await_readers(config.timing.find_s)
         self._output = GuardedOutput[Pose2 | None](
             goals.send,
             None,
