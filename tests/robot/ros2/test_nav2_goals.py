@@ -252,6 +252,27 @@ def test_a_goal_cuts_no_corner_by_more_than_is_allowed(along, cut_m):
         assert abs(dy * (1.0 - along)) / math.hypot(dx, dy) <= cut_m + 1e-6
 
 
+@given(
+    st.floats(0.2, 3.0),
+    st.floats(0.0, 1.0),
+    st.lists(st.floats(0.0, 0.3), min_size=1, max_size=40),
+)
+def test_no_goal_is_behind_the_robot_however_near_goals_are(ahead_m, driven_m, steps_m):
+    aims, length_m = Aims([(0.0, 0.0), (20.0, 0.0)], Nav2Config(ahead_m=ahead_m)), 20.0
+    x = driven_m  # since the path was planned
+    for step_m in steps_m:
+        goal = aims.at(Pose2(x, 0.0, 0.0))
+        assert goal.yaw == 0.0
+        assert x < goal.x <= min(x + ahead_m + 0.03, length_m)
+        x += step_m
+
+
+def test_progress_on_a_path_is_kept_for_the_same_path_only():
+    aims = Aims(CORNER, Nav2Config())
+    assert aims.is_on(list(CORNER))
+    assert not aims.is_on(CORNER[:2])
+
+
 @pytest.mark.parametrize(
     ("assignment", "message"),
     [

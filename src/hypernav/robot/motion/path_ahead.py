@@ -76,10 +76,8 @@ class PathAhead:
         ahead = [at - along_m for at in self._stops if at - along_m > passed_m]
         return ahead[0] if ahead else self.length_m - along_m
 
-    def aim(
-        self, x: float, y: float, along_m: float, ahead_m: float, cut_m: float
-    ) -> tuple[float, float]:
-        """The farthest point of the path that the robot may go to in a straight line.
+    def aim_m(self, x: float, y: float, along_m: float, ahead_m: float, cut_m: float) -> float:
+        """Length along the path of the farthest point that the robot may go straight to, metres.
 
         Args:
             x: Position of the robot, metres.
@@ -92,10 +90,9 @@ class PathAhead:
         for step in range(steps, 1, -1):
             end_m = min(along_m + step * _STEP_M, self.length_m)
             between = self._corners[(self._at > along_m) & (self._at < end_m)]
-            end = self.point(end_m)
-            if _deviation(between, (x, y), end) <= cut_m:
-                return end
-        return self.point(along_m + _STEP_M)
+            if _deviation(between, (x, y), self.point(end_m)) <= cut_m:
+                return end_m
+        return min(along_m + _STEP_M, self.length_m)
 
 
 def _simplified(corners: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "m 2"]:

@@ -134,7 +134,8 @@ class PurePursuit:
         aim = robot.xy
         for part in _AIMS:
             look_m = part * self._config.look_ahead_m
-            aim = ahead.aim(*robot.xy, along_m, look_m, part * self._config.corner_cut_m)
+            cut_m = part * self._config.corner_cut_m
+            aim = ahead.point(ahead.aim_m(*robot.xy, along_m, look_m, cut_m))
             bearing, away_m = robot.bearing_to(*aim), robot.distance_to(*aim)
             if self._is_aside(bearing):
                 turned = Pose2(robot.x, robot.y, robot.yaw + bearing)

@@ -60,6 +60,7 @@ class Nav2Robot(SensingRobot):
         )
         self._stopping = threading.Event()
         self._has_moved = False
+        self._aims: Aims | None = None
 
     def close(self) -> None:
         """Stand still and let others drive."""
@@ -90,10 +91,13 @@ class Nav2Robot(SensingRobot):
         self, path: Sequence[tuple[float, float]], until: Callable[[Pose2], bool]
     ) -> Executed:
         """Drive along a path, and come back without braking when it is enough."""
-        aims = Aims(path, self._config)
+        if self._aims is None or not self._aims.is_on(path):
+            self._aims = Aims(path, self._config)
         end = Pose2(*path[-1], 0.0)
         arrival = self._arrival(math.pi)  # a path ends at no heading
-        return self._run(aims.at, lambda robot: self._is_at(arrival, end, robot), is_enough=until)
+        return self._run(
+            self._aims.at, lambda robot: self._is_at(arrival, end, robot), is_enough=until
+        )
 
     def stop(self) -> None:
         """Stand still at once."""
