@@ -1,9 +1,11 @@
 import signal
+from contextlib import contextmanager
 
 import pytest
 
 from hypernav.cli.guards.crashes import crash_report
 from hypernav.cli.guards.interruptions import (
+    EndedInPeace,
     Terminated,
     interruptions_put_off,
     sigterm_as_interruption,
@@ -40,6 +42,30 @@ def test_a_block_that_puts_it_off_comes_to_its_end(number, error):
     with pytest.raises(error):
         block()
     assert done == ["all"]
+
+
+@pytest.mark.parametrize("error", [None, KeyboardInterrupt, ValueError])
+def test_a_context_comes_to_its_end_however_often_one_interrupts(error):
+    said = []
+
+    @contextmanager
+    def robot():
+        try:
+            yield "robot"
+        finally:
+            said.append("stand")
+            signal.raise_signal(signal.SIGINT)
+            said.append("stands")
+
+    def search():
+        with EndedInPeace(robot()) as entered:
+            said.append(entered)
+            if error is not None:
+                raise error
+
+    with pytest.raises(KeyboardInterrupt):
+        search()
+    assert said == ["robot", "stand", "stands"]
 
 
 def test_without_an_interruption_nothing_is_raised():

@@ -130,6 +130,35 @@ def test_a_robot_that_drives_on_at_the_end_is_an_error(caplog):
     ]
 
 
+class HeldRobot:
+    """Stands while standstill is said, and a few looks longer; gives up its goal after so often."""
+
+    def __init__(self, gives_up_after: int) -> None:
+        self._gives_up_after = gives_up_after
+        self._silent_looks = 0
+        self.told = 0
+
+    def __call__(self, velocity: Velocity) -> None:
+        assert velocity == STANDSTILL
+        self._silent_looks = 0
+        self.told += 1
+
+    def is_standing(self) -> bool:
+        self._silent_looks += 1
+        return self.told >= self._gives_up_after or self._silent_looks <= 5
+
+
+@pytest.mark.parametrize(("gives_up_after", "is_in_time"), [(10, True), (15, True), (999, False)])
+def test_a_robot_that_only_its_hold_makes_stand_does_not_stand(gives_up_after, is_in_time, caplog):
+    robot = HeldRobot(gives_up_after)
+    output = GuardedOutput(
+        robot, STANDSTILL, is_safe=lambda: True, is_standing=robot.is_standing, silence_s=1.0
+    )
+    output.close()
+    assert (caplog.text == "") is is_in_time
+    assert robot.told >= min(gives_up_after, 11)
+
+
 def test_the_last_word_is_standstill():
     wheels = Wheels()
     output = GuardedOutput(wheels, STANDSTILL, is_safe=lambda: True)

@@ -3,9 +3,11 @@
 import signal
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
-from types import FrameType
-from typing import NoReturn
+from contextlib import AbstractContextManager, contextmanager
+from types import FrameType, TracebackType
+from typing import NoReturn, TypeVar
+
+_EnteredT = TypeVar("_EnteredT")
 
 
 class Terminated(KeyboardInterrupt):
@@ -38,6 +40,28 @@ def interruptions_put_off() -> Iterator[None]:
             signal.signal(number, handler)
     if came:
         signal.raise_signal(came[0])
+
+
+class EndedInPeace(AbstractContextManager[_EnteredT, bool | None]):
+    """A context whose end no interruption cuts short, such as that of a robot that must stand."""
+
+    def __init__(self, context: AbstractContextManager[_EnteredT, bool | None]) -> None:
+        """Wrap a context that nobody has entered yet."""
+        self._context = context
+
+    def __enter__(self) -> _EnteredT:
+        """Enter it."""
+        return self._context.__enter__()
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> bool | None:
+        """Leave it; an interruption that comes meanwhile is raised then."""
+        with interruptions_put_off():
+            return self._context.__exit__(kind, error, traceback)
 
 
 def interrupt() -> None:

@@ -15,7 +15,7 @@ VALID_S = 0.3
 _STANDS_S = 0.5
 """Time for which standstill is said before silence, so that others may drive."""
 _CLOSE_S = 3.0
-"""Time beyond it for which standstill is said at the end to a robot that doesn't stand yet."""
+"""Time for which standstill is said at the end, beyond that for all it takes twice."""
 _CommandT = TypeVar("_CommandT")
 
 
@@ -35,6 +35,7 @@ class GuardedOutput(Generic[_CommandT]):
         is_safe: Callable[[], bool],
         is_standing: Callable[[], bool] = lambda: True,
         stands_s: float = _STANDS_S,
+        silence_s: float = 0.0,
     ) -> None:
         """Begin at a standstill.
 
@@ -45,12 +46,14 @@ class GuardedOutput(Generic[_CommandT]):
             is_standing: Whether the robot is known to stand; else standstill is said on and on, and
                 again when it moves.
             stands_s: Least time for which standstill is said, seconds.
+            silence_s: Time after it in which the robot has to stand by itself at the end, seconds:
+                as long as a standstill is said, it may only hold the robot.
         """
         self._send, self._standstill = send, standstill
         self._is_safe, self._is_standing = is_safe, is_standing
         self._lock = threading.Lock()
         self._command, self._commanded_s = standstill, 0.0
-        self._least = round(stands_s / _PERIOD_S)
+        self._least, self._silence = round(stands_s / _PERIOD_S), round(silence_s / _PERIOD_S)
         self._stands, self._is_new, self._fails = 0, True, False
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, name="drive", daemon=True)
@@ -77,12 +80,17 @@ class GuardedOutput(Generic[_CommandT]):
         self.halt()
         self._ended.set()
         self._thread.join()
-        is_told = False
-        for _ in range(self._least + round(_CLOSE_S / _PERIOD_S)):
-            is_told = self._is_sent(self._standstill)
-            self._stands += is_told
-            if is_told and self._stands >= self._least and self._is_standing():
-                return
+        is_told, silent = False, 0
+        for _ in range(2 * (self._least + self._silence) + round(_CLOSE_S / _PERIOD_S)):
+            if self._stands >= self._least and self._is_standing():
+                if silent >= self._silence:
+                    return
+                silent += 1
+            else:
+                if silent:  # it was only held; whoever drives it needs to be told for longer
+                    self._stands = silent = 0
+                is_told = self._is_sent(self._standstill)
+                self._stands += is_told
             time.sleep(_PERIOD_S)
         _LOG.error(
             "the robot was told to stand still, and does not stand by its odometry"

@@ -22,6 +22,9 @@ from hypernav.robot.ros2.sensors import Ros2Sensors
 _LOG = logging.getLogger(__name__)
 _STANDS_S = 3.0
 """Time for which Nav2 is told to stand: it may go on as before until it plans anew."""
+_SILENCE_S = 1.0
+"""Time for which it has to stand at the end with nobody holding its wheels: more than the timeout
+of a multiplexer."""
 _STRAY_M = 0.5
 """Length by which Nav2 may go around on one motion; what needs more is for the agent to decide."""
 
@@ -57,6 +60,7 @@ class Nav2Robot(SensingRobot):
             is_safe=sensors.is_fresh,
             is_standing=sensors.is_standing,
             stands_s=_STANDS_S,
+            silence_s=_SILENCE_S,
         )
         self._stopping = threading.Event()
         self._has_moved = False
