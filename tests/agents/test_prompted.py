@@ -174,7 +174,9 @@ def test_native_methods_keep_the_contract(agent):
     hypernav.check_agent(build_agent(config, ComponentSpecs(agent=agent, native=True)).agent)
 
 
-@pytest.mark.parametrize("agent", ["vlmnav", "pivot", "vlfm", "navvlm"])
+@pytest.mark.parametrize(
+    "agent", [pytest.param("vlmnav", marks=pytest.mark.slow), "pivot", "vlfm", "navvlm"]
+)
 def test_equal_native_searches_are_equal(agent):
     assert searched(agent)[0] == searched(agent)[0]
 

@@ -173,6 +173,7 @@ def test_a_house_is_shown_on_a_page(tmp_path, monkeypatch, capsys):
     assert path.read_text() == "page of houses:12"
 
 
+@pytest.mark.slow
 def test_other_buildings_are_shown_by_the_name_of_their_scene(tmp_path, monkeypatch):
     monkeypatch.setattr(page, "_page", lambda building, progress: f"page of {building.scene}")
     assert hypernav("houses", "show", "shops:12", "--out", tmp_path, "--quiet") == 0

@@ -97,6 +97,7 @@ def records(benchmark_data, tmp_path_factory):
         worker.close()
 
 
+@pytest.mark.slow
 def test_goals_on_either_storey_are_found(records):
     assert [record.outcome for record in records] == [Outcome.FOUND] * 4
     assert all(record.success and record.spl > 0.3 for record in records)
@@ -110,6 +111,7 @@ def test_a_goal_on_the_other_storey_is_at_the_end_of_the_stairs(benchmark_data, 
     assert 9.0 < record.shortest_path_m < 16.0
 
 
+@pytest.mark.slow
 def test_the_files_view_points_decide_about_distances(records):
     # The chair is 1.5 m away; 1.0 m of them lies beyond its farthest view points.
     assert records[0].shortest_path_m == pytest.approx(0.5, abs=0.15)

@@ -31,6 +31,8 @@ from hypernav.worlds.navmesh.surface import NavmeshSurface
 from hypernav.worlds.scans.loading import open_scene
 from small_worlds import small_config
 
+pytestmark = pytest.mark.slow
+
 SPLIT, NUMBER = "houses-train", 0
 EPISODE = {  # fields of habitat-lab's Episode, NavigationEpisode and ObjectGoalNavEpisode
     *("episode_id", "scene_id", "scene_dataset_config", "additional_obj_config_paths"),

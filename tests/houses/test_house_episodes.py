@@ -164,7 +164,10 @@ def test_nothing_begins_or_ends_behind_a_gap_that_the_robot_hardly_fits_through(
     assert max(start.x for start in starts) < 7.0
 
 
-@pytest.mark.parametrize("building", [Building("offices", 3), Building("shops", 2)])
+@pytest.mark.parametrize(
+    "building",
+    [Building("offices", 3), pytest.param(Building("shops", 2), marks=pytest.mark.slow)],
+)
 def test_episodes_of_other_buildings_ask_for_what_does_not_stand_everywhere(building):
     scene = generate(building)
     dataset = house_episodes(scene, building, "categories")

@@ -125,6 +125,7 @@ def test_a_folder_that_cannot_be_made_is_an_error(tmp_path: Path):
         export_building(house(NUMBER), blocked / "house")
 
 
+@pytest.mark.slow
 def test_the_page_shows_all(tmp_path: Path):
     page = building_page(house(NUMBER), tmp_path / "pages")
     text = page.read_text()
