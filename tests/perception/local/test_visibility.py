@@ -38,6 +38,15 @@ def test_what_a_wall_hides_need_not_be_visible():
     assert not should_be_visible(THING, HEIGHT_M, walled)
 
 
+def test_what_something_lower_hides_need_not_be_visible_though_the_wall_behind_is():
+    nightstand, height_m = THING + np.array([1.0, 0.0]), 0.3
+    depth = np.full_like(IMAGE.depth, 4.0)
+    assert should_be_visible(nightstand, height_m, replace(IMAGE, depth=depth))
+    depth[CAMERA.height // 2 + 5 :] = 2.0  # a bed before it
+    assert not should_be_visible(nightstand, height_m, replace(IMAGE, depth=depth))
+    assert should_be_visible(nightstand, HEIGHT_M + 0.1, replace(IMAGE, depth=depth))
+
+
 @pytest.mark.parametrize("distance_m", [0.5, 4.5])
 def test_what_is_too_near_or_too_far_to_be_recognised_need_not_be_visible(distance_m):
     open_floor = thing_before_wall(thing_m=6.0, wall_m=6.0)

@@ -82,9 +82,10 @@ def should_be_visible(
     good &= observation.camera.contains(pixels)
     if good.sum() < 0.8 * len(distance):
         return False
-    # Nothing may stand in between: compare with the farthest return in the column.
-    returns = observation.depth.max(axis=0)[pixels[good, 0].astype(int)]
-    return bool((returns > distance[good] - 0.3).mean() > 0.8)
+    # Nothing may stand in between, however low: the wall is in sight over a bed, and what stands on
+    # the floor behind the bed is not.
+    columns, rows = pixels[good].astype(int).T
+    return bool((observation.depth[rows, columns] > distance[good] - 0.3).mean() > 0.8)
 
 
 def seems_to_hold(
