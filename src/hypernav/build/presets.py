@@ -254,7 +254,7 @@ def preset(name: PresetName) -> HyPerNavConfig:
             visited="positions",
             max_questions=None,
             forget_visits=True,
-            beside_blocks=False,
+            last_frontier_m=None,
         ),
         geometric=GeometricConfig(gain="boundary", order="greedy", min_frontier_cells=0),
         planning=PlanningConfig(

@@ -77,7 +77,7 @@ def test_a_visited_block_is_excluded_and_asked_about_again():
 
 
 def test_a_reasoner_that_insists_on_visited_blocks_ends_the_search_of_blocks():
-    explorer = blocks_explorer(Insists(1, 1, 1, 1), beside_blocks=False)
+    explorer = blocks_explorer(Insists(1, 1, 1, 1), last_frontier_m=None)
     first = certain(explorer.next_destination(hall(), HERE, [(0.0, 0.0)]))
     explorer.remember_visit(*first.xy)
     explorer._reasoner = Insists(1, 1, 1, 1)
@@ -165,10 +165,10 @@ def test_a_boundary_that_the_edges_of_blocks_cut_to_pieces_is_visited():
     cells[55:65, -20] = Cell.UNKNOWN
     grid = OccupancyGrid(cells, grid.resolution_m, grid.origin)
     destinations = [
-        blocks_explorer(GeometricReasoner(ExchangeLog()), beside_blocks=beside).next_destination(
+        blocks_explorer(GeometricReasoner(ExchangeLog()), last_frontier_m=last_m).next_destination(
             grid, HERE, [HERE.xy]
         )
-        for beside in (False, True)
+        for last_m in (None, 0.25)
     ]
     assert destinations[0] is None
     assert certain(destinations[1]).x > 3.5

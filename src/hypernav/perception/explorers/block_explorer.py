@@ -47,9 +47,9 @@ class OverviewConfig(RoomConfig):
             None asks until an unvisited block is named or all are excluded (paper).
         forget_visits: Whether visits are forgotten when all blocks are excluded, so that the search
             goes on; else nothing is left to explore.
-        beside_blocks: Whether the nearest frontier is visited where no block is left: the edges
-            of the blocks may cut one into pieces too short to count, and a square with little
-            floor is no block.
+        last_frontier_m: Length of the shortest frontier that is visited where no block is left,
+            metres: the edges of blocks and thin obstacles cut boundaries into pieces too short to
+            count, and a square with little floor is no block. None visits none.
     """
 
     image_px: int = Field(default=756, ge=64, le=4096)
@@ -62,7 +62,7 @@ class OverviewConfig(RoomConfig):
     visited_radius_m: float = Field(default=0.5, ge=0.0, le=100.0)
     max_questions: int | None = Field(default=4, ge=1, le=1000)
     forget_visits: bool = False
-    beside_blocks: bool = True
+    last_frontier_m: float | None = Field(default=0.25, ge=0.0, le=50.0)
 
     @property
     def style(self) -> QuestionStyle:
@@ -134,8 +134,8 @@ class BlockExplorer:
             self._ended.clear()
             self._forgotten_positions = len(trajectory) - 1  # the robot is at the last one still
             destination = self._unvisited(grid, robot, trajectory)
-        if destination is None and self._config.beside_blocks:
-            destination = self._beside_blocks(grid, robot, trajectory)
+        if destination is None:
+            destination = self._last_frontier(grid, robot, trajectory)
         return destination
 
     def _unvisited(
@@ -155,14 +155,17 @@ class BlockExplorer:
                 return destination
         return None
 
-    def _beside_blocks(
+    def _last_frontier(
         self, grid: OccupancyGrid, robot: Pose2, trajectory: Sequence[tuple[float, float]]
     ) -> Destination | None:
         """The nearest unvisited frontier, whatever blocks it lies in."""
+        least_m = self._config.last_frontier_m
+        if least_m is None:
+            return None
         nearest = nearest_frontier(
             grid,
             robot,
-            self._mapping,
+            self._mapping.model_copy(update={"frontier_min_size_m": least_m}),
             self._clearances_m,
             visits=self._visits(trajectory),
             visited_radius_m=self._config.visited_radius_m,
