@@ -17,12 +17,15 @@ _MOST_KINDS = 8
 
 
 @contextmanager
-def warnings_on(console: Console) -> Iterator[None]:
-    """Print warnings (such as the retry of a request) on the console while the block runs."""
+def warnings_on(console: Console, *, level: int = logging.WARNING) -> Iterator[None]:
+    """Print warnings (such as the retry of a request) on the console while the block runs.
+
+    Args:
+        console: The console.
+        level: Lowest level that is printed.
+    """
     logger = logging.getLogger("hypernav")
-    handler = RichHandler(
-        logging.WARNING, console, show_time=False, show_level=False, show_path=False
-    )
+    handler = RichHandler(level, console, show_time=False, show_level=False, show_path=False)
     logger.addHandler(handler)
     try:
         yield

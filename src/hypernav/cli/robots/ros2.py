@@ -18,6 +18,7 @@ from hypernav.cli.robots.own_server import server_at
 from hypernav.cli.robots.recording import recording
 from hypernav.cli.terminal import Terminal
 from hypernav.cli.views.opening import Views, check_views
+from hypernav.cli.warnings_shown import warnings_on
 from hypernav.core.components.extras import require
 from hypernav.core.config import layered
 from hypernav.core.episode import Outcome
@@ -79,9 +80,12 @@ def run(options: Ros2) -> int:
     if options.server is not None and options.own_server:
         raise ConfigError("--vlm, --detector and --reasoner are options of the server of --server")
     config = layered(Ros2Config(), file=options.config, environment={}, assignments=options.set)
-    check_drive(options.drive, config)
     console = Terminal(quiet=options.quiet)
     with ExitStack() as shown:
+        shown.enter_context(
+            warnings_on(Terminal(), level=logging.ERROR) if options.quiet else warnings_on(console)
+        )
+        check_drive(options.drive, config)
         ending, steps, views = _searched(options, goal, config, console, shown)
         console.print(f"{goal.text}: {ending or 'stopped'} after {steps} steps", markup=False)
         views.stay(console)
