@@ -183,6 +183,18 @@ def test_a_nav2_that_never_moves_is_an_error_that_says_what_to_look_at():
 
 
 @pytest.mark.slow
+def test_a_motion_ends_in_time_and_a_goal_checker_that_may_be_content_is_named_before(caplog):
+    with (
+        robot_in("builtin", HERE),
+        nav2("--asleep"),
+        driven_by_nav2("nav2.blocked_s=600", "nav2.motion_s=5") as robot,
+    ):
+        assert robot.execute(Action.TURN_LEFT) is Executed.BLOCKED
+    assert "30° (0.52 rad) from its goal" in caplog.text
+    assert "yaw_goal_tolerance" in caplog.text
+
+
+@pytest.mark.slow
 def test_what_stands_in_the_way_is_blocked():
     with robot_in("builtin", HERE), nav2(), driven_by_nav2("nav2.blocked_s=2") as robot:
         executed = [robot.execute(Action.MOVE_FORWARD)]

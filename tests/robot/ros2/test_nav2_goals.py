@@ -19,7 +19,7 @@ from hypernav.robot.ros2.drives import check_drive
 from hypernav.robot.ros2.idl_types import Bool, Twist, TwistStamped
 from hypernav.robot.ros2.nav2.aims import Aims
 from hypernav.robot.ros2.nav2.goals import Nav2Goals
-from hypernav.robot.ros2.nav2.progress import Arrival, Progress
+from hypernav.robot.ros2.nav2.progress import Arrival, Progress, ShortOfGoals
 from hypernav.robot.ros2.nav2.wheel_hold import WheelHold
 from hypernav.robot.ros2.network import Quality, Ros2Network
 from loopback import DOMAIN, LOOPBACK
@@ -223,6 +223,30 @@ def test_progress_is_motion_of_either_kind():
     assert progress.still_s(Pose2(0.2, 0.0, -0.2), 1.0) == 0.0
 
 
+def test_progress_counts_all_time_looked_at():
+    progress = Progress(ORIGIN)
+    for x in (0.0, 0.5, 1.0, 1.0):
+        progress.still_s(Pose2(x, 0.0, 0.0), 0.5)
+    assert progress.taken_s == 2.0
+
+
+@pytest.mark.parametrize(
+    ("robot", "still_s", "is_said"),
+    [
+        (Pose2(0.2, 0.0, 0.1), 4.0, True),
+        (Pose2(0.0, 0.0, math.radians(14.0)), 4.0, True),
+        (Pose2(0.2, 0.0, 0.1), 2.0, False),  # it may still brake, or plan
+        (Pose2(1.0, 0.0, 0.0), 4.0, False),  # so far no goal checker is content
+        (Pose2(0.0, 0.0, 1.5), 4.0, False),
+    ],
+)
+def test_a_goal_checker_that_may_be_content_too_soon_is_named_once(robot, still_s, is_said, caplog):
+    short = ShortOfGoals(Nav2Config())
+    for _ in range(3):
+        short.look(ORIGIN, robot, still_s)
+    assert caplog.text.count("xy_goal_tolerance and yaw_goal_tolerance") == is_said
+
+
 CORNER = [(0.0, 0.0), (1.0, 0.0), (1.0, 3.0)]
 
 
@@ -302,6 +326,34 @@ def test_what_holds_the_wheels_is_an_input_of_its_own():
 def test_far_goals_without_a_lock_are_warned_of(settings, is_said, caplog):
     check_drive("nav2", configured(*settings))
     assert ("topics.nav2_lock" in caplog.text) is is_said
+
+
+@pytest.mark.parametrize(
+    ("drive", "setting", "warning"),
+    [
+        ("nav2", "speed.max_speed_m_s=0.2", "speed: without effect with --drive nav2; Nav2's own"),
+        ("cmd_vel", "nav2.reached_m=0.1", "nav2: without effect with --drive cmd_vel"),
+        ("cmd_vel", "topics.nav2_lock=/lock", "topics.nav2_lock: without effect"),
+        ("nav2", "nav2.reached_m=0.1", ""),
+        ("nav2", "topics.cmd_vel=/wheels", ""),
+        ("cmd_vel", "speed.max_speed_m_s=0.2", ""),
+    ],
+)
+def test_settings_of_the_other_drive_are_warned_of(drive, setting, warning, caplog):
+    check_drive(drive, configured(setting))
+    assert warning in caplog.text
+    assert bool(caplog.text) == bool(warning)
+
+
+@pytest.mark.parametrize("quiet", [(), ("--quiet",)])
+def test_warnings_are_shown_unless_only_errors_are_asked_for(quiet, capsys):
+    settings = ("speed.max_speed_m_s=0.2", "topics.stop_cmd_vel=/cmd_vel")
+    words = [word for setting in settings for word in ("--set", setting)]
+    with pytest.raises(SystemExit):
+        main(["robot", "ros2", "bed", "--drive", "nav2", *words, *quiet])
+    shown = capsys.readouterr().err
+    assert ("speed: without effect" in shown) is not bool(quiet)
+    assert "is topics.cmd_vel" in " ".join(shown.split())
 
 
 @pytest.mark.parametrize(

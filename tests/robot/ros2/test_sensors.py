@@ -43,8 +43,11 @@ def legged_robot(
     cameras: tuple[str, ...] = ("front",),
     late_s: Sequence[float] = (0.0,),
     odometry_behind_s: float = 0.0,
+    speed_m_s: float = 0.0,
 ) -> Iterator[None]:
     """Publishes 20 times a second until the block ends; the body stands at the origin of odom.
+
+    With a speed it drifts to its left.
 
     All messages come later than they are stamped, by the first number of `late_s`; odometry is by
     so much older than images.
@@ -66,10 +69,14 @@ def legged_robot(
     static.publish(ros.TFMessage(mounts))
     body = ros.Pose(ros.Point(), ros.Quaternion(y=math.sin(PITCH / 2), w=math.cos(PITCH / 2)))
 
+    began_s = time.time()
+
     def live() -> None:
         while not ended.wait(0.05):
-            stamp = ros_time(time.time() - late_s[0])
-            before = ros.Header(ros_time(time.time() - late_s[0] - odometry_behind_s), "odom")
+            now_s = time.time() - late_s[0]
+            stamp, odometry_s = ros_time(now_s), now_s - odometry_behind_s
+            body.position.y = speed_m_s * (odometry_s - began_s)
+            before = ros.Header(ros_time(odometry_s), "odom")
             odometry.publish(ros.Odometry(before, "base_link", ros.PoseWithCovariance(body)))
             for name, colour, depth, info in zip(cameras, colours, depths, infos, strict=True):
                 header = ros.Header(stamp, f"{name}_optical")
@@ -227,6 +234,23 @@ def test_a_delay_that_images_and_odometry_share_makes_them_old(networks):
         late_s[0] = 0.7
         time.sleep(1.5)  # they come again, and still belong together
         assert not sensors.is_fresh()
+
+
+@pytest.mark.parametrize(
+    ("settings", "stands"),
+    [((), False), (("nav2.still_s=0.5", "nav2.still_m=0.1"), True)],
+)
+def test_a_robot_stands_that_moves_less_than_the_file_says(networks, settings, stands):
+    theirs, ours = networks
+    with legged_robot(theirs, speed_m_s=0.1):
+        sensors = Ros2Sensors(ours, configured(*NAMED, *settings))
+        until_s = time.monotonic() + (60.0 if stands else 2.0)
+        is_standing = False
+        while not is_standing and time.monotonic() < until_s:
+            sensors.wait_for_pair()
+            is_standing = sensors.is_standing()
+            time.sleep(0.02)
+    assert is_standing is stands
 
 
 def test_no_robot_is_an_error_that_names_the_domain(networks):

@@ -91,6 +91,12 @@ class Nav2Config(RoomConfig):
         reached_deg: Difference of the heading at which it is reached, degrees; not below
             ``yaw_goal_tolerance``, which is in radians.
         blocked_s: Time without motion after which a goal can't be reached, seconds.
+        motion_s: Longest time of one step, turn or piece of a path, seconds; what takes longer is
+            blocked, too. Times without fresh data don't count.
+        still_s: Time over which odometry shows whether the robot stands, seconds: longer than the
+            sway of a legged body.
+        still_m: Distance between the begin and the end of it below which the robot stands, metres.
+        still_deg: Difference of the headings below which it stands, degrees.
     """
 
     ahead_m: float = Field(default=1.5, ge=0.2, le=50.0)
@@ -98,6 +104,10 @@ class Nav2Config(RoomConfig):
     reached_m: float = Field(default=0.15, ge=0.01, le=1.0)
     reached_deg: float = Field(default=10.0, ge=1.0, le=90.0)
     blocked_s: float = Field(default=15.0, ge=1.0, le=600.0)
+    motion_s: float = Field(default=60.0, ge=5.0, le=3600.0)
+    still_s: float = Field(default=0.3, ge=0.1, le=3.0)
+    still_m: float = Field(default=0.01, gt=0.0, le=0.2)
+    still_deg: float = Field(default=1.5, gt=0.0, le=20.0)
 
 
 class Ros2Config(RoomConfig):

@@ -3,6 +3,7 @@
 import logging
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
+from operator import attrgetter
 from typing import Literal
 
 from hypernav.core.errors import ConfigError
@@ -22,18 +23,35 @@ _LARGE_AHEAD_M = 3.0
 
 Drive = Literal["cmd_vel", "nav2"]
 """Who makes velocities of what the agent decides: hypernav, or Nav2."""
+_UNUSED: dict[Drive, tuple[tuple[str, ...], str]] = {
+    "cmd_vel": (("nav2", "topics.goal_pose", "topics.stop_cmd_vel", "topics.nav2_lock"), ""),
+    "nav2": (("speed",), "; Nav2's own parameters limit the speed"),
+}
+"""What each drive doesn't look at, and what holds in its place."""
 
 
 def check_drive(drive: Drive, config: Ros2Config) -> None:
     """Refuse a configuration by which a drive can't make the agent's motions, or can't be stopped.
 
+    What belongs to the other drive is warned of: one file may serve both.
+
     Raises:
         ConfigError: What counts as reached is so much that a motion is not made then, or what
             holds the wheels is not above Nav2.
     """
+    names, instead = _UNUSED[drive]
+    set_all_the_same = [name for name in names if _is_set(config, name)]
+    if set_all_the_same:
+        without = ", ".join(set_all_the_same)
+        _LOG.warning("%s: without effect with --drive %s%s", without, drive, instead)
     if drive == "nav2":
         _check_reached(config)
         _check_stops(config)
+
+
+def _is_set(config: Ros2Config, name: str) -> bool:
+    value = attrgetter(name)
+    return value(config) != value(Ros2Config())
 
 
 def _check_reached(config: Ros2Config) -> None:

@@ -30,8 +30,6 @@ _MEMORY_S = 10.0
 _LOOK_S = 0.2
 _ALL_S = 2.0
 """Time after which all topics are known."""
-_STILL_S, _STILL_M, _STILL_RAD = 0.3, 0.01, math.radians(1.5)
-"""A robot stands that has moved no more in so long."""
 _FoundT = TypeVar("_FoundT")
 
 
@@ -137,16 +135,17 @@ class Ros2Sensors:
         return _planar(self._pose(frames.base, frames.odom, at_s))
 
     def is_standing(self) -> bool:
-        """Whether odometry is fresh and has shown no motion for a moment."""
-        newest_s = self._odometry_s
+        """Whether odometry is fresh and has shown no motion for a moment, as ``nav2`` has it."""
+        newest_s, still = self._odometry_s, self._config.nav2
         if self._clock.age_s(newest_s) > self._config.timing.fresh_s:
             return False
         try:
-            before, now = self.odometry(newest_s - _STILL_S), self.odometry(newest_s)
+            before, now = self.odometry(newest_s - still.still_s), self.odometry(newest_s)
         except TransformMissingError:  # it has only just begun
             return False
         turned = abs(wrap_angle(now.yaw - before.yaw))
-        return before.distance_to(*now.xy) < _STILL_M and turned < _STILL_RAD
+        is_there = before.distance_to(*now.xy) < still.still_m
+        return is_there and turned < math.radians(still.still_deg)
 
     def odom_to_map(self) -> Pose2:
         """Pose of the odometry in the map of the robot's localisation; the same without one.

@@ -14,7 +14,7 @@ from hypernav.robot.ros2.config import Ros2Config
 from hypernav.robot.ros2.guarded_output import GuardedOutput
 from hypernav.robot.ros2.nav2.aims import Aims
 from hypernav.robot.ros2.nav2.goals import Nav2Goals
-from hypernav.robot.ros2.nav2.progress import Arrival, Progress
+from hypernav.robot.ros2.nav2.progress import Arrival, Progress, ShortOfGoals
 from hypernav.robot.ros2.network import Ros2Network
 from hypernav.robot.ros2.sensing_robot import SensingRobot
 from hypernav.robot.ros2.sensors import Ros2Sensors
@@ -65,6 +65,7 @@ class Nav2Robot(SensingRobot):
         self._stopping = threading.Event()
         self._has_moved = False
         self._aims: Aims | None = None
+        self._short = ShortOfGoals(self._config)
 
     def close(self) -> None:
         """Stand still and let others drive."""
@@ -144,7 +145,11 @@ class Nav2Robot(SensingRobot):
             self._has_moved |= progress.has_moved
             if still_s > self._config.blocked_s:
                 return self._blocked()
+            if progress.taken_s > self._config.motion_s:
+                _LOG.info("a motion takes Nav2 over %g s (nav2.motion_s)", self._config.motion_s)
+                return self._stand(Executed.BLOCKED)
             wanted = aim(robot)
+            self._short.look(wanted, robot, still_s)
             farthest_m = max(farthest_m, start.distance_to(*wanted.xy) + _STRAY_M)
             if start.distance_to(*robot.xy) > farthest_m:
                 _LOG.info("Nav2 goes around by more than %g m; the agent decides anew", _STRAY_M)
