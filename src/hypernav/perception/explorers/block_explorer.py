@@ -25,6 +25,10 @@ from hypernav.mapping.prospects import find_legs_m, find_prospects
 from hypernav.mapping.reachable_area import ReachableArea
 from hypernav.show.drawing.question_map import QuestionStyle, draw_question_map
 
+# Named here, since building a type takes 0.1 ms and every question defines functions with these.
+_Image = UInt8[np.ndarray, "_ _ 3"]
+_Legs = Float64[np.ndarray, "_ _"]
+
 
 class OverviewConfig(RoomConfig):
     """Configuration of the map question. The paper gives no values for it: these are ours.
@@ -187,7 +191,7 @@ class BlockExplorer:
         style, size = self._config.style, self._config.image_px
         things = self._sightings.things
 
-        def draw(shown: Collection[int], excluded: Collection[int]) -> UInt8[np.ndarray, "_ _ 3"]:
+        def draw(shown: Collection[int], excluded: Collection[int]) -> _Image:
             found = find_frontiers(grid, robot, self._mapping, clearance_m)
             frontier = np.concatenate([np.empty((0, 2)), *(one.points for one in found)])
             return draw_question_map(
@@ -205,7 +209,7 @@ class BlockExplorer:
         def prospects(of: Sequence[Block]) -> Prospects:
             return find_prospects(reach, [one.destination for one in of], self._range_m)
 
-        def legs_m(between: Sequence[Block]) -> Float64[np.ndarray, "_ _"]:
+        def legs_m(between: Sequence[Block]) -> _Legs:
             return find_legs_m(reach, [one.destination for one in between])
 
         return Overview(
