@@ -198,7 +198,7 @@ def test_addresses_are_read(url, shown):
     "url", ["127.0.0.1:8765", "ftp://a", "http://", "http://a:b", "http://a:99999"]
 )
 def test_what_is_no_address_is_refused(url):
-    with pytest.raises(RobotLinkError, match="--server"):
+    with pytest.raises(RobotLinkError, match="address of the server"):
         ServerAddress.of(url)
 
 

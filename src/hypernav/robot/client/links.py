@@ -56,10 +56,10 @@ class ServerAddress:
             parts = urlsplit(url)
             port = parts.port
         except ValueError as error:
-            raise RobotLinkError(f"--server {url:.100}: {error}") from error
+            raise RobotLinkError(f"address of the server '{url:.100}': {error}") from error
         if parts.scheme not in ("http", "https") or not parts.hostname:
             raise RobotLinkError(
-                f"--server {url:.100}: expected an address such as http://192.168.1.5:8765"
+                f"address of the server '{url:.100}': expected one such as http://192.168.1.5:8765"
             )
         secure = parts.scheme == "https"
         token = None

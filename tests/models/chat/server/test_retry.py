@@ -97,7 +97,7 @@ def slow_until_the_end(time: Time) -> Callable[[Deadline], str]:
 )
 def test_gives_up_within_the_patience(limit: float, first: float, longest: float, error: Exception):
     time = Time()
-    with pytest.raises(ModelUnavailableError, match="patience"):
+    with pytest.raises(ModelUnavailableError, match="gave no answer in"):
         call(
             patience(time, patience_s=limit, first_wait_s=first, longest_wait_s=longest),
             failing(10**6, error),
@@ -121,7 +121,7 @@ def test_lost_attempts_are_counted_by_reason():
 
 def test_no_patience_means_one_attempt():
     time = Time()
-    with pytest.raises(ModelUnavailableError, match="in 1 attempt within"):
+    with pytest.raises(ModelUnavailableError, match="in 1 attempt; last: lost"):
         call(patience(time, patience_s=0.0), failing(1, ChatTransportError("lost")))
     assert time.waits == []
 

@@ -88,10 +88,11 @@ class Retry:
                 pause = min(max(wait, asked_for or 0.0), config.longest_wait_s)
                 if pause >= patience.seconds_left:
                     attempts = lost.total()
+                    times = f"{attempts} {'attempt' if attempts == 1 else 'attempts'}"
+                    if config.patience_s > 0.0:
+                        times += f" within a patience of {config.patience_s:g} s"
                     raise ModelUnavailableError(
-                        f"{who} gave no answer in {attempts} "
-                        f"{'attempt' if attempts == 1 else 'attempts'} within a patience of "
-                        f"{config.patience_s:g} s; last: {error}"
+                        f"{who} gave no answer in {times}; last: {error}"
                     ) from error
                 _log.warning(
                     "%s; asking again in %.1f s (attempt %d)", error, pause, lost.total() + 1
