@@ -49,6 +49,13 @@ class InOrder:
         return BlockChoice(left[0] if left else None, "because")
 
 
+class Declines:
+    """Names no block."""
+
+    def choose(self, overview, goal, excluded):
+        return BlockChoice(None, "nothing is left")
+
+
 def blocks_explorer(reasoner, clearances_m=CLEARANCES_M, **config):
     return BlockExplorer(
         reasoner, OverviewConfig(**config), MappingConfig(), clearances_m, Embodiment()
@@ -142,9 +149,7 @@ def test_where_the_only_block_is_the_robots_own_there_is_nowhere_to_go():
 
 
 def test_where_no_block_is_left_the_nearest_frontier_is_visited():
-    none_left = InOrder()
-    none_left.choose = lambda *_: BlockChoice(None, "nothing is left")
-    explorer = blocks_explorer(none_left)
+    explorer = blocks_explorer(Declines())
     near_left = Pose2(-2.5, 0.0, 0.0)
     first = certain(explorer.next_destination(hall(), near_left, [near_left.xy]))
     assert first.x < -3.5
