@@ -1,6 +1,7 @@
 """What a client does when the server is late, lost or wrong, and when someone presses stop."""
 
 import threading
+from contextlib import closing
 
 import pytest
 
@@ -12,12 +13,13 @@ from hypernav.core.errors import (
     SensorError,
     ServerUnreachableError,
 )
-from hypernav.robot.client.links import ServerAddress
+from hypernav.robot.client.links import HttpServer, ServerAddress
 from hypernav.robot.client.robot_client import Patience, RobotClient
 from hypernav.robot.client.watchdog import Watchdog
 from hypernav.robot.wire.frames import unpack_observation
 from hypernav.robot.wire.replies import Reply, SearchEnding
 from robot_links import StandIn
+from servers.scripted import closed_port
 
 
 class Script:
@@ -101,6 +103,15 @@ def test_a_server_that_is_gone_for_too_long_is_an_error_and_the_robot_stands():
         list(RobotClient(robot, link, patience=Patience(unreachable_s=0.2)))
     assert robot.stops > 0
     assert robot.executed == []
+
+
+def test_where_nobody_listens_the_error_asks_for_the_server():
+    with (
+        closed_port() as port,
+        closing(HttpServer(ServerAddress("127.0.0.1", port))) as server,
+        pytest.raises(LinkLostError, match=r"refused; is hypernav serve running there\?"),
+    ):
+        server.stop("a search")
 
 
 def test_stop_ends_a_motion_under_way_and_allows_no_other():
