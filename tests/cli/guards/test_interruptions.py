@@ -1,5 +1,9 @@
+import os
+import pty
 import signal
-from contextlib import contextmanager
+import subprocess
+import sys
+from contextlib import contextmanager, nullcontext
 
 import pytest
 
@@ -10,6 +14,7 @@ from hypernav.cli.guards.interruptions import (
     interruptions_put_off,
     sigterm_as_interruption,
 )
+from hypernav.cli.guards.statuses import ExitStatus
 
 
 @pytest.fixture(autouse=True)
@@ -20,15 +25,36 @@ def sigint_as_in_a_terminal():
     signal.signal(signal.SIGINT, before)
 
 
-def test_sigterm_ends_a_block_as_ctrl_c_does():
-    before = signal.getsignal(signal.SIGTERM)
+@pytest.fixture(autouse=True)
+def sighup_as_in_a_terminal():
+    """Programs of the background may start with SIGHUP ignored, too."""
+    before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    yield
+    signal.signal(signal.SIGHUP, before)
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_sigterm_and_sighup_end_a_block_as_ctrl_c_does(number):
+    before = signal.getsignal(number)
     with pytest.raises(KeyboardInterrupt), sigterm_as_interruption():
-        signal.raise_signal(signal.SIGTERM)
-    assert signal.getsignal(signal.SIGTERM) == before
+        signal.raise_signal(number)
+    assert signal.getsignal(number) == before
+
+
+def test_what_nohup_started_minds_no_lost_terminal():
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    with sigterm_as_interruption(), interruptions_put_off():
+        signal.raise_signal(signal.SIGHUP)
+    assert signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
 
 
 @pytest.mark.parametrize(
-    ("number", "error"), [(signal.SIGINT, KeyboardInterrupt), (signal.SIGTERM, Terminated)]
+    ("number", "error"),
+    [
+        (signal.SIGINT, KeyboardInterrupt),
+        (signal.SIGTERM, Terminated),
+        (signal.SIGHUP, Terminated),
+    ],
 )
 def test_a_block_that_puts_it_off_comes_to_its_end(number, error):
     done = []
@@ -66,6 +92,66 @@ def test_a_context_comes_to_its_end_however_often_one_interrupts(error):
     with pytest.raises(KeyboardInterrupt):
         search()
     assert said == ["robot", "stand", "stands"]
+
+
+def test_one_who_interrupts_while_it_must_wait_is_told_what_for(capfd):
+    def search():
+        with EndedInPeace(nullcontext(), "waiting until the robot stands"):
+            pass
+
+    search()
+    assert capfd.readouterr().err == ""
+
+    @contextmanager
+    def interrupted():
+        yield
+        signal.raise_signal(signal.SIGINT)
+
+    with (
+        pytest.raises(KeyboardInterrupt),
+        EndedInPeace(interrupted(), "waiting until the robot stands"),
+    ):
+        pass
+    assert capfd.readouterr().err == "\nhypernav: waiting until the robot stands\n"
+
+
+def test_a_terminal_that_goes_cuts_no_end_short(tmp_path):
+    said = tmp_path / "said"
+    program = (
+        "import os, time\n"
+        "from contextlib import contextmanager\n"
+        "from hypernav.cli import main\n"
+        "from hypernav.cli.guards.interruptions import EndedInPeace\n"
+        "from hypernav.cli.terminal import Terminal\n"
+        "import hypernav.cli.command_line as line\n"
+        "os.open(os.ttyname(0), os.O_RDWR)  # becomes the terminal of the session\n"
+        "console = Terminal()\n"
+        "@contextmanager\n"
+        "def robot():\n"
+        "    try:\n"
+        "        yield\n"
+        "    finally:\n"
+        "        console.print('the robot is told to stand')\n"
+        f"        open({str(said)!r}, 'w').write('stands')\n"
+        "def run(_):\n"
+        "    with EndedInPeace(robot(), 'waiting'), console.status('searching'):\n"
+        "        console.print('ready')\n"
+        "        time.sleep(100)\n"
+        "line.run_command = run\n"
+        "main.main([])\n"
+    )
+    terminal, slave = pty.openpty()
+    command = [sys.executable, "-c", program]
+    with subprocess.Popen(
+        command, stdin=slave, stdout=slave, stderr=slave, start_new_session=True
+    ) as process:
+        os.close(slave)
+        heard = b""
+        while b"ready" not in heard:
+            heard += os.read(terminal, 1000)
+        os.close(terminal)
+        assert process.wait() == ExitStatus.TERMINATED
+    assert said.read_text() == "stands"
 
 
 def test_without_an_interruption_nothing_is_raised():

@@ -1,43 +1,46 @@
-"""Ctrl-C and SIGTERM: one kind of interruption, which a block can put off."""
+"""Ctrl-C, SIGTERM and a lost terminal: one kind of interruption, which a block can put off."""
 
+import os
 import signal
 import threading
-from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager, suppress
 from types import FrameType, TracebackType
 from typing import NoReturn, TypeVar
 
 _EnteredT = TypeVar("_EnteredT")
+_ENDINGS = (signal.SIGTERM, signal.SIGHUP)
+"""Signals to end; SIGHUP comes when the terminal is gone, as an SSH connection over Wi-Fi is."""
 
 
 class Terminated(KeyboardInterrupt):
-    """SIGTERM came: it ends whatever Ctrl-C ends, and by the same path."""
+    """SIGTERM or SIGHUP came: it ends whatever Ctrl-C ends, and by the same path."""
 
 
 @contextmanager
 def sigterm_as_interruption() -> Iterator[None]:
-    """Raise `Terminated` in the block when SIGTERM comes."""
-    before = signal.signal(signal.SIGTERM, _terminate)
-    try:
+    """Raise `Terminated` in the block when SIGTERM or, unless ``nohup`` is set, SIGHUP comes."""
+    with _handled(_ENDINGS, _terminate):
         yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
 
 
 @contextmanager
-def interruptions_put_off() -> Iterator[None]:
-    """Let the block finish: an interruption that comes meanwhile is raised at its end."""
+def interruptions_put_off(notice: str | None = None) -> Iterator[None]:
+    """Let the block finish: an interruption that comes meanwhile is raised at its end.
+
+    Args:
+        notice: What to tell people when one comes, on standard error.
+    """
     came: list[int] = []
 
     def note(number: int, _frame: FrameType | None) -> None:
         came.append(number)
+        if notice is not None:
+            with suppress(OSError):  # Past `sys.stderr`, in the midst of whose writing it may be.
+                os.write(2, f"\nhypernav: {notice}\n".encode())
 
-    before = {number: signal.signal(number, note) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
+    with _handled((signal.SIGINT, *_ENDINGS), note):
         yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
     if came:
         signal.raise_signal(came[0])
 
@@ -45,9 +48,16 @@ def interruptions_put_off() -> Iterator[None]:
 class EndedInPeace(AbstractContextManager[_EnteredT, bool | None]):
     """A context whose end no interruption cuts short, such as that of a robot that must stand."""
 
-    def __init__(self, context: AbstractContextManager[_EnteredT, bool | None]) -> None:
-        """Wrap a context that nobody has entered yet."""
-        self._context = context
+    def __init__(
+        self, context: AbstractContextManager[_EnteredT, bool | None], notice: str | None = None
+    ) -> None:
+        """Wrap a context that nobody has entered yet.
+
+        Args:
+            context: The context.
+            notice: What to tell people when an interruption has to wait for its end.
+        """
+        self._context, self._notice = context, notice
 
     def __enter__(self) -> _EnteredT:
         """Enter it."""
@@ -60,13 +70,28 @@ class EndedInPeace(AbstractContextManager[_EnteredT, bool | None]):
         traceback: TracebackType | None,
     ) -> bool | None:
         """Leave it; an interruption that comes meanwhile is raised then."""
-        with interruptions_put_off():
+        with interruptions_put_off(self._notice):
             return self._context.__exit__(kind, error, traceback)
 
 
 def interrupt() -> None:
     """End the command as Ctrl-C does, from any thread."""
     signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
+
+
+@contextmanager
+def _handled(
+    numbers: tuple[signal.Signals, ...], handler: Callable[[int, FrameType | None], None]
+) -> Iterator[None]:
+    """Handle signals in the block, but for SIGHUP where it is ignored, as ``nohup`` has it."""
+    is_nohup = signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
+    minded = [number for number in numbers if not (is_nohup and number == signal.SIGHUP)]
+    before = {number: signal.signal(number, handler) for number in minded}
+    try:
+        yield
+    finally:
+        for number, earlier in before.items():
+            signal.signal(number, earlier)
 
 
 def _terminate(_number: int, _frame: FrameType | None) -> NoReturn:

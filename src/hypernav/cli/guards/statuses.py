@@ -22,4 +22,4 @@ class ExitStatus(IntEnum):
     INTERRUPTED = 130
     """Ctrl-C (SIGINT) ended the command."""
     TERMINATED = 143
-    """SIGTERM ended the command."""
+    """SIGTERM ended the command, or SIGHUP: its terminal is gone."""

@@ -116,7 +116,9 @@ def _searched(
     with (
         console.status("looking for the robot …") as status,
         closing(Ros2Network(config.domain_id)) as network,
-        EndedInPeace(opened_drive(options.drive, network, config)) as (robot, senses),
+        EndedInPeace(
+            opened_drive(options.drive, network, config), "waiting until the robot stands"
+        ) as (robot, senses),
         server_at(options.server, options.own_server) as url,
         closing(HttpServer(ServerAddress.of(url, options.token_file))) as server,
         _opened(options, goal, senses, server) as opened,
