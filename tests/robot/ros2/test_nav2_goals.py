@@ -66,10 +66,16 @@ class Topic:
 
 
 class Network:
-    """Topics by name."""
+    """Topics by name, and what others publish: the multiplexer's velocities."""
+
+    is_settled = True
 
     def __init__(self) -> None:
         self.topics = defaultdict[str, Topic](Topic)
+        self.others = {"/cmd_vel": 1}
+
+    def publishers(self, topic: str) -> int:
+        return self.others.get(topic, 0)
 
     def publisher(self, topic: str, *_: object) -> Topic:
         return self.topics[topic]
@@ -189,6 +195,26 @@ def test_whoever_is_to_be_told_must_be_there(unread, message):
         goals.await_readers(0.0)
 
 
+@pytest.mark.parametrize(
+    ("topic", "count", "message"),
+    [
+        ("/cmd_vel", 2, "2 publishers on '/cmd_vel' .*expected one.*behavior_server.*cmd_vel_out"),
+        ("/cmd_vel", 0, "0 publishers on '/cmd_vel' .*expected one"),
+        ("/nav2_lock", 1, r"1 other publisher\(s\) on '/nav2_lock' .*End them"),
+        ("/stop_cmd_vel", 1, r"1 other publisher\(s\) on '/stop_cmd_vel' .*End them"),
+    ],
+)
+def test_nothing_may_lead_past_the_multiplexer(topic, count, message):
+    network = Network()
+    network.others[topic] = count
+    goals_on(network)[0].await_readers(0.0)  # there is none
+    goals, _, _ = goals_on(network, *HOLDS)
+    with pytest.raises(Nav2Error, match=message):
+        goals.await_readers(0.0)
+    network.others[topic] = int(topic == "/cmd_vel")
+    goals.await_readers(0.0)
+
+
 def test_a_reader_of_another_type_is_none(monkeypatch):
     monkeypatch.setenv("CYCLONEDDS_URI", LOOPBACK)
     config = configured("topics.stop_cmd_vel=/stop_cmd_vel", "cmd_vel_type=TwistStamped")
@@ -197,9 +223,11 @@ def test_a_reader_of_another_type_is_none(monkeypatch):
         taken("/stop_cmd_vel", Twist)
         hold = WheelHold(ours, config, cast(Any, Sensors()))
         with pytest.raises(Nav2Error, match=r"nobody reads '/stop_cmd_vel' .*/TwistStamped"):
-            hold.await_readers(1.0)
+            hold.await_multiplexer(1.0)
         taken("/stop_cmd_vel", TwistStamped)
-        hold.await_readers(60.0)
+        multiplexer = theirs.publisher("/cmd_vel", TwistStamped)
+        hold.await_multiplexer(60.0)
+        assert not multiplexer.has_reader()
 
 
 def test_a_robot_has_arrived_when_it_stands_at_the_goal_or_stays_there():

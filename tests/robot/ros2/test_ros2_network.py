@@ -2,6 +2,7 @@
 
 import struct
 import threading
+import time
 from contextlib import closing
 
 import pytest
@@ -62,6 +63,28 @@ def test_a_mistake_of_a_receiver_is_no_lost_message(monkeypatch, caplog):
                 break
     assert [str(error) for error in told] == ["a mistake of ours"]
     assert caplog.text == ""
+
+
+def test_publishers_are_those_of_others_until_they_end():
+    with closing(Ros2Network(DOMAIN)) as theirs, closing(Ros2Network(DOMAIN)) as ours:
+        own = ours.publisher("/cmd_vel", ros.Twist)
+        publishers = [theirs.publisher(name, ros.Twist) for name in ("/cmd_vel", "cmd_vel", "/x")]
+        assert counted(ours, 2)
+        del publishers[1]
+        assert counted(ours, 1)
+        publishers.clear()
+        assert counted(ours, 0)
+        assert counted(theirs, 1)
+        del own
+
+
+def counted(network: Ros2Network, count: int) -> bool:
+    """Whether a network comes to know so many publishers."""
+    for _ in range(600):
+        if network.publishers("/cmd_vel") == count:
+            return True
+        time.sleep(0.1)
+    return False
 
 
 @pytest.mark.parametrize("refused", ["DataReader", "DataWriter", "Topic"])

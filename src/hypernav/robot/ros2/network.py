@@ -36,6 +36,8 @@ _XCDR1 = Policy.DataRepresentation(use_cdrv0_representation=True)
 """The encoding that ROS 2 speaks."""
 _MOST_WAITING = 100
 _WAIT_S = 0.1
+_ALL_S = 2.0
+"""Time in a domain after which all topics are known, seconds."""
 _ANY = SampleState.Any | ViewState.Any | InstanceState.Any
 _NAMES = {kind.__idl_typename__.replace(".", "::"): name for name, kind in ROS_TYPES.items()}
 _UNDECODABLE = (struct.error, ValueError, AssertionError)
@@ -146,6 +148,7 @@ class Ros2Network:
                 f"can't join the DDS domain {domain_id}: {error}; look at CYCLONEDDS_URI and at "
                 "the network's interfaces"
             ) from error
+        self._joined_s = time.monotonic()
         self._subscriptions: list[_Subscription] = []
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._read, name="ros2", daemon=True)
@@ -216,6 +219,27 @@ class Ros2Network:
             and offer.topic_name.startswith("rt/")
             and offer.type_name in _NAMES
         }
+
+    @property
+    def is_settled(self) -> bool:
+        """Whether the network was joined long enough ago to know all topics and publishers."""
+        return time.monotonic() - self._joined_s >= _ALL_S
+
+    def publishers(self, topic: str) -> int:
+        """Number of publishers that others have of a topic now, whatever its type is.
+
+        Those of a process that was killed count until its lease is over, some 10 s.
+
+        Args:
+            topic: ROS name of the topic.
+        """
+        name, own = _dds_name(topic), self._participant.guid
+        return sum(
+            offer.topic_name == name and offer.participant_key != own
+            for offer in self._offers.read(10_000)
+            if offer.sample_info.valid_data
+            and offer.sample_info.instance_state == InstanceState.Alive
+        )
 
     def _read(self) -> None:
         while not self._ended.is_set():

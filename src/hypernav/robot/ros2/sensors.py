@@ -28,8 +28,6 @@ from hypernav.robot.ros2.robot_clock import RobotClock
 
 _MEMORY_S = 10.0
 _LOOK_S = 0.2
-_ALL_S = 2.0
-"""Time after which all topics are known."""
 _FoundT = TypeVar("_FoundT")
 
 
@@ -52,7 +50,6 @@ class Ros2Sensors:
         self._tree, self._tree_lock = TransformTree(memory_s=_MEMORY_S), threading.Lock()
         self._odometry_s, self._clock = -1.0, RobotClock(config.timing.clock_drift)
         self._first_messages, self._ends_of_looks = dict[str, Any](), list[Callable[[], None]]()
-        self._began_s = time.monotonic()
         self.stream = RgbdStream(config.timing.apart_s)
         self._subscribe_frames()
         chosen = self._found(self._chosen)
@@ -247,7 +244,7 @@ class Ros2Sensors:
         ]
         offers = [offer for name, first in firsts if (offer := offered_topic(name, first))]
         try:
-            if None in named and time.monotonic() - self._began_s < _ALL_S:
+            if None in named and not self._network.is_settled:
                 raise TopicChoiceError("too early to know all topics")
             return choose_topics(offers, wanted, option_of=_option_of)
         except TopicChoiceError as error:

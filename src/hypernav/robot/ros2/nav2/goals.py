@@ -59,7 +59,7 @@ class Nav2Goals:
         """Wait until Nav2 takes goals, and the multiplexer what holds the wheels.
 
         Raises:
-            Nav2Error: Nobody does.
+            Nav2Error: Nobody does, or others publish past the multiplexer.
         """
         await_reader(
             self._publisher,
@@ -68,7 +68,7 @@ class Nav2Goals:
             "bt_navigator; is Nav2 running and configured (`ros2 lifecycle get /bt_navigator`), "
             "in this domain, and without a namespace (topics.goal_pose)?",
         )
-        self._wheels.await_readers(timeout_s)
+        self._wheels.await_multiplexer(timeout_s)
 
     def send(self, goal: Pose2 | None) -> None:
         """Publish a goal if it is another than before; None, standstill.

@@ -47,7 +47,7 @@ class Nav2Robot(SensingRobot):
 
         Raises:
             ConfigError: No robot can have their camera.
-            Nav2Error: Nobody takes goals, or what holds the wheels.
+            Nav2Error: Nobody takes goals or what holds the wheels, or others publish past it.
             RosNetworkError: Images are not fresh within the patience.
         """
         super().__init__(config, sensors)

@@ -3,6 +3,7 @@
 from hypernav.robot.motion.velocity import STANDSTILL
 from hypernav.robot.ros2.config import Ros2Config
 from hypernav.robot.ros2.idl_types import Bool
+from hypernav.robot.ros2.nav2.publishers import await_sole_command
 from hypernav.robot.ros2.nav2.readers import await_reader
 from hypernav.robot.ros2.network import Publisher, Ros2Network
 from hypernav.robot.ros2.sensors import Ros2Sensors
@@ -29,15 +30,16 @@ class WheelHold:
             RosNetworkError: A topic can't be written.
         """
         stop, lock = config.topics.stop_cmd_vel, config.topics.nav2_lock
-        self._config = config
+        self._network, self._config = network, config
         self._stop = None if stop is None else VelocityPublisher(stop, network, config, sensors)
         self._lock: Publisher[Bool] | None = None if lock is None else network.publisher(lock, Bool)
 
-    def await_readers(self, timeout_s: float) -> None:
-        """Wait until the multiplexer is there.
+    def await_multiplexer(self, timeout_s: float) -> None:
+        """Wait until the multiplexer is there, and nothing leads past it.
 
         Raises:
-            Nav2Error: Nobody takes what would hold the wheels.
+            Nav2Error: Nobody takes what would hold the wheels, or others publish where they would
+                defeat it.
         """
         topics, kind = self._config.topics, self._config.cmd_vel_type
         if self._stop is not None:
@@ -55,6 +57,7 @@ class WheelHold:
                 f"nobody reads '{topics.nav2_lock}' (topics.nav2_lock) as std_msgs/Bool, expected "
                 "the robot's velocity multiplexer; is twist_mux running, with this lock?",
             )
+        await_sole_command(self._network, topics, timeout_s)
 
     def hold(self) -> None:
         """Keep the wheels still; to be said again and again.
