@@ -90,7 +90,7 @@ class Nav2Config(RoomConfig):
             ``xy_goal_tolerance`` of Nav2's goal checker.
         reached_deg: Difference of the heading at which it is reached, degrees; not below
             ``yaw_goal_tolerance``, which is in radians.
-        blocked_s: Time without motion after which a goal can't be reached, seconds.
+        blocked_s: Time without coming nearer to a goal after which it can't be reached, seconds.
         motion_s: Longest time of one step, turn or piece of a path, seconds; what takes longer is
             blocked, too. Times without fresh data don't count.
         still_s: Time over which odometry shows whether the robot stands, seconds: longer than the

@@ -1,6 +1,8 @@
-"""Goals on the path of an agent, for a navigation that finds its own route to each."""
+"""Goals for a navigation that finds its own route to each, and what of a motion is made."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
 
 from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.robot.driving.driven_robot import TICK_S
@@ -11,6 +13,71 @@ _AIM_EVERY_S = 0.5
 """Shortest time between two goals on one path, for a robot that has not passed the first."""
 _LOST_M = 1.0
 """Length that a robot may drive along its path between two looks: an answer is waited for."""
+_STRAY_M = 0.5
+"""Length by which Nav2 may go around on one motion; what needs more is for the agent to decide."""
+
+
+@dataclass(frozen=True)
+class Aim:
+    """A goal of a motion, and how far the robot is with the motion.
+
+    Attributes:
+        goal: The goal for Nav2, metres and radians, in the frame of the odometry.
+        made: Where the robot counts as being: beside its path, the point of the path next to it.
+        left_m: Length left to drive, metres; None for a turn.
+        left_rad: Difference of the heading from that of the goal, radians.
+        is_astray: Whether it is too far from where the motion leads along.
+    """
+
+    goal: Pose2
+    made: Pose2
+    left_m: float | None
+    left_rad: float
+    is_astray: bool
+
+
+class Motion(Protocol):
+    """A motion that Nav2 makes by one goal or several."""
+
+    @property
+    def end(self) -> Pose2:
+        """Pose at its end."""
+        ...
+
+    def at(self, robot: Pose2) -> Aim:
+        """The goal for a robot at a pose; asked with every command."""
+        ...
+
+
+class ToPose:
+    """A step or a turn: one goal, to which a straight line leads."""
+
+    def __init__(self, start: Pose2, end: Pose2) -> None:
+        """Begin a motion.
+
+        Args:
+            start: Pose of the robot.
+            end: Pose to be reached; a turn ends at the position where it begins.
+        """
+        self._start, self._end = start, end
+        self._is_turn = start.xy == end.xy
+        self._line = PathAhead([start.xy] if self._is_turn else [start.xy, end.xy], sharp_deg=180.0)
+
+    @property
+    def end(self) -> Pose2:
+        """Pose at its end."""
+        return self._end
+
+    def at(self, robot: Pose2) -> Aim:
+        """The goal, which stays the same."""
+        along_m = self._line.pass_to(*robot.xy, within_m=self._line.length_m)
+        return Aim(
+            self._end,
+            robot,
+            None if self._is_turn else robot.distance_to(*self._end.xy),
+            abs(wrap_angle(self._end.yaw - robot.yaw)),
+            robot.distance_to(*self._line.point(along_m)) > _STRAY_M,
+        )
 
 
 class Aims:
@@ -29,14 +96,35 @@ class Aims:
         self._aim_m = 0.0
         self._looks = 0
 
+    @property
+    def end(self) -> Pose2:
+        """The path's end, at no heading."""
+        return Pose2(*self._path[-1], 0.0)
+
     def is_on(self, path: Sequence[tuple[float, float]]) -> bool:
         """Whether a path is this one, on which the robot has made progress already."""
         return tuple(path) == self._path
 
-    def at(self, robot: Pose2) -> Pose2:
-        """The goal for a robot at a pose; asked with every command."""
-        config, self._looks = self._config, self._looks + 1
+    def at(self, robot: Pose2) -> Aim:
+        """The goal for a robot at a pose; asked with every command.
+
+        Up to the distance by which corners may be cut, the robot may be wherever Nav2 has it.
+        """
+        config = self._config
         along_m = self._ahead.pass_to(*robot.xy, within_m=max(config.ahead_m, _LOST_M))
+        beside = Pose2(*self._ahead.point(along_m), robot.yaw)
+        aside_m = robot.distance_to(*beside.xy)
+        goal = self._goal(robot, along_m)
+        return Aim(
+            goal,
+            robot if aside_m <= config.corner_cut_m else beside,
+            self._ahead.length_m - along_m,
+            abs(wrap_angle(goal.yaw - robot.yaw)),
+            aside_m > config.corner_cut_m + _STRAY_M,
+        )
+
+    def _goal(self, robot: Pose2, along_m: float) -> Pose2:
+        config, self._looks = self._config, self._looks + 1
         left_m = self._aim_m - along_m
         is_new = left_m > 0.0 and self._looks * TICK_S < _AIM_EVERY_S
         if self._aim is not None and (is_new or left_m > config.ahead_m / 2.0):

@@ -5,15 +5,16 @@ import math
 
 from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.robot.ros2.config import Nav2Config
+from hypernav.robot.ros2.nav2.aims import Aim
 
 _LOG = logging.getLogger(__name__)
 
-_MOVED_M, _TURNED_RAD = 0.1, math.radians(5.0)
-"""Motion that is progress."""
+_GAINED_M, _GAINED_RAD = 0.1, math.radians(5.0)
+"""What a robot has to gain towards its goal for progress."""
 _SETTLED_S = 2.0
 """Time at the goal after which a body that sways has arrived, too."""
 _SHORT_S = 3.0
-"""Time without motion after which Nav2 may be content with where the robot is."""
+"""Time without progress after which Nav2 may be content with where the robot is."""
 _SHORT_M, _SHORT_RAD = 0.4, math.radians(45.0)
 """Distances from a goal with which a goal checker may be content."""
 
@@ -49,34 +50,40 @@ class Arrival:
 
 
 class Progress:
-    """For how long a robot has moved, and for how long it has not.
+    """For how long a robot has gained nothing towards its goal.
+
+    Only what brings it nearer than it was before is a gain: of a motion that drives less length
+    left, of a turn a smaller difference of the heading. A recovery of Nav2's that spins, or backs
+    up and comes again, gains nothing.
 
     Attributes:
-        has_moved: Whether it has moved at all.
+        is_made: Whether there was any gain at all.
         taken_s: Time since the begin, seconds, as the looks say.
     """
 
-    def __init__(self, robot: Pose2) -> None:
-        """Begin where the robot is."""
-        self._from = robot
-        self._still_s = 0.0
-        self.has_moved: bool = False
+    def __init__(self) -> None:
+        """Begin a motion."""
+        self._least: float | None = None
+        self._idle_s = 0.0
+        self.is_made: bool = False
         self.taken_s: float = 0.0
 
-    def still_s(self, robot: Pose2, seconds: float) -> float:
-        """Time for which the robot has been where it is, seconds.
+    def idle_s(self, aim: Aim, seconds: float) -> float:
+        """Time without a gain, seconds.
 
         Args:
-            robot: Its pose now.
+            aim: How far the robot is now.
             seconds: Time since the last look, without that in which it was not to move.
         """
         self.taken_s += seconds
-        turned = abs(wrap_angle(robot.yaw - self._from.yaw))
-        if robot.distance_to(*self._from.xy) > _MOVED_M or turned > _TURNED_RAD:
-            self._from, self._still_s, self.has_moved = robot, 0.0, True
+        left = aim.left_rad / _GAINED_RAD if aim.left_m is None else aim.left_m / _GAINED_M
+        if self._least is None:
+            self._least = left
+        if left < self._least - 1.0:
+            self._least, self._idle_s, self.is_made = left, 0.0, True
         else:
-            self._still_s += seconds
-        return self._still_s
+            self._idle_s += seconds
+        return self._idle_s
 
 
 class ShortOfGoals:
@@ -93,24 +100,24 @@ class ShortOfGoals:
         """
         self._config, self._is_said = config, False
 
-    def look(self, goal: Pose2, robot: Pose2, still_s: float) -> None:
+    def look(self, goal: Pose2, robot: Pose2, idle_s: float) -> None:
         """Look at a robot that has not reached its goal.
 
         Args:
             goal: The goal.
             robot: Pose of the robot in the same frame.
-            still_s: Time for which it has not moved, seconds.
+            idle_s: Time for which it has come no nearer, seconds.
         """
         left_m, left_rad = robot.distance_to(*goal.xy), abs(wrap_angle(goal.yaw - robot.yaw))
-        if self._is_said or still_s < _SHORT_S or left_m > _SHORT_M or left_rad > _SHORT_RAD:
+        if self._is_said or idle_s < _SHORT_S or left_m > _SHORT_M or left_rad > _SHORT_RAD:
             return
         self._is_said, config = True, self._config
         _LOG.warning(
-            "the robot has not moved for %.0f s, %.2f m and %.0f° (%.2f rad) from its goal, which "
-            "is reached within %g m and %g° (nav2.reached_m, nav2.reached_deg). If Nav2 is content "
-            "there, set xy_goal_tolerance and yaw_goal_tolerance of its goal checker (parameters "
-            "of controller_server, by default 0.25 m and 0.25 rad) below them; else something is "
-            "in its way. The motion counts as blocked after %g s (nav2.blocked_s)",
-            *(still_s, left_m, math.degrees(left_rad), left_rad),
+            "the robot has come no nearer for %.0f s, %.2f m and %.0f° (%.2f rad) from its goal, "
+            "which is reached within %g m and %g° (nav2.reached_m, nav2.reached_deg). If Nav2 is "
+            "content there, set xy_goal_tolerance and yaw_goal_tolerance of its goal checker "
+            "(parameters of controller_server, by default 0.25 m and 0.25 rad) below them; else "
+            "something is in its way. The motion counts as blocked after %g s (nav2.blocked_s)",
+            *(idle_s, left_m, math.degrees(left_rad), left_rad),
             *(config.reached_m, config.reached_deg, config.blocked_s),
         )

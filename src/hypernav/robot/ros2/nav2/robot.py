@@ -12,7 +12,7 @@ from hypernav.robot.client.robot import Executed, Sensed
 from hypernav.robot.driving.driven_robot import TICK_S
 from hypernav.robot.ros2.config import Ros2Config
 from hypernav.robot.ros2.guarded_output import GuardedOutput
-from hypernav.robot.ros2.nav2.aims import Aims
+from hypernav.robot.ros2.nav2.aims import Aims, Motion, ToPose
 from hypernav.robot.ros2.nav2.goals import Nav2Goals
 from hypernav.robot.ros2.nav2.progress import Arrival, Progress, ShortOfGoals
 from hypernav.robot.ros2.network import Ros2Network
@@ -25,8 +25,6 @@ _STANDS_S = 3.0
 _SILENCE_S = 1.0
 """Time for which it has to stand at the end with nobody holding its wheels: more than the timeout
 of a multiplexer."""
-_STRAY_M = 0.5
-"""Length by which Nav2 may go around on one motion; what needs more is for the agent to decide."""
 
 
 class Nav2Robot(SensingRobot):
@@ -63,7 +61,7 @@ class Nav2Robot(SensingRobot):
             silence_s=_SILENCE_S,
         )
         self._stopping = threading.Event()
-        self._has_moved = False
+        self._has_progressed = False
         self._aims: Aims | None = None
         self._short = ShortOfGoals(self._config)
 
@@ -89,8 +87,7 @@ class Nav2Robot(SensingRobot):
         else:
             turn = math.radians(motion.turn_angle_deg) * (1 if action is Action.TURN_LEFT else -1)
             goal = Pose2(*start.xy, wrap_angle(start.yaw + turn))
-        arrival = self._arrival(math.radians(self._config.reached_deg))
-        return self._run(lambda _: goal, lambda robot: self._is_at(arrival, goal, robot))
+        return self._run(ToPose(start, goal), math.radians(self._config.reached_deg))
 
     def follow(
         self, path: Sequence[tuple[float, float]], until: Callable[[Pose2], bool]
@@ -98,63 +95,56 @@ class Nav2Robot(SensingRobot):
         """Drive along a path, and come back without braking when it is enough."""
         if self._aims is None or not self._aims.is_on(path):
             self._aims = Aims(path, self._config)
-        end = Pose2(*path[-1], 0.0)
-        arrival = self._arrival(math.pi)  # a path ends at no heading
-        return self._run(
-            self._aims.at, lambda robot: self._is_at(arrival, end, robot), is_enough=until
-        )
+        return self._run(self._aims, math.pi, is_enough=until)  # a path ends at no heading
 
     def stop(self) -> None:
         """Stand still at once."""
         self._stopping.set()
         self._output.halt()
 
-    def _arrival(self, reached_rad: float) -> Arrival:
-        return Arrival(self._config.reached_m, reached_rad)
-
-    def _is_at(self, arrival: Arrival, goal: Pose2, robot: Pose2) -> bool:
-        return arrival.is_at(goal, robot, TICK_S, is_standing=self.sensors.is_standing())
-
     def _run(
         self,
-        aim: Callable[[Pose2], Pose2],
-        has_arrived: Callable[[Pose2], bool],
+        motion: Motion,
+        reached_rad: float,
         *,
         is_enough: Callable[[Pose2], bool] = lambda _: False,
     ) -> Executed:
         """Give goals until a motion is done, blocked or stopped.
 
+        Args:
+            motion: The motion.
+            reached_rad: Largest difference of the heading at its end, radians.
+            is_enough: Function of where the robot counts as being that ends it before.
+
         Raises:
-            Nav2Error: The robot has never moved.
+            Nav2Error: The robot has never come nearer to any goal.
             RosNetworkError: Nothing fresh comes within the patience.
         """
         self._stopping.clear()
-        start = self.odometry()
-        farthest_m = 0.0
-        progress = Progress(start)
+        arrival, progress = Arrival(self._config.reached_m, reached_rad), Progress()
         while True:
             self.sensors.wait_for_pair(unless=self._stopping.is_set)
             if self._stopping.is_set():
                 return self._stand(Executed.STOPPED)
             robot = self.odometry()
-            if is_enough(robot):
+            aim = motion.at(robot)
+            if is_enough(aim.made):
                 return Executed.DONE
-            if has_arrived(robot):
+            is_standing = self.sensors.is_standing()
+            if arrival.is_at(motion.end, robot, TICK_S, is_standing=is_standing):
                 return self._stand(Executed.DONE)
-            still_s = progress.still_s(robot, TICK_S)
-            self._has_moved |= progress.has_moved
-            if still_s > self._config.blocked_s:
+            idle_s = progress.idle_s(aim, TICK_S)
+            self._has_progressed |= progress.is_made
+            if idle_s > self._config.blocked_s:
                 return self._blocked()
             if progress.taken_s > self._config.motion_s:
                 _LOG.info("a motion takes Nav2 over %g s (nav2.motion_s)", self._config.motion_s)
                 return self._stand(Executed.BLOCKED)
-            wanted = aim(robot)
-            self._short.look(wanted, robot, still_s)
-            farthest_m = max(farthest_m, start.distance_to(*wanted.xy) + _STRAY_M)
-            if start.distance_to(*robot.xy) > farthest_m:
-                _LOG.info("Nav2 goes around by more than %g m; the agent decides anew", _STRAY_M)
+            if aim.is_astray:
+                _LOG.info("Nav2 leaves the way of the motion; the agent decides anew")
                 return self._stand(Executed.BLOCKED)
-            self._output.command(wanted)
+            self._short.look(aim.goal, robot, idle_s)
+            self._output.command(aim.goal)
             self._stopping.wait(TICK_S)
 
     def _blocked(self) -> Executed:
@@ -164,12 +154,13 @@ class Nav2Robot(SensingRobot):
             Nav2Error: It has never made any.
         """
         self._stand(Executed.BLOCKED)
-        if not self._has_moved:
+        if not self._has_progressed:
             raise Nav2Error(
-                f"Nav2 has taken goals on '{self._topic}', and the robot has not moved for "
-                f"{self._config.blocked_s:g} s by its odometry (nav2.blocked_s). Are all nodes of "
-                "Nav2 active, is the robot localised, does a goal from RViz move it, and are "
-                "nav2.reached_m and nav2.reached_deg not below the tolerances of its goal checker?"
+                f"Nav2 has taken goals on '{self._topic}', and the robot has come no nearer "
+                f"to any for {self._config.blocked_s:g} s by its odometry (nav2.blocked_s). Are "
+                "all nodes of Nav2 active, is the robot localised, does a goal from RViz move it, "
+                "and are nav2.reached_m and nav2.reached_deg not below the tolerances of its goal "
+                "checker?"
             )
         return Executed.BLOCKED
 
