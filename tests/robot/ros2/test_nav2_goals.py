@@ -386,10 +386,19 @@ def test_what_counts_as_reached_must_be_a_motion_made(assignment, message):
         check_drive("nav2", config)
 
 
-def test_what_holds_the_wheels_is_an_input_of_its_own():
-    config = configured("topics.stop_cmd_vel=cmd_vel")
+@pytest.mark.parametrize(
+    ("assignments", "message"),
+    [
+        (("stop_cmd_vel=cmd_vel",), r"stop_cmd_vel 'cmd_vel' is topics\.cmd_vel.*twist_mux"),
+        (("nav2_lock=/cmd_vel",), r"nav2_lock '/cmd_vel' is topics\.cmd_vel"),
+        (("goal_pose=/cmd_vel",), r"goal_pose '/cmd_vel' is topics\.cmd_vel"),
+        (("stop_cmd_vel=/x", "nav2_lock=x"), r"nav2_lock 'x' is topics\.stop_cmd_vel"),
+    ],
+)
+def test_whatever_is_told_apart_has_a_topic_of_its_own(assignments, message):
+    config = configured(*(f"topics.{one}" for one in assignments))
     check_drive("cmd_vel", config)
-    with pytest.raises(ConfigError, match=r"stop_cmd_vel 'cmd_vel' is topics\.cmd_vel.*twist_mux"):
+    with pytest.raises(ConfigError, match=message):
         check_drive("nav2", config)
 
 

@@ -38,6 +38,10 @@ def test_the_documented_template_has_every_key_with_its_default():
         ("timing: {fresh_s: 2.0}", "fresh_s"),
         ("cmd_vel_type: Twits", "Twist"),
         ("domain: 400", "domain"),
+        ("topics: {nav2_lock: ''}", "nav2_lock"),
+        ("topics: {stop_cmd_vel: /}", "stop_cmd_vel"),
+        ("nav2: {still_m: 0.05}", "still_m 0.05 in still_s 0.3 is 0.166667 m/s.*at most 0.1 m/s"),
+        ("nav2: {still_deg: 5}", "still_deg 5 in still_s 0.3 is .* at most 10 °/s"),
     ],
 )
 def test_a_mistake_is_named(text, message, tmp_path):

@@ -44,10 +44,11 @@ def legged_robot(
     late_s: Sequence[float] = (0.0,),
     odometry_behind_s: float = 0.0,
     speed_m_s: float = 0.0,
+    namespace: str = "",
 ) -> Iterator[None]:
     """Publishes 20 times a second until the block ends; the body stands at the origin of odom.
 
-    With a speed it drifts to its left.
+    With a speed it drifts to its left. In a namespace its odometry is in tf.
 
     All messages come later than they are stamped, by the first number of `late_s`; odometry is by
     so much older than images.
@@ -57,7 +58,8 @@ def legged_robot(
     depths = [network.publisher(f"/{name}/depth", ros.Image, sensor) for name in cameras]
     infos = [network.publisher(f"/{name}/camera_info", ros.CameraInfo, sensor) for name in cameras]
     odometry = network.publisher("/odom", ros.Odometry)
-    static = network.publisher("/tf_static", ros.TFMessage, Quality.STATIC)
+    moving = network.publisher(f"{namespace}/tf", ros.TFMessage)
+    static = network.publisher(f"{namespace}/tf_static", ros.TFMessage, Quality.STATIC)
     mounts = [
         ros.TransformStamped(
             ros.Header(frame_id="base_link"),
@@ -77,7 +79,11 @@ def legged_robot(
             stamp, odometry_s = ros_time(now_s), now_s - odometry_behind_s
             body.position.y = speed_m_s * (odometry_s - began_s)
             before = ros.Header(ros_time(odometry_s), "odom")
-            odometry.publish(ros.Odometry(before, "base_link", ros.PoseWithCovariance(body)))
+            if namespace:
+                at = ros.Transform(ros.Vector3(y=body.position.y), body.orientation)
+                moving.publish(ros.TFMessage([ros.TransformStamped(before, "base_link", at)]))
+            else:
+                odometry.publish(ros.Odometry(before, "base_link", ros.PoseWithCovariance(body)))
             for name, colour, depth, info in zip(cameras, colours, depths, infos, strict=True):
                 header = ros.Header(stamp, f"{name}_optical")
                 k = [40.0, 0.0, 31.5, 0.0, 40.0, 23.5, 0.0, 0.0, 1.0]
@@ -145,6 +151,17 @@ def test_a_camera_below_the_floor_names_the_floor(networks):
     config = configured(*NAMED, "frames.floor_z_m=5")
     with legged_robot(theirs), pytest.raises(ConfigError, match=r"-5\.0.*floor_z_m"):
         Ros2Base(ours, config, Ros2Sensors(ours, config))
+
+
+def test_frames_of_a_robot_in_a_namespace_are_heard(networks):
+    theirs, ours = networks
+    frames = ("topics.tf=/robot1/tf", "topics.tf_static=/robot1/tf_static")
+    config = configured(*NAMED[:3], *NAMED[4:], *frames)
+    with legged_robot(theirs, namespace="/robot1"):
+        pose = Ros2Sensors(ours, config).odometry()
+        assert pose.xy == (0.0, 0.0)
+        with pytest.raises(TransformMissingError):
+            Ros2Sensors(ours, configured(*NAMED[:3], *NAMED[4:], "timing.find_s=4"))
 
 
 def test_of_several_cameras_one_must_be_named(networks):
@@ -238,11 +255,11 @@ def test_a_delay_that_images_and_odometry_share_makes_them_old(networks):
 
 @pytest.mark.parametrize(
     ("settings", "stands"),
-    [((), False), (("nav2.still_s=0.5", "nav2.still_m=0.1"), True)],
+    [((), False), (("nav2.still_s=1", "nav2.still_m=0.1"), True)],
 )
 def test_a_robot_stands_that_moves_less_than_the_file_says(networks, settings, stands):
     theirs, ours = networks
-    with legged_robot(theirs, speed_m_s=0.1):
+    with legged_robot(theirs, speed_m_s=0.06):
         sensors = Ros2Sensors(ours, configured(*NAMED, *settings))
         until_s = time.monotonic() + (60.0 if stands else 2.0)
         is_standing = False

@@ -1,9 +1,9 @@
 """Configuration of a robot on a ROS 2 network: the sections of ``ros2.yaml``."""
 
 import os
-from typing import Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from hypernav.core.config import RoomConfig
 from hypernav.core.embodiment import Embodiment
@@ -14,6 +14,9 @@ from hypernav.robot.ros2.guarded_output import VALID_S
 from hypernav.robot.ros2.robot_clock import NTP_DRIFT
 
 _MOST_DOMAINS = 232
+_STILL_M_S, _STILL_DEG_S = 0.1, 10.0
+"""Speeds of a body that sways; what is faster drives."""
+_TopicName = Annotated[str, Field(pattern="[^/]")]
 
 
 class TopicsConfig(RoomConfig):
@@ -24,22 +27,29 @@ class TopicsConfig(RoomConfig):
         depth: Depth images, registered to colour.
         camera_info: Calibration of the colour images.
         odometry: ``nav_msgs/Odometry``, for a robot whose tf lacks the pose of the base.
-        cmd_vel: Velocity that the robot shall drive with.
+        cmd_vel: Velocity that the robot shall drive with; where Nav2 drives it through a
+            multiplexer, what that publishes.
         goal_pose: Goals of Nav2, where that drives the robot.
         stop_cmd_vel: An input of the robot's velocity multiplexer above that of Nav2, which is told
             standstill while Nav2 is to stand; None without one.
+        nav2_lock: A lock of that multiplexer, which is open only while Nav2 may drive; None without
+            one.
+        tf: Poses of frames that change, ``tf2_msgs/TFMessage``.
+        tf_static: Those that don't.
         output: Beginning of the names of all that is published for people.
     """
 
-    colour: str | None = None
-    depth: str | None = None
-    camera_info: str | None = None
-    odometry: str | None = None
-    cmd_vel: str = "/cmd_vel"
-    goal_pose: str = "/goal_pose"
-    stop_cmd_vel: str | None = None
-    nav2_lock: str | None = None
-    output: str = "/hypernav"
+    colour: _TopicName | None = None
+    depth: _TopicName | None = None
+    camera_info: _TopicName | None = None
+    odometry: _TopicName | None = None
+    tf: _TopicName = "/tf"
+    tf_static: _TopicName = "/tf_static"
+    cmd_vel: _TopicName = "/cmd_vel"
+    goal_pose: _TopicName = "/goal_pose"
+    stop_cmd_vel: _TopicName | None = None
+    nav2_lock: _TopicName | None = None
+    output: _TopicName = "/hypernav"
 
 
 class FramesConfig(RoomConfig):
@@ -95,8 +105,10 @@ class Nav2Config(RoomConfig):
             blocked, too. Times without fresh data don't count.
         still_s: Time over which odometry shows whether the robot stands, seconds: longer than the
             sway of a legged body.
-        still_m: Distance between the begin and the end of it below which the robot stands, metres.
-        still_deg: Difference of the headings below which it stands, degrees.
+        still_m: Distance between the begin and the end of it below which the robot stands, metres;
+            of more than 0.1 m/s it would drive.
+        still_deg: Difference of the headings below which it stands, degrees; of more than 10 °/s it
+            would turn.
     """
 
     ahead_m: float = Field(default=1.5, ge=0.2, le=50.0)
@@ -108,6 +120,21 @@ class Nav2Config(RoomConfig):
     still_s: float = Field(default=0.3, ge=0.1, le=3.0)
     still_m: float = Field(default=0.01, gt=0.0, le=0.2)
     still_deg: float = Field(default=1.5, gt=0.0, le=20.0)
+
+    @model_validator(mode="after")
+    def _stands_when_still(self) -> Self:
+        """Refuse to take a robot that drives for one that stands."""
+        for name, moved, unit, most in (
+            ("still_m", self.still_m, "m", _STILL_M_S),
+            ("still_deg", self.still_deg, "°", _STILL_DEG_S),
+        ):
+            if moved > most * self.still_s * (1.0 + 1e-9):
+                raise ValueError(
+                    f"{name} {moved:g} in still_s {self.still_s:g} is {moved / self.still_s:g} "
+                    f"{unit}/s, by which a robot that drives would stand; expected at most "
+                    f"{most:g} {unit}/s: a smaller {name} or a larger still_s"
+                )
+        return self
 
 
 class Ros2Config(RoomConfig):

@@ -71,14 +71,16 @@ def _check_reached(config: Ros2Config) -> None:
 
 def _check_stops(config: Ros2Config) -> None:
     topics, ahead_m = config.topics, config.nav2.ahead_m
-    if topics.stop_cmd_vel is not None and (
-        topics.stop_cmd_vel.lstrip("/") == topics.cmd_vel.lstrip("/")
-    ):
-        raise ConfigError(
-            f"topics.stop_cmd_vel '{topics.stop_cmd_vel}' is topics.cmd_vel, where Nav2's "
-            "velocities would come between; expected an input of its own of the robot's "
-            "multiplexer (twist_mux), of higher priority than Nav2's"
-        )
+    names = {"cmd_vel": topics.cmd_vel, "goal_pose": topics.goal_pose}
+    names |= {"stop_cmd_vel": topics.stop_cmd_vel, "nav2_lock": topics.nav2_lock}
+    of_topics = dict[str, str]()
+    for name, topic in names.items():
+        if topic is not None and (other := of_topics.setdefault(topic.strip("/"), name)) != name:
+            raise ConfigError(
+                f"topics.{name} '{topic}' is topics.{other}, too; expected a topic for each: with "
+                "Nav2, cmd_vel is what the robot's multiplexer (twist_mux) publishes, stop_cmd_vel "
+                "an input of its own above Nav2's, and nav2_lock a lock"
+            )
     if ahead_m > _LARGE_AHEAD_M and topics.nav2_lock is None:
         _LOG.warning(
             "nav2.ahead_m %g: so far Nav2 drives on where hypernav or its network dies; a lock of "

@@ -175,15 +175,14 @@ class Ros2Sensors:
             return self._tree.pose(frame, parent, self._odometry_s if at_s is None else at_s)
 
     def _subscribe_frames(self) -> None:
-        subscribe = self._network.subscribe
+        subscribe, topics = self._network.subscribe, self._config.topics
         moving, static = (
             partial(self._add_frames, static=is_static) for is_static in (False, True)
         )
-        subscribe("/tf", TFMessage, Quality.RELIABLE, moving)
-        subscribe("/tf_static", TFMessage, Quality.STATIC, static)
-        if self._config.topics.odometry is not None:
-            topic = self._config.topics.odometry
-            subscribe(topic, Odometry, Quality.SENSOR, self._add_odometry)
+        subscribe(topics.tf, TFMessage, Quality.RELIABLE, moving)
+        subscribe(topics.tf_static, TFMessage, Quality.STATIC, static)
+        if topics.odometry is not None:
+            subscribe(topics.odometry, Odometry, Quality.SENSOR, self._add_odometry)
 
     def _add_frames(self, message: TFMessage, *, static: bool) -> None:
         with self._tree_lock:
@@ -273,10 +272,10 @@ class Ros2Sensors:
         self.camera_to_base(pair.stamp_s)
         self.odom_to_map()
         if self._odometry_s < 0.0:
-            frames = self._config.frames
+            frames, topics = self._config.frames, self._config.topics
             raise TransformMissingError(
                 f"'{frames.base}' has a fixed pose in '{frames.odom}', expected odometry that "
-                "changes, on /tf or topics.odometry"
+                f"changes, on '{topics.tf}' (topics.tf) or topics.odometry"
             )
 
 
