@@ -152,7 +152,7 @@ class TransformMissingError(HyPerNavError):
 
 
 class RosNetworkError(HyPerNavError):
-    """A ROS 2 network can't be joined, or what a robot must send doesn't come."""
+    """A ROS 2 network can't be joined, what a robot must send doesn't come, or it doesn't stand."""
 
 
 class Nav2Error(HyPerNavError):

@@ -2,12 +2,13 @@
 
 import threading
 import time
-from contextlib import closing
+from contextlib import closing, nullcontext
 
 import pytest
 
 from hypernav.core.errors import RosNetworkError, TransformMissingError
 from hypernav.robot.motion.velocity import STANDSTILL, Velocity
+from hypernav.robot.ros2.drives import given_back
 from hypernav.robot.ros2.guarded_output import GuardedOutput
 
 FORWARD = Velocity(0.5)
@@ -112,22 +113,36 @@ def test_standstill_is_said_on_until_the_robot_stands_and_again_when_it_moves():
 
 
 def test_nothing_is_said_before_the_first_command():
-    wheels = Wheels()
-    output = GuardedOutput(wheels, STANDSTILL, is_safe=lambda: True, is_standing=lambda: False)
-    time.sleep(0.3)
-    assert wheels.told == []
-    output.close()
+    wheels, stands = Wheels(), threading.Event()
+    with closing(
+        GuardedOutput(wheels, STANDSTILL, is_safe=lambda: True, is_standing=stands.is_set)
+    ):
+        time.sleep(0.3)
+        assert wheels.told == []
+        stands.set()
 
 
-def test_a_robot_that_drives_on_at_the_end_is_an_error(caplog):
+def test_a_robot_that_drives_on_at_the_end_is_an_error():
     wheels = Wheels()
     output = GuardedOutput(wheels, STANDSTILL, is_safe=lambda: True, is_standing=lambda: False)
     output.command(FORWARD)
-    output.close()
+    with pytest.raises(RosNetworkError, match="told to stand still, and does not stand by its"):
+        output.close()
     assert wheels.told[-1] == STANDSTILL
-    assert [record.message for record in caplog.records] == [
-        "the robot was told to stand still, and does not stand by its odometry"
-    ]
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, ValueError])
+def test_a_robot_that_drives_on_hides_no_other_error(error, caplog):
+    class Robot:
+        def close(self) -> None:
+            raise RosNetworkError("it does not stand")
+
+    with pytest.raises(RosNetworkError, match="it does not stand"), given_back(Robot()):
+        pass
+    assert caplog.text == ""
+    with pytest.raises(error), given_back(Robot()):
+        raise error
+    assert "it does not stand" in caplog.text
 
 
 class HeldRobot:
@@ -149,13 +164,13 @@ class HeldRobot:
 
 
 @pytest.mark.parametrize(("gives_up_after", "is_in_time"), [(10, True), (15, True), (999, False)])
-def test_a_robot_that_only_its_hold_makes_stand_does_not_stand(gives_up_after, is_in_time, caplog):
+def test_a_robot_that_only_its_hold_makes_stand_does_not_stand(gives_up_after, is_in_time):
     robot = HeldRobot(gives_up_after)
     output = GuardedOutput(
         robot, STANDSTILL, is_safe=lambda: True, is_standing=robot.is_standing, silence_s=1.0
     )
-    output.close()
-    assert (caplog.text == "") is is_in_time
+    with nullcontext() if is_in_time else pytest.raises(RosNetworkError, match="does not stand"):
+        output.close()
     assert robot.told >= min(gives_up_after, 11)
 
 
@@ -168,7 +183,7 @@ def test_the_last_word_is_standstill():
 
 
 @pytest.mark.parametrize(("refused", "is_told"), [(3, True), (1000, False)])
-def test_the_last_standstill_is_tried_again_and_its_failure_is_an_error(refused, is_told, caplog):
+def test_the_last_standstill_is_tried_again_and_its_failure_is_an_error(refused, is_told):
     wheels, left = Wheels(), 0
 
     def send(velocity: Velocity) -> None:
@@ -181,10 +196,9 @@ def test_the_last_standstill_is_tried_again_and_its_failure_is_an_error(refused,
     output = GuardedOutput(send, STANDSTILL, is_safe=lambda: True)
     output.command(FORWARD)
     left = refused
-    output.close()
+    with nullcontext() if is_told else pytest.raises(RosNetworkError, match="could not be told"):
+        output.close()
     assert (wheels.told[-1] == STANDSTILL) is is_told
-    errors = [record for record in caplog.records if record.levelname == "ERROR"]
-    assert (not errors) is is_told
 
 
 def test_what_the_network_does_not_take_is_said_once_and_tried_again(caplog):

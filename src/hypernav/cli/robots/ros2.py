@@ -61,7 +61,8 @@ def run(options: Ros2) -> int:
         MissingExtraError: The package that speaks DDS is not installed.
         ConfigError: An option or the configuration is wrong.
         TopicChoiceError: No topic of the camera fits, or several do.
-        RosNetworkError: There is no network, or data doesn't come.
+        RosNetworkError: There is no network, data doesn't come, or the robot doesn't stand at the
+            end.
         Nav2Error: Nav2 takes no goals, or never moves the robot.
         OutputError: A file cannot be written.
         ViewError: A viewer does not start.
@@ -86,8 +87,7 @@ def run(options: Ros2) -> int:
             warnings_on(Terminal(), level=logging.ERROR) if options.quiet else warnings_on(console)
         )
         check_drive(options.drive, config)
-        ending, steps, views = _searched(options, goal, config, console, shown)
-        console.print(f"{goal.text}: {ending or 'stopped'} after {steps} steps", markup=False)
+        ending, views = _searched(options, goal, config, console, shown)
         views.stay(console)
     if ending is SearchEnding.MODEL_UNAVAILABLE:
         return ExitStatus.MODEL_UNAVAILABLE
@@ -96,7 +96,7 @@ def run(options: Ros2) -> int:
 
 def _searched(
     options: Ros2, goal: Goal, config: "Ros2Config", console: Terminal, shown: ExitStack
-) -> tuple[SearchEnding | None, int, Views]:
+) -> tuple[SearchEnding | None, Views]:
     """Take the robot over, search, and give it back.
 
     Args:
@@ -107,7 +107,7 @@ def _searched(
         shown: What the views are left to, which are there for longer than the robot is needed.
 
     Returns:
-        Ending, number of steps, and the views.
+        Ending, and the views.
     """
     from hypernav.robot.ros2.drives import opened_drive
     from hypernav.robot.ros2.network import Ros2Network
@@ -148,7 +148,9 @@ def _searched(
                 "config": config.model_dump(mode="json"),
             }
             views.finish(result)
-    return ending, client.steps, views
+        ended = f"{goal.text}: {ending or 'stopped'} after {client.steps} steps"
+        console.print(ended, markup=False)
+    return ending, views
 
 
 @contextmanager

@@ -42,7 +42,11 @@ class Ros2Base(SensingRobot):
         self._output = GuardedOutput(wheels.publish, STANDSTILL, is_safe=sensors.is_fresh)
 
     def close(self) -> None:
-        """Stand still and let others drive."""
+        """Stand still and let others drive.
+
+        Raises:
+            RosNetworkError: The robot doesn't stand at the end.
+        """
         self._output.close()
 
     def depth_view(self) -> DepthView:

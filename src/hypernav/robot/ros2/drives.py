@@ -2,11 +2,11 @@
 
 import logging
 from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import contextmanager
 from operator import attrgetter
-from typing import Literal
+from typing import Literal, Protocol, TypeVar
 
-from hypernav.core.errors import ConfigError
+from hypernav.core.errors import ConfigError, RosNetworkError
 from hypernav.robot.client.robot import Robot
 from hypernav.robot.client.robot_client import MADE_SHARE
 from hypernav.robot.driving.driven_robot import DrivenRobot
@@ -106,14 +106,39 @@ def opened_drive(
     Raises:
         ConfigError: No robot can have its camera.
         Nav2Error: Nav2 takes no goals.
-        RosNetworkError: Its data doesn't come.
+        RosNetworkError: Its data doesn't come, or it doesn't stand at the end.
         TopicChoiceError: No topic of its camera fits, or several do.
         TransformMissingError: A frame is missing.
     """
     sensors = Ros2Sensors(network, config)
     if drive == "nav2":
-        with closing(Nav2Robot(network, config, sensors)) as robot:
+        with given_back(Nav2Robot(network, config, sensors)) as robot:
             yield robot, robot
     else:
-        with closing(Ros2Base(network, config, sensors)) as base:
+        with given_back(Ros2Base(network, config, sensors)) as base:
             yield DrivenRobot(base, config.driving), base
+
+
+class _Closes(Protocol):
+    def close(self) -> None: ...
+
+
+_RobotT = TypeVar("_RobotT", bound=_Closes)
+
+
+@contextmanager
+def given_back(robot: _RobotT) -> Iterator[_RobotT]:
+    """Close a robot at the end of the block, whose own error is not hidden by one that it drives.
+
+    Raises:
+        RosNetworkError: The block ended well, and the robot doesn't stand.
+    """
+    try:
+        yield robot
+    except BaseException:
+        try:
+            robot.close()
+        except RosNetworkError as error:
+            _LOG.error("%s", error)
+        raise
+    robot.close()

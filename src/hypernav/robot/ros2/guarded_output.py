@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from typing import Generic, TypeVar
 
-from hypernav.core.errors import HyPerNavError
+from hypernav.core.errors import HyPerNavError, RosNetworkError
 
 _LOG = logging.getLogger(__name__)
 _PERIOD_S = 0.05
@@ -76,7 +76,11 @@ class GuardedOutput(Generic[_CommandT]):
         self.command(self._standstill)
 
     def close(self) -> None:
-        """Stand still, and send nothing any more; a robot that still drives then is logged."""
+        """Stand still, and send nothing any more.
+
+        Raises:
+            RosNetworkError: The robot drives all the same, by its odometry, or could not be told.
+        """
         self.halt()
         self._ended.set()
         self._thread.join()
@@ -92,8 +96,9 @@ class GuardedOutput(Generic[_CommandT]):
                 is_told = self._is_sent(self._standstill)
                 self._stands += is_told
             time.sleep(_PERIOD_S)
-        _LOG.error(
-            "the robot was told to stand still, and does not stand by its odometry"
+        raise RosNetworkError(
+            "the robot was told to stand still, and does not stand by its odometry; does "
+            "another drive it, or does its body sway (docs/ros2.md)?"
             if is_told
             else "the robot could not be told to stand still; it stops if its base does so alone"
         )

@@ -66,7 +66,11 @@ class Nav2Robot(SensingRobot):
         self._short = ShortOfGoals(self._config)
 
     def close(self) -> None:
-        """Stand still and let others drive."""
+        """Stand still and let others drive.
+
+        Raises:
+            RosNetworkError: The robot doesn't stand at the end.
+        """
         self._output.close()
 
     def observe(self) -> Sensed:
