@@ -9,8 +9,9 @@ from types import FrameType, TracebackType
 from typing import NoReturn, TypeVar
 
 _EnteredT = TypeVar("_EnteredT")
-_ENDINGS = (signal.SIGTERM, signal.SIGHUP)
-"""Signals to end; SIGHUP comes when the terminal is gone, as an SSH connection over Wi-Fi is."""
+_ENDINGS = tuple(one for one in signal.Signals if one.name in ("SIGTERM", "SIGHUP"))
+"""Signals to end; SIGHUP, which Windows doesn't have, comes when the terminal is gone, as an SSH
+connection over Wi-Fi is."""
 
 
 class Terminated(KeyboardInterrupt):
@@ -84,9 +85,11 @@ def _handled(
     numbers: tuple[signal.Signals, ...], handler: Callable[[int, FrameType | None], None]
 ) -> Iterator[None]:
     """Handle signals in the block, but for SIGHUP where it is ignored, as ``nohup`` has it."""
-    is_nohup = signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
-    minded = [number for number in numbers if not (is_nohup and number == signal.SIGHUP)]
-    before = {number: signal.signal(number, handler) for number in minded}
+    before = {
+        number: signal.signal(number, handler)
+        for number in numbers
+        if number.name != "SIGHUP" or signal.getsignal(number) is not signal.SIG_IGN
+    }
     try:
         yield
     finally:
