@@ -286,7 +286,7 @@ class SeesItFromOneSideOnly:
 def test_what_a_second_look_does_not_show_is_not_believed(must_see, ending):
     agent = search(
         detector=SeesItFromOneSideOnly(),
-        local={"min_verdicts": 100},
+        local={"min_verdicts": 100, "believe_again": False},
         search={"second_look_must_see": must_see},
     )
     steps, _ = run(agent, "bed")

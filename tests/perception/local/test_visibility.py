@@ -42,9 +42,16 @@ def test_what_something_lower_hides_need_not_be_visible_though_the_wall_behind_i
     nightstand, height_m = THING + np.array([1.0, 0.0]), 0.3
     depth = np.full_like(IMAGE.depth, 4.0)
     assert should_be_visible(nightstand, height_m, replace(IMAGE, depth=depth))
-    depth[CAMERA.height // 2 + 5 :] = 2.0  # a bed before it
+    depth[CAMERA.height // 2 + 5 :] = 1.8  # a bed before it
     assert not should_be_visible(nightstand, height_m, replace(IMAGE, depth=depth))
     assert should_be_visible(nightstand, HEIGHT_M + 0.1, replace(IMAGE, depth=depth))
+
+
+def test_an_objects_own_near_side_hides_nothing():
+    depth = np.full_like(IMAGE.depth, 4.0)
+    depth[CAMERA.height // 2 + 5 :] = 2.3  # the back of the sofa whose front was seen at 3 m
+    sofa = replace(IMAGE, depth=depth)
+    assert should_be_visible(THING + np.array([1.0, 0.0]), 0.3, sofa)
 
 
 @pytest.mark.parametrize("distance_m", [0.5, 4.5])

@@ -13,6 +13,8 @@ _NEAREST_M = 0.3
 _SAME_WIDTH = 0.5
 """Overlap over union of the columns of a box and of an object."""
 _DEPTH_SLACK_M = 0.5
+_OWN_DEPTH_M = 1.0
+"""Depth of an object, by which its near side may lie before its far one."""
 _RECOGNISABLE_M = (1.0, 4.0)
 _IN_BETWEEN_M = 0.15
 _MEASURABLE_M = 0.6
@@ -82,10 +84,13 @@ def should_be_visible(
     good &= observation.camera.contains(pixels)
     if good.sum() < 0.8 * len(distance):
         return False
-    # Nothing may stand in between, however low: the wall is in sight over a bed, and what stands on
-    # the floor behind the bed is not.
+    # Nothing may stand in between: the farthest return of a column shows what is as high as the
+    # camera, and the one at the object's height what is lower, such as a bed before a nightstand.
+    # The object's own near side may be nearer than what was seen of it from another side.
     columns, rows = pixels[good].astype(int).T
-    return bool((observation.depth[rows, columns] > distance[good] - 0.3).mean() > 0.8)
+    is_open = observation.depth.max(axis=0)[columns] > distance[good] - 0.3
+    is_open &= observation.depth[rows, columns] > distance[good] - _OWN_DEPTH_M
+    return bool(is_open.mean() > 0.8)
 
 
 def seems_to_hold(
