@@ -7,7 +7,7 @@ from collections.abc import Callable
 from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.robot.ros2.config import Ros2Config
 from hypernav.robot.ros2.idl_types import Header, PoseStamped
-from hypernav.robot.ros2.nav2.readers import await_reader
+from hypernav.robot.ros2.nav2.waiting import wait_for
 from hypernav.robot.ros2.nav2.wheel_hold import WheelHold
 from hypernav.robot.ros2.network import Publisher, Ros2Network
 from hypernav.robot.ros2.poses import pose_message
@@ -61,13 +61,7 @@ class Nav2Goals:
         Raises:
             Nav2Error: Nobody does, or others publish past the multiplexer.
         """
-        await_reader(
-            self._publisher,
-            timeout_s,
-            f"nobody reads '{self._topic}' as geometry_msgs/PoseStamped, expected Nav2's "
-            "bt_navigator; is Nav2 running and configured (`ros2 lifecycle get /bt_navigator`), "
-            "in this domain, and without a namespace (topics.goal_pose)?",
-        )
+        wait_for(self._missing_reader, timeout_s)
         self._wheels.await_multiplexer(timeout_s)
 
     def send(self, goal: Pose2 | None) -> None:
@@ -91,6 +85,16 @@ class Nav2Goals:
             self._publish(wanted, self._frame)
             self._last = wanted
         self._wheels.let_go()
+
+    def _missing_reader(self) -> str | None:
+        """What to do about Nav2 taking no goals; None if it takes them."""
+        if self._publisher.has_reader():
+            return None
+        return (
+            f"nobody reads '{self._topic}' as geometry_msgs/PoseStamped, expected Nav2's "
+            "bt_navigator; is Nav2 running and configured (`ros2 lifecycle get /bt_navigator`), "
+            "in this domain, and without a namespace (topics.goal_pose)?"
+        )
 
     def _stand(self) -> None:
         if self._clock() - self._stood_s >= _STAND_S:

@@ -1,13 +1,12 @@
 """Who else publishes on the topics by which the wheels are held."""
 
 import time
-from collections.abc import Callable
 from typing import Protocol
 
-from hypernav.core.errors import Nav2Error
 from hypernav.robot.ros2.config import TopicsConfig
+from hypernav.robot.ros2.nav2.waiting import wait_for
 
-_LOOK_S = 0.1
+_SETTLE_S = 0.1
 
 
 class KnowsPublishers(Protocol):
@@ -42,45 +41,33 @@ def await_sole_command(network: KnowsPublishers, topics: TopicsConfig, timeout_s
     if not held:
         return
     while not network.is_settled:
-        time.sleep(_LOOK_S)
+        time.sleep(_SETTLE_S)
     for name, topic in held.items():
-        _await(
-            lambda count: count == 0,
-            *(network, topic, timeout_s),
-            lambda count, name=name, topic=topic: (
-                f"{count} other publisher(s) on '{topic}' (topics.{name}), expected hypernav "
-                "alone: by them Nav2 would drive while the robot is to stand. End them, such "
-                f"as a `ros2 topic pub` that opened the lock; `ros2 topic info -v {topic}` names "
-                "them"
-            ),
-        )
-    _await(
-        lambda count: count == 1,
-        *(network, topics.cmd_vel, timeout_s),
-        lambda count: (
-            f"{count} publishers on '{topics.cmd_vel}' (topics.cmd_vel), expected one, the robot's "
-            "velocity multiplexer: what others publish there reaches the base past it. Remap the "
-            "last node of Nav2 that publishes velocities, and behavior_server, from cmd_vel to an "
-            "input of twist_mux, and cmd_vel_out of twist_mux to this topic "
-            f"(`ros2 topic info -v {topics.cmd_vel}` names the publishers; docs/ros2.md)"
-        ),
+        wait_for(lambda name=name, topic=topic: _not_alone(network, name, topic), timeout_s)
+    wait_for(lambda: _not_one(network, topics.cmd_vel), timeout_s)
+
+
+def _not_alone(network: KnowsPublishers, name: str, topic: str) -> str | None:
+    """What to do about others that publish on a topic of ours; None if nobody does."""
+    count = network.publishers(topic)
+    if count == 0:
+        return None
+    return (
+        f"{count} other publisher(s) on '{topic}' (topics.{name}), expected hypernav alone: by "
+        "them Nav2 would drive while the robot is to stand. End them, such as a `ros2 topic pub` "
+        f"that opened the lock; `ros2 topic info -v {topic}` names them"
     )
 
 
-def _await(
-    is_right: Callable[[int], bool],
-    network: KnowsPublishers,
-    topic: str,
-    timeout_s: float,
-    otherwise: Callable[[int], str],
-) -> None:
-    """Wait until a topic has the right number of publishers.
-
-    Raises:
-        Nav2Error: It does not get it.
-    """
-    until_s = time.monotonic() + timeout_s
-    while not is_right(count := network.publishers(topic)):
-        if time.monotonic() > until_s:
-            raise Nav2Error(otherwise(count))
-        time.sleep(_LOOK_S)
+def _not_one(network: KnowsPublishers, topic: str) -> str | None:
+    """What to do where another number than one publishes on the base's topic; None if one does."""
+    count = network.publishers(topic)
+    if count == 1:
+        return None
+    return (
+        f"{count} publishers on '{topic}' (topics.cmd_vel), expected one, the robot's velocity "
+        "multiplexer: what others publish there reaches the base past it. Remap the last node of "
+        "Nav2 that publishes velocities, and behavior_server, from cmd_vel to an input of "
+        f"twist_mux, and cmd_vel_out of twist_mux to this topic (`ros2 topic info -v {topic}` "
+        "names the publishers; docs/ros2.md)"
+    )

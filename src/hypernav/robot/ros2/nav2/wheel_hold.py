@@ -4,7 +4,7 @@ from hypernav.robot.motion.velocity import STANDSTILL
 from hypernav.robot.ros2.config import Ros2Config
 from hypernav.robot.ros2.idl_types import Bool
 from hypernav.robot.ros2.nav2.publishers import await_sole_command
-from hypernav.robot.ros2.nav2.readers import await_reader
+from hypernav.robot.ros2.nav2.waiting import wait_for
 from hypernav.robot.ros2.network import Publisher, Ros2Network
 from hypernav.robot.ros2.sensors import Ros2Sensors
 from hypernav.robot.ros2.velocity_publisher import VelocityPublisher
@@ -41,23 +41,8 @@ class WheelHold:
             Nav2Error: Nobody takes what would hold the wheels, or others publish where they would
                 defeat it.
         """
-        topics, kind = self._config.topics, self._config.cmd_vel_type
-        if self._stop is not None:
-            await_reader(
-                self._stop,
-                timeout_s,
-                f"nobody reads '{topics.stop_cmd_vel}' (topics.stop_cmd_vel) as geometry_msgs/"
-                f"{kind}, expected the robot's velocity multiplexer, which holds the wheels by it; "
-                "is twist_mux running, with this input, and does it take this type (cmd_vel_type)?",
-            )
-        if self._lock is not None:
-            await_reader(
-                self._lock,
-                timeout_s,
-                f"nobody reads '{topics.nav2_lock}' (topics.nav2_lock) as std_msgs/Bool, expected "
-                "the robot's velocity multiplexer; is twist_mux running, with this lock?",
-            )
-        await_sole_command(self._network, topics, timeout_s)
+        wait_for(self._missing_reader, timeout_s)
+        await_sole_command(self._network, self._config.topics, timeout_s)
 
     def hold(self) -> None:
         """Keep the wheels still; to be said again and again.
@@ -82,3 +67,19 @@ class WheelHold:
     def _say_locked(self, is_locked: bool) -> None:
         if self._lock is not None:
             self._lock.publish(Bool(is_locked))
+
+    def _missing_reader(self) -> str | None:
+        """What to do about an input that the multiplexer doesn't read; None if it reads all."""
+        topics, kind = self._config.topics, self._config.cmd_vel_type
+        if self._stop is not None and not self._stop.has_reader():
+            return (
+                f"nobody reads '{topics.stop_cmd_vel}' (topics.stop_cmd_vel) as geometry_msgs/"
+                f"{kind}, expected the robot's velocity multiplexer, which holds the wheels by it; "
+                "is twist_mux running, with this input, and does it take this type (cmd_vel_type)?"
+            )
+        if self._lock is not None and not self._lock.has_reader():
+            return (
+                f"nobody reads '{topics.nav2_lock}' (topics.nav2_lock) as std_msgs/Bool, expected "
+                "the robot's velocity multiplexer; is twist_mux running, with this lock?"
+            )
+        return None
