@@ -9,7 +9,6 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float32, Float64, Int64
-from scipy.spatial import KDTree
 
 from hypernav.core.errors import SceneError
 
@@ -54,6 +53,8 @@ def nearest_marks(
     Returns:
         `NO_MARK` where no point is within 0.25 m.
     """
+    from scipy.spatial import KDTree  # which only scans need, and every search would wait for
+
     middles = vertices[faces].mean(axis=1, dtype=np.float64)
     tree = KDTree(points, balanced_tree=False, compact_nodes=False)
     _, nearest = tree.query(middles, distance_upper_bound=_REACH_M)
