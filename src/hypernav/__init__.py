@@ -36,15 +36,18 @@ if TYPE_CHECKING:
         GoalError,
         HyPerNavError,
         LabelsMissingError,
+        LinkLostError,
         MissingExtraError,
         ModelError,
         ModelUnavailableError,
         SceneError,
+        SensorError,
         StartError,
     )
     from hypernav.core.geometry.boxes import Box, Detection
+    from hypernav.core.geometry.camera import PinholeCamera
     from hypernav.core.geometry.grid import OccupancyGrid
-    from hypernav.core.geometry.transforms import Pose2
+    from hypernav.core.geometry.transforms import Pose2, Transform
     from hypernav.core.goal import Goal
     from hypernav.core.observation import Observation
     from hypernav.core.trace import StepTrace
@@ -61,8 +64,9 @@ if TYPE_CHECKING:
     from hypernav.robot.client.robot import Executed, Robot, Sensed
     from hypernav.robot.client.robot_client import RobotClient
     from hypernav.robot.client.stop_listener import StopListener
-    from hypernav.robot.driving.base import Base
+    from hypernav.robot.driving.base import Base, DepthView
     from hypernav.robot.driving.driven_robot import DrivenRobot
+    from hypernav.robot.motion.velocity import Velocity
     from hypernav.robot.wire.requests import OpenSearch
     from hypernav.worlds.env import ObjectNavEnv
     from hypernav.worlds.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
@@ -82,6 +86,7 @@ __all__ = [
     "ComponentSpecs",
     "ConfigError",
     "ContractError",
+    "DepthView",
     "Destination",
     "Detection",
     "Detector",
@@ -102,6 +107,7 @@ __all__ = [
     "HyPerNavConfig",
     "HyPerNavError",
     "LabelsMissingError",
+    "LinkLostError",
     "MissingExtraError",
     "ModelError",
     "ModelUnavailableError",
@@ -110,6 +116,7 @@ __all__ = [
     "OccupancyGrid",
     "OpenSearch",
     "Outcome",
+    "PinholeCamera",
     "Pose2",
     "PresenceCheck",
     "Robot",
@@ -121,11 +128,14 @@ __all__ = [
     "Segmenter",
     "Selection",
     "Sensed",
+    "SensorError",
     "ServerAddress",
     "SimulatedWorld",
     "StartError",
     "StepTrace",
     "StopListener",
+    "Transform",
+    "Velocity",
     "build_agent",
     "build_search",
     "check_agent",
@@ -168,15 +178,19 @@ _MODULES = {
     "GoalError": "hypernav.core.errors",
     "HyPerNavError": "hypernav.core.errors",
     "LabelsMissingError": "hypernav.core.errors",
+    "LinkLostError": "hypernav.core.errors",
     "MissingExtraError": "hypernav.core.errors",
     "ModelError": "hypernav.core.errors",
     "ModelUnavailableError": "hypernav.core.errors",
     "SceneError": "hypernav.core.errors",
+    "SensorError": "hypernav.core.errors",
     "StartError": "hypernav.core.errors",
     "Box": "hypernav.core.geometry.boxes",
     "Detection": "hypernav.core.geometry.boxes",
+    "PinholeCamera": "hypernav.core.geometry.camera",
     "OccupancyGrid": "hypernav.core.geometry.grid",
     "Pose2": "hypernav.core.geometry.transforms",
+    "Transform": "hypernav.core.geometry.transforms",
     "Goal": "hypernav.core.goal",
     "Observation": "hypernav.core.observation",
     "StepTrace": "hypernav.core.trace",
@@ -199,7 +213,9 @@ _MODULES = {
     "RobotClient": "hypernav.robot.client.robot_client",
     "StopListener": "hypernav.robot.client.stop_listener",
     "Base": "hypernav.robot.driving.base",
+    "DepthView": "hypernav.robot.driving.base",
     "DrivenRobot": "hypernav.robot.driving.driven_robot",
+    "Velocity": "hypernav.robot.motion.velocity",
     "OpenSearch": "hypernav.robot.wire.requests",
     "ObjectNavEnv": "hypernav.worlds.env",
     "EpisodeResult": "hypernav.worlds.episode_run",
