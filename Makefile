@@ -6,6 +6,9 @@ VLM := .venv-vlm
 # The other supported versions of Python that this machine has.
 PYTHONS := $(foreach version,3.12 3.13,$(shell python$(version) -c 'print("python$(version)")' 2>/dev/null))
 
+# Where an image forbids bytecode, every process of every test would compile all modules again.
+export PYTHONDONTWRITEBYTECODE :=
+
 .PHONY: demo test slow test-vlm lint docs wheel format clean
 
 demo: $(VENV)/.installed  ## search for a bed in the built-in house
