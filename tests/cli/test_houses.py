@@ -33,6 +33,7 @@ def hypernav(*arguments):
     return stop.value.code
 
 
+@pytest.mark.slow
 def test_episodes_are_written_and_their_difficulty_is_told(box_houses, tmp_path, capsys):
     out = tmp_path / "new" / "val.json.gz"
     options = ("--houses", "1000:1002", "--count", 5)

@@ -16,14 +16,15 @@ from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.view_points import view_points
 from hypernav.worlds.surface.walkable import WalkableGrid
 
-SOME = (
+SOME = [
     house(BUILTIN_HOUSE),
-    house(5),
     Building("offices", 3),
-    Building("offices", 11),
     Building("shops", 2),
-    Building("shops", 19),
-)
+    *(
+        pytest.param(building, marks=pytest.mark.slow)
+        for building in (house(5), Building("offices", 11), Building("shops", 19))
+    ),
+]
 
 
 @lru_cache(maxsize=4)

@@ -62,7 +62,14 @@ def test_nothing_is_left_over(filled: Path):
     assert not [p for p in path.parent.rglob("*") if p.name.startswith(".new")]
 
 
-@pytest.mark.parametrize("content", [b"", b"not a zip file", b"PK\x03\x04 broken"])
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"not a zip file",
+        pytest.param(b"", marks=pytest.mark.slow),
+        pytest.param(b"PK\x03\x04 broken", marks=pytest.mark.slow),
+    ],
+)
 def test_a_broken_file_is_replaced(built: Scene, filled: Path, content: bytes):
     path, _ = files(filled)
     good = path.read_bytes()

@@ -44,7 +44,8 @@ def records(folder, scene, ids, preset: PresetName):
     return {one.episode_id: one.model_dump(exclude={"seconds"}) for one in done}
 
 
-@pytest.mark.parametrize("preset", ["default", pytest.param("paper", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("preset", ["default", "paper"])
 def test_a_record_depends_neither_on_workers_nor_on_the_order(tmp_path, scene, preset):
     together = records(tmp_path, scene, "abc", preset)
     assert together == records(tmp_path, scene, "cba", preset)

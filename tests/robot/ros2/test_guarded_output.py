@@ -163,7 +163,10 @@ class HeldRobot:
         return self.told >= self._gives_up_after or self._silent_looks <= 5
 
 
-@pytest.mark.parametrize(("gives_up_after", "is_in_time"), [(10, True), (15, True), (999, False)])
+@pytest.mark.parametrize(
+    ("gives_up_after", "is_in_time"),
+    [(10, True), (15, True), pytest.param(999, False, marks=pytest.mark.slow)],
+)
 def test_a_robot_that_only_its_hold_makes_stand_does_not_stand(gives_up_after, is_in_time):
     robot = HeldRobot(gives_up_after)
     output = GuardedOutput(
@@ -182,7 +185,9 @@ def test_the_last_word_is_standstill():
     assert wheels.told[-1] == STANDSTILL
 
 
-@pytest.mark.parametrize(("refused", "is_told"), [(3, True), (1000, False)])
+@pytest.mark.parametrize(
+    ("refused", "is_told"), [(3, True), pytest.param(1000, False, marks=pytest.mark.slow)]
+)
 def test_the_last_standstill_is_tried_again_and_its_failure_is_an_error(refused, is_told):
     wheels, left = Wheels(), 0
 
