@@ -2,11 +2,15 @@
 
 import math
 
+import cv2
 import numpy as np
 
 from hypernav.core.actions import Action
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
+
+_FINE = 4
+"""The truth is four times finer than the map."""
 
 
 def random_rooms(rng: np.random.Generator, *, door_m: float, furniture: int = 12) -> OccupancyGrid:
@@ -50,22 +54,20 @@ class DrivenRobot:
     """Turns and steps as ordered; a step ends where the robot's disc would touch an obstacle."""
 
     def __init__(self, grid: OccupancyGrid, pose: Pose2, *, radius_m: float = 0.18) -> None:
-        self._occupied, self._origin = grid.occupied, grid.origin
-        self._cell_m = grid.resolution_m
+        fine = np.kron(grid.occupied.astype(np.uint8), np.ones((_FINE, _FINE), np.uint8))
+        self._cell_m = grid.resolution_m / _FINE
+        away = cv2.distanceTransform(1 - fine, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+        self._clearance_m = (away - 0.5) * self._cell_m
         self._radius_m = radius_m
+        self._origin = grid.origin
         self.pose = pose
         self.bumps = 0
         self.travelled_m = 0.0
 
     def fits(self, x: float, y: float) -> bool:
-        """Whether the disc around a position overlaps no occupied square of the map."""
-        here = np.array([y - self._origin[1], x - self._origin[0]]) / self._cell_m
-        reach = self._radius_m / self._cell_m
-        low = np.maximum(np.floor(here - reach), 0).astype(int)
-        high = np.ceil(here + reach).astype(int)
-        squares = np.argwhere(self._occupied[low[0] : high[0], low[1] : high[1]]) + low
-        beyond = np.maximum(np.maximum(squares - here, here - (squares + 1)), 0.0)
-        return not (np.hypot(*beyond.T) < reach).any()
+        row = int((y - self._origin[1]) / self._cell_m)
+        column = int((x - self._origin[0]) / self._cell_m)
+        return bool(self._clearance_m[row, column] >= self._radius_m)
 
     def do(self, action: Action, *, forward_m: float = 0.5, turn_deg: float = 30.0) -> None:
         x, y, yaw = self.pose.x, self.pose.y, self.pose.yaw
