@@ -79,9 +79,9 @@ class BuiltAgent:
         """Questions and counts since the last report, for ``result.json``.
 
         Returns:
-            ``ledger``: calls, tokens, seconds and retries per kind of question, and the cost if a
-            price is configured; only with a chat model. ``fallbacks``: what components counted,
-            for example what was done in place of answers that could not be used.
+            Under ``ledger`` calls, tokens, seconds and retries per kind of question, and the cost
+            if a price is configured; only with a chat model. Under ``fallbacks`` what components
+            counted, for example what was done in place of answers that could not be used.
         """
         report: dict[str, Any] = {}
         if self.chosen.vlm is not None:
