@@ -30,6 +30,7 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
+from hypernav.mapping.memory.memory import Memory
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.worlds.goal_sight import MIN_VISIBLE_SHARE
 from hypernav.worlds.simulation import SimulatedWorld
@@ -96,7 +97,11 @@ class Variant:
 
 
 def first_sights(
-    world: SimulatedWorld, agent: SearchAgent, onlooker: Onlooker, start: Pose2
+    world: SimulatedWorld,
+    agent: SearchAgent,
+    onlooker: Onlooker,
+    start: Pose2,
+    memory: Memory | None = None,
 ) -> dict[str, Sight]:
     """When each goal of a building is first seen by a robot that looks for none of them.
 
@@ -105,10 +110,11 @@ def first_sights(
         agent: Agent whose detector is the onlooker.
         onlooker: Onlooker that has seen nothing yet.
         start: Pose to begin at.
+        memory: What the robot knows of the building; None if nothing.
     """
     episode = Episode("", "", NOTHING, start)
     observation = world.reset(episode)
-    agent.reset(NOTHING)
+    agent.reset(NOTHING, memory)
     goals = {goal: world.regions.of(Goal(goal)) for goal in world.regions.categories()}
     unseen = {goal: {one.id for one in region.instances} for goal, region in goals.items()}
     lengths, positions = list[float](), list[tuple[float, float, float]]()

@@ -6,8 +6,7 @@ simulator's ground truth, so the lines of the table differ only in how often it 
     python benchmarks/model_calls.py                         # small_house, 4 goals from 2 starts
     python benchmarks/model_calls.py --scenes houses:100000 houses:100001 --goals bed sofa
 
-`waited` is what the questions would take with `--question-s` and `--map-question-s` seconds each,
-where a map question that is asked ahead is not waited for.
+`waited` is what the questions would take with `--question-s` and `--map-question-s` seconds each.
 """
 
 import os
@@ -53,7 +52,6 @@ VARIANTS: dict[str, tuple[PresetName, tuple[str, ...]]] = {
     "+ skip seen views": ("default", SEEN),
     "+ skip held target": ("default", HELD),
     "+ both": ("default", SEEN + HELD),
-    "+ both, ask ahead": ("default", (*SEEN, *HELD, "prefetch.enabled=true")),
 }
 
 
@@ -65,8 +63,6 @@ class Tally:
     spl: list[float] = field(default_factory=list)
     steps: list[int] = field(default_factory=list)
     calls: dict[str, int] = field(default_factory=dict)
-    ahead: int = 0
-    wasted: int = 0
 
 
 def search(
@@ -81,7 +77,8 @@ def search(
         parts = build_agent(config, ComponentSpecs(vlm=server.spec))
         episode = Episode(world.scene.name, "", goal, start)
         run = EpisodeRun(parts.agent, world, episode, rng=rng)
-        remarks = [mark for step in run for one in step.trace.exchanges for mark in one.remarks]
+        for _ in run:
+            pass
         report = parts.take_report()
     result = run.result()
     tally.found += result.metrics.success
@@ -89,8 +86,6 @@ def search(
     tally.steps.append(result.steps)
     for kind, row in report["ledger"]["kinds"].items():
         tally.calls[kind] = tally.calls.get(kind, 0) + row["calls"]
-    tally.ahead += remarks.count("asked ahead")
-    tally.wasted += remarks.count("asked ahead, not used")
 
 
 def worlds(scenes: tuple[str, ...], set: tuple[str, ...]) -> Iterator[SimulatedWorld]:
@@ -142,7 +137,6 @@ def table(tallies: dict[str, Tally], question_s: float, map_question_s: float) -
         "map",
         "verify",
         "calls",
-        "ahead",
         "waited",
     )
     rows = Table("per search", *columns)
@@ -150,7 +144,7 @@ def table(tallies: dict[str, Tally], question_s: float, map_question_s: float) -
         n = len(tally.steps)
         ground, crop, verify = (tally.calls.get(kind, 0) for kind in ("ground", "crop", "verify"))
         of_map = tally.calls.get("choose block", 0) + tally.calls.get("summarise", 0)
-        waited = question_s * (ground + crop + verify) + map_question_s * (of_map - tally.ahead)
+        waited = question_s * (ground + crop + verify) + map_question_s * of_map
         rows.add_row(
             variant,
             f"{tally.found} of {n}",
@@ -158,7 +152,6 @@ def table(tallies: dict[str, Tally], question_s: float, map_question_s: float) -
             f"{np.mean(tally.steps):.0f}",
             *(f"{count / n:.1f}" for count in (ground, crop, of_map, verify)),
             f"{sum(tally.calls.values()) / n:.1f}",
-            f"{tally.ahead / n:.1f} ({tally.wasted / n:.1f} wasted)",
             f"{waited / n:.0f} s",
         )
     return rows

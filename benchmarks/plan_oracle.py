@@ -16,7 +16,7 @@ for the first time, without those that the first turn shows.
 import math
 from collections.abc import Sequence
 from contextlib import closing
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import tyro
@@ -28,12 +28,11 @@ from rich.table import Table
 from hypernav.agents.search import SearchAgent
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.scenes import load_scene
-from hypernav.core.destination import Destination
 from hypernav.core.episode import Episode
+from hypernav.core.exploration import Destination, ExplorationView
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.goal import Goal
-from hypernav.core.observation import Observation
+from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.prospects import find_legs_m
 from hypernav.mapping.reachable_area import ReachableArea
 from hypernav.mapping.top_down_map import TopDownMap
@@ -57,6 +56,24 @@ MOST_STEPS = 2000
 Mask = Bool[np.ndarray, "rows columns"]
 
 
+@dataclass(eq=False)
+class Notes:
+    """What the oracle has seen.
+
+    Attributes:
+        seen: Map of what the images of this search have shown.
+        aimed_at: Positions ``(x, y)`` that the last image at the present stop is to show, metres.
+        looked_at: Positions that the robot turned to; what it still did not see there can't be seen
+            from anywhere near.
+        visits: Number of visits that are in `looked_at`.
+    """
+
+    seen: TopDownMap
+    aimed_at: Float64[np.ndarray, "n 2"] = field(default_factory=lambda: np.empty((0, 2)))
+    looked_at: Float64[np.ndarray, "m 2"] = field(default_factory=lambda: np.empty((0, 2)))
+    visits: int = 0
+
+
 class PlanExplorer:
     """Goes where the floor that no image has shown comes into view soonest."""
 
@@ -65,27 +82,25 @@ class PlanExplorer:
         self._config = config
         self._walls = plan.eye_level
 
-    def reset(self, goal: Goal) -> None:
-        """Forget what was seen; the goal is of no interest."""
-        self._seen = TopDownMap(self._config.mapping, self._config.embodiment)
-        self._aimed_at = self._looked_at = np.empty((0, 2))
-
-    def remember_visit(self, x: float, y: float) -> None:
-        """What the robot turned to and still did not see, can't be seen from anywhere near."""
-        self._looked_at = np.concatenate([self._looked_at, self._aimed_at])
-
-    def watch(self, observation: Observation, grid: OccupancyGrid) -> None:
+    def learn(self, view: ExplorationView) -> None:
         """Note what an image shows."""
-        self._seen.integrate(observation)
+        self._notes(view).seen.integrate(view.observation)
 
-    def next_destination(
-        self, grid: OccupancyGrid, robot: Pose2, trajectory: Sequence[tuple[float, float]]
-    ) -> Destination | None:
+    def _notes(self, view: ExplorationView) -> Notes:
+        if "plan" not in view.notes:
+            view.notes["plan"] = Notes(TopDownMap(self._config.mapping, self._config.embodiment))
+        return view.notes["plan"]
+
+    def next_destination(self, view: ExplorationView) -> Destination | None:
         """The first stop of the tour; None once all has been seen that can be."""
+        notes = self._notes(view)
+        if len(view.visits) > notes.visits:
+            notes.looked_at = np.concatenate([notes.looked_at, notes.aimed_at])
+            notes.visits = len(view.visits)
         clearance_m = self._config.planning.clearances_m(self._config.embodiment.body)[0]
-        reach = ReachableArea.of(grid, robot, self._config.mapping, clearance_m)
+        reach = ReachableArea.of(view.grid, view.robot, self._config.mapping, clearance_m)
         at = lattice(reach)
-        areas_m2, shows, middles = self._views(reach, at)
+        areas_m2, shows, middles = self._views(reach, at, notes)
         costs = reach.travel_m[tuple(at.T)].astype(np.float64)
         stops = best_views(areas_m2, shows, costs)
         if not stops:
@@ -95,7 +110,7 @@ class PlanExplorer:
         first = soonest_tour(costs[stops], find_legs_m(reach, positions), unseen)[0]
         shown = shows[stops[first]]
         face, in_image = self._widest(middles[shown] - np.array(positions[first]), areas_m2[shown])
-        self._aimed_at = middles[shown][in_image]
+        notes.aimed_at = middles[shown][in_image]
         x, y = positions[first]
         return Destination(x, y, "by the plan", holds=True, face=face, most_steps=ASK_STEPS)
 
@@ -111,7 +126,7 @@ class PlanExplorer:
         return float(headings[best]), away[best] <= half
 
     def _views(
-        self, reach: ReachableArea, at: Int64[np.ndarray, "n 2"]
+        self, reach: ReachableArea, at: Int64[np.ndarray, "n 2"], notes: Notes
     ) -> tuple[
         Float64[np.ndarray, "areas"], Bool[np.ndarray, "n areas"], Float64[np.ndarray, "areas 2"]
     ]:
@@ -120,9 +135,9 @@ class PlanExplorer:
         range_cells = math.ceil(self._config.embodiment.camera.max_depth_m / size)
         # The kernel finds the unknown that rays go through: here the floor that was not seen.
         cells = np.full(reach.grid.cells.shape, Cell.FREE, dtype=np.uint8)
-        cells[reach.grid.free & ~moved(self._seen.grid, "explored", reach.grid)] = Cell.UNKNOWN
+        cells[reach.grid.free & ~moved(notes.seen.grid, "explored", reach.grid)] = Cell.UNKNOWN
         cells[moved(self._walls, "occupied", reach.grid)] = Cell.OCCUPIED
-        for row, column in reach.grid.cells_of(self._looked_at):
+        for row, column in reach.grid.cells_of(notes.looked_at):
             around = cells[max(row - 2, 0) : row + 2, max(column - 2, 0) : column + 2]
             around[around == Cell.UNKNOWN] = Cell.FREE
         cells = np.pad(cells, range_cells, constant_values=Cell.OCCUPIED)
@@ -173,9 +188,7 @@ def moved(source: OccupancyGrid, states: str, to: OccupancyGrid) -> Mask:
 
 def finished_map(world: SimulatedWorld, variant: Variant, start: Pose2) -> TopDownMap:
     """The map when a search for something that is not there has ended."""
-    parts = variant.search(Onlooker()).components
-    plan = parts.new_map()
-    agent = SearchAgent(replace(parts, new_map=lambda: plan))
+    agent = variant.search(Onlooker())
     agent.reset(NOTHING)
     observation = world.reset(Episode("", "", NOTHING, start))
     for _ in range(MOST_STEPS):
@@ -183,7 +196,7 @@ def finished_map(world: SimulatedWorld, variant: Variant, start: Pose2) -> TopDo
         if action is None:
             break
         observation = world.step(action)
-    return plan
+    return agent.memory.floor.map
 
 
 def sights_by_plan(
@@ -192,8 +205,9 @@ def sights_by_plan(
     """When each goal is first seen by a robot that has the plan."""
     parts = variant.search(seen := Onlooker()).components
     explorer = PlanExplorer(plan, variant.config)
-    agent = SearchAgent(replace(parts, new_map=lambda: plan, explorer=explorer))
-    return first_sights(world, agent, seen, start)
+    memory = Memory(parts.mapping, parts.embodiment)
+    memory.floor.map = plan
+    return first_sights(world, SearchAgent(replace(parts, explorer=explorer)), seen, start, memory)
 
 
 def main(scenes: Sequence[str], starts: int = 2, seed: int = 7) -> None:

@@ -29,19 +29,19 @@ from hypernav.build.agents import build_explorer, build_search
 from hypernav.build.presets import preset
 from hypernav.build.scenes import load_scene
 from hypernav.core.actions import Action
-from hypernav.core.components.abilities import Watches
+from hypernav.core.components.abilities import Learns
 from hypernav.core.episode import Episode
+from hypernav.core.exploration import ExplorationView
 from hypernav.core.geometry.camera import optical_to_base
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import LabelledPixels, Observation
-from hypernav.core.sightings import Sightings
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.blocks import divide_into_blocks
 from hypernav.mapping.frontiers import find_frontiers
 from hypernav.mapping.integrate_kernels import count_points
-from hypernav.mapping.top_down_map import TopDownMap
+from hypernav.mapping.memory.memory import Memory
 from hypernav.perception.local.depth_cut import DepthCutSegmenter
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.perception.local.local_perception import LocalPerception
@@ -87,26 +87,21 @@ def main(data: Path = TEST_DATA, house: str = "houses:100007") -> None:
         config.embodiment.camera,
         cell_size_m=0.05,
     )
-    local.reset(Goal("chair"))
     clearance_m = config.planning.clearances_m(config.embodiment.body)[0]
-    world_map, planner = (
-        TopDownMap(config.mapping, config.embodiment),
-        Planner(config.planning, config.embodiment.body),
-    )
-    trajectory: list[tuple[float, float]] = []
+    goal, floor = Goal("chair"), Memory(config.mapping, config.embodiment).floor
+    planner = Planner(config.planning, config.embodiment.body)
     voxels = np.zeros(400 * 400 * 32, dtype=np.uint16)
     for step in range(STEPS):
         observation = observations[step % len(observations)]
         robot = observation.robot
-        trajectory.append(robot.xy)
         watch(UNIT, bare_pass, observation, voxels)
-        watch("integrate", world_map.integrate, observation)
-        watch("local perception", local.look, observation)
-        grid = world_map.grid
+        watch("integrate", floor.integrate, observation)
+        watch("local perception", local.look, observation, goal, floor)
+        grid = floor.map.grid
         watch("frontiers", find_frontiers, grid, robot, config.mapping, clearance_m)
         blocks = watch("blocks", divide_into_blocks, grid, robot, config.mapping, clearance_m)
         if step % 10 == 0:
-            watch("draw overview", draw_question_map, grid, blocks, robot, trajectory)
+            watch("draw overview", draw_question_map, grid, blocks, robot, floor.trajectory)
         far = max(blocks, key=lambda b: b.travel_m)
         target = np.array([far.destination])
         watch("plan to the farthest block", planner.plan, grid, robot.xy, target)
@@ -118,21 +113,21 @@ def main(data: Path = TEST_DATA, house: str = "houses:100007") -> None:
 def explore_as_published(observations: list[Observation], watch: Stopwatch) -> None:
     """Time the explorers of the published methods, each with a map of its own.
 
-    All but the models: what an image costs, and a choice with a stand-in, at every step. The value
-    map, frontiers and arrows of a method are in its two lines; the map is in "integrate" above.
+    All but the models: a choice with a stand-in at every step and, where an explorer learns from
+    every image, what an image costs. The map is in "integrate" above.
     """
-    config = preset("default")
+    config, goal = preset("default"), Goal("something that is not there")
     for name in RIVALS:
-        sightings = Sightings()
-        explorer = build_explorer(config, ExchangeLog(), name, sightings=sightings)
-        explorer.reset(Goal("something that is not there"))
-        world_map = TopDownMap(config.mapping, config.embodiment)
-        assert isinstance(explorer, Watches)
+        explorer = build_explorer(config, ExchangeLog(), name)
+        floor = Memory(config.mapping, config.embodiment).floor
         for observation in observations:
-            world_map.integrate(observation)
-            watch(f"{name}: image", explorer.watch, observation, world_map.grid)
-            robot = observation.robot
-            watch(f"{name}: choice", explorer.next_destination, world_map.grid, robot, [robot.xy])
+            floor.integrate(observation)
+            view = ExplorationView(
+                goal, observation, floor.map.grid, floor.trajectory, notes=floor.search.notes
+            )
+            if isinstance(explorer, Learns):
+                watch(f"{name}: image", explorer.learn, view)
+            watch(f"{name}: choice", explorer.next_destination, view)
 
 
 def bare_pass(observation: Observation, counts: NDArray[np.uint16]) -> int:

@@ -27,7 +27,6 @@ if TYPE_CHECKING:
         Segmenter,
     )
     from hypernav.core.config import RoomConfig
-    from hypernav.core.destination import Destination
     from hypernav.core.embodiment import Embodiment
     from hypernav.core.episode import Episode, Outcome
     from hypernav.core.errors import (
@@ -44,6 +43,7 @@ if TYPE_CHECKING:
         SensorError,
         StartError,
     )
+    from hypernav.core.exploration import Destination
     from hypernav.core.geometry.boxes import Box, Detection
     from hypernav.core.geometry.camera import PinholeCamera
     from hypernav.core.geometry.grid import OccupancyGrid
@@ -169,7 +169,7 @@ _MODULES = {
     "PresenceCheck": "hypernav.core.components.protocols",
     "Segmenter": "hypernav.core.components.protocols",
     "RoomConfig": "hypernav.core.config",
-    "Destination": "hypernav.core.destination",
+    "Destination": "hypernav.core.exploration",
     "Embodiment": "hypernav.core.embodiment",
     "Episode": "hypernav.core.episode",
     "Outcome": "hypernav.core.episode",

@@ -60,8 +60,8 @@ class BumpsNoted:
         self.false, self.true = 0, 0
         points = BumpSensor.points
 
-        def watched(sensor, robot, grid):
-            found = points(sensor, robot, grid)
+        def watched(sensor, ordered, robot, grid):
+            found = points(sensor, ordered, robot, grid)
             self.true += bool(len(found)) and world.collided
             self.false += bool(len(found)) and not world.collided
             return found

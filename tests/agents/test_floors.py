@@ -1,9 +1,8 @@
-"""A robot that changes floor keeps one map for each."""
+"""A robot that changes floor keeps what it knows of each."""
 
 import numpy as np
 import pytest
 
-from hypernav.agents.floors import Floors
 from hypernav.build.agents import build_search
 from hypernav.core.actions import Action
 from hypernav.core.episode import Episode
@@ -13,7 +12,7 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
-from hypernav.mapping.top_down_map import TopDownMap
+from hypernav.mapping.memory.memory import Memory
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.worlds.scans.loading import open_scene
 from hypernav.worlds.simulation import SimulatedWorld
@@ -37,11 +36,11 @@ def seen_at(x: float, z: float) -> Observation:
     )
 
 
-def floors() -> Floors:
-    return Floors(lambda: TopDownMap(CONFIG.mapping, CONFIG.embodiment), CONFIG.embodiment)
+def building() -> Memory:
+    return Memory(CONFIG.mapping, CONFIG.embodiment)
 
 
-def walk(found: Floors, *positions: tuple[float, float]) -> list[float]:
+def walk(found: Memory, *positions: tuple[float, float]) -> list[float]:
     """Heights of the floors in use after each position ``(x, z)``."""
     return [found.follow(seen_at(x, z)).z for x, z in positions]
 
@@ -51,33 +50,35 @@ LANDED = [(4.0 + 0.25 * k, 2.8) for k in range(1, 5)]
 
 
 def test_stairs_belong_to_the_floor_that_they_begin_on():
-    assert walk(floors(), *UP) == [0.0] * 17
+    assert walk(building(), *UP) == [0.0] * 17
 
 
 def test_a_robot_that_walks_level_again_has_come_to_another_floor():
-    heights = walk(floors(), *UP, *LANDED)
+    heights = walk(building(), *UP, *LANDED)
     assert heights[-2:] == pytest.approx([2.8, 2.8])
 
 
 def test_back_on_a_floor_its_map_is_taken_up_again():
-    found = floors()
-    first = found.current
+    found = building()
+    first = found.floor
     walk(found, *UP, *LANDED)
-    assert found.current is not first
+    assert found.floor is not first
     walk(found, *reversed(UP), *((-0.25 * k, 0.02) for k in range(4)))
-    assert found.current is first
+    assert found.floor is first
+    assert found.number == 0
+    assert len(found.floors) == 2
 
 
 @pytest.mark.parametrize("height", [0.2, 0.9, -0.5])
 def test_steps_and_ramps_and_drift_are_no_floors(height):
-    assert set(walk(floors(), *((0.25 * k, height) for k in range(20)))) == {0.0}
+    assert set(walk(building(), *((0.25 * k, height) for k in range(20)))) == {0.0}
 
 
 def test_heights_are_counted_from_the_floor():
-    found = floors()
+    found = building()
     walk(found, *UP, *LANDED)
     seen = seen_at(5.0, 2.8)
-    lowered = found.current.seen_from(seen)
+    lowered = found.floor.seen_from(seen)
     camera_m = CONFIG.embodiment.camera.height_m
     assert lowered.camera_to_map.translation[2] == pytest.approx(camera_m)
     assert lowered.robot == seen.robot

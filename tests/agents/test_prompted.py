@@ -15,8 +15,8 @@ from hypernav.build.agents import build_agent
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.native import native_config
 from hypernav.core.actions import Action
-from hypernav.core.destination import Destination
 from hypernav.core.embodiment import Embodiment, MotionConfig
+from hypernav.core.exploration import Destination
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import Ending, ExchangeLog, without_timings
@@ -36,15 +36,12 @@ class Ahead:
 
     def __init__(self):
         self.asked = 0
+        self.said_to_be_here = []
 
-    def reset(self, goal):
-        self.asked = 0
-
-    def remember_visit(self, x, y):
-        pass
-
-    def next_destination(self, grid, robot, trajectory):
+    def next_destination(self, view):
         self.asked += 1
+        self.said_to_be_here.append(view.may_be_here)
+        robot = view.robot
         x, y = robot.x + math.cos(robot.yaw), robot.y + math.sin(robot.yaw)
         return Destination(x, y, reason="ahead")
 
@@ -57,11 +54,11 @@ class Says:
         return self.answers.pop(0) if self.answers else False
 
 
-def agent_of(explorer, stop, *, on_yes=None, **config) -> PromptedAgent:
+def agent_of(explorer, stop, **config) -> PromptedAgent:
     robot = Embodiment(motion=MotionConfig(forward_m=0.5, turn_angle_deg=30.0))
     settings = PromptedConfig(**config)
     log = ExchangeLog()
-    return PromptedAgent(explorer, stop, robot, MappingConfig(), log, settings, on_yes=on_yes)
+    return PromptedAgent(explorer, stop, robot, MappingConfig(), log, settings)
 
 
 def acted(agent: PromptedAgent, most: int = 100) -> list[Action | None]:
@@ -119,11 +116,11 @@ def test_a_move_ends_within_half_an_action_of_where_it_was_drawn(heading, length
 
 
 def test_the_model_is_asked_between_moves_only_and_two_yes_stop():
-    explorer, noted = Ahead(), list[bool]()
-    agent = agent_of(explorer, Says(False, True, True), on_yes=lambda: noted.append(True))
+    explorer = Ahead()
+    agent = agent_of(explorer, Says(False, True, True))
     assert acted(agent) == [Action.MOVE_FORWARD] * 4 + [Action.STOP]
     assert explorer.asked == 2
-    assert noted == [True]
+    assert explorer.said_to_be_here == [False, True]
     assert agent.last_step.ending is Ending.FOUND
 
 

@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 from box_scenes import room_boxes, scene_of
-from hypernav.agents.phases import approach
+from hypernav.agents.patience import Endurance
+from hypernav.agents.plan import Plan
 from hypernav.build.agents import build_search
 from hypernav.build.component_specs import PresetName
 from hypernav.core.actions import Action
@@ -172,17 +173,21 @@ def test_it_stops_in_the_goal_area_and_not_half_a_step_before_it():
 
 
 def test_who_gets_nowhere_far_from_the_goal_explores_before_trying_again(monkeypatch):
-    class WearsOutOnce:
+    class WearsOutOnce(Endurance):
         asked = 0
 
-        def reset(self):
-            pass
+        def after(self, left_m, planned):
+            WearsOutOnce.asked += 1
+            return self
 
-        def lasts(self, left_m, planned):
-            self.asked += 1
+        @property
+        def lasts(self):
             return self.asked != 2
 
-    monkeypatch.setattr(approach, "patience_of", lambda config: WearsOutOnce())
+    patience = WearsOutOnce(limit=0)
+    monkeypatch.setattr(
+        Plan, "with_new_patience", lambda plan, config: plan.approach(patience=patience)
+    )
     steps, _ = run(search(search={"endurance_steps": 3, "least_unseen_m2": None}), "bed")
     given_up = [s.step for s in steps if "goal out of reach for now" in s.events]
     assert given_up

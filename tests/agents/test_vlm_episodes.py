@@ -240,18 +240,6 @@ def test_the_savings_ask_less_and_find_the_same(server: ScriptedServer):
     assert asked[True] < 0.8 * asked[False]
 
 
-@pytest.mark.slow
-def test_asking_ahead_depends_on_steps_and_not_on_the_model_s_speed(server: ScriptedServer):
-    traces = []
-    for delay_s in (0.0, 0.03):
-        server.delay_s = delay_s
-        config = small_config(chat=QUICK, prefetch={"enabled": True, "within_m": 2.5})
-        steps, result = search(build_agent(config, ComponentSpecs(vlm=server.spec)))
-        assert result.outcome is Outcome.FOUND
-        traces.append([without_timings(step.model_dump(mode="json")) for step in steps])
-    assert traces[0] == traces[1]
-
-
 def test_a_server_that_dies_ends_the_search_within_the_patience():
     with ScriptedServer() as server, watching(Truth()) as truth:
         server.brain = TruthfulBrain(truth)

@@ -6,6 +6,7 @@ import numpy as np
 
 from chat_models import Parrot
 from drawn_grids import drawn
+from exploration_views import exploration_view
 from hypernav.build.presets import preset
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
@@ -84,8 +85,7 @@ def test_the_question_about_the_map():
     explorer = BlockExplorer(
         reasoner, PAPER.overview, PAPER.mapping, clearances_m, PAPER.embodiment
     )
-    explorer.reset(GOAL)
-    explorer.next_destination(ROOM, ROBOT, TRAJECTORY)
+    explorer.next_destination(exploration_view(ROOM, ROBOT, goal=GOAL, trajectory=TRAJECTORY))
     blocks = divide_into_blocks(ROOM, ROBOT, PAPER.mapping, clearances_m[0])
     context = CONTEXT.format(numbers=", ".join(str(block.number) for block in blocks))
     assert parrot.asked[0].text == context

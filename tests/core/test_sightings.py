@@ -27,41 +27,43 @@ MIDDLE, RIGHT = Box(24.0, 16.0, 40.0, 32.0), Box(56.0, 16.0, 64.0, 32.0)
 
 
 def test_things_are_where_they_are_seen():
-    seen = Sightings()
-    seen.note(view(2.0), [found("sofa", MIDDLE), found("lamp", RIGHT)])
+    seen = Sightings().with_detections(view(2.0), [found("sofa", MIDDLE), found("lamp", RIGHT)])
     sofa, lamp = seen.things
     assert (sofa.label, lamp.label) == ("sofa", "lamp")
     assert sofa.position == pytest.approx((0.0, 0.0), abs=0.1)
     assert lamp.position == pytest.approx((1.75, 0.0), abs=0.1)
-    assert seen.image is not None
 
 
 def test_a_thing_counts_once_and_the_goal_not_at_all():
     seen = Sightings()
     for depth_m in (2.0, 2.2):
-        seen.note(view(depth_m), [found("lamp", RIGHT), found("bed", MIDDLE, is_goal=True)])
+        both = [found("lamp", RIGHT), found("bed", MIDDLE, is_goal=True)]
+        seen = seen.with_detections(view(depth_m), both)
     assert [thing.label for thing in seen.things] == ["lamp"]
-    seen.note(view(4.0), [found("lamp", RIGHT)])
+    seen = seen.with_detections(view(4.0), [found("lamp", RIGHT)])
     assert len(seen.things) == 2
 
 
 def test_without_depth_there_is_no_position():
-    seen = Sightings()
-    seen.note(view(0.0), [found("lamp", RIGHT)])
+    seen = Sightings().with_detections(view(0.0), [found("lamp", RIGHT)])
     assert seen.things == ()
 
 
-def test_a_new_search_has_seen_nothing():
-    seen = Sightings()
-    seen.note(view(2.0), [found("lamp", RIGHT)])
-    seen.reset()
-    assert (seen.things, seen.image) == ((), None)
+def test_what_was_seen_before_stays_as_it_was():
+    before = Sightings()
+    after = before.with_detections(view(2.0), [found("lamp", RIGHT)])
+    assert before.things == ()
+    assert len(after.things) == 1
 
 
-def test_what_was_named_is_forgotten_with_all_else():
-    seen = Sightings(everything=True)
-    seen.note_named({7: SeenThing("sofa", (1.0, 2.0))})
+def test_what_was_named_is_known_by_its_number():
+    seen = Sightings().with_named({7: SeenThing("sofa", (1.0, 2.0))})
     assert 7 in seen.named
-    seen.reset()
-    assert not seen.named
-    assert not seen.things
+    assert [thing.label for thing in seen.things] == ["sofa"]
+
+
+def test_a_named_thing_counts_once_and_its_number_all_the_same():
+    seen = Sightings().with_named({7: SeenThing("sofa", (1.0, 2.0))})
+    seen = seen.with_named({8: SeenThing("sofa", (1.2, 2.0))})
+    assert len(seen.things) == 1
+    assert seen.named == {7, 8}

@@ -15,29 +15,26 @@ HALL = drawn("....................\n" * 20, scale=10, origin=(-5.0, -5.0))
 
 def test_a_step_cut_short_is_a_bump_and_a_full_one_is_not():
     bumps, before = BumpSensor(PlanningConfig(), Embodiment()), Pose2(0.0, 0.0, 0.0)
-    assert len(bumps.points(before, HALL)) == 0
-    bumps.note_action(before, Action.MOVE_FORWARD)
-    assert len(bumps.points(Pose2(0.5, 0.0, 0.0), HALL)) == 0
-    points = bumps.points(Pose2(0.1, 0.0, 0.0), HALL)
+    assert len(bumps.points(None, before, HALL)) == 0
+    forward = (before, Action.MOVE_FORWARD)
+    assert len(bumps.points(forward, Pose2(0.5, 0.0, 0.0), HALL)) == 0
+    points = bumps.points(forward, Pose2(0.1, 0.0, 0.0), HALL)
     assert len(points) > 0
     # Ahead of the robot, at its edge or beyond.
     assert (points[:, 0] > 0.25).all()
     assert (np.hypot(points[:, 0] - 0.1, points[:, 1]) > 0.18).all()
-    bumps.note_action(before, Action.TURN_LEFT)
-    assert len(bumps.points(before, HALL)) == 0
+    assert len(bumps.points((before, Action.TURN_LEFT), before, HALL)) == 0
 
 
 def test_what_stands_beside_the_robot_is_what_it_touches():
     grid = OccupancyGrid(HALL.cells.copy(), 0.05, HALL.origin)
     grid.cells[105:110, 95:115] = Cell.OCCUPIED  # to the left, 0.25 m away
     bumps, before = BumpSensor(PlanningConfig(), Embodiment()), Pose2(-0.1, 0.0, 0.0)
-    bumps.note_action(before, Action.MOVE_FORWARD)
-    points = bumps.points(Pose2(0.0, 0.0, 0.0), grid)
+    points = bumps.points((before, Action.MOVE_FORWARD), Pose2(0.0, 0.0, 0.0), grid)
     assert len(points) > 0
     assert (points[:, 1] > 0.1).all()  # the path ahead and to the right stays open
 
 
 def test_switched_off_it_notices_nothing():
     bumps, before = BumpSensor(PlanningConfig(bump_sensor=False), Embodiment()), Pose2(0, 0, 0)
-    bumps.note_action(before, Action.MOVE_FORWARD)
-    assert len(bumps.points(before, HALL)) == 0
+    assert len(bumps.points((before, Action.MOVE_FORWARD), before, HALL)) == 0

@@ -3,8 +3,8 @@
 import math
 
 from hypernav.core.actions import Action
-from hypernav.core.destination import Destination
 from hypernav.core.embodiment import MotionConfig
+from hypernav.core.exploration import Destination
 from hypernav.core.geometry.transforms import Pose2
 
 _PAPER = MotionConfig()

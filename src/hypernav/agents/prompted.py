@@ -6,7 +6,6 @@ which move to make; the move is then made without looking. Source: Goetting, Sin
 """
 
 from collections import Counter, deque
-from collections.abc import Callable
 from typing import Any
 
 from pydantic import Field
@@ -14,18 +13,19 @@ from pydantic import Field
 from hypernav.agents.long_moves import actions_to, paper_actions
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
-from hypernav.core.components.abilities import Explains, Reports, Watches, warning_of
+from hypernav.core.components.abilities import Reports, warning_of
 from hypernav.core.components.protocols import ArrowReasoner, ChatModel, Explorer
 from hypernav.core.config import RoomConfig
-from hypernav.core.destination import Destination
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import WorldError
+from hypernav.core.exploration import Destination, ExplorationView
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.goal import Goal
+from hypernav.core.insight import Insight
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending, ExchangeLog, Mode, StepTrace
 from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.top_down_map import TopDownMap
+from hypernav.mapping.memory.memory import Floor, Memory
 from hypernav.perception.arrows.arrow_explorer import VlmnavConfig, vlmnav
 from hypernav.perception.arrows.pivot import PivotConfig, PivotExplorer
 from hypernav.perception.arrows.stop_checks import (
@@ -83,8 +83,6 @@ class PromptedAgent:
         mapping: MappingConfig,
         log: ExchangeLog,
         config: PromptedConfig,
-        *,
-        on_yes: Callable[[], None] | None = None,
     ) -> None:
         """Begin with no search under way.
 
@@ -95,7 +93,6 @@ class PromptedAgent:
             mapping: Cells of the map, which is drawn for people alone.
             log: Log of all questions, for the trace.
             config: Budget and stop.
-            on_yes: What to do after a yes that isn't the last one that is needed.
         """
         self._explorer = explorer
         self._stop = stop
@@ -103,8 +100,7 @@ class PromptedAgent:
         self._mapping = mapping
         self._log = log
         self._config = config
-        self._on_yes = on_yes
-        self._map: TopDownMap | None = None
+        self._floor: Floor | None = None
         self._trace: StepTrace | None = None
         self._moves = self._spent = 0
         self._untold = Counter[str]()
@@ -122,13 +118,11 @@ class PromptedAgent:
     def reset(self, goal: Goal) -> None:
         """Forget everything and begin a new search."""
         self._goal = goal
-        self._explorer.reset(goal)
         self._log.drain()
-        self._map = TopDownMap(self._mapping, self._embodiment)
+        self._floor = Memory(self._mapping, self._embodiment).floor
         self._yes = ConsecutiveYes(self._config.yes_to_stop)
         self._left = deque[Action]()
         self._destination: Destination | None = None
-        self._trajectory: list[tuple[float, float]] = []
         self._trace = None
         self._moves = self._spent = 0
 
@@ -138,20 +132,21 @@ class PromptedAgent:
         Raises:
             ModelUnavailableError: The model did not answer.
         """
-        world_map, clock, events = self._world_map, ModuleClock(), list[str]()
-        self._trajectory.append(observation.robot.xy)
+        floor, clock, events = self._known, ModuleClock(), list[str]()
         action: Action | None
+        insight = None
         if self._left:
+            floor.trajectory.append(observation.robot.xy)
             action = self._left.popleft()
             reason = self._destination.reason if self._destination else ""
         else:
             with clock("map"):
-                world_map.integrate(observation)
+                floor.integrate(observation)
             with clock("global"):
-                action, reason = self._choose(observation, events)
+                action, reason, insight = self._choose(observation, events)
         ending = Ending.of(action)
         self._trace = StepTrace(
-            step=len(self._trajectory) - 1,
+            step=len(floor.trajectory) - 1,
             pose=(observation.robot.x, observation.robot.y, observation.robot.yaw),
             action=action,
             mode=Mode.EXPLORE if ending is None else Mode.STOP,
@@ -159,39 +154,45 @@ class PromptedAgent:
             destination=self._destination.xy if self._destination and ending is None else None,
             exchanges=self._log.drain(),
             events=events,
-            insight=self._explorer.take_insight() if isinstance(self._explorer, Explains) else None,
+            insight=insight,
             ending=ending,
             seconds=clock.seconds,
         )
         return action
 
-    def _choose(self, observation: Observation, events: list[str]) -> tuple[Action | None, str]:
-        """The first action of the next move, or the end of the search, and the reason."""
-        config, robot, grid = self._config, observation.robot, self._world_map.grid
+    def _choose(
+        self, observation: Observation, events: list[str]
+    ) -> tuple[Action | None, str, Insight | None]:
+        """The first action of the next move or the end of the search, the reason, what was seen."""
+        config, robot, floor = self._config, observation.robot, self._known
         here = self._stop.is_here(observation, self._goal)
         if self._yes.hears(here):
             events.append("goal reached")
-            return Action.STOP, f"here is the {self._goal.thing}"
+            return Action.STOP, f"here is the {self._goal.thing}", None
         if self._moves >= config.most_moves:
-            return None, f"{config.most_moves} moves are made"
+            return None, f"{config.most_moves} moves are made", None
         if self._spent >= config.most_actions:
-            return None, f"the moves made are worth {config.most_actions} actions"
+            return None, f"the moves made are worth {config.most_actions} actions", None
         if here:
             events.append("said to be at the goal")
-            if self._on_yes is not None:
-                self._on_yes()
-        if isinstance(self._explorer, Watches):
-            self._explorer.watch(observation, grid)
-        destination = self._explorer.next_destination(grid, robot, self._trajectory)
+        view = ExplorationView(
+            goal=self._goal,
+            observation=observation,
+            grid=floor.map.grid,
+            trajectory=floor.trajectory,
+            notes=floor.search.notes,
+            may_be_here=here,
+        )
+        destination = self._explorer.next_destination(view)
         if destination is None:
-            return None, "no move is left"
+            return None, "no move is left", None
         self._destination = destination
         spent = paper_actions(destination, robot)
         self._moves += 1
         self._spent += spent
         self._untold.update(moves=1, actions_of_half_a_metre=spent)
         self._left.extend(actions_to(destination, robot, self._embodiment.motion))
-        return self._left.popleft(), destination.reason
+        return self._left.popleft(), destination.reason, destination.insight
 
     def take_report(self) -> dict[str, Any]:
         """Moves since the last call, the actions of 0.5 m and 30° they are worth, and faults."""
@@ -209,13 +210,13 @@ class PromptedAgent:
     @property
     def grid(self) -> OccupancyGrid:
         """The map drawn so far, of the images that moves were chosen from; for people alone."""
-        return self._world_map.grid
+        return self._known.map.grid
 
     @property
-    def _world_map(self) -> TopDownMap:
-        if self._map is None:
+    def _known(self) -> Floor:
+        if self._floor is None:
             raise WorldError("no search is under way; call reset(goal) first")
-        return self._map
+        return self._floor
 
 
 class NativeVlmnav(PromptedAgent):
@@ -246,15 +247,7 @@ class NativeVlmnav(PromptedAgent):
         """
         explorer = vlmnav(arrow_reasoner, embodiment, mapping, clearances_m, config)
         stop = _stop_check(chat, log, prompted.stop)
-        super().__init__(
-            explorer,
-            stop,
-            embodiment,
-            mapping,
-            log,
-            prompted,
-            on_yes=explorer.offer_default_moves,
-        )
+        super().__init__(explorer, stop, embodiment, mapping, log, prompted)
 
 
 class NativePivot(PromptedAgent):

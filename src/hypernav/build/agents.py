@@ -1,10 +1,10 @@
 """Construction of agents: here alone a configuration becomes objects."""
 
-from functools import partial
 from pathlib import Path
 from typing import Any
 
-from hypernav.agents.search import SearchAgent, SearchComponents
+from hypernav.agents.components import SearchComponents
+from hypernav.agents.search import SearchAgent
 from hypernav.build.built_agent import BuiltAgent
 from hypernav.build.chat import is_named, model_words, wrap_chat
 from hypernav.build.choosing import choose_components, role_in
@@ -15,7 +15,7 @@ from hypernav.build.native import check_native_robot
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.registries import AGENTS, ROLES, Factory
 from hypernav.build.stand_ins import segmenter_words
-from hypernav.core.components.abilities import ChecksModel
+from hypernav.core.components.abilities import ChecksModel, wants_named_things
 from hypernav.core.components.protocols import (
     Agent,
     Detector,
@@ -25,12 +25,9 @@ from hypernav.core.components.protocols import (
 )
 from hypernav.core.components.registry import Choice, check_protocol
 from hypernav.core.episode_truth import EpisodeTruth
-from hypernav.core.sightings import Sightings
 from hypernav.core.trace import ExchangeLog
-from hypernav.mapping.top_down_map import TopDownMap
 from hypernav.models.chat.ledger import Ledger
 from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
-from hypernav.perception.explorers.prefetch import PrefetchingExplorer
 from hypernav.perception.local.attention import Attention
 from hypernav.perception.local.depth_cut import DepthCutSegmenter
 from hypernav.perception.local.local_perception import LocalPerception
@@ -68,18 +65,9 @@ def build_agent(
         check_native_robot(config)
     log, ledger, truth = ExchangeLog(), Ledger(), EpisodeTruth()
     chat, recording = wrap_chat(chosen.vlm, config.chat, ledger, record, resume=resume)
-    # A reasoner that is asked while the robot drives to its last answer needs its own log.
-    asks_map = chosen.chooses_blocks and _asks_chat(chosen.reasoner)
-    ahead = config.prefetch.enabled and asks_map and not chosen.is_whole_agent
-    map_log = ExchangeLog() if ahead else log
-    # A thread that asks ahead would see more or less of it, as the model is fast or slow.
-    remembers = asked_by(chosen.agent).get("sightings", False)
-    tells = (asks_map or remembers) and not ahead
-    sightings = Sightings(everything=remembers) if tells and not chosen.is_whole_agent else None
     built: dict[str, Any] = {}
     for kind, choice in chosen.by_kind.items():
-        offers = _offers(config, map_log if kind in ("reasoner", "agent") else log) | built
-        offers |= {"sightings": sightings, "truth": truth}
+        offers = _offers(config, log) | built | {"truth": truth}
         if chat is not None:
             offers["chat"] = chat
         role = chosen.reasoner_role if kind == "reasoner" else kind
@@ -89,9 +77,6 @@ def build_agent(
         detector.check_model()  # better refused now than at the first step
     presence = VlmPresenceCheck(chat, log, config.presence) if chat and chosen.presence else None
     if not chosen.is_whole_agent:
-        if ahead:
-            agent = PrefetchingExplorer(agent, map_log, log, config.prefetch)
-        built["agent"] = agent
         agent = _search(
             config,
             built["detector"],
@@ -100,7 +85,6 @@ def build_agent(
             segmenter=built.get("segmenter"),
             presence=presence,
             attention=Attention(log, config.attention) if _asks_chat(chosen.detector) else None,
-            sightings=sightings,
         )
     model = "" if chat is None or chosen.vlm is None else model_words(chosen.vlm, chat.identify)
     detector_words = chosen.detector.words(model=model) if chosen.detector else ITS_OWN
@@ -141,9 +125,7 @@ def build_search(
         presence: Presence check before STOP; None trusts the goal area.
     """
     log = log or ExchangeLog()
-    remembers = asked_by(AGENTS.find(agent)).get("sightings", False)
-    sightings = Sightings(everything=True) if remembers else None
-    explorer = build_explorer(config, log, agent, reasoner=reasoner, sightings=sightings)
+    explorer = build_explorer(config, log, agent, reasoner=reasoner)
     return _search(
         config,
         detector,
@@ -151,7 +133,6 @@ def build_search(
         explorer=explorer,
         segmenter=segmenter,
         presence=presence,
-        sightings=sightings,
     )
 
 
@@ -161,7 +142,6 @@ def build_explorer(
     agent: str,
     *,
     reasoner: object | None = None,
-    sightings: Sightings | None = None,
 ) -> Explorer:
     """An explorer alone.
 
@@ -170,9 +150,8 @@ def build_explorer(
         log: Log of its questions.
         agent: Name of the explorer.
         reasoner: Reasoner that it asks; the one that needs no model unless given.
-        sightings: What was seen besides the goal; None where nobody keeps it.
     """
-    offers = _offers(config, log) | {"sightings": sightings}
+    offers = _offers(config, log)
     choice = AGENTS.find(agent)
     if role := role_in(asked_by(choice)):
         stand_in = ROLES[role].registry.find(ROLES[role].without_model)
@@ -189,11 +168,10 @@ def _search(
     segmenter: Segmenter | None,
     presence: PresenceCheck | None,
     attention: Attention | None = None,
-    sightings: Sightings | None = None,
 ) -> SearchAgent:
     """The search of this package around an explorer."""
     components = SearchComponents(
-        new_map=partial(TopDownMap, config.mapping, config.embodiment),
+        mapping=config.mapping,
         local=LocalPerception(
             detector,
             segmenter or DepthCutSegmenter(config.depth_cut),
@@ -201,7 +179,7 @@ def _search(
             config.embodiment.camera,
             cell_size_m=config.mapping.cell_size_m,
             attention=attention,
-            sightings=sightings,
+            names_things=wants_named_things(explorer),
         ),
         explorer=explorer,
         planning=config.planning,

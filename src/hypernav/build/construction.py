@@ -12,7 +12,6 @@ chat            `hypernav.core.components.protocols.ChatModel` of ``--vlm``; req
 embodiment      `hypernav.core.embodiment.Embodiment`: what the robot is
 mapping         `hypernav.mapping.config.MappingConfig`: cells and blocks of the map
 clearances_m    how far from obstacles destinations lie, metres, in the order to try
-sightings       for agents: what was seen besides the goal; None unless it is needed
 fallback        for reasoners: a reasoner that needs no model
 prompted        `hypernav.agents.prompted.PromptedConfig`: budget and stop of native agents
 truth           `hypernav.core.episode_truth.EpisodeTruth`: for stand-ins, in simulation only

@@ -29,7 +29,6 @@ from hypernav.perception.arrows.pivot import PivotConfig
 from hypernav.perception.explorers.block_explorer import OverviewConfig
 from hypernav.perception.explorers.geometric_reasoner import GeometricConfig
 from hypernav.perception.explorers.map_question import VlmReasonerConfig
-from hypernav.perception.explorers.prefetch import PrefetchConfig
 from hypernav.perception.local.attention import AttentionConfig
 from hypernav.perception.local.config import LocalConfig
 from hypernav.perception.local.depth_cut import DepthCutConfig
@@ -87,7 +86,6 @@ class HyPerNavConfig(RoomConfig):
         chat: Connection to chat models, timeouts and retries.
         grounding: Question to a chat model for boxes.
         attention: Choice of the images that a chat model is asked about.
-        prefetch: Time of the next map question.
         block_choice: Map question to a chat model.
         presence: Question to a chat model whether the goal is really there.
         price: Prices of tokens, for the cost in the results.
@@ -125,7 +123,6 @@ class HyPerNavConfig(RoomConfig):
     chat: ChatConfig = ChatConfig()
     grounding: VlmDetectorConfig = VlmDetectorConfig()
     attention: AttentionConfig = AttentionConfig()
-    prefetch: PrefetchConfig = PrefetchConfig()
     block_choice: VlmReasonerConfig = VlmReasonerConfig()
     presence: PresenceConfig = PresenceConfig()
     price: PriceConfig = PriceConfig()
@@ -295,7 +292,6 @@ def preset(name: PresetName) -> HyPerNavConfig:
         ),
         grounding=VlmDetectorConfig(right_articles=False, score_crops=0, min_score=0.0),
         presence=PresenceConfig(right_articles=False, unsure="yes"),
-        prefetch=PrefetchConfig(enabled=False),
         block_choice=VlmReasonerConfig(
             mode="paper",
             facts=False,

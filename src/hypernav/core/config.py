@@ -49,7 +49,6 @@ RENAMED = {
     "planning.inflation_m": _MARGIN,
     "mapping.squeeze_m": "planning.squeeze_m",
     "overview.picture_px": "overview.image_px",
-    **{f"ask_ahead.{key}": f"prefetch.{key}" for key in ("enabled", "within_m", "good_for_steps")},
 }
 """Former names of options, and the options that say the same today."""
 

@@ -1,10 +1,10 @@
 """What a search has seen so far besides the goal."""
 
+import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import UInt8
 
 from hypernav.core.geometry.boxes import Detection
 from hypernav.core.geometry.depth import is_measured
@@ -27,50 +27,44 @@ class SeenThing:
     position: tuple[float, float]
 
 
+@dataclass(frozen=True)
 class Sightings:
-    """Things that a detector has named, and the latest image; local perception tells the explorer.
+    """Things that a detector has named, other than the goal.
 
     Attributes:
-        everything: Whether whatever a detector can name is kept, not only what it reports beside
-            the goal.
-        things: Things in the order of their first sighting; the goal is none of them, unless the
-            detector names everything.
+        things: Things in the order of their first sighting.
         named: Numbers of the things that a detector which tells them apart has named.
-        image: Latest camera image, RGB; None before the first.
     """
 
-    def __init__(self, *, everything: bool = False) -> None:
-        """Begin with nothing."""
-        self.everything = everything
-        self.reset()
+    things: tuple[SeenThing, ...] = ()
+    named: frozenset[int] = frozenset()
 
-    def reset(self) -> None:
-        """Forget everything."""
-        self.things: tuple[SeenThing, ...] = ()
-        self.named: set[int] = set()
-        self.image: UInt8[np.ndarray, "height width 3"] | None = None
+    def with_detections(
+        self, observation: Observation, detections: Iterable[Detection]
+    ) -> "Sightings":
+        """These and what was detected in an image beside the goal; without depth it is left out."""
+        things = [
+            SeenThing(one.label, position)
+            for one in detections
+            if not one.is_goal and (position := _position(one, observation)) is not None
+        ]
+        return replace(self, things=_joined(self.things, things))
 
-    def note(self, observation: Observation, detections: Iterable[Detection]) -> None:
-        """Remember an image and what was detected in it; things without depth are left out."""
-        self.image = observation.rgb
-        for one in detections:
-            position = None if one.is_goal else _position(one, observation)
-            if position is not None and len(self.things) < _MOST_THINGS:
-                self._add(SeenThing(one.label, position))
+    def with_named(self, things: Mapping[int, SeenThing]) -> "Sightings":
+        """These and things that have numbers of their own."""
+        return Sightings(_joined(self.things, things.values()), self.named.union(things))
 
-    def note_named(self, things: Mapping[int, SeenThing]) -> None:
-        """Remember things by their numbers."""
-        self.named.update(things)
-        for thing in things.values():
-            if len(self.things) < _MOST_THINGS:
-                self._add(thing)
 
-    def _add(self, new: SeenThing) -> None:
-        at = np.array(new.position)
-        for thing in self.things:
-            if thing.label == new.label and np.hypot(*(at - thing.position)) < _SAME_THING_M:
-                return
-        self.things = (*self.things, new)
+def _joined(known: tuple[SeenThing, ...], things: Iterable[SeenThing]) -> tuple[SeenThing, ...]:
+    """Known things and new ones; a thing of the same name nearby is the same."""
+    for new in things:
+        is_known = any(
+            one.label == new.label and math.dist(one.position, new.position) < _SAME_THING_M
+            for one in known
+        )
+        if not is_known and len(known) < _MOST_THINGS:
+            known = (*known, new)
+    return known
 
 
 def _position(detection: Detection, observation: Observation) -> tuple[float, float] | None:

@@ -17,7 +17,7 @@ _TOUCHES_M = 0.1
 
 
 class BumpSensor:
-    """Compares the robot's motion with the action that was ordered."""
+    """Compares the robot's motion with the action that was ordered. It has no state of its own."""
 
     def __init__(self, config: PlanningConfig, embodiment: Embodiment) -> None:
         """Create it.
@@ -29,32 +29,26 @@ class BumpSensor:
         self._is_on = config.bump_sensor
         self._forward_m = embodiment.motion.forward_m
         self._clearance_m = config.clearances_m(embodiment.body)[0]
-        self.reset()
 
-    def reset(self) -> None:
-        """Forget the last action."""
-        self._last: tuple[Pose2, Action] | None = None
-
-    def note_action(self, robot: Pose2, action: Action) -> None:
-        """Remember the ordered action, to notice a bump in the next step."""
-        self._last = (robot, action) if self._is_on else None
-
-    def points(self, robot: Pose2, grid: OccupancyGrid) -> Float64[np.ndarray, "n 2"]:
-        """Points where something unseen must be, since the last step forward was cut short.
+    def points(
+        self, ordered: tuple[Pose2, Action] | None, robot: Pose2, grid: OccupancyGrid
+    ) -> Float64[np.ndarray, "n 2"]:
+        """Points where something unseen must be, if a step forward was cut short.
 
         If the map shows obstacles beside the robot's front, the robot has touched one of them that
         is a little larger than it was seen; else something unseen is right before it.
 
         Args:
+            ordered: Pose before the latest action, and that action; None before the first.
             robot: Pose of the robot.
             grid: The map.
 
         Returns:
             Points around the robot's front, metres; none if it moved as ordered.
         """
-        if self._last is None or self._last[1] is not Action.MOVE_FORWARD:
+        if not self._is_on or ordered is None or ordered[1] is not Action.MOVE_FORWARD:
             return np.zeros((0, 2))
-        moved = self._last[0].distance_to(*robot.xy)
+        moved = ordered[0].distance_to(*robot.xy)
         if moved >= _MOVED_SHARE * self._forward_m:
             return np.zeros((0, 2))
         angles = robot.yaw + np.radians(np.arange(-60.0, 61.0, 10.0))

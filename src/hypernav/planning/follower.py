@@ -1,6 +1,7 @@
 """Path following: the next discrete action along a path."""
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -15,6 +16,7 @@ from hypernav.planning.config import PlanningConfig
 from hypernav.planning.costmap import Costmap
 from hypernav.planning.motion_kernels import plan_actions
 from hypernav.planning.planner import PlannedPath, is_blocked
+from hypernav.planning.route import Route, along_line
 
 _LEAST_GAIN_M = 0.05
 """Smallest gain for which a sequence of actions is worth taking."""
@@ -34,10 +36,10 @@ _ACTIONS = (Action.MOVE_FORWARD, Action.TURN_LEFT, Action.TURN_RIGHT)
 
 
 class PathFollower:
-    """Follows one path at a time and tracks the robot's progress along it."""
+    """Follows routes. It has no state of its own."""
 
     def __init__(self, config: PlanningConfig, motion: MotionConfig) -> None:
-        """Begin without a path.
+        """Create it.
 
         Args:
             config: Steering and tolerances.
@@ -45,64 +47,33 @@ class PathFollower:
         """
         self._config = config
         self._motion = motion
-        self._path: PlannedPath | None = None
-        self.follow(None)
 
-    def follow(self, path: PlannedPath | None) -> None:
-        """Take a new path, or drop the present one."""
-        end = None if self._path is None else self._path.end
-        self._path = path
-        self._next = 1
-        self._arrived = False
-        if path is None or end is None or math.dist(path.end, end) > self._tolerance:
-            self._plan: list[Action] = []
-
-    @property
-    def planned(self) -> int:
-        """Number of actions that are left of the sequence under way; 0 without one."""
-        return len(self._plan)
-
-    @property
-    def path(self) -> PlannedPath | None:
-        """The path that is being followed."""
-        return self._path
-
-    @property
-    def arrived(self) -> bool:
-        """Whether the latest `next_action` found the robot at the end of the path."""
-        return self._arrived
-
-    def remaining(self, robot: Pose2) -> tuple[tuple[float, float], ...]:
-        """The path that is left: the robot and the waypoints that it has not passed, metres."""
-        if self._path is None:
-            return ()
-        self._pass_waypoints(self._path, robot)
-        return (robot.xy, *self._path.waypoints[self._next :])
-
-    def next_action(self, robot: Pose2, costmap: Costmap | None = None) -> Action | None:
-        """The next action along the path.
+    def next_action(
+        self, route: Route, robot: Pose2, costmap: Costmap | None = None
+    ) -> tuple[Action | None, Route]:
+        """The next action along the path of a route.
 
         Args:
+            route: The route of the step before.
             robot: Pose of the robot.
             costmap: Costmap around the robot, for ``steering: lattice``. Without it the robot
                 steers to the next waypoint whatever the configuration says.
 
         Returns:
-            A turn or a step. None if there is no path, if the robot is at its end (`arrived`), or
-            if no step brings it nearer.
+            A turn or a step, and the route from here on. No action if there is no path, if the
+            robot is at its end (`Route.arrived`), or if no step brings it nearer.
         """
-        self._arrived = False
-        if self._path is None:
-            return None
-        self._pass_waypoints(self._path, robot)
+        route = replace(route.seen_from(robot), arrived=False)
+        path = route.path
+        if path is None:
+            return None, route
         if self._config.steering == "lattice" and costmap is not None:
-            action = self._by_lattice(self._path, robot, costmap)
-            if action is None and costmap.is_tight and not self._is_at_end(self._path, robot):
-                action = self._to_waypoint(self._path, robot)
+            action, route = self._by_lattice(route, path, robot, costmap)
+            if action is None and costmap.is_tight and not self._is_at_end(path, robot):
+                action = self._to_waypoint(route, path, robot)
         else:
-            action = self._to_waypoint(self._path, robot)
-        self._arrived = action is None and self._is_at_end(self._path, robot)
-        return action
+            action = self._to_waypoint(route, path, robot)
+        return action, replace(route, arrived=action is None and self._is_at_end(path, robot))
 
     def _is_at_end(self, path: PlannedPath, robot: Pose2) -> bool:
         # A step may end up to half its length away from where it should.
@@ -112,26 +83,13 @@ class PathFollower:
     def _tolerance(self) -> float:
         return self._config.waypoint_tolerance_m
 
-    def _pass_waypoints(self, path: PlannedPath, robot: Pose2) -> None:
-        """Go on to the next waypoint when one is near, or when the robot is beyond it.
-
-        Steps are long, so a waypoint is often stepped over. It never comes back.
-        """
-        legs = list(pairwise(path.waypoints))[self._next :]
-        for corner, following in legs:
-            ahead, beside = _along(corner, following, robot)
-            near = robot.distance_to(*corner) <= self._tolerance
-            if not near and not (ahead > 0.0 and abs(beside) <= self._tolerance):
-                break
-            self._next += 1
-
-    def _to_waypoint(self, path: PlannedPath, robot: Pose2) -> Action | None:
+    def _to_waypoint(self, route: Route, path: PlannedPath, robot: Pose2) -> Action | None:
         """The paper's follower: turn if the next waypoint is too far off the heading, else go."""
-        aim = path.waypoints[min(self._next, len(path.waypoints) - 1)]
-        if self._next >= len(path.waypoints) - 1:
+        aim = path.waypoints[min(route.next_waypoint, len(path.waypoints) - 1)]
+        if route.next_waypoint >= len(path.waypoints) - 1:
             off = robot.distance_to(*path.end)
             before = path.waypoints[-2] if len(path.waypoints) > 1 else robot.xy
-            overshot = off <= self._motion.forward_m and _along(before, path.end, robot)[0] > (
+            overshot = off <= self._motion.forward_m and along_line(before, path.end, robot)[0] > (
                 math.dist(before, path.end)
             )
             if off <= self._tolerance or overshot:
@@ -145,34 +103,35 @@ class PathFollower:
             return Action.MOVE_FORWARD
         return Action.TURN_LEFT if bearing > 0.0 else Action.TURN_RIGHT
 
-    def _by_lattice(self, path: PlannedPath, robot: Pose2, costmap: Costmap) -> Action | None:
-        """The next action of the best sequence, searched some steps ahead.
+    def _by_lattice(
+        self, route: Route, path: PlannedPath, robot: Pose2, costmap: Costmap
+    ) -> tuple[Action | None, Route]:
+        """The next action of the best sequence, searched some steps ahead, and the route.
 
         A sequence is carried out to its end, where less is left to go than before. A new choice
         after every action could go in circles.
         """
         if robot.distance_to(*path.end) <= self._tolerance:
-            return None  # no wall is thin enough to lie between
-        if not (self._plan and self._goes_as_planned(robot, costmap)):
-            actions = self._search_actions(path, robot, costmap)
+            return None, route  # no wall is thin enough to lie between
+        if not (route.actions and self._goes_as_planned(route, robot, costmap)):
+            actions = self._search_actions(route, path, robot, costmap)
             if actions is None:
-                return self._to_waypoint(path, robot)
-            self._plan = actions
-        if not self._plan:
-            return None
-        action = self._plan.pop(0)
-        self._expected = self._after(robot, action)
-        return action
+                return self._to_waypoint(route, path, robot), route
+            route = replace(route, actions=actions)
+        if not route.actions:
+            return None, route
+        action, *rest = route.actions
+        return action, replace(route, actions=tuple(rest), expected=self._after(robot, action))
 
-    def _goes_as_planned(self, robot: Pose2, costmap: Costmap) -> bool:
+    def _goes_as_planned(self, route: Route, robot: Pose2, costmap: Costmap) -> bool:
         """Whether the robot is where its plan has it, and the plan's next step is still open."""
-        expected = self._expected
-        if expected.distance_to(*robot.xy) > _SAME_POSITION_M:
+        expected = route.expected
+        if expected is None or expected.distance_to(*robot.xy) > _SAME_POSITION_M:
             return False
         if abs(wrap_angle(expected.yaw - robot.yaw)) > _SAME_HEADING_RAD:
             return False
         pose = robot
-        for action in self._plan:
+        for action in route.actions:
             before, pose = pose, self._after(pose, action)
             if action is Action.MOVE_FORWARD:
                 return not is_blocked((before.xy, pose.xy), costmap)
@@ -191,13 +150,13 @@ class PathFollower:
         return Pose2(robot.x, robot.y, robot.yaw + (turn if action is Action.TURN_LEFT else -turn))
 
     def _search_actions(
-        self, path: PlannedPath, robot: Pose2, costmap: Costmap
-    ) -> list[Action] | None:
+        self, route: Route, path: PlannedPath, robot: Pose2, costmap: Costmap
+    ) -> tuple[Action, ...] | None:
         """The best sequence; empty if none leads on, None if the search is not possible here."""
         size = costmap.grid.resolution_m
         costs, (bottom, left) = _surroundings(costmap, robot)
         row, column = costmap.continuous(*robot.xy)
-        aim_row, aim_column = costmap.grid.cell_of(*self._ahead(path, robot))
+        aim_row, aim_column = costmap.grid.cell_of(*self._ahead(route, path, robot))
         here = (math.floor(row) - bottom, math.floor(column) - left)
         aim = (aim_row - bottom, aim_column - left)
         if not all(_is_open(costs, cell) for cell in (here, aim)):
@@ -220,16 +179,16 @@ class PathFollower:
             _HORIZON_M / size,
         )
         if rest > to_go[here] - _LEAST_GAIN_M / size:
-            return []
-        return [_ACTIONS[action] for action in actions]
+            return ()
+        return tuple(_ACTIONS[action] for action in actions)
 
-    def _ahead(self, path: PlannedPath, robot: Pose2) -> tuple[float, float]:
+    def _ahead(self, route: Route, path: PlannedPath, robot: Pose2) -> tuple[float, float]:
         """The point on the path that is `_LOOK_AHEAD_M` farther along it than the robot."""
         left = _LOOK_AHEAD_M
-        for start, end in list(pairwise(path.waypoints))[self._next - 1 :]:
+        for start, end in list(pairwise(path.waypoints))[route.next_waypoint - 1 :]:
             length = math.dist(start, end)
             along = (
-                min(max(_along(start, end, robot)[0], 0.0), length)
+                min(max(along_line(start, end, robot)[0], 0.0), length)
                 if left == _LOOK_AHEAD_M
                 else 0.0
             )
@@ -241,16 +200,6 @@ class PathFollower:
                 )
             left -= length - along
         return path.end
-
-
-def _along(
-    start: tuple[float, float], end: tuple[float, float], robot: Pose2
-) -> tuple[float, float]:
-    """Distance of the robot along a line, and to the left of it, metres."""
-    length = math.dist(start, end) or 1.0
-    dx, dy = (end[0] - start[0]) / length, (end[1] - start[1]) / length
-    x, y = robot.x - start[0], robot.y - start[1]
-    return (x * dx + y * dy, y * dx - x * dy)
 
 
 def _surroundings(

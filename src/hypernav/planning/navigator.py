@@ -1,9 +1,7 @@
 """Navigation to a destination, one action at a time."""
 
-import math
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
-from itertools import pairwise
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float64
@@ -16,33 +14,13 @@ from hypernav.planning.config import PlanningConfig
 from hypernav.planning.costmap import Costmap
 from hypernav.planning.follower import PathFollower
 from hypernav.planning.planner import PlannedPath, Planner, is_blocked
+from hypernav.planning.route import DeadEnd, Route
 
-_NEAR_M = 0.25
-"""Distance between positions that are the same for a path."""
-
-
-@dataclass(frozen=True)
-class _DeadEnd:
-    """A position from which no sequence of actions leads on along a path.
-
-    Attributes:
-        position: The position ``(x, y)``, metres.
-        clearance_m: Distance from obstacles that the path keeps, metres.
-        end: End of the path.
-    """
-
-    position: tuple[float, float]
-    clearance_m: float
-    end: tuple[float, float]
-
-    def is_on(self, path: PlannedPath, clearance_m: float) -> bool:
-        """Whether a path leads to the same end by this position."""
-        is_alike = clearance_m == self.clearance_m and math.dist(path.end, self.end) <= _NEAR_M
-        return is_alike and _distance_m(self.position, path.waypoints) <= _NEAR_M
+Destinations = tuple[Float64[np.ndarray, "_ 2"], ...]
 
 
 class Navigator:
-    """Plans, keeps the plan while it holds, and follows it."""
+    """Plans a route, keeps it while it holds, and follows it. It has no state of its own."""
 
     def __init__(self, config: PlanningConfig, embodiment: Embodiment) -> None:
         """Create it.
@@ -55,71 +33,45 @@ class Navigator:
         self._clearances_m = config.clearances_m(embodiment.body)
         self._planner = Planner(config, embodiment.body)
         self._follower = PathFollower(config, embodiment.motion)
-        self.reset()
-
-    def reset(self) -> None:
-        """Forget the path."""
-        self._follower.follow(None)
-        self._age, self._clearance_m = 0, self._clearances_m[0]
-        self._destinations: tuple[Float64[np.ndarray, "_ 2"], ...] = ()
-        self._dead_ends: set[_DeadEnd] = set()
-
-    @property
-    def path(self) -> PlannedPath | None:
-        """The path that is being followed."""
-        return self._follower.path
-
-    @property
-    def arrived(self) -> bool:
-        """Whether the latest `towards` gave no action because the robot is at the path's end."""
-        return self._follower.arrived
 
     def towards(
-        self, grid: OccupancyGrid, robot: Pose2, *destinations: Float64[np.ndarray, "_ 2"]
-    ) -> Action | None:
+        self,
+        route: Route,
+        grid: OccupancyGrid,
+        robot: Pose2,
+        *destinations: Float64[np.ndarray, "_ 2"],
+    ) -> tuple[Action | None, Route]:
         """The next action on the path to a destination.
 
         Args:
+            route: The route of the step before.
             grid: The map.
             robot: Pose of the robot.
             destinations: Points of the destination, ``(x, y)``, metres; then those that will do
                 where these are hard to reach.
 
         Returns:
-            The action. None if there is no path, or if no step brings the robot nearer; `arrived`
-            tells which.
+            The action, and the route from here on. No action if there is no path, or if no step
+            brings the robot nearer; `Route.arrived` tells which.
         """
-        self._age += 1
-        if self._path_is_fresh(destinations):
-            costmap = self._costmap(grid, robot)
-            if not is_blocked(self._follower.remaining(robot), costmap):
-                action = self._follower.next_action(robot, costmap)
-                if action is not None or self.arrived:
-                    return action
-        return self._plan(grid, robot, destinations)
+        route = replace(route, age=route.age + 1)
+        if self._is_fresh(route, destinations):
+            route = route.seen_from(robot)
+            costmap = self._costmap(grid, robot, route.clearance_m)
+            if not is_blocked(route.points_left(robot), costmap):
+                action, route = self._follower.next_action(route, robot, costmap)
+                if action is not None or route.arrived:
+                    return action, route
+        return self._plan(route, grid, robot, destinations)
 
-    def remaining(self, robot: Pose2) -> list[tuple[float, float]]:
-        """The path that is left, from the robot on, metres; empty without a path."""
-        points = self._follower.remaining(robot)
-        return [*points[:1], *((round(x, 3), round(y, 3)) for x, y in points[1:])]
-
-    def left_m(self, robot: Pose2) -> float:
-        """Length of the path that is left, metres; 0 without a path."""
-        return sum(math.dist(*leg) for leg in pairwise(self._follower.remaining(robot)))
-
-    @property
-    def planned(self) -> int:
-        """Number of actions that are left of the sequence under way; 0 without one."""
-        return self._follower.planned
-
-    def _path_is_fresh(self, destinations: tuple[Float64[np.ndarray, "_ 2"], ...]) -> bool:
+    def _is_fresh(self, route: Route, destinations: Destinations) -> bool:
         every = self._config.replan_every_steps
-        is_young = every is None or self._age < every
+        is_young = every is None or route.age < every
         return (
-            self.path is not None
+            route.path is not None
             and is_young
-            and len(destinations) == len(self._destinations)
-            and all(map(self._overlap, destinations, self._destinations))
+            and len(destinations) == len(route.destinations)
+            and all(map(self._overlap, destinations, route.destinations))
         )
 
     def _overlap(
@@ -133,27 +85,23 @@ class Navigator:
         return bool((low <= before_high).all() and (before_low <= high).all())
 
     def _plan(
-        self,
-        grid: OccupancyGrid,
-        robot: Pose2,
-        destinations: tuple[Float64[np.ndarray, "_ 2"], ...],
-    ) -> Action | None:
+        self, route: Route, grid: OccupancyGrid, robot: Pose2, destinations: Destinations
+    ) -> tuple[Action | None, Route]:
         """Plan anew and begin."""
-        self._destinations, self._age = destinations, 0
-        for costmap, path in self._untried_first(
-            self._planner.options(grid, robot.xy, destinations)
-        ):
-            self._clearance_m = costmap.clearance_m
-            self._follower.follow(path)
-            action = self._follower.next_action(robot, costmap)
-            if action is not None or self.arrived:
-                return action
+        route = replace(route, destinations=destinations, age=0)
+        options = self._planner.options(grid, robot.xy, destinations)
+        for costmap, path in self._untried_first(route, options):
+            route = route.along(path, costmap.clearance_m, self._config.waypoint_tolerance_m)
+            action, route = self._follower.next_action(route, robot, costmap)
+            if action is not None or route.arrived:
+                return action, route
             if path is not None:
-                self._dead_ends.add(_DeadEnd(robot.xy, costmap.clearance_m, path.end))
-        return None
+                dead_end = DeadEnd(robot.xy, costmap.clearance_m, path.end)
+                route = replace(route, dead_ends=route.dead_ends | {dead_end})
+        return None, route
 
     def _untried_first(
-        self, options: Iterable[tuple[Costmap, PlannedPath | None]]
+        self, route: Route, options: Iterable[tuple[Costmap, PlannedPath | None]]
     ) -> Iterator[tuple[Costmap, PlannedPath | None]]:
         """The options; those that pass a position where they led nowhere before come last.
 
@@ -162,25 +110,12 @@ class Navigator:
         """
         tried = list[tuple[Costmap, PlannedPath | None]]()
         for costmap, path in options:
-            if path is not None and self._leads_nowhere(costmap, path):
+            if path is not None and route.leads_nowhere(path, costmap.clearance_m):
                 tried.append((costmap, path))
             else:
                 yield costmap, path
         yield from tried
 
-    def _leads_nowhere(self, costmap: Costmap, path: PlannedPath) -> bool:
-        return any(one.is_on(path, costmap.clearance_m) for one in self._dead_ends)
-
-    def _costmap(self, grid: OccupancyGrid, robot: Pose2) -> Costmap:
-        is_squeezed = self._clearance_m < self._clearances_m[0]
-        return Costmap.of(grid, self._config, robot.xy, self._clearance_m, is_squeezed=is_squeezed)
-
-
-def _distance_m(position: tuple[float, float], corners: Sequence[tuple[float, float]]) -> float:
-    """Distance of a position from a polyline, metres."""
-    ends = np.array(corners, dtype=np.float64)
-    starts, legs = ends[:-1], np.diff(ends, axis=0)
-    away = np.array(position) - starts
-    along = (away * legs).sum(axis=1) / np.maximum((legs**2).sum(axis=1), 1e-12)
-    nearest = starts + np.clip(along, 0.0, 1.0)[:, None] * legs
-    return float(np.linalg.norm(nearest - np.array(position), axis=1).min())
+    def _costmap(self, grid: OccupancyGrid, robot: Pose2, clearance_m: float) -> Costmap:
+        is_squeezed = clearance_m < self._clearances_m[0]
+        return Costmap.of(grid, self._config, robot.xy, clearance_m, is_squeezed=is_squeezed)

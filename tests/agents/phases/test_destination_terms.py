@@ -6,24 +6,27 @@ import numpy as np
 
 from certainty import certain
 from drawn_grids import drawn
+from hypernav.agents.components import SearchComponents
 from hypernav.agents.config import SearchConfig
-from hypernav.agents.phases.explore import Explore
-from hypernav.agents.phases.look_around import LookAround
-from hypernav.agents.phases.step import Decision, Step
+from hypernav.agents.phases.explore import explore
+from hypernav.agents.plan import Plan
+from hypernav.agents.step import Decision, Step
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
-from hypernav.core.destination import Destination
 from hypernav.core.embodiment import CameraConfig, Embodiment, MotionConfig
+from hypernav.core.exploration import Destination
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
+from hypernav.core.trace import ExchangeLog
+from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.memory.memory import Memory
 from hypernav.perception.local.config import LocalConfig
 from hypernav.perception.local.depth_cut import DepthCutSegmenter
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.perception.local.local_perception import LocalPerception
 from hypernav.planning.config import PlanningConfig
-from hypernav.planning.navigator import Navigator
 
 # Free floor all around the robot, and the unknown beyond.
 FLOOR = drawn("\n".join(["........"] * 8), scale=10)
@@ -31,54 +34,71 @@ HERE = Pose2(2.0, 2.0, 0.0)
 
 
 class Names:
-    """Names one destination after the other; notes which were asked for, and which were left."""
+    """Names one destination after the other; counts how often it was asked, and knows visits."""
 
     def __init__(self, *destinations):
         self._left = list(destinations)
         self.asked = 0
-        self.visited = []
+        self.visits = []
 
-    def reset(self, goal):
-        pass
-
-    def remember_visit(self, x, y):
-        self.visited.append((x, y))
-
-    def next_destination(self, grid, robot, trajectory):
+    def next_destination(self, view):
+        self.visits = view.visits
         self.asked += 1
         return self._left.pop(0) if len(self._left) > 1 else self._left[0]
 
 
-def driven(explorer, steps, robot=HERE, **options):
-    """Actions on open floor, the events, and where the robot is then."""
-    local = LocalPerception(
-        GroundTruthDetector(), DepthCutSegmenter(), LocalConfig(), CameraConfig(), cell_size_m=0.05
-    )
-    motion = MotionConfig(forward_m=0.25)
-    navigator = Navigator(PlanningConfig(), Embodiment(motion=motion))
-    config = SearchConfig(**options)
-    turn_around = LookAround(motion, None)
-    phase = Explore(Goal("bed"), local, explorer, navigator, turn_around, None, config)
-    actions, events = [], []
-    for _ in range(steps):
-        camera = PinholeCamera.from_hfov(4, 3, 79.0)
+class Exploration:
+    """The exploration phase with its memory and plan, step by step."""
+
+    def __init__(self, explorer, motion, **options):
+        embodiment = Embodiment(motion=motion)
+        self.events = []
+        self._memory = Memory(MappingConfig(), embodiment)
+        self._use = SearchComponents(
+            mapping=MappingConfig(),
+            local=LocalPerception(
+                GroundTruthDetector(),
+                DepthCutSegmenter(),
+                LocalConfig(),
+                CameraConfig(),
+                cell_size_m=0.05,
+            ),
+            explorer=explorer,
+            planning=PlanningConfig(),
+            embodiment=embodiment,
+            presence=None,
+            log=ExchangeLog(),
+            config=SearchConfig(**{"least_unseen_m2": None, **options}),
+        )
+        self._plan = Plan.at_start(self._use.config, turns=0)
+
+    def act(self, robot):
         frame = Observation(
             rgb=np.zeros((3, 4, 3), dtype=np.uint8),
             depth=np.zeros((3, 4), dtype=np.float32),
-            camera=camera,
+            camera=PinholeCamera.from_hfov(4, 3, 79.0),
             camera_to_map=robot.to_transform() @ optical_to_base(0.88),
             robot=robot,
         )
-        outcome = phase.act(Step(frame, FLOOR, [], motion, ModuleClock(), events))
+        step = Step(0, Goal("bed"), frame, FLOOR, self._use, ModuleClock(), self.events)
+        outcome, self._plan = explore(step, self._memory, self._plan)
         assert isinstance(outcome, Decision)
-        actions.append(certain(outcome.action))
+        return certain(outcome.action)
+
+
+def driven(explorer, steps, robot=HERE, **options):
+    """Actions on open floor, the events, and where the robot is then."""
+    phase = Exploration(explorer, MotionConfig(forward_m=0.25), **options)
+    actions = []
+    for _ in range(steps):
+        actions.append(phase.act(robot))
         if actions[-1] is Action.MOVE_FORWARD:
             x, y = robot.x + 0.25 * math.cos(robot.yaw), robot.y + 0.25 * math.sin(robot.yaw)
             robot = Pose2(x, y, robot.yaw)
         else:
             turn = {Action.TURN_LEFT: 1, Action.TURN_RIGHT: -1}[actions[-1]]
             robot = Pose2(robot.x, robot.y, robot.yaw + turn * math.radians(30.0))
-    return actions, events, robot
+    return actions, phase.events, robot
 
 
 def test_a_heading_at_the_own_position_turns_around_and_then_asks_again():
@@ -133,7 +153,7 @@ def test_the_explorer_is_asked_again_after_as_many_steps_as_it_wishes():
     assert explorer.asked == 3
     assert actions == [Action.MOVE_FORWARD] * 5
     assert events == []
-    assert explorer.visited == []
+    assert explorer.visits == []
 
 
 def test_the_same_answer_again_does_not_renew_patience():
@@ -143,33 +163,21 @@ def test_the_same_answer_again_does_not_renew_patience():
     )
 
     class ToAndFro(Names):
-        def next_destination(self, grid, robot, trajectory):
+        def next_destination(self, view):
             self.asked += 1
             return left if self.asked % 2 else right
 
-    explorer = ToAndFro(left)
     stuck = {"patience_steps": 3, "drop_explored": False}
-    local = LocalPerception(
-        GroundTruthDetector(), DepthCutSegmenter(), LocalConfig(), CameraConfig(), cell_size_m=0.05
-    )
-    navigator = Navigator(PlanningConfig(), Embodiment())
-    phase = Explore(
-        Goal("bed"),
-        local,
-        explorer,
-        navigator,
-        LookAround(MotionConfig(), None),
-        None,
-        SearchConfig(**stuck),
-    )
-    events = []
+    phase = Exploration(ToAndFro(left), MotionConfig(), **stuck)
     for _ in range(40):  # the robot never moves, whatever is planned
-        frame = Observation(
-            rgb=np.zeros((3, 4, 3), dtype=np.uint8),
-            depth=np.zeros((3, 4), dtype=np.float32),
-            camera=PinholeCamera.from_hfov(4, 3, 79.0),
-            camera_to_map=HERE.to_transform() @ optical_to_base(0.88),
-            robot=HERE,
-        )
-        phase.act(Step(frame, FLOOR, [], MotionConfig(), ModuleClock(), events))
-    assert "no progress to destination" in events
+        phase.act(HERE)
+    assert "no progress to destination" in phase.events
+
+
+def test_a_turn_on_the_spot_is_no_visit():
+    around = Destination(*HERE.xy, reason="turn around", holds=True, arrival_m=0.2, face=math.pi)
+    away = Destination(3.5, 2.0, reason="there", holds=True, arrival_m=0.2)
+    explorer = Names(around, away)
+    _, events, _ = driven(explorer, 7)
+    assert events == ["destination reached"]
+    assert explorer.visits == []

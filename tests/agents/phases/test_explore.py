@@ -8,24 +8,27 @@ import pytest
 
 from certainty import certain
 from drawn_grids import drawn
+from hypernav.agents.components import SearchComponents
 from hypernav.agents.config import SearchConfig
-from hypernav.agents.phases.explore import Explore, unexplored_boundary
-from hypernav.agents.phases.look_around import LookAround
-from hypernav.agents.phases.step import Decision, PhaseName, Step, turn_towards
+from hypernav.agents.phases.explore import explore, unexplored_boundary
+from hypernav.agents.plan import Plan
+from hypernav.agents.step import Decision, Phase, Step, turn_towards
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
-from hypernav.core.destination import Destination
 from hypernav.core.embodiment import CameraConfig, Embodiment, MotionConfig
+from hypernav.core.exploration import Destination
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
+from hypernav.core.trace import ExchangeLog
+from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.memory.memory import Memory
 from hypernav.perception.local.config import LocalConfig
 from hypernav.perception.local.depth_cut import DepthCutSegmenter
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.perception.local.local_perception import LocalPerception
 from hypernav.planning.config import PlanningConfig
-from hypernav.planning.navigator import Navigator
 from images import thing_before_wall
 
 # A corridor from the left to the right, 2 m wide, and a dark door in the middle of its upper wall.
@@ -55,15 +58,8 @@ class Once:
 
     def __init__(self, position):
         self._left = [Destination(*position, reason="there")]
-        self.visited = []
 
-    def reset(self, goal):
-        pass
-
-    def remember_visit(self, x, y):
-        self.visited.append((x, y))
-
-    def next_destination(self, grid, robot, trajectory):
+    def next_destination(self, view):
         return self._left.pop() if self._left else None
 
 
@@ -89,49 +85,62 @@ def perception():
     )
 
 
-def explore(explorer, robot, steps, *, local=None, **options):
-    """Actions and reasons on a map that never changes; the robot only turns."""
-    local = local or perception()
-    phase = Explore(
-        Goal("bed"),
-        local,
-        explorer,
-        Navigator(PlanningConfig(), Embodiment()),
-        LookAround(MotionConfig(), None),
-        None,
-        SearchConfig(**options),
-    )
-    phase.destination = explorer.next_destination(None, None, [])
+class Exploration:
+    """The exploration phase with its memory and plan, step by step."""
+
+    def __init__(self, explorer, *, memory=None, **options):
+        self.memory = memory or Memory(MappingConfig(), Embodiment())
+        self.events = []
+        self._use = SearchComponents(
+            mapping=MappingConfig(),
+            local=perception(),
+            explorer=explorer,
+            planning=PlanningConfig(),
+            embodiment=Embodiment(),
+            presence=None,
+            log=ExchangeLog(),
+            config=SearchConfig(**{"least_unseen_m2": None, **options}),
+        )
+        self.plan = Plan.at_start(self._use.paced, turns=0)
+
+    def act(self, robot, grid):
+        frame, clock = frame_of(robot), ModuleClock()
+        step = Step(0, Goal("bed"), frame, grid, self._use, clock, self.events)
+        outcome, self.plan = explore(step, self.memory, self.plan)
+        return outcome
+
+
+def turned(explorer, robot, steps, *, memory=None, **options):
+    """Actions on a map that never changes; the robot only turns. And its pose, and all visits."""
+    phase = Exploration(explorer, memory=memory, **options)
+    phase.plan = phase.plan.explore(destination=explorer.next_destination(None))
     done = []
     for _ in range(steps):
-        outcome = phase.act(
-            Step(frame_of(robot), corridor(), [], MotionConfig(), ModuleClock(), [])
-        )
-        if outcome is PhaseName.END:
+        outcome = phase.act(robot, corridor())
+        if outcome is Phase.END:
             break
         assert isinstance(outcome, Decision)
         done.append(outcome.action)
         turn = {Action.TURN_LEFT: 1, Action.TURN_RIGHT: -1}[certain(outcome.action)]
         robot = Pose2(robot.x, robot.y, robot.yaw + turn * math.radians(30.0))
-    return done, robot
+    return done, robot, phase.memory.search.visits
 
 
 @pytest.mark.parametrize("yaw", [0.0, math.pi, -1.0])
 def test_who_comes_to_a_door_looks_through_it_before_leaving(yaw):
-    explorer = Once((4.0, 2.2))
-    done, robot = explore(explorer, Pose2(4.0, 2.0, yaw), 20)
+    done, robot, visits = turned(Once((4.0, 2.2)), Pose2(4.0, 2.0, yaw), 20)
     assert 1 <= len(done) <= 6
     assert abs(robot.bearing_to(*DOOR)) <= math.radians(15.0) + 1e-6
-    assert explorer.visited == [(4.0, 2.2)]
+    assert visits == [(4.0, 2.2)]
 
 
 def test_the_paper_leaves_at_once():
-    done, _ = explore(Once((4.0, 2.2)), Pose2(4.0, 2.0, math.pi), 20, look_across_boundary=False)
+    done, _, _ = turned(Once((4.0, 2.2)), Pose2(4.0, 2.0, math.pi), 20, look_across_boundary=False)
     assert done == []
 
 
 def test_where_nothing_is_unexplored_nothing_is_looked_at():
-    done, _ = explore(Once((1.0, 1.5)), Pose2(1.0, 1.4, 2.0), 20)
+    done, _, _ = turned(Once((1.0, 1.5)), Pose2(1.0, 1.4, 2.0), 20)
     assert done == []
 
 
@@ -141,15 +150,8 @@ class Wavers:
     def __init__(self, *positions, answers_at_once=True):
         self._left = [Destination(*position, reason="there") for position in positions]
         self.answers_at_once = answers_at_once
-        self.visited = []
 
-    def reset(self, goal):
-        pass
-
-    def remember_visit(self, x, y):
-        self.visited.append((x, y))
-
-    def next_destination(self, grid, robot, trajectory):
+    def next_destination(self, view):
         return self._left.pop(0) if self._left else None
 
 
@@ -157,42 +159,33 @@ LEFT_END, RIGHT_END = (0.5, 1.5), (7.5, 1.5)
 
 
 def destinations(explorer, steps, **options):
-    """Destinations after each step, and the events, of a robot that stands still."""
-    phase = Explore(
-        Goal("bed"),
-        perception(),
-        explorer,
-        Navigator(PlanningConfig(), Embodiment()),
-        LookAround(MotionConfig(), None),
-        None,
-        SearchConfig(drop_explored=False, **options),
-    )
-    events, found = [], []
+    """Destinations after each step, the events and the visits, of a robot that stands still."""
+    phase = Exploration(explorer, drop_explored=False, **options)
+    found = []
     for _ in range(steps):
-        robot = Pose2(4.0, 1.5, math.pi / 2)
-        phase.act(Step(frame_of(robot), corridor(), [], MotionConfig(), ModuleClock(), events))
-        found.append(certain(phase.destination).xy)
-    return found, events
+        phase.act(Pose2(4.0, 1.5, math.pi / 2), corridor())
+        found.append(certain(phase.plan.destination).xy)
+    return found, phase.events, phase.memory.search.visits
 
 
 def test_what_has_become_better_on_the_way_is_gone_to():
     explorer = Wavers(LEFT_END, RIGHT_END)
-    found, events = destinations(explorer, 7, reconsider_steps=3)
+    found, events, visits = destinations(explorer, 7, reconsider_steps=3)
     assert found == [LEFT_END] * 3 + [RIGHT_END] * 4
     assert events == ["destination changed"]
-    assert explorer.visited == []  # the first was neither reached nor given up
+    assert visits == []  # the first was neither reached nor given up
 
 
 def test_nobody_wavers_between_two_destinations():
     explorer = Wavers(*[LEFT_END, RIGHT_END] * 5)
-    found, events = destinations(explorer, 12, reconsider_steps=2)
+    found, events, _ = destinations(explorer, 12, reconsider_steps=2)
     assert found == [LEFT_END] * 2 + [RIGHT_END] * 10
     assert events == ["destination changed"]
 
 
 def test_a_destination_beside_the_present_one_is_no_other():
     beside = (LEFT_END[0] + 0.4, LEFT_END[1])
-    found, events = destinations(Wavers(LEFT_END, beside), 5, reconsider_steps=3)
+    found, events, _ = destinations(Wavers(LEFT_END, beside), 5, reconsider_steps=3)
     assert found == [LEFT_END] * 5
     assert events == []
 
@@ -204,7 +197,7 @@ def test_who_answers_slowly_is_asked_once_and_so_is_everybody_in_the_paper(
     answers_at_once, reconsider_steps
 ):
     explorer = Wavers(LEFT_END, RIGHT_END, answers_at_once=answers_at_once)
-    found, _ = destinations(explorer, 9, reconsider_steps=reconsider_steps)
+    found, _, _ = destinations(explorer, 9, reconsider_steps=reconsider_steps)
     assert found == [LEFT_END] * 9
 
 
@@ -224,23 +217,20 @@ def test_a_turn_towards_what_is_ahead_is_none():
 
 
 def far_beyond_the_door():
-    """Perception that has seen the goal through the door, 7 m away."""
-    local = perception()
-    local.reset(Goal("bed"))
-    local.look(thing_before_wall(thing_m=7.0, wall_m=9.0, robot=Pose2(4.0, 0.5, math.pi / 2)))
-    return local
+    """The memory of a robot that has seen the goal through the door, 7 m away."""
+    memory = Memory(MappingConfig(), Embodiment())
+    seen = thing_before_wall(thing_m=7.0, wall_m=9.0, robot=Pose2(4.0, 0.5, math.pi / 2))
+    perception().look(seen, Goal("bed"), memory.floor)
+    return memory
 
 
-def heading_for(local, robot):
+def heading_for(memory, robot):
     """Positions of a robot that explores a map that never changes, until nothing is left."""
     grid = drawn(UNKNOWN_HALL + CORRIDOR, scale=10)
-    explorer, positions, events = Once((1.0, 1.5)), [robot.xy], []
-    navigator = Navigator(PlanningConfig(), Embodiment())
-    look_around = LookAround(MotionConfig(), None)
-    phase = Explore(Goal("bed"), local, explorer, navigator, look_around, None, SearchConfig())
+    phase, positions = Exploration(Once((1.0, 1.5)), memory=memory), [robot.xy]
     for _ in range(60):
-        outcome = phase.act(Step(frame_of(robot), grid, [], MotionConfig(), ModuleClock(), events))
-        if outcome is PhaseName.END:
+        outcome = phase.act(robot, grid)
+        if outcome is Phase.END:
             break
         assert isinstance(outcome, Decision)
         action = certain(outcome.action)
@@ -252,30 +242,40 @@ def heading_for(local, robot):
         else:
             turn = math.radians(30.0 if action is Action.TURN_LEFT else -30.0)
             robot = Pose2(robot.x, robot.y, robot.yaw + turn)
-    return positions, events
+    return positions, phase.events
 
 
 def test_who_saw_the_goal_far_away_goes_there_through_the_unknown_before_all_else():
-    local = far_beyond_the_door()
-    end = certain(local.far_position)
-    positions, events = heading_for(local, Pose2(4.0, 1.0, -math.pi / 2))
+    memory = far_beyond_the_door()
+    end = certain(memory.search.evidence.far_position)
+    positions, events = heading_for(memory, Pose2(4.0, 1.0, -math.pi / 2))
     nearest = min(range(len(positions)), key=lambda i: math.dist(positions[i], end))
     assert math.dist(positions[nearest], end) < 0.6
     driven = sum(math.dist(a, b) for a, b in pairwise(positions[: nearest + 1]))
     assert driven < 1.3 * math.dist(positions[0], end)
     assert events.count("goal seen far away") == 1  # once there, it explores
-    assert local.far_position is None
+    assert memory.search.evidence.far_position is None
 
 
 def test_the_paper_does_not_go_to_what_is_far_away():
-    explorer = Once((4.0, 2.2))
-    turns, _ = explore(
-        explorer,
+    turns, _, visits = turned(
+        Once((4.0, 2.2)),
         Pose2(4.0, 2.0, math.pi),
         20,
-        local=far_beyond_the_door(),
+        memory=far_beyond_the_door(),
         pursue_far_sightings=False,
         look_across_boundary=False,
     )
     assert turns == []
-    assert explorer.visited == [(4.0, 2.2)]
+    assert visits == [(4.0, 2.2)]
+
+
+def test_a_destination_on_another_floor_has_no_path():
+    upstairs = Destination(1.0, 1.5, reason="upstairs", floor=1)
+    explorer = Once((7.5, 1.5))
+    explorer._left.append(upstairs)
+    phase = Exploration(explorer)
+    outcome = phase.act(Pose2(4.0, 1.5, 0.0), corridor())
+    assert isinstance(outcome, Decision)
+    assert phase.events == ["no path to destination"]
+    assert certain(phase.plan.destination).xy == (7.5, 1.5)

@@ -36,9 +36,10 @@ def turns_from(yaw, grid, least_m2=1.0, embodiment=None):
     embodiment = embodiment or Embodiment()
     turn = math.radians(embodiment.motion.turn_angle_deg)
     gaze, robot, turns = Gaze(embodiment, least_m2), Pose2(*MIDDLE, yaw), []
+    looked = None
     while len(turns) < 50:
-        gaze.note(robot)
-        action = gaze.worthwhile_turn(grid, robot)
+        looked = gaze.after_image(looked, robot)
+        action = gaze.worthwhile_turn(grid, robot, looked)
         if action is None:
             break
         turns.append(action)
@@ -71,10 +72,9 @@ def test_too_little_is_not_worth_a_turn():
 
 def test_another_position_is_looked_from_anew():
     gaze, grid = Gaze(Embodiment(), 1.0), room()
-    gaze.note(Pose2(*MIDDLE, UP))
+    looked = gaze.after_image(None, Pose2(*MIDDLE, UP))
     down = Pose2(MIDDLE[0] - 0.5, MIDDLE[1], -UP)
-    gaze.note(down)
-    assert gaze.worthwhile_turn(grid, down) is not None
+    assert gaze.worthwhile_turn(grid, down, gaze.after_image(looked, down)) is not None
 
 
 def test_a_camera_that_sees_no_floor_in_its_range_has_nothing_to_look_for():

@@ -9,7 +9,7 @@ from hypernav.agents.phases.other_side import position_on_other_side
 from hypernav.core.geometry.grid import Cell
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.config import MappingConfig
-from hypernav.perception.local.goal_area import GoalArea
+from hypernav.mapping.memory.goal_area import GoalArea
 
 CONFIG = MappingConfig()
 THING = (4.0, 3.0)

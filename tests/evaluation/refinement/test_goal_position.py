@@ -5,7 +5,7 @@ from box_scenes import room_boxes, scene_of
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.evaluation.refinement.goal_position import GoalPosition, judge_position
-from hypernav.perception.local.goal_area import GoalArea
+from hypernav.mapping.memory.goal_area import GoalArea
 from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.simulation import SimulatedWorld
 from small_episodes import episode_from

@@ -9,6 +9,7 @@ import pytest
 from arrow_views import HERE, room_with_wall
 from certainty import certain
 from chat_models import Parrot
+from exploration_views import exploration_view
 from hypernav.core.embodiment import CameraConfig, Embodiment
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
@@ -18,6 +19,7 @@ from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.memory.memory import SearchMemory
 from hypernav.perception.areas.area_explorer import AreaConfig, AreaExplorer, _largest_piece
 from hypernav.perception.areas.chat_guide import ChatGuide, direction_in
 from hypernav.perception.areas.truth_guide import TruthGuide
@@ -50,9 +52,9 @@ def explorer_of(guide, **config):
     return AreaExplorer(guide, ExchangeLog(), ROBOT, MappingConfig(), (0.2,), AreaConfig(**config))
 
 
-def next_of(explorer, robot=HERE):
-    explorer.watch(room_with_wall(3.0, robot=robot), hall())
-    return certain(explorer.next_destination(hall(), robot, [robot.xy]))
+def next_of(explorer, search=None, *, robot=HERE):
+    view = exploration_view(hall(), room_with_wall(3.0, robot=robot), search)
+    return certain(explorer.next_destination(view))
 
 
 @pytest.mark.parametrize(
@@ -68,42 +70,41 @@ def test_what_the_image_shows_in_a_direction_is_gone_to(direction, side):
 
 def test_where_nothing_leads_there_it_turns_right_and_then_goes_to_a_frontier():
     guide = Points(Direction.EXPLORE)
-    explorer = explorer_of(guide, turns=3)
+    explorer, search = explorer_of(guide, turns=3), SearchMemory()
     for _ in range(3):
-        turn = next_of(explorer)
-        explorer.remember_visit(*turn.xy)
+        turn = next_of(explorer, search)
+        search.visits.append(turn.xy)
         assert turn.xy == HERE.xy
         assert turn.face == pytest.approx(-math.pi / 6)
-    frontier = next_of(explorer)
+    frontier = next_of(explorer, search)
     assert frontier.face is None
     assert "nearest frontier" in frontier.reason
-    assert next_of(explorer).face is not None  # it asks, and turns, anew
+    assert next_of(explorer, search).face is not None  # it asks, and turns, anew
 
 
 def test_an_area_that_was_reached_is_none():
     explorer = explorer_of(Points(Direction.STRAIGHT), turns=0)
     area = next_of(explorer)
-    explorer.remember_visit(*area.xy)
-    assert "nearest frontier" in next_of(explorer).reason
-    explorer.reset(Goal("bed"))
-    assert next_of(explorer).xy == area.xy
+    reached = SearchMemory(visits=[area.xy])
+    assert "nearest frontier" in next_of(explorer, reached).reason
+    assert next_of(explorer, SearchMemory()).xy == area.xy
     at_wall = Pose2(2.4, 0.0, 0.0)
-    assert "nearest frontier" in next_of(explorer, at_wall).reason  # it is there already
+    assert "nearest frontier" in next_of(explorer, robot=at_wall).reason  # it is there already
 
 
 def test_an_image_without_depth_has_no_areas():
     explorer = explorer_of(Points(Direction.STRAIGHT), turns=0)
     seen = room_with_wall(3.0)
     seen.depth[:] = 0.0
-    explorer.watch(seen, hall())
-    assert "frontier" in certain(explorer.next_destination(hall(), HERE, [HERE.xy])).reason
+    destination = certain(explorer.next_destination(exploration_view(hall(), seen)))
+    assert "frontier" in destination.reason
 
 
 def test_the_past_is_shown_from_the_second_choice_on():
     guide = Points(Direction.EXPLORE)
-    explorer = explorer_of(guide)
-    next_of(explorer)
-    next_of(explorer)
+    explorer, search = explorer_of(guide), SearchMemory()
+    next_of(explorer, search)
+    next_of(explorer, search)
     first, second = guide.views
     assert len(first.images) == 1
     assert second.images[1].shape == (480, 640 + 480, 3)

@@ -4,14 +4,17 @@ import pytest
 
 from arrow_views import HERE, arrow, room_with_wall, view_of
 from chat_models import Parrot
+from exploration_views import exploration_view
 from hypernav.core.arrows import TURN_AROUND, ArrowChoice
+from hypernav.core.components.abilities import wants_named_things
 from hypernav.core.embodiment import CameraConfig, Embodiment
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.sightings import SeenThing, Sightings
+from hypernav.core.sightings import SeenThing
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.memory.memory import SearchMemory
 from hypernav.perception.arrows.arrow_explorer import dynavlm_style, vlmnav
 from hypernav.perception.arrows.chat_arrows import ChatArrowReasoner
 from hypernav.perception.arrows.geometric_arrows import GeometricArrowReasoner
@@ -102,9 +105,9 @@ class Says:
         return ArrowChoice(self.numbers, "because")
 
 
-def move_of(explorer, robot=HERE):
-    explorer.watch(room_with_wall(4.0, robot=robot), GRID)
-    return explorer.next_destination(GRID, robot, [])
+def move_of(explorer, search=None, *, robot=HERE, goal=BED, things=()):
+    seen = room_with_wall(4.0, robot=robot)
+    return explorer.next_destination(exploration_view(GRID, seen, search, goal=goal, things=things))
 
 
 def explorer_of(reasoner):
@@ -120,15 +123,15 @@ def test_the_end_of_the_chosen_arrow_is_the_destination():
 
 
 def test_zero_turns_around_and_is_then_not_offered_for_three_choices():
-    reasoner = Says(0)
+    reasoner, search = Says(0), SearchMemory()
     explorer = explorer_of(reasoner)
-    move = move_of(explorer, Pose2(1.0, 2.0, 0.5))
+    move = move_of(explorer, search, robot=Pose2(1.0, 2.0, 0.5))
     assert move.xy == (1.0, 2.0)
     assert move.face == pytest.approx(0.5 + 3.14159, abs=1e-4)
     reasoner.numbers = (1,)
     offered = []
     for _ in range(4):
-        move_of(explorer)
+        move_of(explorer, search)
         offered.append(reasoner.views[-1].may_turn)
     assert offered == [False, False, False, True]
 
@@ -150,9 +153,8 @@ def test_pivot_asks_three_times_a_round_and_goes_to_the_last_best():
 
 def test_equal_seeds_give_equal_pivot_walks_and_other_goals_others():
     def walk(goal):
-        explorer = PivotExplorer(Says(1), ROBOT)
-        explorer.reset(goal)
-        return [move_of(explorer).xy for _ in range(5)]
+        explorer, search = PivotExplorer(Says(1), ROBOT), SearchMemory()
+        return [move_of(explorer, search, goal=goal).xy for _ in range(5)]
 
     assert walk(BED) == walk(BED)
     assert walk(BED) != walk(Goal("sofa"))
@@ -163,11 +165,10 @@ def test_pivot_without_an_answer_takes_a_step():
 
 
 def test_things_of_one_name_are_one_where_they_are_near():
-    graph = ObjectGraph(ObjectGraphConfig())
-    first = graph.add(SeenThing("bed", (2.0, 0.0)))
-    assert graph.add(SeenThing("bed", (2.5, 0.5))) == first
-    assert graph.add(SeenThing("bed", (5.0, 0.0))) != first
-    graph.add_all([SeenThing("nightstand", (3.0, 1.0)), SeenThing("oven", (-4.0, 0.0))])
+    beds = [SeenThing("bed", at) for at in ((2.0, 0.0), (2.5, 0.5), (5.0, 0.0))]
+    others = [SeenThing("nightstand", (3.0, 1.0)), SeenThing("oven", (-4.0, 0.0))]
+    graph = ObjectGraph(ObjectGraphConfig(), [*beds, *others])
+    assert [one.position[0] for one in graph.shown(BED, HERE).things] == [2.0, 5.0, 3.0, -4.0]
     facts = graph.retrieve(Goal("pillow"), HERE)
     assert [fact.name for fact in facts[-1:]] == ["oven"]  # it stands where no pillow lies
     near_bed = next(fact for fact in facts if fact.name == "bed" and fact.distance_m < 3.0)
@@ -177,22 +178,24 @@ def test_things_of_one_name_are_one_where_they_are_near():
 
 
 def test_people_see_the_whole_memory_and_what_of_it_is_told():
-    graph = ObjectGraph(ObjectGraphConfig(most_facts=1))
     bed, stand = SeenThing("bed", (2.0, 0.0)), SeenThing("nightstand", (3.0, 1.0))
-    graph.add_all([bed, stand, SeenThing("oven", (-4.0, 0.0))])
+    things = [bed, stand, SeenThing("oven", (-4.0, 0.0))]
+    graph = ObjectGraph(ObjectGraphConfig(most_facts=1), things)
     shown = graph.shown(BED, HERE)
     assert [one.label for one in shown.things] == ["bed", "nightstand", "oven"]
     assert [one.told for one in shown.things] == [True, False, False]
     assert shown.near == [(0, 1)]
 
 
-def test_memory_joins_the_question_and_a_new_search_forgets_it():
-    reasoner, sightings = Says(1), Sightings()
-    sightings.things = (SeenThing("oven", (2.0, 1.0)),)
-    explorer = dynavlm_style(reasoner, sightings, ROBOT, MappingConfig(), (0.2,))
-    move_of(explorer)
+def test_memory_joins_the_question_and_the_explorer_keeps_none_of_it():
+    reasoner = Says(1)
+    explorer = dynavlm_style(reasoner, ROBOT, MappingConfig(), (0.2,))
+    move_of(explorer, things=[SeenThing("oven", (2.0, 1.0))])
     assert "oven" in reasoner.views[0].facts[0]
-    sightings.reset()
-    explorer.reset(BED)
     move_of(explorer)
     assert reasoner.views[1].facts == ()
+
+
+def test_only_a_memory_of_things_wants_them_named():
+    assert wants_named_things(dynavlm_style(Says(1), ROBOT, MappingConfig(), (0.2,)))
+    assert not wants_named_things(explorer_of(Says(1)))

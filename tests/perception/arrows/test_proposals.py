@@ -10,6 +10,8 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from arrow_views import CAMERA, HERE, room_with_wall
+from drawn_grids import drawn
+from exploration_views import exploration_view
 from hypernav.core.embodiment import Embodiment
 from hypernav.perception.arrows.arrow_sight import ArrowConfig, ArrowSight
 from hypernav.perception.arrows.marks import MarkConfig, mark_of
@@ -105,8 +107,8 @@ def test_near_ends_slide_into_the_image_or_are_left_out():
 
 
 def test_every_number_maps_back_to_its_end():
-    sight = ArrowSight(Embodiment(camera=CAMERA), ArrowConfig(), ArrowStyle())
-    sight.observation = room_with_wall(4.0)
+    shown = exploration_view(drawn("."), room_with_wall(4.0))
+    sight = ArrowSight(shown, Embodiment(camera=CAMERA), ArrowConfig(), ArrowStyle())
     seen = sight.look()
     moves = BiasedProposer(BiasedConfig()).propose(seen, HERE, anywhere, may_turn=True)
     arrows = sight.marked(moves, seen)

@@ -2,8 +2,9 @@
 
 import pytest
 
-from arrow_views import HERE, arrow, room_with_wall, view_of
+from arrow_views import arrow, room_with_wall, view_of
 from chat_models import Parrot
+from exploration_views import exploration_view
 from hypernav.core.arrows import ArrowChoice
 from hypernav.core.embodiment import CameraConfig, Embodiment
 from hypernav.core.errors import ModelUnavailableError
@@ -11,6 +12,7 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.memory.memory import SearchMemory
 from hypernav.perception.arrows.arrow_explorer import VlmnavConfig, vlmnav
 from hypernav.perception.arrows.arrow_sight import ArrowConfig
 from hypernav.perception.arrows.chat_arrows import ChatArrowReasoner, ChatArrowsConfig
@@ -33,9 +35,9 @@ class Says:
         return ArrowChoice(self.numbers, "because")
 
 
-def move_of(explorer):
-    explorer.watch(room_with_wall(4.0), GRID)
-    return explorer.next_destination(GRID, HERE, [])
+def move_of(explorer, search=None, *, may_be_here=False):
+    view = exploration_view(GRID, room_with_wall(4.0), search, may_be_here=may_be_here)
+    return explorer.next_destination(view)
 
 
 def text_of(arrows: int, *, may_turn: bool, count_short: bool) -> str:
@@ -90,11 +92,10 @@ def test_a_blind_step_has_its_own_length():
 
 
 def test_after_a_yes_only_the_default_moves_are_offered_once():
-    reasoner = Says(1)
+    reasoner, search = Says(1), SearchMemory()
     explorer = vlmnav(reasoner, ROBOT, MappingConfig(), (0.2,))
-    explorer.offer_default_moves()
-    move_of(explorer)
-    move_of(explorer)
+    move_of(explorer, search, may_be_here=True)
+    move_of(explorer, search)
     first, second = reasoner.views
     headings = {move.heading for move in DEFAULT_MOVES}
     assert {one.heading for one in first.arrows} <= headings

@@ -1,6 +1,7 @@
 import numpy as np
 
 from certainty import certain
+from exploration_views import exploration_view
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
@@ -8,6 +9,7 @@ from hypernav.core.goal import Goal
 from hypernav.core.overview import BlockChoice
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.memory.memory import Memory, SearchMemory
 from hypernav.perception.explorers.block_explorer import BlockExplorer, OverviewConfig
 from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
 from hypernav.perception.explorers.nearest_frontier import NearestFrontierExplorer
@@ -62,104 +64,113 @@ def blocks_explorer(reasoner, clearances_m=CLEARANCES_M, **config):
     )
 
 
+def next_of(explorer, search=None, *, grid=None, robot=HERE, been=None):
+    """Where an explorer goes; `search` holds what was visited, `been` where the robot was."""
+    view = exploration_view(hall() if grid is None else grid, robot, search, trajectory=been)
+    return explorer.next_destination(view)
+
+
+def visiting(*positions):
+    """A search in which positions were visited."""
+    return SearchMemory(visits=list(positions))
+
+
 POSITIONS = {"visited": "positions", "max_questions": None, "forget_visits": True}
 """The memory of the paper."""
 
 
 def test_the_chosen_block_is_the_destination():
-    destination = certain(blocks_explorer(Insists(1)).next_destination(hall(), HERE, [(0.0, 0.0)]))
+    destination = certain(next_of(blocks_explorer(Insists(1))))
     block = next(b for b in destination.blocks if b.number == 1)
     assert destination.xy == block.destination
     assert destination.reason == "because"
 
 
 def test_a_visited_block_is_excluded_and_asked_about_again():
-    first = certain(blocks_explorer(Insists(1)).next_destination(hall(), HERE, [(0.0, 0.0)]))
+    first = certain(next_of(blocks_explorer(Insists(1))))
     reasoner = Insists(1, 2)
-    explorer = blocks_explorer(reasoner)
-    explorer.remember_visit(*first.xy)
-    second = certain(explorer.next_destination(hall(), HERE, [(0.0, 0.0)]))
+    second = certain(next_of(blocks_explorer(reasoner), visiting(first.xy)))
     assert reasoner.excluded == [set(), {1}]
     assert second.xy != first.xy
 
 
 def test_a_reasoner_that_insists_on_visited_blocks_ends_the_search_of_blocks():
     explorer = blocks_explorer(Insists(1, 1, 1, 1), last_frontier_m=None)
-    first = certain(explorer.next_destination(hall(), HERE, [(0.0, 0.0)]))
-    explorer.remember_visit(*first.xy)
+    first = certain(next_of(explorer))
     explorer._reasoner = Insists(1, 1, 1, 1)
-    assert explorer.next_destination(hall(), HERE, [(0.0, 0.0)]) is None
+    assert next_of(explorer, visiting(first.xy)) is None
 
 
 def test_a_new_search_forgets_visits():
     explorer = blocks_explorer(Insists(1, 1))
-    first = certain(explorer.next_destination(hall(), HERE, [(0.0, 0.0)]))
-    explorer.remember_visit(*first.xy)
-    explorer.reset(Goal("bed"))
-    again = certain(explorer.next_destination(hall(), HERE, [(0.0, 0.0)]))
+    first = certain(next_of(explorer))
+    memory = Memory(MappingConfig(), Embodiment())
+    memory.search.visits.append(first.xy)
+    memory.begin_search(Goal("bed"))
+    again = certain(next_of(explorer, memory.search))
     assert again.xy == first.xy
 
 
 def test_where_the_robot_has_been_is_visited_wherever_it_was_going():
-    blocks = certain(blocks_explorer(Insists(1)).next_destination(hall(), HERE, [HERE.xy])).blocks
+    blocks = certain(next_of(blocks_explorer(Insists(1)))).blocks
     reasoner = InOrder()
     explorer = blocks_explorer(reasoner, **POSITIONS)
     been = [blocks[0].destination, blocks[1].destination, HERE.xy]
-    destination = certain(explorer.next_destination(hall(), HERE, been))
+    destination = certain(next_of(explorer, been=been))
     assert destination.xy == blocks[2].destination
     assert reasoner.excluded == [set(), {1}, {1, 2}]
 
 
 def test_the_latest_destination_is_not_the_next_one():
-    explorer = blocks_explorer(InOrder(), **POSITIONS)
-    first, second = (certain(explorer.next_destination(hall(), HERE, [HERE.xy])) for _ in range(2))
+    explorer, search = blocks_explorer(InOrder(), **POSITIONS), SearchMemory()
+    first, second = (certain(next_of(explorer, search)) for _ in range(2))
     assert first.xy == second.xy
-    explorer.remember_visit(*first.xy)
-    third = certain(explorer.next_destination(hall(), HERE, [HERE.xy]))
+    search.visits.append(first.xy)
+    third = certain(next_of(explorer, search))
     assert third.xy != first.xy
-    explorer.remember_visit(*third.xy)
-    assert certain(explorer.next_destination(hall(), HERE, [HERE.xy])).xy == first.xy
+    search.visits.append(third.xy)
+    assert certain(next_of(explorer, search)).xy == first.xy
 
 
 def test_who_remembers_nothing_goes_where_it_was():
     explorer = blocks_explorer(InOrder(), visited="none")
-    first = certain(explorer.next_destination(hall(), HERE, [HERE.xy]))
-    explorer.remember_visit(*first.xy)
-    assert certain(explorer.next_destination(hall(), HERE, [HERE.xy, first.xy])).xy == first.xy
+    first = certain(next_of(explorer))
+    again = certain(next_of(explorer, visiting(first.xy), been=[HERE.xy, first.xy]))
+    assert again.xy == first.xy
 
 
 def test_when_all_is_visited_visits_are_forgotten_but_for_where_the_robot_is():
-    reasoner = InOrder()
+    reasoner, search = InOrder(), SearchMemory()
     explorer = blocks_explorer(reasoner, (0.22,), **POSITIONS)
-    first = certain(explorer.next_destination(hall(), HERE, [HERE.xy]))
+    first = certain(next_of(explorer, search))
     been = [block.destination for block in first.blocks]
     reasoner.excluded.clear()
-    again = certain(explorer.next_destination(hall(), HERE, been))
+    again = certain(next_of(explorer, search, been=been))
     assert again.xy == first.xy
     assert len(reasoner.excluded) == len(been) + 1
     # What was forgotten stays forgotten; what was visited since counts.
     been.append(first.xy)
-    assert certain(explorer.next_destination(hall(), HERE, been)).xy == first.blocks[1].destination
+    assert certain(next_of(explorer, search, been=been)).xy == first.blocks[1].destination
 
 
 def test_where_the_only_block_is_the_robots_own_there_is_nowhere_to_go():
     grid = hall(length_m=1.0, width_m=1.0)
     explorer = blocks_explorer(InOrder(), (0.22,), visited_radius_m=5.0, **POSITIONS)
-    assert explorer.next_destination(grid, HERE, [HERE.xy]) is None
+    assert next_of(explorer, grid=grid) is None
 
 
 def test_where_no_block_is_left_the_nearest_frontier_is_visited():
-    explorer = blocks_explorer(Declines())
+    explorer, search = blocks_explorer(Declines()), SearchMemory()
     near_left = Pose2(-2.5, 0.0, 0.0)
-    first = certain(explorer.next_destination(hall(), near_left, [near_left.xy]))
+    first = certain(next_of(explorer, search, robot=near_left))
     assert first.x < -3.5
     assert first.reason == "no block is left; nearest frontier: 2.0 m long"
     assert not first.blocks
-    explorer.remember_visit(*first.xy)
-    second = certain(explorer.next_destination(hall(), near_left, [near_left.xy]))
+    search.visits.append(first.xy)
+    second = certain(next_of(explorer, search, robot=near_left))
     assert second.x > 3.5
-    explorer.remember_visit(*second.xy)
-    assert explorer.next_destination(hall(), near_left, [near_left.xy]) is None
+    search.visits.append(second.xy)
+    assert next_of(explorer, search, robot=near_left) is None
 
 
 def test_a_boundary_that_the_edges_of_blocks_cut_to_pieces_is_visited():
@@ -170,8 +181,8 @@ def test_a_boundary_that_the_edges_of_blocks_cut_to_pieces_is_visited():
     cells[55:65, -20] = Cell.UNKNOWN
     grid = OccupancyGrid(cells, grid.resolution_m, grid.origin)
     destinations = [
-        blocks_explorer(GeometricReasoner(ExchangeLog()), last_frontier_m=last_m).next_destination(
-            grid, HERE, [HERE.xy]
+        next_of(
+            blocks_explorer(GeometricReasoner(ExchangeLog()), last_frontier_m=last_m), grid=grid
         )
         for last_m in (None, 0.25)
     ]
@@ -181,14 +192,14 @@ def test_a_boundary_that_the_edges_of_blocks_cut_to_pieces_is_visited():
 
 def test_the_nearest_frontier_is_chosen_and_written_down():
     log = ExchangeLog()
-    explorer = NearestFrontierExplorer(log, MappingConfig(), CLEARANCES_M)
+    explorer, search = NearestFrontierExplorer(log, MappingConfig(), CLEARANCES_M), SearchMemory()
     near_left = Pose2(-2.5, 0.0, 0.0)
-    destination = certain(explorer.next_destination(hall(), near_left, [near_left.xy]))
+    destination = certain(next_of(explorer, search, robot=near_left))
     assert destination.x < -3.5
     (exchange,) = log.drain()
     assert (exchange.kind, exchange.asked) == ("choose frontier", "geometric")
-    explorer.remember_visit(*destination.xy)
-    assert certain(explorer.next_destination(hall(), near_left, [near_left.xy])).x > 3.5
+    search.visits.append(destination.xy)
+    assert certain(next_of(explorer, search, robot=near_left)).x > 3.5
 
 
 def test_an_explored_map_leaves_nothing_to_choose():
@@ -198,4 +209,4 @@ def test_an_explored_map_leaves_nothing_to_choose():
     closed[19:-19, 20:-20][closed[19:-19, 20:-20] == Cell.UNKNOWN] = Cell.OCCUPIED
     grid = OccupancyGrid(closed, grid.resolution_m, grid.origin)
     explorer = NearestFrontierExplorer(ExchangeLog(), MappingConfig(), CLEARANCES_M)
-    assert explorer.next_destination(grid, HERE, [HERE.xy]) is None
+    assert next_of(explorer, grid=grid) is None

@@ -1,13 +1,15 @@
 import math
 import weakref
+from typing import Any
 
 import pytest
 
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
+from hypernav.mapping.memory.goal_area import GoalArea, points_under_mask
+from hypernav.mapping.memory.memory import SearchMemory
 from hypernav.perception.local.attention import Attention, AttentionConfig
-from hypernav.perception.local.goal_area import GoalArea, points_under_mask
 from images import thing_before_wall
 
 WALL_M = 4.0
@@ -19,10 +21,20 @@ def view(x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> Observation:
     return thing_before_wall(thing_m=distance_m, wall_m=distance_m, robot=Pose2(x, y, yaw))
 
 
-def attention(**settings: float | bool) -> tuple[Attention, ExchangeLog]:
+class Mind:
+    """Attention, and the notes of one search."""
+
+    def __init__(self, config: AttentionConfig, log: ExchangeLog) -> None:
+        self.attention, self.notes = Attention(log, config), dict[str, Any]()
+
+    def is_worth_a_question(self, observation: Observation, target: GoalArea | None) -> bool:
+        return self.attention.is_worth_a_question(observation, target, self.notes)
+
+
+def attention(**settings: float | bool) -> tuple[Mind, ExchangeLog]:
     log = ExchangeLog()
     on = {"skip_seen_views": True, "skip_held_target": True}
-    return Attention(log, AttentionConfig.model_validate(on | settings)), log
+    return Mind(AttentionConfig.model_validate(on | settings), log), log
 
 
 def target_ahead() -> GoalArea:
@@ -98,7 +110,7 @@ def test_every_saving_can_be_switched_off():
 def test_a_new_search_begins_with_open_eyes():
     mind, _ = attention(edge_share=0.0)
     assert mind.is_worth_a_question(view(), None)
-    mind.reset()
+    mind.notes = SearchMemory().looks
     assert mind.is_worth_a_question(view(), None)
 
 

@@ -6,8 +6,8 @@ from hypernav.core.embodiment import CameraConfig, Embodiment
 from hypernav.core.geometry.boxes import Box
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
+from hypernav.mapping.memory.goal_area import points_under_mask
 from hypernav.perception.local.depth_cut import DepthCutSegmenter
-from hypernav.perception.local.goal_area import points_under_mask
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.worlds.simulation import SimulatedWorld
 from images import thing_before_wall, thing_pixels

@@ -4,10 +4,20 @@ import numpy as np
 import pytest
 
 from certainty import certain
-from hypernav.core.embodiment import CameraConfig
+from hypernav.core.embodiment import CameraConfig, Embodiment
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
+from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.memory.memory import Memory, SearchMemory
+from hypernav.perception.local.belief import (
+    confirmed,
+    is_convincing,
+    is_missed,
+    needs_second_look,
+    reconsidered,
+    rejected,
+)
 from hypernav.perception.local.config import LocalConfig
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.perception.local.local_perception import LocalPerception
@@ -36,16 +46,61 @@ class WholeBox:
         return mask
 
 
-def perception(detector=None, **config):
-    local = LocalPerception(
-        detector or GroundTruthDetector(),
-        WholeBox(),
-        LocalConfig(**config),
-        CameraConfig(),
-        cell_size_m=0.05,
-    )
-    local.reset(BED)
-    return local
+class Perception:
+    """Local perception, and the floor whose memory it writes into."""
+
+    def __init__(self, detector=None, **config):
+        self.config = LocalConfig(**config)
+        self.floor = Memory(MappingConfig(), Embodiment()).floor
+        self._local = LocalPerception(
+            detector or GroundTruthDetector(),
+            WholeBox(),
+            self.config,
+            CameraConfig(),
+            cell_size_m=0.05,
+        )
+
+    def look(self, observation, *, asks=True):
+        return self._local.look(observation, BED, self.floor, asks=asks)
+
+    @property
+    def target(self):
+        return self._local.target(self.floor)
+
+    @property
+    def evidence(self):
+        return self.floor.search.evidence
+
+    @evidence.setter
+    def evidence(self, evidence):
+        self.floor.search.evidence = evidence
+
+    @property
+    def far_position(self):
+        return self.evidence.far_position
+
+    def forget_far_position(self):
+        self.evidence = replace(self.evidence, far_position=None)
+
+    def begin_search(self):
+        self.floor.search = SearchMemory()
+
+    def reject(self, *, for_good=False):
+        self.evidence = rejected(self.evidence, self.config, for_good=for_good)
+
+    def reconsider(self):
+        """Whether a rejected target was taken for the goal once more."""
+        evidence = reconsidered(self.evidence)
+        self.evidence = evidence or self.evidence
+        return evidence is not None
+
+    @property
+    def is_convincing(self):
+        return is_convincing(self.evidence, self.config)
+
+    @property
+    def needs_second_look(self):
+        return needs_second_look(self.evidence, self.config)
 
 
 def seen(box=(60.0, 40.0, 100.0, 80.0)):
@@ -53,7 +108,7 @@ def seen(box=(60.0, 40.0, 100.0, 80.0)):
 
 
 def test_a_visible_goal_becomes_a_goal_area_where_it_stands():
-    local = perception()
+    local = Perception()
     (record,) = local.look(thing_before_wall(thing_m=2.0))
     assert record.accepted
     assert record.outlines
@@ -61,13 +116,13 @@ def test_a_visible_goal_becomes_a_goal_area_where_it_stands():
 
 
 def test_nothing_seen_is_no_target():
-    local = perception(ScriptedDetector([[]]))
+    local = Perception(ScriptedDetector([[]]))
     assert local.look(thing_before_wall()) == []
     assert local.target is None
 
 
 def test_a_goal_beyond_the_depth_camera_gives_no_area_and_says_why():
-    local = perception()
+    local = Perception()
     (record,) = local.look(thing_before_wall(thing_m=7.0, wall_m=9.0))
     assert not record.accepted
     assert "depth" in record.reason
@@ -75,21 +130,21 @@ def test_a_goal_beyond_the_depth_camera_gives_no_area_and_says_why():
 
 
 def test_a_rejected_area_is_remembered():
-    local = perception()
+    local = Perception()
     local.look(thing_before_wall())
-    local.belief.reject()
+    local.reject()
     (record,) = local.look(thing_before_wall(robot=Pose2(0.3, 0.1, 0.0), thing_m=1.7))
     assert local.target is None
     assert record.reason == "rejected before"
-    local.reset(BED)
+    local.begin_search()
     local.look(thing_before_wall())
     assert local.target is not None
 
 
 def test_a_rejection_may_be_for_now_only():
-    local = perception(rejected_for_looks=3)
+    local = Perception(rejected_for_looks=3)
     local.look(thing_before_wall())
-    local.belief.reject()
+    local.reject()
     for _ in range(3):
         (record,) = local.look(thing_before_wall())
         assert record.reason == "rejected before"
@@ -108,72 +163,72 @@ def looks_until_believed(local, step_m, most=40):
 
 
 def test_a_rejected_target_comes_back_after_enough_images_and_later_only_after_more():
-    local = perception(min_verdicts=3)
+    local = Perception(min_verdicts=3)
     local.look(thing_before_wall())
-    local.belief.reject()
+    local.reject()
     assert looks_until_believed(local, 0.5) == 3
-    local.belief.reject()
+    local.reject()
     assert looks_until_believed(local, 0.5) == 6
 
 
 def test_images_from_one_position_bring_nothing_back():
-    local = perception(min_verdicts=3)
+    local = Perception(min_verdicts=3)
     local.look(thing_before_wall())
-    local.belief.reject()
+    local.reject()
     assert looks_until_believed(local, 0.0) is None
 
 
 def test_low_scores_bring_nothing_back():
-    local = perception(ScriptedDetector([seen()] + [[replace(seen()[0], score=0.4)]] * 40))
+    local = Perception(ScriptedDetector([seen()] + [[replace(seen()[0], score=0.4)]] * 40))
     local.look(thing_before_wall())
-    local.belief.reject()
+    local.reject()
     assert looks_until_believed(local, 0.5) is None
 
 
 @pytest.mark.parametrize("options", [{"for_good": True}, {}])
 def test_what_was_denied_for_good_or_is_not_to_be_believed_again_stays_rejected(options):
-    local = perception(min_verdicts=3, believe_again=bool(options))
+    local = Perception(min_verdicts=3, believe_again=bool(options))
     local.look(thing_before_wall())
-    local.belief.reject(**options)
+    local.reject(**options)
     assert looks_until_believed(local, 0.5) is None
 
 
-@pytest.mark.parametrize(("score", "is_missed"), [(0.6, True), (0.9, False)])
-def test_one_image_that_misses_the_target_outweighs_a_doubtful_sighting_only(score, is_missed):
+@pytest.mark.parametrize(("score", "missed"), [(0.6, True), (0.9, False)])
+def test_one_image_that_misses_the_target_outweighs_a_doubtful_sighting_only(score, missed):
     sighting = [replace(seen()[0], score=score)]
-    local = perception(ScriptedDetector([sighting, [], sighting]))
+    local = Perception(ScriptedDetector([sighting, [], sighting]))
     local.look(thing_before_wall())
-    assert not local.belief.is_missed
+    assert not is_missed(local.evidence)
     local.look(thing_before_wall())
-    assert local.belief.is_missed == is_missed
+    assert is_missed(local.evidence) == missed
     local.look(thing_before_wall())
-    assert not local.belief.is_missed
+    assert not is_missed(local.evidence)
 
 
 def test_every_rejected_target_is_reconsidered_once_the_most_likely_first():
     views = [thing_before_wall(robot=Pose2(0.0, y, 0.0)) for y in (0.0, 6.0)]
-    local = perception(ScriptedDetector([[replace(seen()[0], score=s)] for s in (0.5, 0.7)]))
+    local = Perception(ScriptedDetector([[replace(seen()[0], score=s)] for s in (0.5, 0.7)]))
     for view in views:
         local.look(view)
-        local.belief.reject()
+        local.reject()
     for score in (0.7, 0.5):
-        assert local.belief.reconsider()
+        assert local.reconsider()
         assert certain(local.target).mean_score == score
-        local.belief.reject()
-    assert not local.belief.reconsider()
+        local.reject()
+    assert not local.reconsider()
     assert local.target is None
 
 
 def test_what_was_denied_for_good_is_not_reconsidered():
-    local = perception()
+    local = Perception()
     local.look(thing_before_wall())
-    local.belief.reject(for_good=True)
-    assert not local.belief.reconsider()
+    local.reject(for_good=True)
+    assert not local.reconsider()
 
 
 @pytest.mark.parametrize("keeps", [True, False])
 def test_a_thin_mask_is_eroded_away_or_kept(keeps):
-    local = perception(ScriptedDetector([seen((60.0, 40.0, 64.0, 80.0))]), keep_thin_masks=keeps)
+    local = Perception(ScriptedDetector([seen((60.0, 40.0, 64.0, 80.0))]), keep_thin_masks=keeps)
     (record,) = local.look(thing_before_wall())
     assert record.accepted == keeps
 
@@ -182,7 +237,7 @@ def test_a_thin_mask_is_eroded_away_or_kept(keeps):
 def test_the_raw_box_takes_the_wall_behind_for_the_goal(pixels, depths_m):
     mask = Box(60.0, 40.0, 100.0, 80.0).mask(160, 120)
     detection = Detection(Box(40.0, 40.0, 120.0, 80.0), 0.9, "bed", mask)
-    local = perception(
+    local = Perception(
         ScriptedDetector([[detection]]), pixels=pixels, largest_cluster_only=False, entry_reach_m=0
     )
     local.look(thing_before_wall())
@@ -192,7 +247,7 @@ def test_the_raw_box_takes_the_wall_behind_for_the_goal(pixels, depths_m):
 
 def test_an_image_that_is_not_asked_about_changes_nothing():
     detector = ScriptedDetector([seen()])
-    local = perception(detector)
+    local = Perception(detector)
     local.look(thing_before_wall())
     before = local.target
     assert local.look(thing_before_wall(), asks=False) == []
@@ -201,7 +256,7 @@ def test_an_image_that_is_not_asked_about_changes_nothing():
 
 
 def test_a_held_target_is_not_left_for_another():
-    local = perception(ScriptedDetector([seen(), seen((5.0, 40.0, 30.0, 80.0))]))
+    local = Perception(ScriptedDetector([seen(), seen((5.0, 40.0, 30.0, 80.0))]))
     local.look(thing_before_wall())
     here = certain(local.target).area.centre
     local.look(thing_before_wall())
@@ -209,7 +264,7 @@ def test_a_held_target_is_not_left_for_another():
 
 
 def test_the_latest_detection_wins_in_the_paper_s_way():
-    local = perception(
+    local = Perception(
         ScriptedDetector([seen(), seen((5.0, 40.0, 30.0, 80.0))]), target="latest", pick="first"
     )
     local.look(thing_before_wall())
@@ -219,7 +274,7 @@ def test_the_latest_detection_wins_in_the_paper_s_way():
 
 
 def test_several_sightings_can_be_asked_for():
-    local = perception(min_sightings=2)
+    local = Perception(min_sightings=2)
     local.look(thing_before_wall())
     assert local.target is None
     local.look(thing_before_wall())
@@ -227,7 +282,7 @@ def test_several_sightings_can_be_asked_for():
 
 
 def test_a_target_that_should_be_seen_and_is_not_is_dropped():
-    local = perception(ScriptedDetector([seen(), *[[]] * 6]), min_verdicts=4, max_missed_share=0.7)
+    local = Perception(ScriptedDetector([seen(), *[[]] * 6]), min_verdicts=4, max_missed_share=0.7)
     dropped_after = None
     for look in range(7):
         local.look(thing_before_wall())
@@ -238,7 +293,7 @@ def test_a_target_that_should_be_seen_and_is_not_is_dropped():
 
 
 def test_a_target_out_of_sight_is_not_held_against_it():
-    local = perception(ScriptedDetector([seen(), *[[]] * 9]))
+    local = Perception(ScriptedDetector([seen(), *[[]] * 9]))
     local.look(thing_before_wall())
     for _ in range(9):
         local.look(thing_before_wall(robot=Pose2(0.0, 0.0, np.pi)))
@@ -246,7 +301,7 @@ def test_a_target_out_of_sight_is_not_held_against_it():
 
 
 def test_the_best_view_is_the_largest():
-    local = perception()
+    local = Perception()
     near = thing_before_wall(robot=Pose2(0.5, 0.0, 0.0), thing_m=1.5, box=(50, 30, 110, 90))
     local.look(thing_before_wall())
     local.look(near)
@@ -256,7 +311,7 @@ def test_the_best_view_is_the_largest():
 
 
 def test_a_goal_beyond_the_depth_camera_lies_at_the_end_of_its_range_or_beyond():
-    local = perception()
+    local = Perception()
     local.look(thing_before_wall(thing_m=7.0, wall_m=9.0, box=(20, 40, 40, 80)))
     left = certain(local.far_position)
     local.forget_far_position()
@@ -268,7 +323,7 @@ def test_a_goal_beyond_the_depth_camera_lies_at_the_end_of_its_range_or_beyond()
 
 def test_a_far_sighting_is_remembered_until_there_is_a_target():
     far = thing_before_wall(thing_m=7.0, wall_m=9.0)
-    local = perception(ScriptedDetector([seen(), [], seen()]))
+    local = Perception(ScriptedDetector([seen(), [], seen()]))
     local.look(far)
     position = certain(local.far_position)
     local.look(thing_before_wall(robot=Pose2(0.0, 0.0, np.pi)))
@@ -279,7 +334,7 @@ def test_a_far_sighting_is_remembered_until_there_is_a_target():
 
 
 def test_of_several_far_sightings_the_first_is_kept_until_it_is_forgotten():
-    local = perception()
+    local = Perception()
     local.look(thing_before_wall(thing_m=7.0, wall_m=9.0, box=(20, 40, 40, 80)))
     first = certain(local.far_position)
     right = thing_before_wall(thing_m=7.0, wall_m=9.0, box=(120, 40, 140, 80))
@@ -292,29 +347,29 @@ def test_of_several_far_sightings_the_first_is_kept_until_it_is_forgotten():
 
 
 def test_a_new_search_knows_of_no_far_sighting():
-    local = perception()
+    local = Perception()
     local.look(thing_before_wall(thing_m=7.0, wall_m=9.0))
-    local.reset(BED)
+    local.begin_search()
     assert local.far_position is None
 
 
 def test_a_far_sighting_behind_a_rejected_area_is_not_followed():
-    local = perception()
+    local = Perception()
     local.look(thing_before_wall(thing_m=2.0))
-    local.belief.reject()
+    local.reject()
     local.look(thing_before_wall(thing_m=7.0, wall_m=9.0, robot=Pose2(-5.0, 0.0, 0.0)))
     assert local.far_position is None
 
 
 def test_uncertain_detections_do_not_convince():
     faint = [Detection(Box(60.0, 40.0, 100.0, 80.0), 0.31, "bed")]
-    local = perception(ScriptedDetector([faint, faint, seen()]), min_mean_score=0.45)
+    local = Perception(ScriptedDetector([faint, faint, seen()]), min_mean_score=0.45)
     local.look(thing_before_wall())
     local.look(thing_before_wall())
-    assert not local.belief.is_convincing
+    assert not local.is_convincing
     local.look(thing_before_wall())
     assert certain(local.target).mean_score == pytest.approx((0.31 + 0.31 + 0.9) / 3)
-    assert local.belief.is_convincing
+    assert local.is_convincing
 
 
 def rival(score, box=(58.0, 42.0, 102.0, 80.0)):
@@ -323,21 +378,21 @@ def rival(score, box=(58.0, 42.0, 102.0, 80.0)):
 
 def test_a_target_that_looks_more_like_something_else_is_dropped():
     doubtful = [Detection(Box(60.0, 40.0, 100.0, 80.0), 0.5, "bed"), rival(0.6)]
-    local = perception(ScriptedDetector([list(doubtful) for _ in range(4)]), min_verdicts=4)
+    local = Perception(ScriptedDetector([list(doubtful) for _ in range(4)]), min_verdicts=4)
     for _ in range(3):
         local.look(thing_before_wall())
-        assert not local.belief.is_convincing
-        assert local.belief.is_contradicted
+        assert not local.is_convincing
+        assert local.evidence.is_contradicted
     local.look(thing_before_wall())
     assert local.target is None
 
 
 def test_a_weaker_rival_does_no_harm():
-    local = perception(ScriptedDetector([[*seen(), rival(0.4)] for _ in range(6)]))
+    local = Perception(ScriptedDetector([[*seen(), rival(0.4)] for _ in range(6)]))
     for _ in range(6):
         local.look(thing_before_wall())
-    assert local.belief.is_convincing
-    assert not local.belief.is_contradicted
+    assert local.is_convincing
+    assert not local.evidence.is_contradicted
 
 
 @pytest.mark.parametrize(
@@ -349,27 +404,27 @@ def test_a_weaker_rival_does_no_harm():
     ],
 )
 def test_what_is_elsewhere_is_no_rival(other):
-    local = perception(ScriptedDetector([[*seen(), other] for _ in range(5)]))
+    local = Perception(ScriptedDetector([[*seen(), other] for _ in range(5)]))
     for _ in range(5):
         local.look(thing_before_wall(thing_m=2.0, wall_m=4.0))
     assert certain(local.target).rival_score == 0.0
 
 
 def test_rivals_are_not_weighed_in_the_paper_s_way():
-    local = perception(ScriptedDetector([[*seen(), rival(0.95)]] * 5), weigh_rivals=False)
+    local = Perception(ScriptedDetector([[*seen(), rival(0.95)]] * 5), weigh_rivals=False)
     for _ in range(5):
         local.look(thing_before_wall())
-    assert local.belief.is_convincing
+    assert local.is_convincing
 
 
 def test_only_uncertain_targets_need_a_second_look_and_only_one():
-    local = perception(sure_score=0.75)
+    local = Perception(sure_score=0.75)
     local.look(thing_before_wall())  # ground truth is certain
-    assert not local.belief.needs_second_look
+    assert not local.needs_second_look
     faint = [Detection(Box(60.0, 40.0, 100.0, 80.0), 0.6, "bed")]
-    local = perception(ScriptedDetector([faint, faint]), sure_score=0.75)
+    local = Perception(ScriptedDetector([faint, faint]), sure_score=0.75)
     local.look(thing_before_wall())
-    assert local.belief.needs_second_look
-    local.belief.confirm()
+    assert local.needs_second_look
+    local.evidence = confirmed(local.evidence)
     local.look(thing_before_wall())
-    assert not local.belief.needs_second_look
+    assert not local.needs_second_look

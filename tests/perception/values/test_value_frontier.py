@@ -6,14 +6,15 @@ import numpy as np
 
 from certainty import certain
 from drawn_grids import drawn
+from exploration_views import exploration_view
 from hypernav.core.embodiment import CameraConfig, Embodiment
 from hypernav.core.geometry.camera import optical_to_base
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.memory.memory import SearchMemory
 from hypernav.perception.values.value_frontier import ValueFrontierExplorer, without_pockets
 
 HERE = Pose2(0.0, 0.0, 0.0)
@@ -44,7 +45,7 @@ def explorer_of(scorer, log=None):
     return ValueFrontierExplorer(scorer, log or ExchangeLog(), robot, MappingConfig(), (0.22, 0.18))
 
 
-def look(explorer, scorer, value, yaw, x=0.0):
+def look(explorer, search, scorer, value, yaw, x=0.0):
     robot = Pose2(x, 0.0, yaw)
     scorer.value = value
     view = Observation(
@@ -54,19 +55,23 @@ def look(explorer, scorer, value, yaw, x=0.0):
         camera_to_map=robot.to_transform() @ optical_to_base(0.88),
         robot=robot,
     )
-    explorer.watch(view, hall())
+    explorer.learn(exploration_view(hall(), view, search))
 
 
-def chosen(explorer):
-    return certain(explorer.next_destination(hall(), HERE, [HERE.xy]))
+def next_of(explorer, search):
+    return explorer.next_destination(exploration_view(hall(), HERE, search))
+
+
+def chosen(explorer, search):
+    return certain(next_of(explorer, search))
 
 
 def test_the_frontier_with_the_best_values_is_gone_to_and_asked_about_again():
-    scorer, log = Says(), ExchangeLog()
+    scorer, log, search = Says(), ExchangeLog(), SearchMemory()
     explorer = explorer_of(scorer, log)
-    look(explorer, scorer, 0.2, 0.0)
-    look(explorer, scorer, 0.6, math.pi)
-    destination = chosen(explorer)
+    look(explorer, search, scorer, 0.2, 0.0)
+    look(explorer, search, scorer, 0.6, math.pi)
+    destination = chosen(explorer, search)
     assert destination.x < -3.5
     assert destination.most_steps == 1
     assert "0.60" in destination.reason
@@ -74,30 +79,29 @@ def test_the_frontier_with_the_best_values_is_gone_to_and_asked_about_again():
 
 
 def test_a_frontier_is_kept_until_its_own_value_falls():
-    scorer = Says()
+    scorer, search = Says(), SearchMemory()
     explorer = explorer_of(scorer)
-    look(explorer, scorer, 0.5, 0.0)
-    look(explorer, scorer, 0.4, math.pi)
-    assert chosen(explorer).x > 3.5
-    look(explorer, scorer, 0.9, math.pi)  # better now, but the other is as good as before
-    assert chosen(explorer).x > 3.5
-    look(explorer, scorer, 0.0, 0.0)
-    assert chosen(explorer).x < -3.5
+    look(explorer, search, scorer, 0.5, 0.0)
+    look(explorer, search, scorer, 0.4, math.pi)
+    assert chosen(explorer, search).x > 3.5
+    look(explorer, search, scorer, 0.9, math.pi)  # better now, but the other is as good as before
+    assert chosen(explorer, search).x > 3.5
+    look(explorer, search, scorer, 0.0, 0.0)
+    assert chosen(explorer, search).x < -3.5
 
 
 def test_what_was_visited_is_passed_over_and_at_the_end_nothing_is_left():
-    scorer = Says()
+    scorer, search = Says(), SearchMemory()
     explorer = explorer_of(scorer)
-    look(explorer, scorer, 0.5, 0.0)
-    first = chosen(explorer)
-    explorer.remember_visit(*first.xy)
-    second = chosen(explorer)
+    look(explorer, search, scorer, 0.5, 0.0)
+    first = chosen(explorer, search)
+    search.visits.append(first.xy)
+    second = chosen(explorer, search)
     assert second.x < -3.5
-    explorer.remember_visit(*second.xy)
-    assert explorer.next_destination(hall(), HERE, [HERE.xy]) is None
-    explorer.reset(Goal("bed"))
-    assert np.isnan(explorer.value_map.values).all()
-    assert explorer.next_destination(hall(), HERE, [HERE.xy]) is not None
+    search.visits.append(second.xy)
+    assert next_of(explorer, search) is None
+    anew = certain(next_of(explorer, SearchMemory()))
+    assert certain(certain(anew.insight).values).rows == 0  # no view was scored
 
 
 def test_small_unknown_pockets_count_as_explored():

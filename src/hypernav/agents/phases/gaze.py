@@ -9,6 +9,7 @@ from hypernav.core.actions import Action
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
+from hypernav.mapping.memory.memory import Looked
 from hypernav.mapping.unseen import unseen_by_bearing
 
 _RAYS = 72
@@ -16,13 +17,13 @@ _SAME_SPOT_M = 0.1
 
 
 class Gaze:
-    """Remembers where the robot has looked from its present position.
+    """Chooses turns by what they would show. What was looked at, the memory knows.
 
-    What it has looked at and still does not know from there is hidden from there.
+    What the robot has looked at and still does not know from there is hidden from there.
     """
 
     def __init__(self, embodiment: Embodiment, least_m2: float) -> None:
-        """Begin anywhere.
+        """Create it.
 
         Args:
             embodiment: Camera, and angle of a turn.
@@ -39,18 +40,23 @@ class Gaze:
         self._turns_of_a_circle = embodiment.motion.turns_of_a_circle
         self._least_m2 = least_m2
         self._bearings = np.arange(_RAYS) * (2.0 * math.pi / _RAYS)
-        self._spot: tuple[float, float] | None = None
-        self._looked = np.zeros(_RAYS, dtype=bool)
 
-    def note(self, robot: Pose2) -> None:
-        """Note the pose of an image; to be called once a step."""
-        if self._spot is None or robot.distance_to(*self._spot) > _SAME_SPOT_M:
-            self._spot = robot.xy
-            self._looked = np.zeros(_RAYS, dtype=bool)
-        self._looked |= self._in_view(robot.yaw)
+    def after_image(self, looked: Looked | None, robot: Pose2) -> Looked:
+        """Where the robot has looked from its position, once an image was taken there."""
+        if looked is None or robot.distance_to(*looked.spot) > _SAME_SPOT_M:
+            looked = Looked(robot.xy, np.zeros(_RAYS, dtype=bool))
+        return Looked(looked.spot, looked.bearings | self._in_view(robot.yaw))
 
-    def worthwhile_turn(self, grid: OccupancyGrid, robot: Pose2) -> Action | None:
-        """The first turn to what shows most for its turns; None where nothing is worth one."""
+    def worthwhile_turn(
+        self, grid: OccupancyGrid, robot: Pose2, looked: Looked | None
+    ) -> Action | None:
+        """The first turn to what shows most for its turns; None where nothing is worth one.
+
+        Args:
+            grid: The map.
+            robot: Pose of the robot.
+            looked: Where it has looked from its position.
+        """
         unseen = unseen_by_bearing(
             grid,
             robot.xy,
@@ -58,7 +64,8 @@ class Gaze:
             nearest_m=self._nearest_m,
             farthest_m=self._farthest_m,
         )
-        unseen[self._looked] = 0.0
+        if looked is not None:
+            unseen[looked.bearings] = 0.0
         best, most = None, 0.0
         for turns in range(1, self._turns_of_a_circle // 2 + 1):
             for action, sign in ((Action.TURN_LEFT, 1.0), (Action.TURN_RIGHT, -1.0)):

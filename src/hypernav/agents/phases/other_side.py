@@ -8,8 +8,8 @@ from jaxtyping import Bool, Float64
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.memory.goal_area import GoalArea
 from hypernav.mapping.reachable_area import ReachableArea
-from hypernav.perception.local.goal_area import GoalArea
 
 _OTHER_SIDE_DEG = 60.0
 """Smallest angle around the target between the first and the second position."""

@@ -2,104 +2,58 @@
 
 import numpy as np
 
-from hypernav.agents.config import SearchConfig
-from hypernav.agents.phases.approach import Approach
 from hypernav.agents.phases.other_side import position_on_other_side
-from hypernav.agents.phases.step import Decision, PhaseName, Step, turn_towards
-from hypernav.core.goal import Goal
+from hypernav.agents.plan import Plan
+from hypernav.agents.step import Decision, Phase, Step, turn_towards
 from hypernav.core.trace import Mode
-from hypernav.mapping.config import MappingConfig
-from hypernav.perception.local.local_perception import LocalPerception
-from hypernav.perception.local.target import Target
-from hypernav.planning.navigator import Navigator
+from hypernav.mapping.memory.memory import Memory
+from hypernav.mapping.memory.target import Target
+from hypernav.perception.local.belief import confirmed, is_missed, rejected
 
 
-class SecondLook:
-    """Drives to another side of the target and looks; then confirms or rejects it."""
-
-    def __init__(
-        self,
-        goal: Goal,
-        local: LocalPerception,
-        navigator: Navigator,
-        approach: Approach,
-        mapping: MappingConfig,
-        clearance_m: float,
-        config: SearchConfig,
-    ) -> None:
-        """Begin with no second look under way.
-
-        Args:
-            goal: Target of the search.
-            local: Local perception, which knows the target and the latest evidence.
-            navigator: Navigator that drives to the other side.
-            approach: Approach, begun anew when the look is done.
-            mapping: Configuration of the map.
-            clearance_m: Distance from obstacles that the robot's middle keeps, metres.
-            config: Limit on its steps.
-        """
-        self._goal = goal
-        self._local = local
-        self._navigator = navigator
-        self._approach = approach
-        self._mapping = mapping
-        self._clearance_m = clearance_m
-        self._config = config
-        self._position: tuple[float, float] | None = None
-        self._steps = 0
-
-    @property
-    def is_under_way(self) -> bool:
-        """Whether the robot drives to the other side, or turns to the target there."""
-        return self._position is not None
-
-    def begin(self, step: Step, target: Target) -> bool:
-        """Look for a position on another side of the target.
-
-        Returns:
-            Whether there is one that can be reached.
-        """
-        with step.clock("verify"):
-            seen_from = target.best_view.robot.xy
-            self._position = position_on_other_side(
-                step.grid, step.robot, target.area, seen_from, self._mapping, self._clearance_m
-            )
-        self._steps = 0
-        if self._position is not None:
-            step.events.append("second look wanted")
-        return self.is_under_way
-
-    def cancel(self) -> None:
-        """End the second look without a verdict."""
-        self._position = None
-
-    def act(self, step: Step) -> Decision | PhaseName:
-        """Drive to the other side, turn to the target, and judge it by the image there."""
-        target, position, robot, thing = (
-            self._local.target,
-            self._position,
+def with_second_look(step: Step, plan: Plan, target: Target) -> Plan:
+    """The plan with a second look, if a position on another side of the target can be reached."""
+    with step.clock("verify"):
+        position = position_on_other_side(
+            step.grid,
             step.robot,
-            self._goal.thing,
+            target.area,
+            target.best_view.robot.xy,
+            step.use.mapping,
+            step.use.planning.clearances_m(step.use.embodiment.body)[0],
         )
-        if target is None or position is None:
-            return PhaseName.LOOK_AROUND
-        self._steps += 1
-        if self._steps <= self._config.endurance_steps:
-            with step.clock("plan"):
-                action = self._navigator.towards(step.grid, robot, np.array([position]))
-            if action is not None:
-                reason = f"is it really the {thing}? going to look from another side"
-                return Decision(action, Mode.VERIFY, reason, self._navigator.remaining(robot))
-        turn = turn_towards(robot, target.area.centre, step.motion)
-        if turn is not None:
-            reason = f"turning to face the {thing} from another side"
-            return Decision(turn, Mode.VERIFY, reason, self._navigator.remaining(robot))
-        self.cancel()
-        self._approach.forget()
-        is_missed = self._local.belief.is_missed and self._config.second_look_must_see
-        if is_missed or self._local.belief.is_contradicted:
-            step.events.append("goal area rejected")
-            self._local.belief.reject()
-            return PhaseName.LOOK_AROUND
-        self._local.belief.confirm()
-        return PhaseName.APPROACH
+    if position is not None:
+        step.events.append("second look wanted")
+    return plan.approach(second_look=position, second_look_steps=0)
+
+
+def second_look(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
+    """Drive to the other side, turn to the target, and judge it by the image there."""
+    target, position = step.target(memory), plan.approaching.second_look
+    if target is None or position is None:
+        return Phase.LOOK_AROUND, plan
+    robot, config, thing = step.robot, step.config, step.goal.thing
+    steps = plan.approaching.second_look_steps + 1
+    plan = plan.approach(second_look_steps=steps)
+    if steps <= config.endurance_steps:
+        with step.clock("plan"):
+            action, route = step.use.navigator.towards(
+                plan.approaching.route, step.grid, robot, np.array([position])
+            )
+        plan = plan.approach(route=route)
+        if action is not None:
+            reason = f"is it really the {thing}? going to look from another side"
+            return Decision(action, Mode.VERIFY, reason, route.remaining(robot)), plan
+    turn = turn_towards(robot, target.area.centre, step.motion)
+    if turn is not None:
+        reason = f"turning to face the {thing} from another side"
+        path = plan.approaching.route.remaining(robot)
+        return Decision(turn, Mode.VERIFY, reason, path), plan
+    plan = plan.approach(second_look=None).with_new_patience(config)
+    evidence = memory.search.evidence
+    if evidence.is_contradicted or (is_missed(evidence) and config.second_look_must_see):
+        step.events.append("goal area rejected")
+        memory.search.evidence = rejected(evidence, step.use.local.config)
+        return Phase.LOOK_AROUND, plan
+    memory.search.evidence = confirmed(evidence)
+    return Phase.APPROACH, plan

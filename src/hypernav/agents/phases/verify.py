@@ -1,79 +1,56 @@
 """The check at the goal area, before the robot says that the goal is here."""
 
-from hypernav.agents.config import SearchConfig
-from hypernav.agents.phases.approach import Approach
-from hypernav.agents.phases.second_look import SecondLook
-from hypernav.agents.phases.step import Decision, PhaseName, Step, turn_towards
+from hypernav.agents.phases.second_look import with_second_look
+from hypernav.agents.plan import Plan
+from hypernav.agents.step import Decision, Phase, Step, turn_towards
 from hypernav.core.actions import Action
-from hypernav.core.components.protocols import PresenceCheck
-from hypernav.core.goal import Goal
 from hypernav.core.trace import Ending, Mode
-from hypernav.perception.local.local_perception import LocalPerception
-from hypernav.perception.local.target import Target
-from hypernav.planning.navigator import Navigator
+from hypernav.mapping.memory.memory import Memory
+from hypernav.mapping.memory.target import Target
+from hypernav.perception.local.belief import (
+    is_convincing,
+    needs_second_look,
+    rejected,
+    with_position_barred,
+)
 
 
-class Verify:
-    """Faces the goal area and looks at it; then stops, goes elsewhere, or rejects it for good."""
-
-    def __init__(
-        self,
-        goal: Goal,
-        local: LocalPerception,
-        navigator: Navigator,
-        approach: Approach,
-        second_look: SecondLook,
-        presence: PresenceCheck | None,
-        config: SearchConfig,
-    ) -> None:
-        """Put it together.
-
-        Args:
-            goal: Target of the search.
-            local: Local perception, which knows the target.
-            navigator: Navigator that drove to the goal area.
-            approach: Approach, begun anew when the target turns out to be cut off or wrong.
-            second_look: Second look, begun when the target is uncertain.
-            presence: Presence check before STOP; None trusts the goal area.
-            config: Checks to make.
-        """
-        self._goal = goal
-        self._local = local
-        self._navigator = navigator
-        self._approach = approach
-        self._second_look = second_look
-        self._presence = presence
-        self._config = config
-
-    def act(self, step: Step) -> Decision | PhaseName:
-        """Turn to the goal area, look at it, and decide."""
-        target = self._local.target
-        if target is None:
-            return PhaseName.LOOK_AROUND
-        turn = turn_towards(step.robot, target.area.centre, step.motion)
-        if self._config.face_target and turn is not None:
-            reason = f"turning to face the {self._goal.thing}"
-            return Decision(turn, Mode.VERIFY, reason, self._navigator.remaining(step.robot))
-        if self._config.see_before_stop and self._local.belief.bar_position(step.observation):
+def verify(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
+    """Face the goal area and look at it; then stop, go elsewhere, or reject it."""
+    target, search, config = step.target(memory), memory.search, step.config
+    if target is None:
+        return Phase.LOOK_AROUND, plan
+    turn = turn_towards(step.robot, target.area.centre, step.motion)
+    if config.face_target and turn is not None:
+        reason = f"turning to face the {step.goal.thing}"
+        path = plan.approaching.route.remaining(step.robot)
+        return Decision(turn, Mode.VERIFY, reason, path), plan
+    if config.see_before_stop:
+        barred = with_position_barred(search.evidence, step.observation)
+        if barred is not None:
+            search.evidence = barred
             step.events.append("goal area not in sight from here")
-            self._approach.forget()
-            return PhaseName.APPROACH
-        if self._local.belief.needs_second_look and self._second_look.begin(step, target):
-            return PhaseName.SECOND_LOOK
-        with step.clock("verify"):
-            present = self._is_present(step, target)
-        if present:
-            step.events.append("goal reached")
-            reason = f"here is the {self._goal.thing}"
-            return Decision(Action.STOP, Mode.STOP, reason, ending=Ending.FOUND)
-        step.events.append("goal area rejected")
-        self._local.belief.reject(for_good=self._local.belief.is_convincing)
-        self._approach.forget()
-        return PhaseName.LOOK_AROUND
+            return Phase.APPROACH, plan.with_new_patience(config)
+    local = step.use.local.config
+    if needs_second_look(search.evidence, local):
+        plan = with_second_look(step, plan, target)
+        if plan.approaching.second_look is not None:
+            return Phase.SECOND_LOOK, plan
+    with step.clock("verify"):
+        present = _is_present(step, memory, target)
+    if present:
+        step.events.append("goal reached")
+        reason = f"here is the {step.goal.thing}"
+        return Decision(Action.STOP, Mode.STOP, reason, ending=Ending.FOUND), plan
+    step.events.append("goal area rejected")
+    for_good = is_convincing(search.evidence, local)
+    search.evidence = rejected(search.evidence, local, for_good=for_good)
+    return Phase.LOOK_AROUND, plan.with_new_patience(config)
 
-    def _is_present(self, step: Step, target: Target) -> bool:
-        if not self._local.belief.is_convincing:
-            return False
-        best = self._config.verify_view == "best"
-        view = target.best_view if best else step.observation
-        return self._presence is None or self._presence.is_present(view, self._goal)
+
+def _is_present(step: Step, memory: Memory, target: Target) -> bool:
+    if not is_convincing(memory.search.evidence, step.use.local.config):
+        return False
+    view = target.best_view if step.config.verify_view == "best" else step.observation
+    presence = step.use.presence
+    return presence is None or presence.is_present(view, step.goal)

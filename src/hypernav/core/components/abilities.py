@@ -1,14 +1,11 @@
 """Optional abilities of components beside their protocol: asked for, never demanded."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from typing import Any, Protocol, runtime_checkable
 
-from hypernav.core.destination import Destination
 from hypernav.core.embodiment import Embodiment
-from hypernav.core.geometry.grid import OccupancyGrid
-from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.exploration import ExplorationView
 from hypernav.core.goal import Goal
-from hypernav.core.insight import Insight
 from hypernav.core.observation import Observation
 from hypernav.core.sightings import SeenThing
 
@@ -68,40 +65,11 @@ class Closes(Protocol):
 
 
 @runtime_checkable
-class Prefetches(Protocol):
-    """An explorer that can choose the next destination while the robot drives to this one."""
+class Learns(Protocol):
+    """An explorer that learns from every image, not only from those at which it is asked."""
 
-    def prefetch(
-        self,
-        grid: OccupancyGrid,
-        robot: Pose2,
-        trajectory: Sequence[tuple[float, float]],
-        destination: Destination,
-    ) -> None:
-        """Begin to choose, if it is time; called at every step of the path to a destination."""
-        ...
-
-
-@runtime_checkable
-class Watches(Protocol):
-    """An explorer that looks at images itself, not only at the map that is drawn from them."""
-
-    def watch(self, observation: Observation, grid: OccupancyGrid) -> None:
-        """Look at the image of a step; called at every step, before anything is decided in it.
-
-        Args:
-            observation: Frame of this step.
-            grid: The map with this frame in it, which changes with the next one.
-        """
-        ...
-
-
-@runtime_checkable
-class Explains(Protocol):
-    """An explorer that can show what it looked at when it chose."""
-
-    def take_insight(self) -> Insight | None:
-        """What it looked at since the last call; None if it made no choice."""
+    def learn(self, view: ExplorationView) -> None:
+        """Note in `ExplorationView.notes` what the present image tells; called at every step."""
         ...
 
 
@@ -127,6 +95,11 @@ def looks_at_colours(component: object) -> bool:
 def warning_of(component: object) -> str:
     """What a component says of itself that people must know before a search; empty if nothing."""
     return str(getattr(component, "warning", ""))
+
+
+def wants_named_things(explorer: object) -> bool:
+    """Whether an explorer says that it uses whatever the detector can name in the images."""
+    return bool(getattr(explorer, "wants_named_things", False))
 
 
 def gives_masks(detector: object) -> bool:

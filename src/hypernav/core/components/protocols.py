@@ -1,6 +1,5 @@
 """The protocols between the rooms of this package, and for code of your own."""
 
-from collections.abc import Sequence
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -9,10 +8,9 @@ from jaxtyping import Bool
 from hypernav.core.actions import Action
 from hypernav.core.arrows import ArrowChoice, ArrowView
 from hypernav.core.chat import Answer, Image, Question
-from hypernav.core.destination import Destination
+from hypernav.core.exploration import Destination, ExplorationView
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.grid import OccupancyGrid
-from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.guidance import GuideChoice, GuideView
 from hypernav.core.observation import Observation
@@ -109,26 +107,14 @@ class SceneScorer(Protocol):
 
 @runtime_checkable
 class Explorer(Protocol):
-    """Chooses where to go while the goal is out of sight."""
+    """Chooses where to go while the goal is out of sight.
 
-    def reset(self, goal: Goal) -> None:
-        """Forget all visits."""
-        ...
+    It sees one view and keeps nothing that the memory has. What it has to note for itself goes into
+    `ExplorationView.notes`.
+    """
 
-    def remember_visit(self, x: float, y: float) -> None:
-        """Note a destination that was reached or given up; ``map`` frame, metres."""
-        ...
-
-    def next_destination(
-        self, grid: OccupancyGrid, robot: Pose2, trajectory: Sequence[tuple[float, float]]
-    ) -> Destination | None:
-        """The next position to visit, or None if nothing is left to explore.
-
-        Args:
-            grid: The map.
-            robot: Pose of the robot, ``map`` frame.
-            trajectory: Positions of the robot at every step, the present one included.
-        """
+    def next_destination(self, view: ExplorationView) -> Destination | None:
+        """The next position to visit, or None if nothing is left to explore."""
         ...
 
 

@@ -24,7 +24,7 @@ from hypernav.evaluation.refinement.boxes import jittered, matching
 from hypernav.evaluation.refinement.example_image import Rgb, draw_example
 from hypernav.evaluation.refinement.footprint import Footprint, OffTarget
 from hypernav.evaluation.refinement.goal_position import GoalPosition, judge_position
-from hypernav.perception.local.goal_area import GoalArea
+from hypernav.mapping.memory.goal_area import GoalArea
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.perception.local.refinement import eroded, projected
 from hypernav.worlds.drawing.renderer import CpuRenderer

@@ -8,7 +8,7 @@ from hypernav.core.geometry.boxes import Box
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.observation import Observation
 from hypernav.evaluation.refinement.footprint import SEEN_TOLERANCE_CELLS, Footprint
-from hypernav.perception.local.goal_area import GoalArea
+from hypernav.mapping.memory.goal_area import GoalArea
 from hypernav.show.drawing import palette, shapes
 from hypernav.show.drawing.map_painter import MapPainter
 from hypernav.show.drawing.map_view import MapView

@@ -9,7 +9,7 @@ from jaxtyping import Bool, Float64
 
 from hypernav.core.geometry.bounds import has_cell
 from hypernav.core.geometry.transforms import Transform
-from hypernav.perception.local.goal_area import GoalArea
+from hypernav.mapping.memory.goal_area import GoalArea
 from hypernav.worlds.scenes.scene import Scene
 
 _SUBCELL_BITS = 8

@@ -5,6 +5,7 @@ Source: the released code of NavVLM (a demonstration of one scene that differs f
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import partial
 
 import cv2
@@ -14,12 +15,11 @@ from pydantic import Field
 
 from hypernav.core.components.protocols import Guide
 from hypernav.core.config import RoomConfig
-from hypernav.core.destination import Destination
 from hypernav.core.embodiment import Embodiment
+from hypernav.core.exploration import Destination, ExplorationView
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.goal import Goal
 from hypernav.core.guidance import Direction, GuideView
 from hypernav.core.insight import ImageWindow, Insight
 from hypernav.core.observation import Observation
@@ -34,6 +34,8 @@ _WIDTH = 640.0
 _CENTRES = {Direction.LEFT: 0.25, Direction.RIGHT: 0.75, Direction.STRAIGHT: 0.5}
 """Middles of the labelled squares, as shares of the width (NavVLM's code); at half the height."""
 _JOINED_CELLS = 3
+_KEY = "navvlm"
+"""Key of this explorer's notes."""
 
 
 class AreaConfig(RoomConfig):
@@ -63,6 +65,19 @@ class AreaConfig(RoomConfig):
     visited_radius_m: float = Field(default=0.5, ge=0.0, le=100.0)
     clear_rows: bool = False
     map_px: int = Field(default=480, ge=64, le=4096)
+
+
+@dataclass
+class _Notes:
+    """What the explorer notes in the search for one goal.
+
+    Attributes:
+        turns: Number of turns since the last area.
+        seen_before: Camera image of the choice before, RGB.
+    """
+
+    turns: int = 0
+    seen_before: UInt8[np.ndarray, "_ _ 3"] | None = None
 
 
 class AreaExplorer:
@@ -98,69 +113,40 @@ class AreaExplorer:
         self._mapping = mapping
         self._clearance_m = clearances_m[0]
         self._config = config or AreaConfig()
-        self.reset(Goal("nothing yet"))
 
-    def reset(self, goal: Goal) -> None:
-        """Forget everything."""
-        self._goal = goal
-        self._frontier.reset(goal)
-        self._visited: list[tuple[float, float]] = []
-        self._turns = 0
-        self._insight: Insight | None = None
-        self._observation: Observation | None = None
-        self._seen_before: UInt8[np.ndarray, "_ _ 3"] | None = None
-
-    def remember_visit(self, x: float, y: float) -> None:
-        """Note an area or frontier that was reached or given up; turns on the spot are none."""
-        if self._turns == 0:
-            self._visited.append((x, y))
-            self._frontier.remember_visit(x, y)
-
-    def watch(self, observation: Observation, grid: OccupancyGrid) -> None:
-        """Keep the image, in case that a direction is to be asked for."""
-        self._observation = observation
-
-    def take_insight(self) -> Insight | None:
-        """The square of the area that was chosen; see `Explains` of core's abilities."""
-        insight, self._insight = self._insight, None
-        return insight
-
-    def next_destination(
-        self, grid: OccupancyGrid, robot: Pose2, trajectory: Sequence[tuple[float, float]]
-    ) -> Destination | None:
+    def next_destination(self, view: ExplorationView) -> Destination | None:
         """The area that the guide points to, a turn, or the nearest frontier; None at the end.
 
         Raises:
             ModelUnavailableError: The guide's model did not answer.
         """
-        seen = self._observation
-        assert seen is not None  # the search lets an explorer watch before it asks
+        seen, config = view.observation, self._config
+        notes: _Notes = view.notes.setdefault(_KEY, _Notes())
         past = None
-        if self._seen_before is not None:
-            past = partial(
-                _past, self._seen_before, grid.copy(), robot, list(trajectory), self._config.map_px
-            )
-        choice = self._guide.direct(GuideView(seen, self._windows(seen), past), self._goal)
-        self._seen_before = seen.rgb
+        if notes.seen_before is not None:
+            grid, trajectory = view.grid.copy(), list(view.trajectory)
+            past = partial(_past, notes.seen_before, grid, view.robot, trajectory, config.map_px)
+        choice = self._guide.direct(GuideView(seen, self._windows(seen), past), view.goal)
+        notes.seen_before = seen.rgb
         if choice.direction is not Direction.EXPLORE:
-            position = self._area(seen, choice.direction, grid, robot)
+            position = self._area(view, choice.direction)
             if position is not None:
-                self._turns = 0
-                rows, columns = _square(seen, choice.direction, self._config)
+                notes.turns = 0
+                rows, columns = _square(seen, choice.direction, config)
                 box = (columns.start, rows.start, columns.stop, rows.stop)
-                self._insight = Insight(window=ImageWindow(box=box, label=choice.direction))
                 return Destination(
                     *position,
                     reason=choice.reason,
+                    insight=Insight(window=ImageWindow(box=box, label=choice.direction)),
                     holds=True,
-                    arrival_m=self._config.arrival_m,
-                    most_steps=self._config.keep_steps,
+                    arrival_m=config.arrival_m,
+                    most_steps=config.keep_steps,
                 )
-        if self._turns < self._config.turns:
-            self._turns += 1
-            return self._turned_right(robot, choice.reason)
-        self._turns = 0
-        return self._frontier.next_destination(grid, robot, trajectory)
+        if notes.turns < config.turns:
+            notes.turns += 1
+            return self._turned_right(view.robot, choice.reason)
+        notes.turns = 0
+        return self._frontier.next_destination(view)
 
     def _turned_right(self, robot: Pose2, reason: str) -> Destination:
         angle = math.radians(self._embodiment.motion.turn_angle_deg)
@@ -169,11 +155,10 @@ class AreaExplorer:
     def _windows(self, seen: Observation) -> dict[Direction, slice]:
         return {direction: _square(seen, direction, self._config)[1] for direction in _CENTRES}
 
-    def _area(
-        self, seen: Observation, direction: Direction, grid: OccupancyGrid, robot: Pose2
-    ) -> tuple[float, float] | None:
+    def _area(self, view: ExplorationView, direction: Direction) -> tuple[float, float] | None:
         """Reachable position nearest to what the square shows; None if there is none to go to."""
-        cells = self._cells_in(seen, direction, grid)
+        grid, robot = view.grid, view.robot
+        cells = self._cells_in(view.observation, direction, grid)
         if not len(cells):
             return None
         reach = ReachableArea.of(grid, robot, self._mapping, self._clearance_m)
@@ -190,15 +175,15 @@ class AreaExplorer:
             int((away_m + 1e-3 * np.minimum(reach.travel_m, 1e3)).argmin()), away_m.shape
         )
         position = reach.grid.centre_of(int(row), int(column))
-        if away_m[row, column] > self._config.gap_m or self._is_known(position, robot):
+        if away_m[row, column] > self._config.gap_m or self._is_known(position, view):
             return None
         return position
 
-    def _is_known(self, position: tuple[float, float], robot: Pose2) -> bool:
+    def _is_known(self, position: tuple[float, float], view: ExplorationView) -> bool:
         """Whether the robot is there, or has been."""
         radius_m = self._config.visited_radius_m
-        here = robot.distance_to(*position) < self._config.arrival_m
-        return here or any(math.dist(position, visit) < radius_m for visit in self._visited)
+        here = view.robot.distance_to(*position) < self._config.arrival_m
+        return here or any(math.dist(position, visit) < radius_m for visit in view.visits)
 
     def _cells_in(
         self, seen: Observation, direction: Direction, grid: OccupancyGrid

@@ -1,22 +1,19 @@
 """Exploration by one arrow after the other (VLMnav, and in DyNaVLM's style)."""
 
 import math
-from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 
 from hypernav.core.arrows import TURN_AROUND
 from hypernav.core.components.protocols import ArrowReasoner
 from hypernav.core.config import RoomConfig
-from hypernav.core.destination import Destination
 from hypernav.core.embodiment import Embodiment
+from hypernav.core.exploration import Destination, ExplorationView
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.goal import Goal
-from hypernav.core.insight import Insight
-from hypernav.core.sightings import Sightings
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.reachable_area import ReachableArea
-from hypernav.perception.arrows.arrow_sight import ArrowConfig, ArrowSight, MoveExplorer
+from hypernav.perception.arrows.arrow_sight import ArrowConfig, ArrowSight
 from hypernav.perception.arrows.object_graph import ObjectGraph, ObjectGraphConfig
 from hypernav.perception.arrows.proposals import (
     DEFAULT_MOVES,
@@ -56,92 +53,82 @@ class DynavlmConfig(RoomConfig):
     graph: ObjectGraphConfig = ObjectGraphConfig()
 
 
-class ArrowExplorer(MoveExplorer):
+class ArrowExplorer:
     """Draws moves into the image, asks for one of them, makes it, and asks again."""
 
     def __init__(
         self,
-        sight: ArrowSight,
+        embodiment: Embodiment,
+        sight: ArrowConfig,
+        style: ArrowStyle,
         proposer: Proposer,
         reasoner: ArrowReasoner,
         mapping: MappingConfig,
         clearance_m: float,
-        memory: ObjectGraph | None = None,
-        sightings: Sightings | None = None,
+        graph: ObjectGraphConfig | None = None,
     ) -> None:
         """Put it together; `vlmnav` and `dynavlm_style` do.
 
         Args:
-            sight: Images, and moves in them.
+            embodiment: Camera, step and turn of the robot.
+            sight: Sight and execution of moves.
+            style: Style of the arrows.
             proposer: Proposer of the moves.
             reasoner: Reasoner that chooses among them.
             mapping: Cells of the map.
             clearance_m: Distance of the ends of moves from obstacles, metres.
-            memory: Memory of things, which the reasoner is told of; None for none.
-            sightings: What was seen besides the goal, for the memory.
+            graph: What the reasoner is told of the things that were seen; None tells nothing.
         """
-        super().__init__(sight)
+        self._embodiment = embodiment
+        self._config = sight
+        self._style = style
         self._proposer = proposer
         self._reasoner = reasoner
         self._mapping = mapping
         self._clearance_m = clearance_m
-        self._memory = memory
-        self._sightings = sightings
-        self.reset(Goal("nothing yet"))
+        self._graph = graph
 
-    def reset(self, goal: Goal) -> None:
-        """Forget everything."""
-        self._goal = goal
-        self._only_defaults = False
-        self._sight.reset()
-        if self._memory is not None:
-            self._memory.forget()
+    @property
+    def wants_named_things(self) -> bool:
+        """See `hypernav.core.components.abilities.wants_named_things`."""
+        return self._graph is not None
 
-    def take_insight(self) -> Insight | None:
-        """The arrows of the latest choice, and what is remembered."""
-        insight = super().take_insight()
-        if insight is None or self._memory is None:
-            return insight
-        graph = self._memory.shown(self._goal, self._sight.observation.robot)
-        return insight.model_copy(update={"graph": graph})
-
-    def offer_default_moves(self) -> None:
-        """Offer nothing but the default moves at the next choice: the goal may be right here."""
-        self._only_defaults = True
-
-    def next_destination(
-        self, grid: OccupancyGrid, robot: Pose2, trajectory: Sequence[tuple[float, float]]
-    ) -> Destination:
+    def next_destination(self, view: ExplorationView) -> Destination:
         """The end of the next move.
 
         Raises:
             ModelUnavailableError: The reasoner's model did not answer.
         """
-        sight = self._sight
+        graph = None if self._graph is None else ObjectGraph(self._graph, view.things)
+        destination = self._next_move(view, graph)
+        insight = destination.insight
+        if graph is None or insight is None:
+            return destination
+        shown = graph.shown(view.goal, view.robot)
+        return replace(destination, insight=insight.model_copy(update={"graph": shown}))
+
+    def _next_move(self, view: ExplorationView, graph: ObjectGraph | None) -> Destination:
+        robot = view.robot
+        sight = ArrowSight(view, self._embodiment, self._config, self._style)
         directions, may_turn = sight.look(), sight.may_turn
-        only_defaults, self._only_defaults = self._only_defaults, False
-        if only_defaults:
+        if view.may_be_here:
             may_turn, moves = False, list(DEFAULT_MOVES)
         else:
-            is_open = self._open_around(grid, robot)
+            is_open = self._open_around(view.grid, robot)
             moves = self._proposer.propose(directions, robot, is_open, may_turn=may_turn)
         arrows = sight.marked(moves, directions)
         if not arrows:
             why = "no arrow fits into the image"
             return sight.around(why) if may_turn else sight.step_ahead(why)
-        view = sight.view(arrows, may_turn=may_turn, facts=self._facts(robot))
-        choice = self._reasoner.choose(view, self._goal)
+        known = () if graph is None else graph.retrieve(view.goal, robot)
+        facts = tuple(fact.words for fact in known)
+        question = sight.view(arrows, may_turn=may_turn, facts=facts)
+        choice = self._reasoner.choose(question, view.goal)
         if not choice.numbers:
             return sight.step_ahead(f"a step ahead: {choice.reason}")
         if choice.numbers[0] == TURN_AROUND:
             return sight.around(choice.reason)
-        return sight.along(view.arrow(choice.numbers[0]), choice.reason)
-
-    def _facts(self, robot: Pose2) -> tuple[str, ...]:
-        if self._memory is None or self._sightings is None:
-            return ()
-        self._memory.add_all(self._sightings.things)
-        return tuple(fact.words for fact in self._memory.retrieve(self._goal, robot))
+        return sight.along(question.arrow(choice.numbers[0]), choice.reason)
 
     def _open_around(self, grid: OccupancyGrid, robot: Pose2) -> IsOpen:
         """Whether a position can be reached, found out when it is first asked."""
@@ -179,7 +166,9 @@ def vlmnav(
     """
     config = config or VlmnavConfig()
     return ArrowExplorer(
-        ArrowSight(embodiment, config.sight, ArrowStyle()),
+        embodiment,
+        config.sight,
+        ArrowStyle(),
         BiasedProposer(config.moves),
         arrow_reasoner,
         mapping,
@@ -189,7 +178,6 @@ def vlmnav(
 
 def dynavlm_style(
     arrow_reasoner: ArrowReasoner,
-    sightings: Sightings | None,
     embodiment: Embodiment,
     mapping: MappingConfig,
     clearances_m: tuple[float, ...],
@@ -205,7 +193,6 @@ def dynavlm_style(
 
     Args:
         arrow_reasoner: Reasoner that chooses a point.
-        sightings: What was seen besides the goal.
         embodiment: Camera, step and turn of the robot.
         mapping: Cells of the map.
         clearances_m: Distances from obstacles, metres.
@@ -213,11 +200,12 @@ def dynavlm_style(
     """
     config = config or DynavlmConfig()
     return ArrowExplorer(
-        ArrowSight(embodiment, config.sight, ArrowStyle(shafts=False)),
+        embodiment,
+        config.sight,
+        ArrowStyle(shafts=False),
         SpatialProposer(config.points),
         arrow_reasoner,
         mapping,
         clearances_m[0],
-        ObjectGraph(config.graph),
-        sightings,
+        config.graph,
     )

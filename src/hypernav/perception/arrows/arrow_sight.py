@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -9,18 +10,18 @@ from pydantic import Field
 
 from hypernav.core.arrows import Arrow, ArrowView
 from hypernav.core.config import RoomConfig
-from hypernav.core.destination import Destination
 from hypernav.core.embodiment import Embodiment
-from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.exploration import Destination, ExplorationView
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.insight import ImageMark, Insight
-from hypernav.core.observation import Observation
 from hypernav.perception.arrows.free_range import FreeRangeConfig, free_ranges
 from hypernav.perception.arrows.marks import MarkConfig, mark_of
 from hypernav.perception.arrows.proposals import FreeDirections, Move
 from hypernav.perception.arrows.ray_memory import RayMemory, RayMemoryConfig
 from hypernav.show.drawing.arrows import ArrowStyle, draw_arrows, foot_pixel
 
+_KEY = "arrows"
+"""Key of the notes."""
 _SPARE_STEPS = 2
 """Actions that a move may take beyond those of a straight one; ours."""
 
@@ -48,53 +49,59 @@ class ArrowConfig(RoomConfig):
     blind_step_m: float | None = Field(default=None, gt=0.0, le=10.0)
 
 
-class ArrowSight:
-    """The latest image, where its floor is free, and the moves in it."""
+@dataclass
+class _Notes:
+    """What explorers by arrows note in the search for one goal.
 
-    def __init__(self, embodiment: Embodiment, config: ArrowConfig, style: ArrowStyle) -> None:
-        """Create it.
+    Attributes:
+        explored: Where the robot has looked along the floor.
+        rested: Number of choices since the robot turned around.
+        asked: Number of questions so far.
+    """
+
+    explored: RayMemory
+    rested: int
+    asked: int = 0
+
+
+class ArrowSight:
+    """One image, where its floor is free, and the moves in it; made for one choice."""
+
+    def __init__(
+        self,
+        view: ExplorationView,
+        embodiment: Embodiment,
+        config: ArrowConfig,
+        style: ArrowStyle,
+    ) -> None:
+        """Look at what an explorer is shown.
 
         Args:
+            view: What it is shown, and its notes.
             embodiment: Camera, step and turn of the robot.
             config: Sight and execution of moves.
             style: Style of the arrows.
         """
+        self.observation = view.observation
         self._embodiment = embodiment
         self._config = config
         self._style = style
         self._headings = config.floor.all_headings(embodiment.camera)
-        self.reset()
-
-    def reset(self) -> None:
-        """Forget everything."""
-        self._memory = RayMemory(self._config.memory)
-        self._observation: Observation | None = None
-        self._rested = self._config.turn_rest
-        self._asked = 0
+        fresh = _Notes(RayMemory(config.memory), config.turn_rest)
+        self._notes: _Notes = view.notes.setdefault(_KEY, fresh)
         self._offered: tuple[Arrow, ...] = ()
-        self._taken: Arrow | None = None
-
-    @property
-    def observation(self) -> Observation:
-        """The latest frame."""
-        assert self._observation is not None  # the search lets an explorer watch before it asks
-        return self._observation
-
-    @observation.setter
-    def observation(self, observation: Observation) -> None:
-        self._observation = observation
 
     @property
     def may_turn(self) -> bool:
         """Whether turning around may be offered: not soon after the last time."""
-        return self._rested >= self._config.turn_rest
+        return self._notes.rested >= self._config.turn_rest
 
     def look(self) -> FreeDirections:
         """Where the floor of the latest image is free; it counts as explored from now on."""
         free_m = free_ranges(
             self.observation, self._headings, self._config.floor, self._embodiment.camera
         )
-        is_explored = self._memory.look(self.observation.robot, self._headings, free_m)
+        is_explored = self._notes.explored.look(self.observation.robot, self._headings, free_m)
         fov = self.observation.camera.hfov
         return FreeDirections(self._headings, free_m, is_explored, fov)
 
@@ -143,17 +150,16 @@ class ArrowSight:
         draw = partial(
             draw_arrows, self.observation.rgb, marks, self._foot, self._style, may_turn=may_turn
         )
-        asked, self._asked = self._asked, self._asked + 1
+        asked, self._notes.asked = self._notes.asked, self._notes.asked + 1
         return ArrowView(draw, arrows, may_turn, wanted, asked, facts)
 
-    def take_insight(self) -> Insight | None:
-        """The arrows of the latest question and the chosen one, once; None if none was asked."""
-        offered, self._offered = self._offered, ()
-        if not offered:
+    def _insight(self, taken: Arrow | None = None) -> Insight | None:
+        """The arrows of the latest question and the chosen one; None if none was asked."""
+        if not self._offered:
             return None
         marks = [
-            ImageMark(number=one.number, pixel=one.pixel, chosen=one is self._taken)
-            for one in offered
+            ImageMark(number=one.number, pixel=one.pixel, chosen=one is taken)
+            for one in self._offered
         ]
         return Insight(marks=marks, foot=self._foot if self._style.shafts else None)
 
@@ -165,21 +171,21 @@ class ArrowSight:
 
     def along(self, arrow: Arrow, reason: str) -> Destination:
         """The destination at the end of an arrow."""
-        self._rested += 1
-        self._taken = arrow
+        self._notes.rested += 1
         motion = self._embodiment.motion
         turns = math.ceil(abs(math.degrees(arrow.heading)) / motion.turn_angle_deg)
         steps = math.ceil(arrow.length_m / motion.forward_m)
-        return self._move_to(arrow.end, reason, steps + turns)
+        return self._move_to(arrow.end, reason, steps + turns, self._insight(arrow))
 
     def around(self, reason: str) -> Destination:
         """The destination that turns the robot around."""
-        self._rested = 0
+        self._notes.rested = 0
         robot = self.observation.robot
         turns = self._embodiment.motion.turns_of_a_circle
         return Destination(
             *robot.xy,
             reason=reason,
+            insight=self._insight(),
             holds=True,
             arrival_m=self._config.arrival_m,
             face=robot.yaw + math.pi,
@@ -188,42 +194,22 @@ class ArrowSight:
 
     def step_ahead(self, reason: str) -> Destination:
         """The destination one step ahead, for an answer that names nothing."""
-        self._rested += 1
+        self._notes.rested += 1
         length_m = self._config.blind_step_m or self._embodiment.motion.forward_m
         end = _ahead(self.observation.robot, 0.0, length_m)
-        return self._move_to(end, reason, 1)
+        return self._move_to(end, reason, 1, self._insight())
 
-    def _move_to(self, end: tuple[float, float], reason: str, steps: int) -> Destination:
+    def _move_to(
+        self, end: tuple[float, float], reason: str, steps: int, insight: Insight | None
+    ) -> Destination:
         return Destination(
             *end,
             reason=reason,
+            insight=insight,
             holds=True,
             arrival_m=self._config.arrival_m,
             most_steps=steps + _SPARE_STEPS,
         )
-
-
-class MoveExplorer:
-    """What explorers share that choose one move after the other from the image in view."""
-
-    def __init__(self, sight: ArrowSight) -> None:
-        """Take the sight.
-
-        Args:
-            sight: Images, and moves in them.
-        """
-        self._sight = sight
-
-    def remember_visit(self, x: float, y: float) -> None:
-        """Nothing: where a move ended says nothing about the next one."""
-
-    def watch(self, observation: Observation, grid: OccupancyGrid) -> None:
-        """Keep the image, in case that a move is to be chosen."""
-        self._sight.observation = observation
-
-    def take_insight(self) -> Insight | None:
-        """The arrows of the latest choice; see `hypernav.core.components.abilities.Explains`."""
-        return self._sight.take_insight()
 
 
 def _ahead(robot: Pose2, heading: float, length_m: float) -> tuple[float, float]:

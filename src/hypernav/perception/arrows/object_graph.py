@@ -62,43 +62,32 @@ class GraphFact:
 class ObjectGraph:
     """Things as nodes, and edges between those that are near each other."""
 
-    def __init__(self, config: ObjectGraphConfig) -> None:
-        """Begin with nothing.
+    def __init__(self, config: ObjectGraphConfig, things: Iterable[SeenThing] = ()) -> None:
+        """Make it.
 
         Args:
             config: What is one thing, what is near.
+            things: Things in the order in which they were seen, with repetitions.
         """
         self._config = config
-        self.forget()
-
-    def forget(self) -> None:
-        """Forget all things."""
         self._things: list[SeenThing] = []
         self._near: list[set[int]] = []
+        for thing in things:
+            self._add(thing)
 
-    def add(self, thing: SeenThing) -> int:
-        """The number of a thing, which is new unless one of its name is right there."""
-        for number, known in enumerate(self._things):
+    def _add(self, thing: SeenThing) -> None:
+        """Add a thing, unless one of its name is right there."""
+        for known in self._things:
             away_m = math.dist(known.position, thing.position)
             if away_m <= self._config.same_within_m and same_name(known.label, thing.label):
-                return number
+                return
         number = len(self._things)
         self._things.append(thing)
         self._near.append(set())
         for other, known in enumerate(self._things[:-1]):
             if math.dist(known.position, thing.position) < self._config.near_m:
-                self.relate(number, other)
-        return number
-
-    def add_all(self, things: Iterable[SeenThing]) -> None:
-        """Add things that may be known already."""
-        for thing in things:
-            self.add(thing)
-
-    def relate(self, a: int, b: int) -> None:
-        """Note that two things are near each other."""
-        self._near[a].add(b)
-        self._near[b].add(a)
+                self._near[number].add(other)
+                self._near[other].add(number)
 
     def retrieve(self, goal: Goal, robot: Pose2) -> list[GraphFact]:
         """The things that are nearest in meaning to the goal, and of equal ones the nearest."""

@@ -6,7 +6,6 @@ Source: Nasiriany et al., "PIVOT: Iterative Visual Prompting Elicits Actionable 
 
 import math
 import zlib
-from collections.abc import Sequence
 from typing import Annotated
 
 import numpy as np
@@ -16,16 +15,15 @@ from pydantic import Field, model_validator
 from hypernav.core.arrows import TURN_AROUND, Arrow
 from hypernav.core.components.protocols import ArrowReasoner
 from hypernav.core.config import MOST_SEED, RoomConfig
-from hypernav.core.destination import Destination
 from hypernav.core.embodiment import Embodiment
+from hypernav.core.exploration import Destination, ExplorationView
 from hypernav.core.geometry.camera import PinholeCamera
-from hypernav.core.geometry.grid import OccupancyGrid
-from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.goal import Goal
-from hypernav.perception.arrows.arrow_sight import ArrowConfig, ArrowSight, MoveExplorer
+from hypernav.perception.arrows.arrow_sight import ArrowConfig, ArrowSight
 from hypernav.perception.arrows.proposals import FreeDirections, Move
 from hypernav.show.drawing.arrows import ArrowStyle
 
+_KEY = "pivot"
+"""Key of this explorer's notes."""
 _LINES = 1080.0
 _TRIES = 50
 """Samples for each mark that is wanted, before there are fewer; ours."""
@@ -109,7 +107,7 @@ class GaussianProposer:
             self.deviation = best.std(axis=0)
 
 
-class PivotExplorer(MoveExplorer):
+class PivotExplorer:
     """Asks for the best of random marks, draws new ones around these, and goes to the last best.
 
     Its 10 questions a move are 9 here: the tenth, whether to stop, is the presence check that all
@@ -130,42 +128,37 @@ class PivotExplorer(MoveExplorer):
             config: Rounds of marks.
         """
         self._reasoner = arrow_reasoner
+        self._embodiment = embodiment
         self._config = config or PivotConfig()
-        super().__init__(ArrowSight(embodiment, self._config.sight, ArrowStyle()))
-        self.reset(Goal("nothing yet"))
 
-    def reset(self, goal: Goal) -> None:
-        """Forget everything, and seed the marks anew."""
-        self._goal = goal
-        self._rng = np.random.default_rng([self._config.seed, zlib.crc32(goal.text.encode())])
-        self._sight.reset()
-
-    def next_destination(
-        self, grid: OccupancyGrid, robot: Pose2, trajectory: Sequence[tuple[float, float]]
-    ) -> Destination:
+    def next_destination(self, view: ExplorationView) -> Destination:
         """The end of the next move, always as long as configured.
 
         Raises:
             ModelUnavailableError: The reasoner's model did not answer.
         """
-        sight, config = self._sight, self._config
+        config = self._config
+        sight = ArrowSight(view, self._embodiment, config.sight, ArrowStyle())
         directions = sight.look()
-        proposer = GaussianProposer(sight.observation.camera, config, self._rng)
+        rng: np.random.Generator = view.notes.setdefault(
+            _KEY, np.random.default_rng([config.seed, zlib.crc32(view.goal.text.encode())])
+        )
+        proposer = GaussianProposer(sight.observation.camera, config, rng)
         named: list[Arrow] = []
         for samples, best in zip(config.samples, config.best, strict=True):
             may_turn = sight.may_turn
-            arrows = self._arrows(proposer.draw(samples), directions)
-            view = sight.view(arrows, may_turn=may_turn, wanted=best)
+            arrows = self._arrows(sight, proposer.draw(samples), directions)
+            question = sight.view(arrows, may_turn=may_turn, wanted=best)
             numbers: dict[int, None] = {}
             for _ in range(config.calls if arrows else 0):
-                choice = self._reasoner.choose(view, self._goal)
+                choice = self._reasoner.choose(question, view.goal)
                 chosen = choice.numbers
                 if config.zero_is_last:
                     chosen = tuple(one or arrows[-1].number for one in chosen)
                 if TURN_AROUND in chosen[:1]:
                     return sight.around(choice.reason)
                 numbers |= dict.fromkeys(chosen)
-            named = [view.arrow(number) for number in numbers if number != TURN_AROUND]
+            named = [question.arrow(number) for number in numbers if number != TURN_AROUND]
             proposer.fit(np.array([arrow.pixel for arrow in named]).reshape(-1, 2))
         if not named:
             return sight.step_ahead("a step ahead: no mark was named in the last round")
@@ -175,11 +168,14 @@ class PivotExplorer(MoveExplorer):
         return sight.along(named[0], reason)
 
     def _arrows(
-        self, marks: Float64[np.ndarray, "n 2"], directions: FreeDirections
+        self,
+        sight: ArrowSight,
+        marks: Float64[np.ndarray, "n 2"],
+        directions: FreeDirections,
     ) -> tuple[Arrow, ...]:
-        camera = self._sight.observation.camera
+        camera = sight.observation.camera
         return tuple(
-            self._sight.arrow(
+            sight.arrow(
                 number,
                 Move(camera.bearing_of(float(u)), self._config.length_m),
                 (float(u), float(v)),

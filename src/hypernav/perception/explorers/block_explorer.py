@@ -2,6 +2,8 @@
 
 import math
 from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -11,13 +13,9 @@ from pydantic import Field
 from hypernav.core.components.abilities import answers_at_once
 from hypernav.core.components.protocols import BlockReasoner
 from hypernav.core.config import RoomConfig
-from hypernav.core.destination import Destination
 from hypernav.core.embodiment import Embodiment
-from hypernav.core.geometry.grid import OccupancyGrid
-from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.goal import Goal
+from hypernav.core.exploration import Destination, ExplorationView
 from hypernav.core.overview import Block, Overview, Prospects
-from hypernav.core.sightings import Sightings
 from hypernav.mapping.blocks import blocks_of
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.frontiers import find_frontiers, nearest_frontier
@@ -25,9 +23,8 @@ from hypernav.mapping.prospects import find_legs_m, find_prospects
 from hypernav.mapping.reachable_area import ReachableArea
 from hypernav.show.drawing.question_map import QuestionStyle, draw_question_map
 
-# Named here, since building a type takes 0.1 ms and every question defines functions with these.
-_Image = UInt8[np.ndarray, "_ _ 3"]
-_Legs = Float64[np.ndarray, "_ _"]
+_KEY = "blocks"
+"""Key of this explorer's notes."""
 
 
 class OverviewConfig(RoomConfig):
@@ -41,7 +38,7 @@ class OverviewConfig(RoomConfig):
         fill_obstacles: Whether the inside of furniture and walls, which no camera sees, is filled.
         clear_numbers: Whether numbers are larger and keep off furniture.
         label_things: Whether things that a detector has named beside the goal are written into the
-            map; not where the next question is prefetched.
+            map.
         visited: What counts as a visit: "destinations" that were reached or given up, or the
             "positions" that the robot has been at (paper), beside the latest destination, so that
             the next is a new one. "none": nothing is remembered.
@@ -80,6 +77,19 @@ class OverviewConfig(RoomConfig):
         )
 
 
+@dataclass
+class _Forgotten:
+    """What no longer counts as visited (`OverviewConfig.forget_visits`).
+
+    Attributes:
+        positions: Number of positions of the trajectory, from its beginning.
+        visits: Number of visits, from the first.
+    """
+
+    positions: int = 0
+    visits: int = 0
+
+
 class BlockExplorer:
     """Asks a reasoner which block of the map to visit (paper: global perception).
 
@@ -94,7 +104,6 @@ class BlockExplorer:
         mapping: MappingConfig,
         clearances_m: tuple[float, ...],
         embodiment: Embodiment,
-        sightings: Sightings | None = None,
     ) -> None:
         """Create it.
 
@@ -104,74 +113,64 @@ class BlockExplorer:
             mapping: Size of the blocks.
             clearances_m: Distances of destinations from obstacles, in the order to try, metres.
             embodiment: Range of the camera.
-            sightings: Memory of what was seen; None where nobody keeps one.
         """
         self._reasoner = reasoner
         self._config = config
         self._mapping = mapping
         self._clearances_m = clearances_m
         self._range_m = embodiment.camera.max_depth_m
-        self._sightings = sightings or Sightings()
-        self.reset(Goal("nothing yet"))
 
     @property
     def answers_at_once(self) -> bool:
         """See `hypernav.core.components.abilities.answers_at_once`."""
         return answers_at_once(self._reasoner)
 
-    def reset(self, goal: Goal) -> None:
-        """Forget all visits."""
-        self._goal = goal
-        self._ended: list[tuple[float, float]] = []
-        self._forgotten_positions = 0
-
-    def remember_visit(self, x: float, y: float) -> None:
-        """Note a destination that was reached or given up."""
-        self._ended.append((x, y))
-
-    def next_destination(
-        self, grid: OccupancyGrid, robot: Pose2, trajectory: Sequence[tuple[float, float]]
-    ) -> Destination | None:
+    def next_destination(self, view: ExplorationView) -> Destination | None:
         """A block that was not visited, or a frontier beside all blocks; None if there is none."""
-        destination = self._unvisited(grid, robot, trajectory)
+        destination = self._unvisited(view)
         if destination is None and self._config.forget_visits:
-            self._ended.clear()
-            self._forgotten_positions = len(trajectory) - 1  # the robot is at the last one still
-            destination = self._unvisited(grid, robot, trajectory)
-        if destination is None:
-            destination = self._last_frontier(grid, robot, trajectory)
-        return destination
+            # The robot is still at the last position.
+            view.notes[_KEY] = _Forgotten(len(view.trajectory) - 1, len(view.visits))
+            destination = self._unvisited(view)
+        return self._last_frontier(view) if destination is None else destination
 
-    def _unvisited(
-        self, grid: OccupancyGrid, robot: Pose2, trajectory: Sequence[tuple[float, float]]
-    ) -> Destination | None:
+    def _unvisited(self, view: ExplorationView) -> Destination | None:
         """Ask about all blocks, then about those that a robot closer to obstacles can enter."""
         offered: tuple[Block, ...] = ()
         for clearance_m in self._clearances_m:
-            reach = ReachableArea.of(grid, robot, self._mapping, clearance_m)
+            reach = ReachableArea.of(view.grid, view.robot, self._mapping, clearance_m)
             blocks = blocks_of(reach, self._mapping)
             if _squares(blocks) == _squares(offered):
                 break
             offered = blocks
-            overview = self._overview(blocks, reach, grid, robot, trajectory, clearance_m)
-            destination = self._ask(overview, trajectory)
+            draw = partial(_drawn, view, blocks, self._config, self._mapping, clearance_m)
+            overview = Overview(
+                draw,
+                blocks,
+                view.robot,
+                prospects=partial(_prospects, reach, self._range_m),
+                legs_m=partial(_legs_m, reach),
+                legend=self._config.style.legend,
+                trajectory=view.trajectory,
+                things=view.things,
+                camera_image=view.observation.rgb,
+            )
+            destination = self._ask(overview, view)
             if destination is not None:
                 return destination
         return None
 
-    def _last_frontier(
-        self, grid: OccupancyGrid, robot: Pose2, trajectory: Sequence[tuple[float, float]]
-    ) -> Destination | None:
+    def _last_frontier(self, view: ExplorationView) -> Destination | None:
         """The nearest unvisited frontier, whatever blocks it lies in."""
         least_m = self._config.last_frontier_m
         if least_m is None:
             return None
         nearest = nearest_frontier(
-            grid,
-            robot,
+            view.grid,
+            view.robot,
             self._mapping.model_copy(update={"frontier_min_size_m": least_m}),
             self._clearances_m,
-            visits=self._visits(trajectory),
+            visits=self._visits(view),
             visited_radius_m=self._config.visited_radius_m,
         )
         if nearest is None:
@@ -179,59 +178,12 @@ class BlockExplorer:
         reason = f"no block is left; nearest frontier: {nearest.size_m:.1f} m long"
         return Destination(*nearest.destination, reason=reason)
 
-    def _overview(
-        self,
-        blocks: tuple[Block, ...],
-        reach: ReachableArea,
-        grid: OccupancyGrid,
-        robot: Pose2,
-        trajectory: Sequence[tuple[float, float]],
-        clearance_m: float,
-    ) -> Overview:
-        style, size = self._config.style, self._config.image_px
-        things = self._sightings.things
-
-        def draw(shown: Collection[int], excluded: Collection[int]) -> _Image:
-            found = find_frontiers(grid, robot, self._mapping, clearance_m)
-            frontier = np.concatenate([np.empty((0, 2)), *(one.points for one in found)])
-            return draw_question_map(
-                grid,
-                [one for one in blocks if one.number in shown or one.number in excluded],
-                robot,
-                trajectory,
-                style,
-                size=size,
-                excluded=excluded,
-                frontier=frontier,
-                things=things,
-            )
-
-        def prospects(of: Sequence[Block]) -> Prospects:
-            return find_prospects(reach, [one.destination for one in of], self._range_m)
-
-        def legs_m(between: Sequence[Block]) -> _Legs:
-            return find_legs_m(reach, [one.destination for one in between])
-
-        return Overview(
-            draw,
-            blocks,
-            robot,
-            prospects=prospects,
-            legs_m=legs_m,
-            legend=style.legend,
-            trajectory=trajectory,
-            things=things,
-            camera_image=self._sightings.image,
-        )
-
-    def _ask(
-        self, overview: Overview, trajectory: Sequence[tuple[float, float]]
-    ) -> Destination | None:
+    def _ask(self, overview: Overview, view: ExplorationView) -> Destination | None:
         blocks, radius_m = overview.blocks, self._config.visited_radius_m
         excluded: frozenset[int] = frozenset()
-        visits = self._visits(trajectory)
+        visits = self._visits(view)
         for _ in range(self._config.max_questions or len(blocks)):
-            choice = self._reasoner.choose(overview, self._goal, excluded)
+            choice = self._reasoner.choose(overview, view.goal, excluded)
             if choice.number is None:
                 return None
             block = overview.block(choice.number)
@@ -240,15 +192,49 @@ class BlockExplorer:
             excluded |= {choice.number}
         return None
 
-    def _visits(self, trajectory: Sequence[tuple[float, float]]) -> Sequence[tuple[float, float]]:
+    def _visits(self, view: ExplorationView) -> Sequence[tuple[float, float]]:
         """All that counts as visited, metres."""
+        forgotten: _Forgotten = view.notes.get(_KEY, _Forgotten())
+        ended = view.visits[forgotten.visits :]
         match self._config.visited:
             case "positions":
-                return [*trajectory[self._forgotten_positions :], *self._ended[-1:]]
+                return [*view.trajectory[forgotten.positions :], *ended[-1:]]
             case "destinations":
-                return self._ended
+                return ended
             case "none":
                 return []
+
+
+def _drawn(
+    view: ExplorationView,
+    blocks: tuple[Block, ...],
+    config: OverviewConfig,
+    mapping: MappingConfig,
+    clearance_m: float,
+    shown: Collection[int],
+    excluded: Collection[int],
+) -> UInt8[np.ndarray, "_ _ 3"]:
+    """The image of the map with some of the blocks; the excluded ones are hatched."""
+    found = find_frontiers(view.grid, view.robot, mapping, clearance_m)
+    return draw_question_map(
+        view.grid,
+        [one for one in blocks if one.number in shown or one.number in excluded],
+        view.robot,
+        view.trajectory,
+        config.style,
+        size=config.image_px,
+        excluded=excluded,
+        frontier=np.concatenate([np.empty((0, 2)), *(one.points for one in found)]),
+        things=view.things,
+    )
+
+
+def _prospects(reach: ReachableArea, range_m: float, of: Sequence[Block]) -> Prospects:
+    return find_prospects(reach, [one.destination for one in of], range_m)
+
+
+def _legs_m(reach: ReachableArea, between: Sequence[Block]) -> Float64[np.ndarray, "_ _"]:
+    return find_legs_m(reach, [one.destination for one in between])
 
 
 def _squares(blocks: tuple[Block, ...]) -> set[tuple[float, float, int]]:

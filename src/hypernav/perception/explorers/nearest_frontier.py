@@ -1,11 +1,6 @@
 """The classic baseline of exploration: the nearest frontier."""
 
-from collections.abc import Sequence
-
-from hypernav.core.destination import Destination
-from hypernav.core.geometry.grid import OccupancyGrid
-from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.goal import Goal
+from hypernav.core.exploration import Destination, ExplorationView
 from hypernav.core.trace import Exchange, ExchangeLog
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.frontiers import nearest_frontier
@@ -35,26 +30,15 @@ class NearestFrontierExplorer:
         self._mapping = mapping
         self._clearances_m = clearances_m
         self._visited_radius_m = visited_radius_m
-        self.reset(Goal("nothing yet"))
 
-    def reset(self, goal: Goal) -> None:
-        """Forget all visits."""
-        self._visited: list[tuple[float, float]] = []
-
-    def remember_visit(self, x: float, y: float) -> None:
-        """Note a destination that was reached or given up."""
-        self._visited.append((x, y))
-
-    def next_destination(
-        self, grid: OccupancyGrid, robot: Pose2, trajectory: Sequence[tuple[float, float]]
-    ) -> Destination | None:
+    def next_destination(self, view: ExplorationView) -> Destination | None:
         """The nearest frontier by travel distance; None if all is explored."""
         nearest = nearest_frontier(
-            grid,
-            robot,
+            view.grid,
+            view.robot,
             self._mapping,
             self._clearances_m,
-            visits=self._visited,
+            visits=view.visits,
             visited_radius_m=self._visited_radius_m,
         )
         reason = "no frontier is left that can be reached"

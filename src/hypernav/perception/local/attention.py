@@ -1,7 +1,8 @@
 """Choice of the camera images that are worth a question, since questions cost time or money."""
 
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float32, Float64
@@ -13,7 +14,7 @@ from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Exchange, ExchangeLog
-from hypernav.perception.local.goal_area import GoalArea
+from hypernav.mapping.memory.goal_area import GoalArea
 
 _COLUMNS, _ROWS = 24, 18
 _REMEMBERED_VIEWS = 64
@@ -85,8 +86,16 @@ class _View:
         return inside & (same | beyond) & (z * config.closer_factor <= distance)
 
 
+@dataclass(eq=False)
+class _Looks:
+    """What attention notes: the images asked about, and the distance of the held target then."""
+
+    views: deque[_View] = field(default_factory=lambda: deque(maxlen=_REMEMBERED_VIEWS))
+    held_m: float | None = None
+
+
 class Attention:
-    """Memory of the images asked about; tells whether an image shows anything else."""
+    """Tells whether an image shows anything that was not asked about before."""
 
     def __init__(self, log: ExchangeLog, config: AttentionConfig) -> None:
         """Create it.
@@ -97,14 +106,10 @@ class Attention:
         """
         self._log = log
         self._config = config
-        self.reset()
 
-    def reset(self) -> None:
-        """Forget all views."""
-        self._views: deque[_View] = deque(maxlen=_REMEMBERED_VIEWS)
-        self._held_m: float | None = None
-
-    def is_worth_a_question(self, observation: Observation, target: GoalArea | None) -> bool:
+    def is_worth_a_question(
+        self, observation: Observation, target: GoalArea | None, notes: dict[str, Any]
+    ) -> bool:
         """Whether to ask the detector; if so, the image counts as seen from now on.
 
         Images are kept only if ``skip_seen_views`` is on.
@@ -112,28 +117,30 @@ class Attention:
         Args:
             observation: Present frame.
             target: Goal area that is held; None while the goal is searched for.
+            notes: Notes of this search, where the images are kept.
         """
+        looks: _Looks = notes.setdefault("attention", _Looks())
         if target is not None and self._config.skip_held_target:
             distance_m = target.distance_to(*observation.robot.xy)
-            if self._held_m is not None and distance_m > self._config.held_factor * self._held_m:
+            if looks.held_m is not None and distance_m > self._config.held_factor * looks.held_m:
                 self._skip(f"the way to the goal is known, {distance_m:.1f} m are left")
                 return False
-            self._held_m = distance_m
+            looks.held_m = distance_m
         else:
-            self._held_m = None
+            looks.held_m = None
             if self._config.skip_seen_views:
-                share = self._seen_share(observation)
+                share = self._seen_share(observation, looks.views)
                 if share >= self._config.seen_share:
                     self._skip(f"nothing new, {share:.0%} of it was seen before")
                     return False
         if self._config.skip_seen_views:
-            self._views.append(_View.of(observation))
+            looks.views.append(_View.of(observation))
         return True
 
-    def _seen_share(self, observation: Observation) -> float:
+    def _seen_share(self, observation: Observation, views: deque[_View]) -> float:
         points, distance = _sampled(observation)
         seen = np.zeros(len(points), dtype=bool)
-        for view in reversed(self._views):
+        for view in reversed(views):
             left = ~seen
             if not left.any():
                 break

@@ -1,6 +1,8 @@
 """Local perception: the goal in the image and its area on the floor plan."""
 
 import math
+from collections.abc import Sequence
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -15,12 +17,21 @@ from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.sightings import Sightings
 from hypernav.core.trace import DetectionRecord
+from hypernav.mapping.memory.goal_area import GoalArea
+from hypernav.mapping.memory.memory import Floor
+from hypernav.mapping.memory.target import Target
 from hypernav.perception.local.attention import Attention
+from hypernav.perception.local.belief import (
+    Candidate,
+    before_a_look,
+    believed,
+    held_area,
+    with_candidates,
+    with_rivals,
+    with_sighting,
+)
 from hypernav.perception.local.config import LocalConfig
-from hypernav.perception.local.goal_area import GoalArea
 from hypernav.perception.local.refinement import eroded, projected
-from hypernav.perception.local.target import Target
-from hypernav.perception.local.target_belief import Candidate, TargetBelief
 
 _NO_DEPTH = "too few points with depth"
 _REJECTED = "rejected before"
@@ -28,10 +39,10 @@ _BESIDE_REJECTED_DEG = 10.0
 
 
 class LocalPerception:
-    """Detects, segments, refines and projects.
+    """Detects, segments, refines and projects. What it finds out is kept by the memory.
 
     Attributes:
-        belief: What is believed about the target after all images so far.
+        config: Refinement, projection and evidence.
     """
 
     def __init__(
@@ -43,7 +54,7 @@ class LocalPerception:
         *,
         cell_size_m: float,
         attention: Attention | None = None,
-        sightings: Sightings | None = None,
+        names_things: bool = False,
     ) -> None:
         """Create it.
 
@@ -55,123 +66,115 @@ class LocalPerception:
             camera: Camera, whose range of depth counts.
             cell_size_m: Side of a map cell, metres.
             attention: Choice of the images that the detector is asked about; None asks about all.
-            sightings: Memory of all that is detected; None keeps none.
+            names_things: Whether whatever the detector can name is remembered, not only what it
+                reports beside the goal.
         """
+        self.config = config
         self._detector = detector
         self._attention = attention
-        self._sightings = sightings
         self._segmenter = segmenter
-        self._config = config
         self._camera = camera
         self._cell_size_m = cell_size_m
-        self.belief: TargetBelief = TargetBelief(config)
-        self.reset(Goal("nothing yet"))
+        self._names_things = names_things
 
-    def reset(self, goal: Goal) -> None:
-        """Forget target and rejections."""
-        self._goal = goal
-        self.belief.reset()
-        self._far_position: tuple[float, float] | None = None
-        if self._attention is not None:
-            self._attention.reset()
-        if self._sightings is not None:
-            self._sightings.reset()
+    def target(self, floor: Floor) -> Target | None:
+        """What is taken for the goal on a floor, once it was seen often enough."""
+        return believed(floor.search.evidence, self.config)
 
-    @property
-    def far_position(self) -> tuple[float, float] | None:
-        """The nearest position of a goal that was seen beyond the range of depth.
-
-        ``(x, y)``, metres; it is remembered until there is a target, or it is forgotten. None if
-        there is no such sighting, or if it lay behind a rejected area.
-        """
-        return self._far_position
-
-    @property
-    def target(self) -> Target | None:
-        """The target, once it was seen often enough."""
-        return self.belief.target
-
-    def forget_far_position(self) -> None:
-        """Take the next sighting beyond the range of depth in place of the remembered one."""
-        self._far_position = None
-
-    def look(self, observation: Observation, *, asks: bool = True) -> list[DetectionRecord]:
-        """Search one image and update the target.
+    def look(
+        self, observation: Observation, goal: Goal, floor: Floor, *, asks: bool = True
+    ) -> list[DetectionRecord]:
+        """Search one image, and let the memory of the floor know.
 
         Args:
             observation: Present frame.
-            asks: Whether the detector may be asked about it; else only time passes.
+            goal: Target of the search.
+            floor: Memory of the floor that the robot is on.
+            asks: Whether the detector may be asked about the image; else only time passes.
 
         Returns:
             Every detection of the image, and whether it gave a goal area or the reason why not.
         """
-        records: list[DetectionRecord] = []
-        candidates: list[Candidate] = []
-        far_positions: list[tuple[float, float] | None] = []
-        belief = self.belief
-        belief.begin_a_look()
+        search, config, attention = floor.search, self.config, self._attention
+        search.evidence = before_a_look(search.evidence)
         if not asks:
-            return records
-        attention = self._attention
-        if attention and not attention.is_worth_a_question(observation, belief.held_area):
-            return records
-        detections = self._detector.detect(observation, self._goal)
-        if self._sightings is not None:
-            self._sightings.note(observation, detections)
-            if self._sightings.everything and isinstance(self._detector, NamesThings):
-                named = self._sightings.named
-                self._sightings.note_named(self._detector.name_things(observation, besides=named))
+            return []
+        if attention is not None:
+            held = held_area(search.evidence, config)
+            if not attention.is_worth_a_question(observation, held, search.looks):
+                return []
+        detections = self._detector.detect(observation, goal)
+        floor.sightings = self._with_things(floor.sightings, observation, detections)
+        evidence, records = search.evidence, list[DetectionRecord]()
+        candidates, far_positions = list[Candidate](), list[tuple[float, float] | None]()
         for detection in (one for one in detections if one.is_goal):
             mask = self._refined_mask(detection, observation)
             area, reason = self._area(mask, observation)
-            score = float(detection.score)
-            if area is not None and belief.rejections.bars(area, score, observation.robot):
-                area, reason = None, _REJECTED
+            if area is not None:
+                score = float(detection.score)
+                evidence, is_barred = with_sighting(
+                    evidence, config, area, score, observation.robot
+                )
+                if is_barred:
+                    area, reason = None, _REJECTED
             if area is not None:
                 candidates.append(Candidate(detection, area))
             elif reason == _NO_DEPTH:
-                far_positions.append(self._far_position_of(detection, observation))
+                areas = evidence.rejected_areas
+                far_positions.append(self._far_position(detection, observation, areas))
             records.append(_record(detection, mask, accepted=area is not None, reason=reason))
-        belief.update(candidates, observation)
-        if self._config.weigh_rivals:
-            belief.weigh_rivals([one for one in detections if not one.is_goal], observation)
-        if belief.has_sighting:
-            self._far_position = None
-        elif self._far_position is None:
-            self._far_position = next((one for one in far_positions if one is not None), None)
+        evidence = with_candidates(evidence, config, candidates, observation)
+        if config.weigh_rivals:
+            others = [one for one in detections if not one.is_goal]
+            evidence = with_rivals(evidence, config, others, observation)
+        far_position = evidence.far_position
+        if evidence.target is not None:
+            far_position = None
+        elif far_position is None:
+            far_position = next((one for one in far_positions if one is not None), None)
+        search.evidence = replace(evidence, far_position=far_position)
         return records
+
+    def _with_things(
+        self, known: Sightings, observation: Observation, detections: list[Detection]
+    ) -> Sightings:
+        known = known.with_detections(observation, detections)
+        if self._names_things and isinstance(self._detector, NamesThings):
+            named = self._detector.name_things(observation, besides=known.named)
+            known = known.with_named(named)
+        return known
 
     def _refined_mask(
         self, detection: Detection, observation: Observation
     ) -> Bool[np.ndarray, "height width"]:
-        if self._config.pixels == "box":
+        if self.config.pixels == "box":
             height, width = observation.depth.shape
             return detection.box.mask(width, height)
         mask = detection.mask
         if mask is None:
             mask = self._segmenter.segment(observation, detection.box)
-        return eroded(mask, self._config)
+        return eroded(mask, self.config)
 
     def _area(
         self, mask: Bool[np.ndarray, "height width"], observation: Observation
     ) -> tuple[GoalArea | None, str]:
         area = projected(
-            mask, observation, self._config, self._camera, cell_size_m=self._cell_size_m
+            mask, observation, self.config, self._camera, cell_size_m=self._cell_size_m
         )
         if area is None:
             return None, _NO_DEPTH
-        if self._config.entry_reach_m > 0.0:
-            area = area.entered_from(observation, self._config.entry_reach_m)
+        if self.config.entry_reach_m > 0.0:
+            area = area.entered_from(observation, self.config.entry_reach_m)
         return area, ""
 
-    def _far_position_of(
-        self, detection: Detection, observation: Observation
+    def _far_position(
+        self, detection: Detection, observation: Observation, rejected: Sequence[GoalArea]
     ) -> tuple[float, float] | None:
         """The position in the middle of a box at the end of the range; None behind a rejection."""
         robot, camera, box = observation.robot, observation.camera, detection.box
         column = (box.x_min + box.x_max) / 2.0
         bearing = camera.bearing_of(column)
-        for area in self.belief.rejections.areas:
+        for area in rejected:
             away = wrap_angle(robot.bearing_to(*area.centre) - bearing)
             if abs(away) < math.radians(_BESIDE_REJECTED_DEG):
                 return None

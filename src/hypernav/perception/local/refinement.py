@@ -6,8 +6,8 @@ from jaxtyping import Bool
 
 from hypernav.core.embodiment import CameraConfig
 from hypernav.core.observation import Observation
+from hypernav.mapping.memory.goal_area import GoalArea, points_under_mask
 from hypernav.perception.local.config import LocalConfig
-from hypernav.perception.local.goal_area import GoalArea, points_under_mask
 
 _MANY_PIXELS = 4000
 _LEAST_LEFT = 0.25

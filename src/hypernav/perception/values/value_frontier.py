@@ -5,7 +5,7 @@ Source: Yokoyama et al., "VLFM: Vision-Language Frontier Maps for Zero-Shot Sema
 """
 
 import math
-from collections.abc import Sequence
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -13,18 +13,17 @@ from pydantic import Field
 
 from hypernav.core.components.protocols import SceneScorer
 from hypernav.core.config import RoomConfig
-from hypernav.core.destination import Destination
 from hypernav.core.embodiment import Embodiment
+from hypernav.core.exploration import Destination, ExplorationView
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
-from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.goal import Goal
 from hypernav.core.insight import Insight, ValueImage
-from hypernav.core.observation import Observation
 from hypernav.core.trace import Exchange, ExchangeLog
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.frontiers import Frontier, find_frontiers
 from hypernav.mapping.values.value_map import ValueMap, ValueMapConfig
 
+_KEY = "vlfm"
+"""Key of this explorer's notes."""
 _SHOWN_EVERY = 4
 """Every fourth cell of the value map, in both directions, is shown."""
 
@@ -83,60 +82,41 @@ class ValueFrontierExplorer:
         self._mapping = mapping
         self._clearances_m = clearances_m
         self._config = config or ValueFrontierConfig()
-        self.reset(Goal("nothing yet"))
 
-    def reset(self, goal: Goal) -> None:
-        """Forget all visits and values."""
-        self._goal = goal
-        self._visited: list[tuple[float, float]] = []
-        self._latest: tuple[tuple[float, float], float] | None = None
-        self._chose = False
-        self.value_map = ValueMap(
-            self._config.map, self._camera, cell_size_m=self._mapping.cell_size_m
-        )
-
-    def remember_visit(self, x: float, y: float) -> None:
-        """Note a destination that was reached or given up."""
-        self._visited.append((x, y))
-
-    def watch(self, observation: Observation, grid: OccupancyGrid) -> None:
-        """Score the view and fuse the score into the value map.
+    def learn(self, view: ExplorationView) -> None:
+        """Score the view and fuse the score into the value map, which lasts for one goal.
 
         Raises:
             ModelUnavailableError: The scorer's model did not answer.
         """
-        self.value_map.integrate(observation, self._scorer.score(observation, self._goal))
+        score = self._scorer.score(view.observation, view.goal)
+        self._notes(view).values.integrate(view.observation, score)
 
-    def take_insight(self) -> Insight | None:
-        """The value map when another frontier was chosen; see `Explains` of core's abilities."""
-        chose, self._chose = self._chose, False
-        if not chose:
-            return None
-        world, every = self.value_map, _SHOWN_EVERY
-        values = world.values[::every, ::every]
-        shown = ValueImage.of(values, world.origin, every * self._mapping.cell_size_m)
-        return Insight(values=shown)
-
-    def next_destination(
-        self, grid: OccupancyGrid, robot: Pose2, trajectory: Sequence[tuple[float, float]]
-    ) -> Destination | None:
+    def next_destination(self, view: ExplorationView) -> Destination | None:
         """The frontier of the step before, as long as its value holds; else the best one."""
-        known = without_pockets(grid, self._config.least_pocket_m2)
+        notes = self._notes(view)
+        known = without_pockets(view.grid, self._config.least_pocket_m2)
         for clearance_m in self._clearances_m:
-            frontiers = find_frontiers(known, robot, self._mapping, clearance_m)
-            fresh = [one.destination for one in frontiers if not self._was_visited(one)]
+            frontiers = find_frontiers(known, view.robot, self._mapping, clearance_m)
+            fresh = [one.destination for one in frontiers if not self._was_visited(one, view)]
             if fresh:
-                return self._best(fresh)
-        self._latest = None
+                return self._best(fresh, notes)
+        notes.latest = None
         self._record("no frontier is left that can be reached")
         return None
 
-    def _best(self, positions: list[tuple[float, float]]) -> Destination:
+    def _notes(self, view: ExplorationView) -> "_Notes":
+        if _KEY not in view.notes:
+            values = ValueMap(self._config.map, self._camera, cell_size_m=self._mapping.cell_size_m)
+            view.notes[_KEY] = _Notes(values)
+        return view.notes[_KEY]
+
+    def _best(self, positions: list[tuple[float, float]], notes: "_Notes") -> Destination:
         points = np.array(positions)
-        scores = self.value_map.median_near(points, self._config.near_m)
+        scores = notes.values.median_near(points, self._config.near_m)
         chosen, why = int(scores.argmax()), "the best"
-        if self._latest is not None:
-            before, score_before = self._latest
+        if notes.latest is not None:
+            before, score_before = notes.latest
             away = np.hypot(*(points - before).T)
             nearest = int(away.argmin())
             is_same = away[nearest] <= self._config.near_m
@@ -144,13 +124,21 @@ class ValueFrontierExplorer:
                 chosen, why = nearest, "kept"
         x, y = positions[chosen]
         score = float(scores[chosen])
-        moved = self._latest is None or self._latest[0] != (x, y)
-        self._latest = (x, y), score
+        moved = notes.latest is None or notes.latest[0] != (x, y)
+        notes.latest = (x, y), score
         reason = f"frontier with value {score:.2f}, {why} of {len(positions)}"
+        insight = None
         if moved:
             self._record(reason)
-            self._chose = True
-        return Destination(x, y, reason=reason, most_steps=1)
+            insight = self._shown(notes.values)
+        return Destination(x, y, reason=reason, insight=insight, most_steps=1)
+
+    def _shown(self, world: ValueMap) -> Insight:
+        """The value map, for videos and pages."""
+        every = _SHOWN_EVERY
+        values = world.values[::every, ::every]
+        cell_m = every * self._mapping.cell_size_m
+        return Insight(values=ValueImage.of(values, world.origin, cell_m))
 
     def _record(self, answer: str) -> None:
         self._log.record(
@@ -162,11 +150,24 @@ class ValueFrontierExplorer:
             )
         )
 
-    def _was_visited(self, frontier: Frontier) -> bool:
+    def _was_visited(self, frontier: Frontier, view: ExplorationView) -> bool:
         return any(
             math.dist(frontier.destination, position) < self._config.visited_radius_m
-            for position in self._visited
+            for position in view.visits
         )
+
+
+@dataclass
+class _Notes:
+    """What the explorer notes: how well views fitted this goal, and its latest choice.
+
+    Attributes:
+        values: The value map.
+        latest: Position ``(x, y)`` of the frontier chosen last, metres, and its value.
+    """
+
+    values: ValueMap
+    latest: tuple[tuple[float, float], float] | None = None
 
 
 def without_pockets(grid: OccupancyGrid, least_m2: float) -> OccupancyGrid:

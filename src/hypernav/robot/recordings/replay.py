@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from hypernav.agents.search import SearchComponents
+from hypernav.agents.components import SearchComponents
 from hypernav.core.clock import ModuleClock
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.grid import OccupancyGrid
@@ -12,6 +12,7 @@ from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Mode, StepTrace
+from hypernav.mapping.memory.memory import Memory
 from hypernav.robot.recordings.recording import RecordedFrame, Recording
 from hypernav.robot.recordings.upright import world_to_map
 
@@ -99,19 +100,17 @@ def replayed(
     Raises:
         RecordingError: An image cannot be read.
     """
-    world_map, local = components.new_map(), components.local
-    if goal is not None:
-        local.reset(goal)
+    floor, local = Memory(components.mapping, components.embodiment).floor, components.local
     components.log.drain()
     frames = upright.recording.frames[::every]
     for number, frame in enumerate(frames):
         clock = ModuleClock()
         seen = upright.observation(frame)
         with clock("map"):
-            world_map.integrate(seen)
+            floor.integrate(seen)
         with clock("local"):
-            detections = [] if goal is None else local.look(seen)
-        target = None if goal is None else local.target
+            detections = [] if goal is None else local.look(seen, goal, floor)
+        target = None if goal is None else local.target(floor)
         trace = StepTrace(
             step=number,
             pose=(seen.robot.x, seen.robot.y, seen.robot.yaw),
@@ -124,4 +123,4 @@ def replayed(
             exchanges=components.log.drain(),
             seconds=clock.seconds,
         )
-        yield ReplayStep(seen, trace, world_map.grid)
+        yield ReplayStep(seen, trace, floor.map.grid)

@@ -1,37 +1,43 @@
-"""One step of a search as the phases see it, and the decision that they make."""
+"""One step of a search as the phases see it, and what they decide."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import Enum, auto
-from typing import Protocol
 
+from hypernav.agents.components import SearchComponents
+from hypernav.agents.config import SearchConfig
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
 from hypernav.core.embodiment import MotionConfig
+from hypernav.core.exploration import ExplorationView
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending, Mode
+from hypernav.mapping.memory.memory import Memory
+from hypernav.mapping.memory.target import Target
 
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """Everything that a phase may know about the present step, and where it notes what happened.
+    """Everything about the present step but memory and plan, and where phases note what happened.
 
     Attributes:
-        observation: Frame of this step.
-        grid: Map, with this frame in it.
-        trajectory: Positions of the robot so far, this one included; ``map`` frame, metres.
-        motion: Length of a step and angle of a turn.
+        number: Number of the step in the search, from 0.
+        goal: Target of the search.
+        observation: Frame of this step, with heights counted from the floor.
+        grid: Map of the floor, with this frame in it.
+        use: Components and configuration of the search.
         clock: Clock of the modules.
         events: Events worth finding again, for the trace.
     """
 
+    number: int
+    goal: Goal
     observation: Observation
     grid: OccupancyGrid
-    trajectory: Sequence[tuple[float, float]]
-    motion: MotionConfig
+    use: SearchComponents
     clock: ModuleClock
     events: list[str]
 
@@ -39,6 +45,34 @@ class Step:
     def robot(self) -> Pose2:
         """The robot's pose in the ``map`` frame."""
         return self.observation.robot
+
+    @property
+    def config(self) -> SearchConfig:
+        """Conditions of the search, for steps of this robot."""
+        return self.use.paced
+
+    @property
+    def motion(self) -> MotionConfig:
+        """Length of a step and angle of a turn."""
+        return self.use.embodiment.motion
+
+    def target(self, memory: Memory) -> Target | None:
+        """What is taken for the goal."""
+        return self.use.local.target(memory.floor)
+
+    def view(self, memory: Memory) -> ExplorationView:
+        """What explorers may know."""
+        floor = memory.floor
+        return ExplorationView(
+            goal=self.goal,
+            observation=self.observation,
+            grid=self.grid,
+            trajectory=floor.trajectory,
+            visits=floor.search.visits,
+            things=floor.sightings.things,
+            floor=memory.number,
+            notes=floor.search.notes,
+        )
 
 
 @dataclass(frozen=True)
@@ -60,8 +94,8 @@ class Decision:
     ending: Ending | None = None
 
 
-class PhaseName(Enum):
-    """Names of the phases, for handing a step on from one to another."""
+class Phase(Enum):
+    """The phases of a search, for handing a step on from one to another."""
 
     LOOK_AROUND = auto()
     EXPLORE = auto()
@@ -69,14 +103,6 @@ class PhaseName(Enum):
     VERIFY = auto()
     SECOND_LOOK = auto()
     END = auto()
-
-
-class Phase(Protocol):
-    """One phase of a search."""
-
-    def act(self, step: Step) -> Decision | PhaseName:
-        """Decide this step, or name the phase that has to."""
-        ...
 
 
 def turn_towards(robot: Pose2, point: tuple[float, float], motion: MotionConfig) -> Action | None:

@@ -7,7 +7,7 @@ import pytest
 
 from hypernav.core.geometry.boxes import Box
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.perception.local.visibility import (
+from hypernav.mapping.memory.visibility import (
     is_cut_off,
     lies_open,
     seems_to_hold,

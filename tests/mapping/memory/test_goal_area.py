@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 
 from certainty import certain
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.perception.local.goal_area import GoalArea, points_under_mask
+from hypernav.mapping.memory.goal_area import GoalArea, points_under_mask
 from images import thing_before_wall, thing_pixels
 
 coordinates = st.floats(-20, 20)

@@ -11,7 +11,7 @@ from jaxtyping import Bool, Float64
 from hypernav.core.geometry.bounds import has_cell
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.observation import Observation
-from hypernav.perception.local.visibility import lies_open
+from hypernav.mapping.memory.visibility import lies_open
 
 
 def points_under_mask(

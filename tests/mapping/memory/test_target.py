@@ -7,8 +7,8 @@ import pytest
 
 from certainty import certain
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
-from hypernav.perception.local.goal_area import GoalArea, points_under_mask
-from hypernav.perception.local.target import Target
+from hypernav.mapping.memory.goal_area import GoalArea, points_under_mask
+from hypernav.mapping.memory.target import Target
 from images import thing_before_wall, thing_pixels
 
 

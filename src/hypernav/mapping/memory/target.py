@@ -10,8 +10,8 @@ from jaxtyping import Bool, Float64
 from hypernav.core.geometry.boxes import Detection
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.observation import Observation
+from hypernav.mapping.memory.goal_area import GoalArea
 from hypernav.mapping.sight_lines import lines_are_clear
-from hypernav.perception.local.goal_area import GoalArea
 
 _LEAST_LIKELY = 0.05
 _BARRED_M = 0.4

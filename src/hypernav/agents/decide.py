@@ -1,0 +1,45 @@
+"""The decision of a step: one phase after another looks at it until one of them decides."""
+
+from collections.abc import Callable, Mapping
+
+from hypernav.agents.phases.approach import approach
+from hypernav.agents.phases.end import end
+from hypernav.agents.phases.explore import explore
+from hypernav.agents.phases.look_around import look_around
+from hypernav.agents.phases.second_look import second_look
+from hypernav.agents.phases.verify import verify
+from hypernav.agents.plan import Plan
+from hypernav.agents.step import Decision, Phase, Step
+from hypernav.mapping.memory.memory import Memory
+
+_PHASES: Mapping[Phase, Callable[[Step, Memory, Plan], tuple[Decision | Phase, Plan]]] = {
+    Phase.LOOK_AROUND: look_around,
+    Phase.EXPLORE: explore,
+    Phase.APPROACH: approach,
+    Phase.VERIFY: verify,
+    Phase.SECOND_LOOK: second_look,
+    Phase.END: end,
+}
+
+
+def decide(step: Step, memory: Memory, plan: Plan) -> tuple[Decision, Plan]:
+    """The decision of this step, and the plan that goes on from here."""
+    outcome, plan = _first_phase(step, memory, plan)
+    while isinstance(outcome, Phase):
+        outcome, plan = _PHASES[outcome](step, memory, plan)
+    return outcome, plan
+
+
+def _first_phase(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
+    """A goal in sight is gone to, unless the robot rests from trying."""
+    config, approaching = step.config, plan.approaching
+    must_finish_look = config.look_around_at_start and config.finish_first_look
+    if must_finish_look and step.number < step.motion.turns_of_a_circle:
+        return Phase.LOOK_AROUND, plan
+    if step.target(memory) is None:
+        return Phase.LOOK_AROUND, plan.approach(second_look=None).with_new_patience(config)
+    if approaching.rest_steps > 0 and not approaching.as_near_as_possible:
+        return Phase.LOOK_AROUND, plan.approach(rest_steps=approaching.rest_steps - 1)
+    if approaching.second_look is not None:
+        return Phase.SECOND_LOOK, plan
+    return Phase.APPROACH, plan

@@ -1,0 +1,145 @@
+"""The plan of a search: where to, by which path, with how much patience left."""
+
+import math
+from dataclasses import dataclass, field, replace
+
+from hypernav.agents.config import SearchConfig
+from hypernav.agents.patience import Endurance, Progress, patience_of
+from hypernav.core.actions import Action
+from hypernav.core.exploration import Destination
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.insight import Insight
+from hypernav.core.overview import Block
+from hypernav.planning.route import Route
+
+Position = tuple[float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Exploring:
+    """The part of the plan that leads to places where the goal may come into sight.
+
+    Attributes:
+        patience: Patience with the destination.
+        destination: Present destination; None if there is none.
+        route: Path to it.
+        age: Number of steps with it.
+        unasked: Number of steps since the explorer was asked.
+        expired: Destination whose steps are over, until the explorer has been asked again.
+        left: Destinations that were left for another since the last one that ended.
+        pursued: Positions to which far sightings of the goal were followed.
+        offered: Blocks of the map question of this step.
+        insight: What the explorer looked at in this step.
+    """
+
+    patience: Progress | Endurance
+    destination: Destination | None = None
+    route: Route = field(default_factory=Route)
+    age: int = 0
+    unasked: int = 0
+    expired: Destination | None = None
+    left: tuple[Position, ...] = ()
+    pursued: tuple[Position, ...] = ()
+    offered: tuple[Block, ...] = ()
+    insight: Insight | None = None
+
+    def towards(
+        self, destination: Destination, config: SearchConfig, *, left: tuple[Position, ...]
+    ) -> "Exploring":
+        """The plan with a destination of the explorer; the same as before keeps its patience."""
+        again = self.expired
+        arrival_m = destination.arrival_m or config.arrival_distance_m
+        is_same = again is not None and math.dist(again.xy, destination.xy) <= arrival_m
+        return replace(
+            self,
+            destination=destination,
+            expired=None,
+            offered=destination.blocks,
+            insight=destination.insight or self.insight,
+            unasked=0,
+            age=self.age if is_same else 0,
+            patience=self.patience if is_same else patience_of(config),
+            left=left,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Approaching:
+    """The part of the plan that leads to the goal.
+
+    Attributes:
+        patience: Patience with the target.
+        route: Path to the goal area.
+        inside: Path of the last step, into the goal area.
+        rest_steps: Number of steps for which the robot explores, because it was stuck.
+        as_near_as_possible: Whether the end of the nearest path must suffice, because the goal
+            comes first or because everything else is explored.
+        second_look: Position from which to look at the target from another side; None if no second
+            look is under way.
+        second_look_steps: Number of its steps.
+    """
+
+    patience: Progress | Endurance
+    route: Route = field(default_factory=Route)
+    inside: Route = field(default_factory=Route)
+    rest_steps: int = 0
+    as_near_as_possible: bool = False
+    second_look: Position | None = None
+    second_look_steps: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """What the robot intends. Every step replaces it; what the robot knows is in the memory.
+
+    Attributes:
+        exploring: Where to look for the goal.
+        approaching: How to get to it.
+        turns_left: Number of turns that are left of a turn around.
+        full_turn: Whether it is a full circle, whatever it shows.
+        looked_around_at: Position of the latest turn around; None if there was none.
+        ends: Positions at which nothing was left to explore.
+        ordered: Pose and action of the step before; None before the first.
+    """
+
+    exploring: Exploring
+    approaching: Approaching
+    turns_left: int = 0
+    full_turn: bool = True
+    looked_around_at: Position | None = None
+    ends: tuple[Position, ...] = ()
+    ordered: tuple[Pose2, Action] | None = None
+
+    @staticmethod
+    def at_start(config: SearchConfig, *, turns: int) -> "Plan":
+        """The first plan on a floor.
+
+        Args:
+            config: Conditions of the search.
+            turns: Number of turns to begin with.
+        """
+        patience = patience_of(config)
+        approaching = Approaching(patience, as_near_as_possible=config.local_first)
+        full_turn = config.looks != "always"
+        return Plan(Exploring(patience), approaching, turns_left=turns, full_turn=full_turn)
+
+    @property
+    def destination(self) -> Destination | None:
+        """Present destination of exploration."""
+        return self.exploring.destination
+
+    def explore(self, **changes: object) -> "Plan":
+        """The plan with some values of its exploration replaced."""
+        return replace(self, exploring=replace(self.exploring, **changes))
+
+    def approach(self, **changes: object) -> "Plan":
+        """The plan with some values of its approach replaced."""
+        return replace(self, approaching=replace(self.approaching, **changes))
+
+    def with_new_patience(self, config: SearchConfig) -> "Plan":
+        """The plan whose next approach begins with new patience."""
+        return self.approach(patience=patience_of(config))
+
+    def without_exploration(self) -> "Plan":
+        """The plan of a robot that goes to the goal: local perception wins (paper)."""
+        return replace(self.explore(destination=None), turns_left=0)
