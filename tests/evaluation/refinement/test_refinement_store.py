@@ -10,9 +10,8 @@ from hypernav.evaluation.refinement.store import LINES_FILE, RefinementStore
 from small_episodes import episode_from
 
 EPISODE = episode_from(Pose2(0.0, 0.0, 0.0))
-RECORD = replace(
-    AreaRecord.begun(EPISODE, BoxSource.TRUE, MaskSource.BOX), position=GoalPosition.OCCLUDED
-)
+AT = GoalPosition(in_obstacle=False, unreachable=False, occluded=True, fails=True)
+RECORD = replace(AreaRecord.begun(EPISODE, BoxSource.TRUE, MaskSource.RAW), position=AT)
 
 
 def written(folder):

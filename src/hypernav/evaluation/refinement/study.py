@@ -12,11 +12,9 @@ from hypernav.build.registries import DETECTORS, SEGMENTERS, Factory
 from hypernav.build.scenes import load_scene
 from hypernav.core.components.registry import Choice
 from hypernav.core.episode import Episode
-from hypernav.evaluation.refinement.area_record import AreaRecord, BoxSource, MaskSource
+from hypernav.evaluation.refinement.area_record import AreaRecord
 from hypernav.evaluation.refinement.episode_study import EpisodeStudy
-from hypernav.evaluation.refinement.example_image import Rgb
 from hypernav.evaluation.refinement.store import RefinementStore
-from hypernav.evaluation.refinement.summary import off_target_share
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.worlds.simulation import SimulatedWorld
 
@@ -54,36 +52,6 @@ def run_refinement_study(
         if episode.key not in store.done:
             store.add(episode, study.run(episode, *place.of(episode.scene_id)))
     return store.records
-
-
-def draw_typical_frame(
-    episodes: Sequence[Episode],
-    records: Sequence[AreaRecord],
-    config: HyPerNavConfig,
-    specs: ComponentSpecs,
-    *,
-    seed: int = 0,
-) -> Rgb | None:
-    """Draw a frame of the episode whose raw boxes are as far off the goal as half of all are.
-
-    Args:
-        episodes: All episodes.
-        records: Their records.
-        config: Configuration of the method that is studied.
-        specs: Its components.
-        seed: Seed of all noise.
-
-    Returns:
-        The image; None without records.
-    """
-    raw = [one for one in records if (one.box, one.mask) == (BoxSource.TRUE, MaskSource.BOX)]
-    raw = sorted((one for one in raw if one.seen > 0), key=off_target_share)
-    if not raw:
-        return None
-    typical = raw[len(raw) // 2]
-    episode = next(one for one in episodes if one.key == (typical.scene_id, typical.episode_id))
-    study, place = _study(config, specs, seed), _Place(config)
-    return study.draw(episode, *place.of(episode.scene_id), off_target_share(typical))
 
 
 class _Place:
