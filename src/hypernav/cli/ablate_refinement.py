@@ -12,10 +12,13 @@ from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.terminal import Terminal
 from hypernav.core.errors import ConfigError
+from hypernav.evaluation.refinement.area_record import EpisodeAreas
 from hypernav.evaluation.refinement.page import result_lines, write_refinement
-from hypernav.evaluation.refinement.store import RefinementStore
 from hypernav.evaluation.refinement.study import run_refinement_study
 from hypernav.evaluation.report.report_text import number_of
+from hypernav.evaluation.store.record_file import RecordFile
+from hypernav.evaluation.store.run_store import EPISODES_FILE
+from hypernav.evaluation.store.study_folder import held_folder
 
 
 def run_refinement(options: Options) -> ExitStatus:
@@ -34,10 +37,10 @@ def run_refinement(options: Options) -> ExitStatus:
         plan = plan_of(options, config)
         episodes = plan.episodes()
         told = plan.configuration(episodes) | {"study": "refinement", "parts": asdict(who.specs)}
-        with RefinementStore(folder, told) as store:
+        with held_folder(folder, told):
             records = run_refinement_study(
                 episodes,
-                store,
+                RecordFile(folder / EPISODES_FILE, EpisodeAreas),
                 config,
                 who.specs,
                 seed=options.seed,

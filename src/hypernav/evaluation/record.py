@@ -24,12 +24,31 @@ EpisodeKey = tuple[str, str]
 """Scene and episode, which together identify a record of a run."""
 
 
-class EpisodeRecord(BaseModel):
-    """The result of one episode. Everything but ``seconds`` is the same in every run of it.
+class EpisodeLine(BaseModel):
+    """What is kept of one episode in a line of ``episodes.jsonl``, whatever was measured.
 
     Attributes:
         scene_id: Name of the scene.
         episode_id: Name of the episode, unique within the scene.
+    """
+
+    model_config: ClassVar[ConfigDict] = ConfigDict(
+        frozen=True, extra="forbid", allow_inf_nan=False
+    )
+
+    scene_id: str
+    episode_id: str
+
+    @property
+    def key(self) -> EpisodeKey:
+        """Scene and episode, which identify the record."""
+        return (self.scene_id, self.episode_id)
+
+
+class EpisodeRecord(EpisodeLine):
+    """The result of one episode. Everything but ``seconds`` is the same in every run of it.
+
+    Attributes:
         goal: The object to find.
         group: Part of the data set that the episode belongs to ("unseen"); empty if there is none.
         outcome: How the episode ended.
@@ -56,12 +75,6 @@ class EpisodeRecord(BaseModel):
         seconds: Wall-clock time: "total", "world" (the simulator) and by module of the agent.
     """
 
-    model_config: ClassVar[ConfigDict] = ConfigDict(
-        frozen=True, extra="forbid", allow_inf_nan=False
-    )
-
-    scene_id: str
-    episode_id: str
     goal: str
     group: str = ""
     outcome: Outcome
@@ -85,11 +98,6 @@ class EpisodeRecord(BaseModel):
     tokens_out: int = 0
     saved: str = ""
     seconds: dict[str, float] = Field(default_factory=dict)
-
-    @property
-    def key(self) -> EpisodeKey:
-        """Scene and episode, which identify the record."""
-        return (self.scene_id, self.episode_id)
 
     @property
     def counts(self) -> bool:

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 
 from hypernav.core.episode import Episode
+from hypernav.evaluation.record import EpisodeLine
 from hypernav.evaluation.refinement.footprint import OffTarget
 from hypernav.evaluation.refinement.goal_position import GoalPosition
 
@@ -75,3 +76,14 @@ class AreaRecord:
             seen=self.seen + cells.seen,
             seen_off=self.seen_off + cells.seen_off,
         )
+
+
+class EpisodeAreas(EpisodeLine):
+    """What an episode gave: one line of the study's file.
+
+    Attributes:
+        areas: A record for every kind of box and mask; none where the goal was never within the
+            range of depth.
+    """
+
+    areas: tuple[AreaRecord, ...]

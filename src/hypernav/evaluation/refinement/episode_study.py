@@ -129,6 +129,8 @@ class EpisodeStudy:
         pixels = np.zeros((height, width), dtype=bool)
         x_min, y_min, x_max, y_max = box.clipped(width, height).pixels()
         pixels[y_min:y_max, x_min:x_max] = True
+        if not pixels.any():  # a jittered box may be a line
+            return dict.fromkeys(MaskSource)
         masks = {
             MaskSource.BOX: pixels,
             MaskSource.SEGMENTED: eroded(self._segmenter.segment(observation, box), local),

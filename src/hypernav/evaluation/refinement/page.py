@@ -6,19 +6,21 @@ from dataclasses import asdict, fields
 from pathlib import Path
 
 from hypernav.core.errors import OutputError
+from hypernav.evaluation.ablation.ablation_page import PAGE
+from hypernav.evaluation.ablation.figures import write_figure
 from hypernav.evaluation.refinement.area_record import AreaRecord
 from hypernav.evaluation.refinement.boxes import JITTER_SHARE, MATCHING_IOU
+from hypernav.evaluation.refinement.figure import shares_figure
 from hypernav.evaluation.refinement.goal_position import GoalPosition
 from hypernav.evaluation.refinement.summary import MEASURES, Measure, Row, table
 from hypernav.evaluation.report.report_text import number_of
 from hypernav.show.pages.templating import page_environment
 
-PAGE = "index.html"
 CSV = "refinement.csv"
 
 
 def write_refinement(folder: Path, records: Sequence[AreaRecord], *, lead: str) -> Path:
-    """Write the page and ``refinement.csv``.
+    """Write the page, the figure and ``refinement.csv``.
 
     Args:
         folder: Folder of the study.
@@ -31,15 +33,21 @@ def write_refinement(folder: Path, records: Sequence[AreaRecord], *, lead: str) 
     Raises:
         OutputError: The folder can't be written.
     """
+    rows = table(records)
     page = page_environment("hypernav.evaluation").get_template("refinement.html.j2")
-    text = page.render(
-        rows=table(records),
-        lead=lead,
-        measures=MEASURES,
-        jitter=JITTER_SHARE,
-        iou=MATCHING_IOU,
-    )
     try:
+        text = page.render(
+            title="Goal refinement",
+            lead=lead,
+            verdicts=(),
+            warnings=(),
+            rows=rows,
+            measures=MEASURES,
+            figure=write_figure(folder, lambda: shares_figure(rows)) if rows else "",
+            figure_title="What becomes of a box",
+            jitter=JITTER_SHARE,
+            iou=MATCHING_IOU,
+        )
         (folder / PAGE).write_text(text, encoding="utf-8")
         _write_csv(folder / CSV, records)
     except OSError as error:

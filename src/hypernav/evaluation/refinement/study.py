@@ -12,27 +12,27 @@ from hypernav.build.registries import DETECTORS, SEGMENTERS, Factory
 from hypernav.build.scenes import load_scene
 from hypernav.core.components.registry import Choice
 from hypernav.core.episode import Episode
-from hypernav.evaluation.refinement.area_record import AreaRecord
+from hypernav.evaluation.refinement.area_record import AreaRecord, EpisodeAreas
 from hypernav.evaluation.refinement.episode_study import EpisodeStudy
-from hypernav.evaluation.refinement.store import RefinementStore
+from hypernav.evaluation.store.record_file import RecordFile
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.worlds.simulation import SimulatedWorld
 
 
 def run_refinement_study(
     episodes: Sequence[Episode],
-    store: RefinementStore,
+    file: RecordFile[EpisodeAreas],
     config: HyPerNavConfig,
     specs: ComponentSpecs,
     *,
     seed: int = 0,
     watch: Callable[[int, int], None] | None = None,
 ) -> list[AreaRecord]:
-    """Study all episodes that the store doesn't hold yet.
+    """Study all episodes that the file doesn't hold yet.
 
     Args:
         episodes: All episodes, the finished ones included.
-        store: Folder of the study, open.
+        file: What the study has found so far.
         config: Configuration of the method that is studied.
         specs: Its components. The detector, if one is named, gives the boxes of a third source, and
             the segmenter refines; the robot itself is driven by ground truth.
@@ -40,7 +40,7 @@ def run_refinement_study(
         watch: Function that is called with the numbers of finished and of all episodes.
 
     Returns:
-        The records of all episodes.
+        The records of all episodes, in the order of scenes and episodes.
 
     Raises:
         HyPerNavError: A component can't be built, a scene can't be opened, or the disk is full.
@@ -48,10 +48,12 @@ def run_refinement_study(
     study, place = _study(config, specs, seed), _Place(config)
     for episode in episodes:
         if watch is not None:
-            watch(len(store.done), len(episodes))
-        if episode.key not in store.done:
-            store.add(episode, study.run(episode, *place.of(episode.scene_id)))
-    return store.records
+            watch(len(file.records), len(episodes))
+        if episode.key not in file.records:
+            areas = study.run(episode, *place.of(episode.scene_id))
+            scene_id, episode_id = episode.key
+            file.add(EpisodeAreas(scene_id=scene_id, episode_id=episode_id, areas=tuple(areas)))
+    return [area for _, one in sorted(file.records.items()) for area in one.areas]
 
 
 class _Place:
