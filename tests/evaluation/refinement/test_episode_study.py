@@ -3,7 +3,7 @@ import pytest
 
 from box_scenes import room_boxes, scene_of
 from hypernav.build.agents import build_agent
-from hypernav.core.geometry.boxes import Box, Detection
+from hypernav.core.geometry.boxes import Detection
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.evaluation.refinement.area_record import BoxSource, MaskSource
 from hypernav.evaluation.refinement.episode_study import EpisodeStudy
@@ -116,14 +116,6 @@ def test_a_raw_area_is_what_was_seen_and_the_others_are_dilated():
     assert raw is not None
     assert box is not None
     assert len(raw.points) == len(raw.seen_points) == len(box.seen_points) < len(box.points)
-
-
-def test_a_box_without_a_pixel_gives_no_area():
-    config, world, renderer = gap_between_two_posts()
-    parts = study(config)
-    frame = next(parts.frames(START, world, renderer))
-    line = Box(10.0, 10.0, 10.0, 20.0)
-    assert parts.areas(frame, line) == dict.fromkeys(MaskSource)
 
 
 def test_dilation_brings_the_goal_out_of_the_obstacle(posts):

@@ -18,7 +18,7 @@ from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.observation import Observation
 from hypernav.core.world import GoalTruth
 from hypernav.evaluation.refinement.area_record import AreaRecord, BoxSource, MaskSource
-from hypernav.evaluation.refinement.boxes import jittered, matching
+from hypernav.evaluation.refinement.boxes import is_wide_enough, jittered, matching
 from hypernav.evaluation.refinement.footprint import Footprint, OffTarget
 from hypernav.evaluation.refinement.goal_position import judge_position
 from hypernav.perception.local.config import LocalConfig
@@ -129,8 +129,6 @@ class EpisodeStudy:
         pixels = np.zeros((height, width), dtype=bool)
         x_min, y_min, x_max, y_max = box.clipped(width, height).pixels()
         pixels[y_min:y_max, x_min:x_max] = True
-        if not pixels.any():  # a jittered box may be a line
-            return dict.fromkeys(MaskSource)
         masks = {
             MaskSource.BOX: pixels,
             MaskSource.SEGMENTED: eroded(self._segmenter.segment(observation, box), local),
@@ -169,7 +167,7 @@ class EpisodeStudy:
             found = matching(true, detector.detect(observation, episode.goal))
             if found is not None:
                 boxes[BoxSource.DETECTED] = found
-        return boxes
+        return {source: box for source, box in boxes.items() if is_wide_enough(box)}
 
     def _detector_for(self, episode: Episode) -> Detector | None:
         """The detector, unless it can never see the episode's goal."""
