@@ -58,6 +58,8 @@ class EpisodeRecord(EpisodeLine):
         spl: Success weighted by path length, under the run's own protocol.
         soft_spl: Progress weighted by path length, under the run's own protocol.
         distance_to_goal_m: Geodesic distance from the end to the nearest view point.
+        distance_to_object_m: Distance in the plane from the end to the surface of the nearest goal
+            object on that storey; None if there is none, or in records of earlier versions.
         shortest_path_m: Geodesic distance from the start to the nearest view point.
         path_length_m: Sum of the displacements in space.
         explored_m: Length of the path until the goal was first in the image; None if it never was.
@@ -89,6 +91,7 @@ class EpisodeRecord(EpisodeLine):
     explored_m: float | None = None
     approached_m: float | None = None
     shortest_from_sight_m: Length = math.inf
+    distance_to_object_m: float | None = None
     stopped: bool
     steps: int
     model_calls: int
