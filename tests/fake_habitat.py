@@ -4,21 +4,31 @@ It draws what our renderer draws, and walks on the mesh as our reader reads it; 
 a camera in the scene is its own arithmetic, from the quaternion on.
 """
 
+import sys
+from collections.abc import Sequence
 from enum import Enum
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+import pytest
 
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Transform
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
+from hypernav.worlds.habitat import graphics
 from hypernav.worlds.navmesh.goal_paths import GoalPaths
 from hypernav.worlds.navmesh.navmesh import Navmesh
 from hypernav.worlds.scans.layout import ScanFiles
 from hypernav.worlds.scans.loading import open_scene
 from hypernav.worlds.scenes.scene import Scene
+
+
+def install(monkeypatch: pytest.MonkeyPatch, cuda: Sequence[int | None] = (None,)) -> None:
+    """Let `import habitat_sim` find this module, on a machine with these devices of EGL."""
+    monkeypatch.setitem(sys.modules, "habitat_sim", sys.modules[__name__])
+    monkeypatch.setattr(graphics, "egl_devices", lambda: list(cuda))
 
 
 class SensorType(Enum):
@@ -137,6 +147,9 @@ class _Agent:
 
 class Simulator:
     def __init__(self, configuration: Configuration) -> None:
+        device = configuration.sim_cfg.gpu_device_id
+        if device not in (-1, *graphics.egl_devices()):
+            raise SystemExit(f"unable to find CUDA device {device}")  # the real one ends, too
         path = Path(configuration.sim_cfg.scene_id)
         scene = open_scene(path)
         # The real one has a mesh already, but one that it may have computed for another robot.

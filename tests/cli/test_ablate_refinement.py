@@ -5,9 +5,9 @@ import pytest
 from eval_runs import SMALL, write_room
 from hypernav.cli.main import main
 from hypernav.evaluation.refinement.page import result_lines
-from hypernav.evaluation.refinement.store import LINES_FILE
+from hypernav.evaluation.store.run_store import EPISODES_FILE
 
-FILES = ("index.html", "refinement.csv", "example.png")
+FILES = ("index.html", "refinement.csv", "figure.svg", "figure.png")
 
 
 def ablate(*arguments):
@@ -33,18 +33,18 @@ def command(room, folder):
     return ablate(f"scene:{room}#1", "--of", "paper", "--max-steps", "12", "--out", folder)
 
 
-def test_a_study_leaves_a_page_a_table_and_an_image(studied):
+def test_a_study_leaves_a_page_a_table_and_a_figure(studied):
     assert all((studied / name).stat().st_size > 0 for name in FILES)
     with (studied / "refinement.csv").open() as file:
         rows = list(csv.DictReader(file))
-    assert {row["mask"] for row in rows} == {"raw box", "refined", "true mask"}
+    assert {row["mask"] for row in rows} == {"raw box", "dilated box", "refined", "true mask"}
     assert {row["box"] for row in rows} == {"true", "jittered"}
 
 
 @pytest.mark.slow
 def test_a_study_that_goes_on_is_like_one_that_was_never_interrupted(studied, room):
     files = {name: (studied / name).read_bytes() for name in FILES}
-    lines = studied / LINES_FILE
+    lines = studied / EPISODES_FILE
     lines.write_bytes(lines.read_bytes().splitlines(keepends=True)[0])
     assert command(room, studied) == 0
     assert {name: (studied / name).read_bytes() for name in FILES} == files

@@ -19,7 +19,8 @@ def data(benchmark_data, tmp_path_factory):
     ("name", "camera", "body", "forward_m", "success_m"),
     [
         ("hm3d", (640, 480, 79.0, 0.88), (0.18, 1.0), 0.25, 0.1),
-        ("hypernav-paper", (640, 480, 79.0, 0.88), (0.18, 1.0), 0.5, 0.1),
+        ("hypernav-paper-hm3d", (640, 480, 79.0, 0.88), (0.18, 1.0), 0.5, 0.1),
+        ("hypernav-paper-ovon", (360, 640, 42.0, 1.31), (0.17, 1.41), 0.5, 0.25),
         ("mp3d", (640, 480, 79.0, 0.88), (0.18, 1.0), 0.25, 0.1),
         ("ovon", (360, 640, 42.0, 1.31), (0.17, 1.41), 0.25, 0.25),
     ],
@@ -36,9 +37,11 @@ def test_the_published_robots_and_limits(name, camera, body, forward_m, success_
 
 def test_a_data_set_follows_its_own_benchmark_unless_another_is_named():
     assert benchmark_of("ovon:data#val_unseen") is BENCHMARKS["ovon"]
-    assert benchmark_of("hm3d:data", "hypernav-paper") is BENCHMARKS["hypernav-paper"]
+    paper = BENCHMARKS["hypernav-paper-hm3d"]
+    assert benchmark_of("hm3d:data", "hypernav-paper-hm3d") is paper
+    assert benchmark_of("hypernav-paper-hm3d:data") is paper
     assert benchmark_of("houses-val") is None
-    with pytest.raises(ConfigError, match="use hm3d, hypernav-paper, mp3d, ovon"):
+    with pytest.raises(ConfigError, match="use hm3d, mp3d, ovon, hypernav-paper-hm3d, "):
         benchmark_of("houses-val", "hm4d")
 
 

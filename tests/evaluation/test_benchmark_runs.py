@@ -16,6 +16,8 @@ from hypernav.cli.main import main
 from hypernav.core.episode import Outcome
 from hypernav.core.errors import EpisodeError
 from hypernav.evaluation.datasets import load_episodes, select
+from hypernav.evaluation.report.report_text import warnings
+from hypernav.evaluation.report.run_data import load_runs
 from hypernav.evaluation.run_plan import RunPlan, Selection
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
 from scan_writers.buildings import STOREY_M
@@ -133,13 +135,44 @@ def test_the_command_takes_the_robot_and_the_limits_of_the_benchmark(benchmark_d
 def test_another_benchmark_and_single_values_win():
     who = AgentOptions(set=("embodiment.camera.width=160",))
     options = Options(
-        "hm3d:data", who, benchmark="hypernav-paper", success_distance=1.0, max_steps=3
+        "hm3d:data", who, benchmark="hypernav-paper-hm3d", success_distance=1.0, max_steps=3
     )
     config = config_of(options)
     assert config.embodiment.motion.forward_m == 0.5
     assert config.embodiment.camera.width == 160
     plan = plan_of(options, config)
     assert (plan.max_steps, plan.success_distance_m) == (3, 1.0)
+
+
+def test_the_papers_goals_go_by_the_words_of_the_files(benchmark_data):
+    dataset = f"hm3d:{benchmark_data}#v1/val"
+    plan = RunPlan(dataset, benchmark="hypernav-paper-hm3d")
+    asked = [episode.goal.text for episode in plan.episodes()]
+    named = load_episodes(f"hypernav-paper-{dataset}")
+    words = ["chair", "plant", "tv monitor", "sofa"]
+    assert asked == [episode.goal.text for episode in named] == words
+    chosen = replace(plan, selection=Selection(goals="plant")).episodes()
+    assert [episode.goal.text for episode in chosen] == ["plant"]
+
+
+def test_the_papers_segmenter_has_to_be_named_and_what_stands_in_is_said(
+    benchmark_data, tmp_path, capsys
+):
+    split = (f"hm3d:{benchmark_data}#v1/val", "--benchmark", "hypernav-paper-hm3d")
+    quick = ("--max-steps", "2", "--workers", "1", "--episodes", "0:1", *SMALL)
+    command = ("eval", *split, *quick, "--out", tmp_path / "run")
+    assert hypernav(*command) == 2
+    assert "is run with MobileSAM: name its files, --segmenter" in capsys.readouterr().err
+    assert hypernav(*command, "--segmenter", "depth-cut") == 0
+    said = capsys.readouterr().err
+    assert "10 scenes of HM3D's val" in said
+    run = json.loads((tmp_path / "run" / "run.json").read_text())["configuration"]
+    assert run["benchmark"] == "hypernav-paper-hm3d"
+    assert run["who"]["segmenter"].endswith("in place of MobileSAM")
+    (warned,) = [
+        one for one in warnings(load_runs([tmp_path / "run"])) if "hypernav-paper-hm3d" in one
+    ]
+    assert "its success distance and its camera are not stated" in warned
 
 
 def test_a_run_in_which_nothing_could_be_scored_fails_in_one_line(own_data, tmp_path, capsys):

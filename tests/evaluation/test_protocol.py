@@ -10,6 +10,7 @@ from hypernav.evaluation.protocol import (
     PROTOCOLS,
     SUCCESS_DISTANCES_M,
     EvaluationProtocol,
+    Reference,
     StopRule,
 )
 
@@ -69,7 +70,30 @@ def test_spl_and_soft_spl_by_hand(shortest, path, distance, spl, soft_spl):
 
 
 def test_every_distance_is_scored_under_both_rules():
-    assert len(PROTOCOLS) == len(set(PROTOCOLS)) == 2 * len(SUCCESS_DISTANCES_M) == 10
+    assert len(PROTOCOLS) == len(set(PROTOCOLS)) == 2 * (len(SUCCESS_DISTANCES_M) + 1) == 12
+
+
+@pytest.mark.parametrize(
+    ("to_object", "stopped", "rule", "success"),
+    [
+        (0.9, True, StopRule.STOP_REQUIRED, True),
+        (0.9, False, StopRule.STOP_REQUIRED, False),
+        (0.9, False, TIMEOUT, True),
+        (1.0, True, StopRule.STOP_REQUIRED, False),
+        (None, True, StopRule.STOP_REQUIRED, False),
+    ],
+)
+def test_the_distance_to_the_object_is_a_protocol_of_its_own(to_object, stopped, rule, success):
+    protocol = EvaluationProtocol(1.0, rule, Reference.OBJECT)
+    ending = record(distance_to_goal_m=3.0, distance_to_object_m=to_object, stopped=stopped)
+    assert protocol.score(ending).success is success
+    assert not EvaluationProtocol(1.0, rule).score(ending).success
+
+
+def test_records_of_earlier_versions_cannot_be_scored_by_the_object():
+    protocol = EvaluationProtocol(1.0, reference=Reference.OBJECT)
+    assert not protocol.can_score([record()])
+    assert protocol.can_score([record(), record("1", distance_to_object_m=0.5)])
 
 
 @given(distance=LENGTHS, shortest=LENGTHS, path=LENGTHS, stopped=st.booleans())

@@ -173,7 +173,7 @@ def test_a_full_disk_dismisses_the_crew(tmp_path, monkeypatch):
         raise RunFolderError("no space left on device")
 
     pool = FakePool()
-    monkeypatch.setattr("hypernav.evaluation.store.run_store.append_line", full)
+    monkeypatch.setattr("hypernav.evaluation.store.record_file.append_line", full)
     with pytest.raises(RunFolderError, match="no space"):
         run(tmp_path, pool)
     assert pool.closed

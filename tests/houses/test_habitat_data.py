@@ -3,7 +3,6 @@
 import gzip
 import json
 import math
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,7 @@ import pytest
 from scipy.spatial import KDTree
 
 import fake_habitat
+from hypernav.cli.main import main
 from hypernav.core.errors import EpisodeError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.datasets.habitat_frames import positions_from_habitat
@@ -207,7 +207,7 @@ def test_our_own_evaluation_of_the_files_is_that_of_the_houses(data, cache, tmp_
 
 def test_in_habitat_the_files_measure_what_they_say(data, tmp_path, monkeypatch):
     """habitat-sim's stand-in draws and numbers the instances as the files say."""
-    monkeypatch.setitem(sys.modules, "habitat_sim", fake_habitat)
+    fake_habitat.install(monkeypatch)
     said = json.loads(gzip.decompress(next(data.episodes.parent.rglob("house_*")).read_bytes()))
     worker = EpisodeWorker(Job(tmp_path, small_config(), world="habitat"))
     for episode, entry in zip(
@@ -219,7 +219,7 @@ def test_in_habitat_the_files_measure_what_they_say(data, tmp_path, monkeypatch)
 
 
 def test_habitats_instances_are_ours(episodes, monkeypatch):
-    monkeypatch.setitem(sys.modules, "habitat_sim", fake_habitat)
+    fake_habitat.install(monkeypatch)
     path = Path(episodes[0]["scene_id"])
     scene, robot = open_scene(path), small_config().embodiment
     habitat = HabitatRenderer(scene, path, robot)
@@ -231,6 +231,15 @@ def test_habitats_instances_are_ours(episodes, monkeypatch):
     assert len(np.unique(ours.instance_ids)) > 5
     assert np.array_equal(theirs.instance_ids, ours.instance_ids)
     habitat.close()
+
+
+def test_an_export_is_compared_on_its_own_mesh(data, monkeypatch, capsys):
+    fake_habitat.install(monkeypatch)
+    scene = next(data.scenes.rglob(f"house_{NUMBER}.glb"))
+    with pytest.raises(SystemExit) as stop:
+        main(["compare", str(scene), "--poses", "4"])
+    assert capsys.readouterr().out.startswith(f"both walk on house_{NUMBER}.navmesh")
+    assert stop.value.code == 0
 
 
 def test_a_folder_that_cannot_be_written_is_an_error(data, cache, tmp_path, monkeypatch):

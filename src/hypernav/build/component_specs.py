@@ -15,7 +15,7 @@ PresetName = Literal[
     "pivot-as-released",
 ]
 
-BenchmarkName = Literal["hm3d", "mp3d", "ovon", "hypernav-paper"]
+BenchmarkName = Literal["hm3d", "mp3d", "ovon", "hypernav-paper-hm3d", "hypernav-paper-ovon"]
 """Benchmarks whose published robot and limits a run can take (`hypernav.datasets.benchmarks`)."""
 
 WorldName = Literal["native", "habitat"]

@@ -12,10 +12,13 @@ from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.terminal import Terminal
 from hypernav.core.errors import ConfigError
+from hypernav.evaluation.refinement.area_record import EpisodeAreas
 from hypernav.evaluation.refinement.page import result_lines, write_refinement
-from hypernav.evaluation.refinement.store import RefinementStore
-from hypernav.evaluation.refinement.study import draw_typical_frame, run_refinement_study
+from hypernav.evaluation.refinement.study import run_refinement_study
 from hypernav.evaluation.report.report_text import number_of
+from hypernav.evaluation.store.record_file import RecordFile
+from hypernav.evaluation.store.run_store import EPISODES_FILE
+from hypernav.evaluation.store.study_folder import held_folder
 
 
 def run_refinement(options: Options) -> ExitStatus:
@@ -34,24 +37,22 @@ def run_refinement(options: Options) -> ExitStatus:
         plan = plan_of(options, config)
         episodes = plan.episodes()
         told = plan.configuration(episodes) | {"study": "refinement", "parts": asdict(who.specs)}
-        with RefinementStore(folder, told) as store:
+        with held_folder(folder, told):
             records = run_refinement_study(
                 episodes,
-                store,
+                RecordFile(folder / EPISODES_FILE, EpisodeAreas),
                 config,
                 who.specs,
                 seed=options.seed,
                 watch=lambda done, total: status.update(f"{done} of {total} episodes …"),
             )
-        status.update("drawing a typical frame …")
-        example = draw_typical_frame(episodes, records, config, who.specs, seed=options.seed)
     seen = len({(record.scene_id, record.episode_id) for record in records})
     lead = (
         f"What the preset {who.preset} makes of boxes of the goal, raw and refined, in the "
         f"{seen} of {number_of(len(episodes), 'episode')} of {options.dataset} that show it within "
         f"the range of depth; refined by {who.segmenter or 'depth-cut'}."
     )
-    page = write_refinement(folder, records, example, lead=lead)
+    page = write_refinement(folder, records, lead=lead)
     for line in result_lines(records):
         console.print(line, soft_wrap=True)
     console.print(f"open {page}", soft_wrap=True)

@@ -2,6 +2,7 @@
 
 import os
 from contextlib import closing
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from hypernav.core.config import check_option
 from hypernav.core.errors import SceneError
 from hypernav.datasets.benchmarks import BENCHMARKS
 from hypernav.evaluation.world_comparison import PoseComparison, compare_worlds
-from hypernav.worlds.habitat.simulator import require_habitat
+from hypernav.worlds.habitat.simulator import navmesh_of, require_habitat
 
 _MOST_POSES = 10_000
 
@@ -41,8 +42,18 @@ def run(options: Options) -> int:
     scene_id = str(options.scene)
     with console.status("opening the scene in both simulators …"):
         scene = load_scene(scene_id)
+        navmesh = navmesh_of(scene, options.scene)
+        # A house that was exported is walked on our own surface elsewhere: the same is compared.
+        scene = replace(scene, navmesh=navmesh)
         native = open_world(scene, scene_id, config)
         habitat = open_world(scene, scene_id, config, "habitat")
+    surface = (
+        f"both walk on {navmesh.name}"
+        if navmesh is not None
+        else "there is no navigation mesh beside the scene: habitat-sim walks on the one that it "
+        "computed, and we on the surface that we do, so steps and paths may differ"
+    )
+    console.print(surface, markup=False)
     rng = np.random.default_rng(options.seed)
     with closing(native.world), closing(habitat.world):
         found = []

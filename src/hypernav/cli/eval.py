@@ -131,6 +131,13 @@ def check(options: Options) -> None:
         check_option("--workers", options.workers, (1, MOST_THREADS), "at least one is needed")
     if options.world == "habitat":
         require_habitat()
+    benchmark = benchmark_of(options.dataset, options.benchmark)
+    if benchmark is not None and benchmark.segmenter and options.who.segmenter is None:
+        raise ConfigError(
+            f"{benchmark.name} is run with {benchmark.segmenter}: name its files, --segmenter "
+            "onnx-sam:mobile_sam_encoder.onnx,mobile_sam_decoder.onnx, or what stands in for it, "
+            "such as --segmenter depth-cut, which results and reports then say"
+        )
     if options.who.record is not None:
         raise ConfigError(
             "--record is for single searches: use it with hypernav find; an evaluation keeps "
@@ -150,13 +157,23 @@ def planned(options: Options, console: Console) -> tuple[RunPlan, list[Episode]]
         episodes = plan.episodes(
             lambda done, total: status.update(f"loading the episodes, {done} of {total} …")
         )
+        benchmark = benchmark_of(options.dataset, options.benchmark)
+        for caveat in () if benchmark is None else benchmark.caveats:
+            console.print(f"[yellow]{escape(caveat)}[/]", soft_wrap=True)
         return replace(plan, who=_who(options, config, episodes, console)), episodes
 
 
 def config_of(options: Options) -> HyPerNavConfig:
     """The whole configuration, with the robot of the benchmark that the run follows."""
     benchmark = benchmark_of(options.dataset, options.benchmark)
-    return options.who.resolve(None if benchmark is None else benchmark.embodiment)
+    if benchmark is None:
+        return options.who.resolve()
+    config = options.who.resolve(benchmark.embodiment)
+    # Whatever the preset misses: what stands in for the stated segmenter is told everywhere.
+    local = config.local.model_copy(
+        update={"published_segmenter": config.local.published_segmenter or benchmark.segmenter}
+    )
+    return config.model_copy(update={"local": local})
 
 
 def plan_of(options: Options, config: HyPerNavConfig) -> RunPlan:
@@ -178,6 +195,7 @@ def plan_of(options: Options, config: HyPerNavConfig) -> RunPlan:
         seed=options.seed,
         scenes_dir=options.scenes_dir,
         world=options.world,
+        benchmark=options.benchmark,
     )
 
 

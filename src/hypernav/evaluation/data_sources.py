@@ -48,6 +48,8 @@ class DatasetRequest:
         simulation: How the robot is simulated, for data sets that draw starts.
         embodiment: Body, camera and motion of the robot, for data sets that draw starts.
         scenes_dir: Folder of scene files; None takes that of the episode file.
+        as_in_files: Whether goals are asked for by the words of the episode files, also where the
+            data set has words of its own.
         progress: Function that is called with the progress of loading.
     """
 
@@ -56,6 +58,7 @@ class DatasetRequest:
     simulation: SimulationConfig = field(default_factory=SimulationConfig)
     embodiment: Embodiment = field(default_factory=Embodiment)
     scenes_dir: Path | None = None
+    as_in_files: bool = False
     progress: Progress | None = None
 
     def tell(self, done: int, total: int) -> None:
@@ -135,7 +138,8 @@ def benchmark_episodes(name: str, request: DatasetRequest) -> list[Episode]:
     benchmark, folder = BENCHMARKS[name], Path(request.argument)
     split = split_of(benchmark, folder, request.part)
     scene_of = partial(_scene_of, benchmark, request.scenes_dir or folder)
-    return read_split(split.path, scene_of, benchmark.words, request.tell)
+    words = {} if request.as_in_files else benchmark.words
+    return read_split(split.path, scene_of, words, request.tell)
 
 
 def _scene_of(benchmark: Benchmark, folder: Path, scene_id: str) -> str:

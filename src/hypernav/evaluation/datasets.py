@@ -23,6 +23,7 @@ def load_episodes(
     embodiment: Embodiment | None = None,
     *,
     scenes_dir: Path | None = None,
+    as_in_files: bool = False,
     progress: Progress | None = None,
 ) -> list[Episode]:
     """All episodes of a data set, in its order.
@@ -36,6 +37,8 @@ def load_episodes(
         simulation: How the robot is simulated, for data sets that draw starts.
         embodiment: Body, camera and motion of the robot, for data sets that draw starts.
         scenes_dir: Folder of the scenes that an episode file names; by default the file's own.
+        as_in_files: Whether goals are asked for by the words of the episode files, also where the
+            data set has words of its own.
         progress: Function that is called with the progress of loading.
 
     Raises:
@@ -54,6 +57,7 @@ def load_episodes(
             simulation=simulation or SimulationConfig(),
             embodiment=embodiment or Embodiment(),
             scenes_dir=scenes_dir,
+            as_in_files=as_in_files,
             progress=progress,
         )
     )

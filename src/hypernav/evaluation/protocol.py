@@ -1,18 +1,23 @@
 """The protocols under which an episode is scored.
 
-Publications differ in two things. The success distance runs from 0.1 m (Habitat's challenges) to
-1.0 m. And some count a robot that runs out of steps beside the goal without STOP. A record keeps
-the lengths that all of them need, so no episode has to be run again.
+Publications differ in three things. The success distance runs from 0.1 m (Habitat's challenges) to
+1.0 m. It is measured from a view point or, by some, from the object itself. And some count a robot
+that runs out of steps beside the goal without STOP. A record keeps the lengths that all of them
+need, so no episode has to be run again.
 """
 
-from dataclasses import dataclass
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 from hypernav.core.metrics import SUCCESS_DISTANCE_M, EpisodeMetrics, measure
 from hypernav.evaluation.record import EpisodeRecord
 
 SUCCESS_DISTANCES_M = (0.1, 0.2, 0.25, 0.3, 1.0)
-"""All success distances that results are scored under."""
+"""All success distances from view points that results are scored under."""
+OBJECT_DISTANCE_M = 1.0
+"""The distance from the object that results are scored under, besides."""
 
 
 class StopRule(StrEnum):
@@ -24,30 +29,63 @@ class StopRule(StrEnum):
     """An episode that ends near the goal is a success, however it ended."""
 
 
+class Reference(StrEnum):
+    """What the success distance is measured from."""
+
+    VIEW_POINT = "view point"
+    """The nearest view point, geodesic (Habitat)."""
+    OBJECT = "object"
+    """The surface of the nearest goal object, straight and in the plane, also through a wall."""
+
+
 @dataclass(frozen=True)
 class EvaluationProtocol:
     """A success distance with a stop rule.
 
     Attributes:
-        success_distance_m: Geodesic distance to the nearest view point that counts as reached.
+        success_distance_m: Distance that counts as reached, metres.
         stop_rule: Whether a success needs a STOP.
+        reference: What that distance is measured from.
     """
 
     success_distance_m: float = SUCCESS_DISTANCE_M
     stop_rule: StopRule = StopRule.STOP_REQUIRED
+    reference: Reference = Reference.VIEW_POINT
+
+    @property
+    def reached(self) -> str:
+        """What counts as reached, in words."""
+        near = f"within {self.success_distance_m:g} m"
+        return near if self.reference is Reference.VIEW_POINT else f"{near} of the object"
 
     def score(self, record: EpisodeRecord) -> EpisodeMetrics:
-        """The measures of an episode under this protocol."""
+        """The measures of an episode under this protocol.
+
+        The shortest path of SPL leads to the nearest view point under every protocol.
+        """
+        distance_m = record.distance_to_goal_m
+        if self.reference is Reference.OBJECT:
+            to_object_m = record.distance_to_object_m
+            distance_m = math.inf if to_object_m is None else to_object_m
         return measure(
             stopped=record.stopped or self.stop_rule is StopRule.TIMEOUT_COUNTS,
-            distance_to_goal_m=record.distance_to_goal_m,
+            distance_to_goal_m=distance_m,
             shortest_path_m=record.shortest_path_m,
             path_length_m=record.path_length_m,
             success_distance_m=self.success_distance_m,
         )
 
+    def can_score(self, records: Sequence[EpisodeRecord]) -> bool:
+        """Whether records hold what the protocol asks for; earlier versions lack the object's."""
+        return self.reference is Reference.VIEW_POINT or any(
+            record.distance_to_object_m is not None for record in records
+        )
 
-PROTOCOLS = tuple(
-    EvaluationProtocol(distance, rule) for rule in StopRule for distance in SUCCESS_DISTANCES_M
+
+_REACHES = (
+    *(EvaluationProtocol(distance) for distance in SUCCESS_DISTANCES_M),
+    EvaluationProtocol(OBJECT_DISTANCE_M, reference=Reference.OBJECT),
 )
+
+PROTOCOLS = tuple(replace(reach, stop_rule=rule) for rule in StopRule for reach in _REACHES)
 """Every success distance with every stop rule."""

@@ -24,12 +24,31 @@ EpisodeKey = tuple[str, str]
 """Scene and episode, which together identify a record of a run."""
 
 
-class EpisodeRecord(BaseModel):
-    """The result of one episode. Everything but ``seconds`` is the same in every run of it.
+class EpisodeLine(BaseModel):
+    """What is kept of one episode in a line of ``episodes.jsonl``, whatever was measured.
 
     Attributes:
         scene_id: Name of the scene.
         episode_id: Name of the episode, unique within the scene.
+    """
+
+    model_config: ClassVar[ConfigDict] = ConfigDict(
+        frozen=True, extra="forbid", allow_inf_nan=False
+    )
+
+    scene_id: str
+    episode_id: str
+
+    @property
+    def key(self) -> EpisodeKey:
+        """Scene and episode, which identify the record."""
+        return (self.scene_id, self.episode_id)
+
+
+class EpisodeRecord(EpisodeLine):
+    """The result of one episode. Everything but ``seconds`` is the same in every run of it.
+
+    Attributes:
         goal: The object to find.
         group: Part of the data set that the episode belongs to ("unseen"); empty if there is none.
         outcome: How the episode ended.
@@ -39,6 +58,8 @@ class EpisodeRecord(BaseModel):
         spl: Success weighted by path length, under the run's own protocol.
         soft_spl: Progress weighted by path length, under the run's own protocol.
         distance_to_goal_m: Geodesic distance from the end to the nearest view point.
+        distance_to_object_m: Distance in the plane from the end to the surface of the nearest goal
+            object on that storey; None if there is none, or in records of earlier versions.
         shortest_path_m: Geodesic distance from the start to the nearest view point.
         path_length_m: Sum of the displacements in space.
         explored_m: Length of the path until the goal was first in the image; None if it never was.
@@ -56,12 +77,6 @@ class EpisodeRecord(BaseModel):
         seconds: Wall-clock time: "total", "world" (the simulator) and by module of the agent.
     """
 
-    model_config: ClassVar[ConfigDict] = ConfigDict(
-        frozen=True, extra="forbid", allow_inf_nan=False
-    )
-
-    scene_id: str
-    episode_id: str
     goal: str
     group: str = ""
     outcome: Outcome
@@ -76,6 +91,7 @@ class EpisodeRecord(BaseModel):
     explored_m: float | None = None
     approached_m: float | None = None
     shortest_from_sight_m: Length = math.inf
+    distance_to_object_m: float | None = None
     stopped: bool
     steps: int
     model_calls: int
@@ -85,11 +101,6 @@ class EpisodeRecord(BaseModel):
     tokens_out: int = 0
     saved: str = ""
     seconds: dict[str, float] = Field(default_factory=dict)
-
-    @property
-    def key(self) -> EpisodeKey:
-        """Scene and episode, which identify the record."""
-        return (self.scene_id, self.episode_id)
 
     @property
     def counts(self) -> bool:

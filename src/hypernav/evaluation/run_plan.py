@@ -6,7 +6,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from hypernav.build.component_specs import WorldName
+from hypernav.build.component_specs import BenchmarkName, WorldName
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.core.episode import MAX_STEPS, Episode
 from hypernav.core.metrics import SUCCESS_DISTANCE_M
@@ -51,6 +51,7 @@ class RunPlan:
         seed: Seed of all noise.
         scenes_dir: Folder of the scenes that an episode file names; None takes the file's own.
         world: Simulator that the episodes run in.
+        benchmark: Benchmark that was asked for by name; None follows the data set's own.
     """
 
     dataset: str
@@ -62,6 +63,7 @@ class RunPlan:
     seed: int = 0
     scenes_dir: Path | None = None
     world: WorldName = "native"
+    benchmark: BenchmarkName | None = None
 
     def episodes(self, progress: Progress | None = None) -> list[Episode]:
         """The chosen episodes of the data set, with the limits of this run.
@@ -73,19 +75,21 @@ class RunPlan:
             EpisodeError: There is no such data set, nothing in it is chosen, or a scene is missing.
             SceneError: A scene cannot be used.
         """
-        benchmark = benchmark_of(self.dataset)
+        own, followed = benchmark_of(self.dataset), benchmark_of(self.dataset, self.benchmark)
+        as_in_files = followed is not None and followed.asks_as_in_files
         chosen = select(
             load_episodes(
                 self.dataset,
                 self.config.world,
                 self.config.embodiment,
                 scenes_dir=self.scenes_dir,
+                as_in_files=as_in_files,
                 progress=progress,
             ),
             part=self.selection.episodes,
             scenes=self.selection.scenes,
             goals=self.selection.goals,
-            words={} if benchmark is None else benchmark.words,
+            words={} if own is None or as_in_files else own.words,
         )
         check_scenes(chosen)
         limits = {"max_steps": self.max_steps, "success_distance_m": self.success_distance_m}
@@ -98,6 +102,9 @@ class RunPlan:
             episodes: Selected episodes. Their fingerprint is part of the configuration: the same
                 name with other episodes (a newer generator of houses) is another run.
         """
+        named = {"world": self.world} if self.world != "native" else {}
+        if self.benchmark is not None:
+            named["benchmark"] = self.benchmark
         return {
             "hypernav": version("hypernav"),
             "dataset": canonical_name(self.dataset),
@@ -115,4 +122,4 @@ class RunPlan:
                 "seed": self.seed,
             },
             "config": self.config.model_dump(mode="json"),
-        } | ({} if self.world == "native" else {"world": self.world})
+        } | named

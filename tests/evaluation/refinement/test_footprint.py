@@ -57,14 +57,13 @@ def test_cells_are_counted_by_hand():
     """Two of six cells lie on the cupboard, one beside it within the tolerance, three far off."""
     on, beside = [(1.125, 0.125), (1.375, 0.375)], [(1.525, 0.225)]
     far = [(2.125, 0.125), (2.175, 0.125), (2.225, 0.125)]
-    off = OffTarget.of(area_of([*on, *beside, *far]), of_box(), dilation_cells=6)
+    off = OffTarget.of(area_of([*on, *beside, *far]), of_box())
     assert (off.seen, off.seen_off) == (6, 3)
-    assert 0 < off.dilated_off < off.dilated
 
 
 @given(
     st.lists(st.tuples(st.floats(1.001, 1.499), st.floats(0.001, 0.499)), min_size=1, max_size=30)
 )
 def test_nothing_of_an_area_of_points_of_the_object_is_off_target(points):
-    off = OffTarget.of(area_of(points), of_box(), dilation_cells=6)
-    assert (off.seen_off, off.dilated_off) == (0, 0)
+    off = OffTarget.of(area_of(points), of_box())
+    assert off.seen_off == 0

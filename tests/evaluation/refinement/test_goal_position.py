@@ -29,27 +29,46 @@ def room():
     return world, renderer, world.reset(episode_from(START))
 
 
-def judged(room, points):
+def judged(room, points, iterations=3):
     """What becomes of an area around points of the scene."""
     world, renderer, observation = room
     moved = np.array([(x - START.x, y - START.y, z) for x, y, z in points])
-    area = GoalArea.from_points(moved, resolution_m=0.05, largest_cluster_only=False)
+    area = GoalArea.from_points(
+        moved, resolution_m=0.05, iterations=iterations, largest_cluster_only=False
+    )
     assert area is not None
     goal = world.goal_truth(Goal("bed"))
     return judge_position(area, observation.robot, world, renderer, goal, CONFIG)
 
 
-def test_an_area_on_the_goal_gives_a_good_position(room):
-    assert judged(room, [(2.6, 2.0, 0.5), (2.7, 2.0, 0.5)]) is GoalPosition.GOOD
+def test_an_area_before_the_goal_gives_a_good_position(room):
+    position = judged(room, [(2.6, 2.0, 0.5), (2.7, 2.0, 0.5)])
+    assert position == GoalPosition(
+        in_obstacle=False, unreachable=False, occluded=False, fails=False
+    )
+
+
+def test_cells_that_were_not_dilated_lie_in_the_goal_itself(room):
+    """The robot stops before them all the same: the facts are counted each by itself."""
+    position = judged(room, [(2.6, 2.0, 0.5), (2.7, 2.0, 0.5)], iterations=0)
+    assert position.in_obstacle
+    assert not position.occluded
+    assert not position.unreachable
 
 
 def test_an_area_behind_a_wall_without_a_door_is_unreachable(room):
-    assert judged(room, [(5.2, 2.0, 0.5)]) is GoalPosition.UNREACHABLE
+    position = judged(room, [(5.2, 2.0, 0.5)])
+    assert position.unreachable
+    assert position.fails
+    assert not position.in_obstacle
 
 
 def test_an_area_that_turns_the_robot_away_from_the_goal_occludes_it(room):
-    assert judged(room, [(0.35, 0.35, 1.0)]) is GoalPosition.OCCLUDED
+    assert judged(room, [(0.35, 0.35, 1.0)]).occluded
 
 
-def test_a_position_that_sees_the_goal_from_afar_is_too_far(room):
-    assert judged(room, [(1.25, 2.0, 0.5)]) is GoalPosition.TOO_FAR
+def test_a_stop_that_sees_the_goal_from_afar_fails(room):
+    position = judged(room, [(1.25, 2.0, 0.5)])
+    assert position.fails
+    assert not position.occluded
+    assert not position.unreachable

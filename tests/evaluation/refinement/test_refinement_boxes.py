@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from hypernav.core.geometry.boxes import Box, Detection
-from hypernav.evaluation.refinement.boxes import JITTER_SHARE, jittered, matching
+from hypernav.evaluation.refinement.boxes import JITTER_SHARE, is_wide_enough, jittered, matching
 
 TRUE = Box(100.0, 100.0, 200.0, 300.0)
 
@@ -55,3 +55,10 @@ def test_the_same_generator_gives_the_same_box():
 def test_the_box_that_overlaps_most_is_the_detectors(found, expected):
     box = matching(TRUE, found)
     assert (None if box is None else box.x_min) == expected
+
+
+@pytest.mark.parametrize(
+    ("x_max", "y_max", "expected"), [(10, 10, True), (9, 90, False), (90, 9, False)]
+)
+def test_a_line_is_no_box(x_max, y_max, expected):
+    assert is_wide_enough(Box(0.0, 0.0, float(x_max), float(y_max))) == expected

@@ -1,7 +1,8 @@
 """Agents on habitat-sim's observations, by a faithful stand-in for the few calls that are used."""
 
+import ctypes
 import math
-import sys
+from ctypes.util import find_library
 
 import numpy as np
 import pytest
@@ -17,8 +18,9 @@ from hypernav.core.world import Renderer
 from hypernav.evaluation.datasets import load_episodes
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
 from hypernav.evaluation.world_comparison import compare_worlds
+from hypernav.worlds.habitat.graphics import egl_devices, graphics_device
 from hypernav.worlds.habitat.path_finder import HabitatSurface
-from hypernav.worlds.habitat.simulator import HabitatRenderer, quaternion_of
+from hypernav.worlds.habitat.simulator import HabitatRenderer, quaternion_of, require_habitat
 from hypernav.worlds.scans.loading import open_scene
 from hypernav.worlds.surface.walkable_surface import WalkableSurface
 from scan_writers.episodes import HASH, SCENE
@@ -29,7 +31,7 @@ CONFIG = small_config(embodiment={"motion": {"forward_m": 0.25, "turn_angle_deg"
 
 @pytest.fixture
 def _habitat(monkeypatch):
-    monkeypatch.setitem(sys.modules, "habitat_sim", fake_habitat)
+    fake_habitat.install(monkeypatch)
 
 
 @pytest.fixture
@@ -111,8 +113,46 @@ def test_the_command_compares_pose_by_pose(mesh, capsys):
     with pytest.raises(SystemExit) as stop:
         main(["compare", str(mesh), "--poses", "2"])
     assert stop.value.code == 0
-    lines = capsys.readouterr().out.splitlines()
+    said, *lines = capsys.readouterr().out.splitlines()
+    assert said == f"both walk on {HASH}.basis.navmesh"
     assert [line[:4] for line in lines] == ["ok  ", "ok  ", "2 of"]
+
+
+def test_the_first_cuda_device_draws_else_the_default(mesh, monkeypatch):
+    for devices, chosen in (((None,), -1), ((None, 1, 0), 0), ((2, None), 2)):
+        fake_habitat.install(monkeypatch, devices)
+        assert graphics_device() == chosen
+        opened(mesh, "habitat").world.close()
+
+
+def test_where_nothing_can_draw_the_error_says_what_to_install(mesh, monkeypatch):
+    fake_habitat.install(monkeypatch, ())
+    with pytest.raises(MissingExtraError, match=r"libegl1 .*Mesa"):
+        opened(mesh, "habitat")
+
+
+def test_an_egl_that_is_missing_is_said_with_its_package(monkeypatch):
+    def absent(name):
+        raise OSError(f"{name}: cannot open shared object file")
+
+    monkeypatch.setattr(ctypes, "CDLL", absent)
+    with pytest.raises(MissingExtraError, match=r"libEGL\.so\.1: cannot open.*install libegl1"):
+        egl_devices()
+
+
+@pytest.mark.skipif(find_library("EGL") is None, reason="libEGL is not installed")
+def test_the_real_egl_names_its_devices():
+    assert all(number is None or number >= 0 for number in egl_devices())
+
+
+def test_a_library_that_habitat_sim_misses_is_named(tmp_path, monkeypatch):
+    (tmp_path / "habitat_sim").mkdir()
+    (tmp_path / "habitat_sim" / "__init__.py").write_text(
+        "raise ImportError('libEGL.so.1: cannot open shared object file', name='habitat_sim._ext')"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.raises(MissingExtraError, match=r"can't be loaded .*apt-get install libegl1"):
+        require_habitat()
 
 
 @pytest.mark.usefixtures("_habitat")

@@ -5,13 +5,13 @@ from pathlib import Path
 from typing import Any
 
 from hypernav.core.errors import OutputError
-from hypernav.evaluation.ablation.figures import SVG, write_figure
+from hypernav.evaluation.ablation.figures import results_figure, write_figure
 from hypernav.evaluation.ablation.quality_curves import drawn_axes
 from hypernav.evaluation.ablation.results import StudyResults, VariantResult, read_results
 from hypernav.evaluation.ablation.study import LeftOut, Study
 from hypernav.evaluation.ablation.study_tables import write_csv, write_tex
 from hypernav.evaluation.report import report_text, tables
-from hypernav.show.pages.templating import data_uri, page_environment
+from hypernav.show.pages.templating import page_environment
 
 PAGE = "index.html"
 
@@ -49,21 +49,21 @@ def write_ablation(folder: Path, study: Study) -> Path | None:
 
 def _figure(folder: Path, results: StudyResults) -> str:
     """The figure, written and as a data URI; empty as long as there is nothing to draw."""
-    if not results.variants:
-        return ""
-    write_figure(folder, results)
-    return data_uri((folder / SVG).read_bytes(), "image/svg+xml")
+    return write_figure(folder, lambda: results_figure(results)) if results.variants else ""
 
 
 def _content(results: StudyResults) -> dict[str, Any]:
     shown = results.all if results.study.axes else (results.baseline, *results.worst_first)
     return {
+        "title": results.study.title,
         "study": results.study,
         "baseline": results.baseline,
         "results": shown,
         "lead": _lead(results),
         "verdicts": _verdicts(results),
-        "is_over_quality": bool(drawn_axes(results)),
+        "figure_title": (
+            "Over the quality" if drawn_axes(results) else "What each variant changes, worst first"
+        ),
         "drawn": report_text.drawn(results.baseline.run),
         "warnings": _warnings(results),
         "failures": tables.failures([result.run for result in shown]),

@@ -1,6 +1,6 @@
 """The figure of a study; matplotlib is imported only to draw it."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -9,6 +9,7 @@ from hypernav.evaluation.ablation.results import StudyResults
 from hypernav.evaluation.report.report_text import SIGNIFICANT, drawn
 from hypernav.evaluation.statistics import Comparison
 from hypernav.show.drawing import palette
+from hypernav.show.pages.templating import data_uri
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -29,14 +30,28 @@ _STYLE: dict[Any, Any] = {
 }
 
 
-def write_figure(folder: Path, results: StudyResults) -> None:
-    """Write ``figure.png`` and ``figure.svg``; there must be a variant to draw."""
+def write_figure(folder: Path, draw: Callable[[], "Figure"]) -> str:
+    """Write ``figure.png`` and ``figure.svg`` of any study.
+
+    Args:
+        folder: Folder of the study.
+        draw: Function that draws it, called in the style of all studies.
+
+    Returns:
+        The figure as a data URI.
+    """
     import matplotlib
 
     with matplotlib.rc_context(_STYLE):
-        figure = quality_curves(results) if drawn_axes(results) else _differences(results)
+        figure = draw()
         figure.savefig(folder / PNG, dpi=160)
         figure.savefig(folder / SVG, metadata={"Date": None})
+    return data_uri((folder / SVG).read_bytes(), "image/svg+xml")
+
+
+def results_figure(results: StudyResults) -> "Figure":
+    """The figure of variants: curves over a quality, or differences; there must be a variant."""
+    return quality_curves(results) if drawn_axes(results) else _differences(results)
 
 
 def _differences(results: StudyResults) -> "Figure":

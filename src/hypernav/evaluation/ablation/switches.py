@@ -1,4 +1,4 @@
-"""The study of switches: the paper's own ablations, and every rule of the preset ``default``."""
+"""The study of switches: parts of the paper's method, and every rule of ``default``."""
 
 from collections.abc import Iterator
 
@@ -18,15 +18,14 @@ ABLATIONS = (
     Variant(
         "local only",
         "Nobody reads the map: where the goal is out of sight the robot goes to a block by chance. "
-        "Our reading: the paper doesn't say how. The block is one of those that a model would be "
-        "offered: in the preset default a block at random among those with something new (at most "
-        "20), in paper any.",
+        "The block is one of those that a model would be offered: in the preset default a block at "
+        "random among those with something new (at most 20), in paper any.",
         components=(("reasoner", "random"),),
     ),
     Variant(
         "global only",
         "The camera is asked for the goal only while the robot turns once around, which it does "
-        "before every question about the map. Our reading: the paper doesn't say how.",
+        "before every question about the map.",
         ("search.looks=at-destinations",),
     ),
     Variant(
@@ -52,16 +51,16 @@ ABLATIONS = (
     ),
     Variant(
         "no replanning",
-        "A path is kept to its end unless it is blocked. Our reading: blocked paths are planned "
-        "anew all the same.",
+        "A path is kept to its end unless it is blocked; blocked paths are planned anew all the "
+        "same.",
         ("planning.replan_every_steps=null", "planning.replan_when_moved=false"),
     ),
 )
-"""The paper's own ablations."""
+"""Our ablations of the parts that the paper describes; it has none of them itself."""
 
 
 def switches(method: Method) -> Study:
-    """The paper's own ablations and, of ``default``, every switch turned back alone.
+    """Our ablations of the paper's parts and, of ``default``, every switch turned back alone.
 
     Raises:
         ConfigError: The agent is a whole one, which has none of these switches.

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 
 from hypernav.core.episode import Episode
+from hypernav.evaluation.record import EpisodeLine
 from hypernav.evaluation.refinement.footprint import OffTarget
 from hypernav.evaluation.refinement.goal_position import GoalPosition
 
@@ -20,14 +21,16 @@ class BoxSource(StrEnum):
 
 
 class MaskSource(StrEnum):
-    """What is projected of a box."""
+    """What becomes of a box: which of its pixels are projected, and what of their cells."""
 
-    BOX = "raw box"
-    """All of its pixels."""
+    RAW = "raw box"
+    """All of its pixels, neither eroded nor dilated (paper: without refinement)."""
+    BOX = "dilated box"
+    """All of its pixels, dilated: what the mask alone is worth."""
     SEGMENTED = "refined"
-    """The eroded mask of the segmenter (the method's refinement)."""
+    """The eroded mask of the segmenter, dilated (paper: refinement)."""
     TRUE = "true mask"
-    """The eroded true mask: the bound that no segmenter exceeds."""
+    """The eroded true mask, dilated: the bound that no segmenter exceeds."""
 
 
 @dataclass(frozen=True)
@@ -39,14 +42,12 @@ class AreaRecord:
         episode_id: Name of the episode within the scene.
         goal: Text of the goal.
         box: Source of the boxes.
-        mask: What was projected of them.
-        position: Position that the first goal area sends the robot to.
+        mask: What became of them.
+        position: Position that the first goal area sends the robot to; None without an area.
         frames: Number of frames that had such a box.
         empty: Number of frames in which too little was left for a goal area.
-        seen: Number of the seen cells in all frames.
+        seen: Number of the cells that the pixels fall into, before dilation, in all frames.
         seen_off: Number of those off the footprint.
-        dilated: Number of the dilated cells in all frames.
-        dilated_off: Number of those farther from the footprint than dilation reaches.
     """
 
     scene_id: str
@@ -54,13 +55,11 @@ class AreaRecord:
     goal: str
     box: BoxSource
     mask: MaskSource
-    position: GoalPosition = GoalPosition.NONE
+    position: GoalPosition | None = None
     frames: int = 0
     empty: int = 0
     seen: int = 0
     seen_off: int = 0
-    dilated: int = 0
-    dilated_off: int = 0
 
     @staticmethod
     def begun(episode: Episode, box: BoxSource, mask: MaskSource) -> "AreaRecord":
@@ -76,6 +75,15 @@ class AreaRecord:
             frames=self.frames + 1,
             seen=self.seen + cells.seen,
             seen_off=self.seen_off + cells.seen_off,
-            dilated=self.dilated + cells.dilated,
-            dilated_off=self.dilated_off + cells.dilated_off,
         )
+
+
+class EpisodeAreas(EpisodeLine):
+    """What an episode gave: one line of the study's file.
+
+    Attributes:
+        areas: A record for every kind of box and mask; none where the goal was never within the
+            range of depth.
+    """
+
+    areas: tuple[AreaRecord, ...]

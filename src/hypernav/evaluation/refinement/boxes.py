@@ -10,6 +10,8 @@ JITTER_SHARE = 0.10
 """Standard deviation of a jittered edge, as a share of the box's side."""
 MATCHING_IOU = 0.5
 """Overlap over union above which a detector's box belongs to the true one."""
+LEAST_SIDE_PX = 10.0
+"""Side below which a box is left out: a line holds nothing that a segmenter could cut."""
 
 
 def jittered(box: Box, rng: np.random.Generator, *, width: int, height: int) -> Box:
@@ -37,3 +39,8 @@ def matching(box: Box, detections: Sequence[Detection]) -> Box | None:
     boxes = [one.box for one in detections if one.is_goal]
     best = max(boxes, key=box.iou, default=None)
     return best if best is not None and box.iou(best) > MATCHING_IOU else None
+
+
+def is_wide_enough(box: Box) -> bool:
+    """Whether both sides of a box have at least `LEAST_SIDE_PX`."""
+    return min(box.x_max - box.x_min, box.y_max - box.y_min) >= LEAST_SIDE_PX

@@ -3,7 +3,6 @@
 The robot is driven by ground truth detection, so every box source sees the same frames.
 """
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
@@ -16,15 +15,14 @@ from hypernav.core.components.protocols import Agent, Detector, Segmenter
 from hypernav.core.episode import Episode
 from hypernav.core.errors import GoalError
 from hypernav.core.geometry.boxes import Box, Detection
-from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.observation import Observation
 from hypernav.core.world import GoalTruth
 from hypernav.evaluation.refinement.area_record import AreaRecord, BoxSource, MaskSource
-from hypernav.evaluation.refinement.boxes import jittered, matching
-from hypernav.evaluation.refinement.example_image import Rgb, draw_example
+from hypernav.evaluation.refinement.boxes import is_wide_enough, jittered, matching
 from hypernav.evaluation.refinement.footprint import Footprint, OffTarget
-from hypernav.evaluation.refinement.goal_position import GoalPosition, judge_position
+from hypernav.evaluation.refinement.goal_position import judge_position
 from hypernav.mapping.memory.goal_area import GoalArea
+from hypernav.perception.local.config import LocalConfig
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.perception.local.refinement import eroded, projected
 from hypernav.worlds.drawing.renderer import CpuRenderer
@@ -39,13 +37,11 @@ class Frame:
     Attributes:
         step: Number of the step.
         observation: Observation with colours.
-        grid: The robot's map at that moment.
         target: Detection of the largest goal in the image, with its true mask.
     """
 
     step: int
     observation: Observation
-    grid: OccupancyGrid
     target: Detection
 
 
@@ -93,14 +89,14 @@ class EpisodeStudy:
         camera_to_scene = world.camera_to_scene
         for step in run:
             found = self._truth.detect(step.observation, episode.goal)
-            if found and step.grid is not None:
-                truth = self._area(_mask_of(found[0]), step.observation)
+            if found:
+                truth = self._area(_mask_of(found[0]), step.observation, self._config.local)
                 if truth is not None:
                     renderer.colours = True
                     rgb = world.view_from(camera_to_scene).rgb
                     renderer.colours = False
                     observation = replace(step.observation, rgb=rgb)
-                    yield Frame(step.trace.step, observation, step.grid, found[0])
+                    yield Frame(step.trace.step, observation, found[0])
             camera_to_scene = world.camera_to_scene
 
     def run(
@@ -115,60 +111,16 @@ class EpisodeStudy:
                 for mask_source, area in self.areas(frame, box).items():
                     kind = (box_source, mask_source)
                     record = records.get(kind) or AreaRecord.begun(episode, *kind)
-                    if area is not None and record.position is GoalPosition.NONE:
+                    if area is not None and record.position is None:
                         robot = frame.observation.robot
                         position = judge_position(
                             area, robot, world, renderer, truth.goal, self._config
                         )
                         record = replace(record, position=position)
-                    records[kind] = record.after(self._off_target(area, truth))
+                    records[kind] = record.after(
+                        None if area is None else OffTarget.of(area, truth.footprint)
+                    )
         return list(records.values())
-
-    def _off_target(self, area: GoalArea | None, truth: "_Truth") -> OffTarget | None:
-        if area is None:
-            return None
-        local = self._config.local
-        reach = local.dilation_kernel // 2 * local.dilation_iterations
-        return OffTarget.of(area, truth.footprint, dilation_cells=reach)
-
-    def draw(
-        self, episode: Episode, world: SimulatedWorld, renderer: CpuRenderer, share: float
-    ) -> Rgb | None:
-        """Draw the frame of an episode whose raw box lies off the goal by a share, or nearly.
-
-        Args:
-            episode: Episode of the world's scene.
-            world: World that the robot is driven in.
-            renderer: The world's renderer.
-            share: Share of the raw box's seen cells that lie off the goal.
-
-        Returns:
-            The image; None where no frame shows the goal within the range of depth.
-        """
-        gap, image = math.inf, None
-        truth: _Truth | None = None
-        for frame in self.frames(episode, world, renderer):
-            truth = truth or _Truth.of(episode, world, self._config.mapping.cell_size_m)
-            areas = self.areas(frame, frame.target.box)
-            cells = self._off_target(areas[MaskSource.BOX], truth)
-            if cells is not None and abs(cells.seen_off / cells.seen - share) < gap:
-                gap = abs(cells.seen_off / cells.seen - share)
-                image = self._drawn(frame, areas, truth, episode.goal.text)
-        return image
-
-    def _drawn(
-        self, frame: Frame, areas: dict[MaskSource, GoalArea | None], truth: "_Truth", goal: str
-    ) -> Rgb:
-        mask = self._segmenter.segment(frame.observation, frame.target.box)
-        return draw_example(
-            frame.observation,
-            frame.grid,
-            frame.target.box,
-            eroded(mask, self._config.local),
-            (areas[MaskSource.BOX], areas[MaskSource.SEGMENTED]),
-            truth.footprint,
-            goal=goal,
-        )
 
     def areas(self, frame: Frame, box: Box) -> dict[MaskSource, GoalArea | None]:
         """The goal areas that come of a box; None where nothing is left to project."""
@@ -182,12 +134,15 @@ class EpisodeStudy:
             MaskSource.SEGMENTED: eroded(self._segmenter.segment(observation, box), local),
             MaskSource.TRUE: eroded(_mask_of(frame.target), local),
         }
-        return {source: self._area(mask, observation) for source, mask in masks.items()}
+        raw = local.model_copy(update={"dilation_iterations": 0, "entry_reach_m": 0.0})
+        return {
+            MaskSource.RAW: self._area(pixels, observation, raw),
+            **{source: self._area(mask, observation, local) for source, mask in masks.items()},
+        }
 
     def _area(
-        self, mask: Bool[np.ndarray, "height width"], observation: Observation
+        self, mask: Bool[np.ndarray, "height width"], observation: Observation, local: LocalConfig
     ) -> GoalArea | None:
-        local = self._config.local
         area = projected(
             mask,
             observation,
@@ -212,7 +167,7 @@ class EpisodeStudy:
             found = matching(true, detector.detect(observation, episode.goal))
             if found is not None:
                 boxes[BoxSource.DETECTED] = found
-        return boxes
+        return {source: box for source, box in boxes.items() if is_wide_enough(box)}
 
     def _detector_for(self, episode: Episode) -> Detector | None:
         """The detector, unless it can never see the episode's goal."""

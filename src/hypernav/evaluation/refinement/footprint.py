@@ -89,27 +89,15 @@ class OffTarget:
     """How many cells of a goal area lie off the goal.
 
     Attributes:
-        seen: Number of the seen cells.
+        seen: Number of the cells that the area's points fall into, before dilation.
         seen_off: Number of those that lie off the footprint.
-        dilated: Number of the dilated cells.
-        dilated_off: Number of those that lie farther from the footprint than dilation reaches.
     """
 
     seen: int
     seen_off: int
-    dilated: int
-    dilated_off: int
 
     @staticmethod
-    def of(area: GoalArea, footprint: Footprint, *, dilation_cells: int) -> "OffTarget":
-        """Count the cells of an area.
-
-        Args:
-            area: Goal area, on the footprint's grid.
-            footprint: True footprint of the goal.
-            dilation_cells: Number of cells by which the seen ones were dilated.
-        """
+    def of(area: GoalArea, footprint: Footprint) -> "OffTarget":
+        """Count the cells of an area, which lies on the footprint's grid."""
         on = footprint.holds(area.seen_points, within_cells=SEEN_TOLERANCE_CELLS)
-        reach = SEEN_TOLERANCE_CELLS + dilation_cells
-        on_dilated = footprint.holds(area.points, within_cells=reach)
-        return OffTarget(len(on), int((~on).sum()), len(on_dilated), int((~on_dilated).sum()))
+        return OffTarget(len(on), int((~on).sum()))

@@ -1,7 +1,7 @@
 """The position that a goal area sends the robot to, and whether it is of any use in truth."""
 
 import math
-from enum import StrEnum
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float64
@@ -17,19 +17,22 @@ from hypernav.worlds.goal_sight import MIN_VISIBLE_SHARE
 from hypernav.worlds.simulation import SimulatedWorld
 
 
-class GoalPosition(StrEnum):
-    """What the goal position of a goal area turns out to be."""
+@dataclass(frozen=True)
+class GoalPosition:
+    """What is true of the position that a goal area sends the robot to; each by itself.
 
-    GOOD = "good"
-    """The robot gets there, sees the goal, and a STOP there is a success."""
-    TOO_FAR = "too far"
-    """The robot gets there and sees the goal, but a STOP there is no success."""
-    UNREACHABLE = "unreachable"
-    """In truth the robot cannot get near it."""
-    OCCLUDED = "occluded"
-    """The robot gets there, and something hides the goal."""
-    NONE = "none"
-    """No frame gave a goal area."""
+    Attributes:
+        in_obstacle: The area's cell that the robot goes to is no position to stand at: an obstacle
+            is nearer than the robot's radius.
+        unreachable: No path leads to within the stop distance of that cell.
+        occluded: From where the robot ends, something hides the goal.
+        fails: A STOP there is no success.
+    """
+
+    in_obstacle: bool
+    unreachable: bool
+    occluded: bool
+    fails: bool
 
 
 def judge_position(
@@ -43,11 +46,13 @@ def judge_position(
     """What the position is that a robot would take from a goal area.
 
     Of the area's cells the one that is closest to the robot is where it goes (paper; with
-    ``planning.targets=nearest-by-path`` whichever it gets to first), and it stops as soon as it is
-    within ``search.stop_distance_m``: of all true positions within that distance, at the one with
-    the shortest true path. Without any the area is unreachable. It is occluded where a camera over
-    that position, turned and tilted towards the middle of the area, shows less of the goal than
-    counts as seen. These rules are ours.
+    ``planning.targets=nearest-by-path`` whichever it gets to first, and all of them have to be
+    obstacles for the goal to be in one). It stops as soon as it is within
+    ``search.stop_distance_m``: of all true positions within that distance, at the one with the
+    shortest true path. Without any the area is unreachable, and the robot ends at the free position
+    nearest to the cell (paper: a destination inside an obstacle moves there). The goal is occluded
+    where a camera over the end, turned and tilted towards the middle of the area, shows less of it
+    than counts as seen. How the paper counts is not known here; these rules are ours.
 
     Args:
         area: Goal area.
@@ -61,22 +66,28 @@ def judge_position(
     cells = area.entry_points
     if config.planning.targets == "nearest-straight":
         cells = cells[[int(np.linalg.norm(cells - np.array(robot.xy), axis=1).argmin())]]
+    targets = _in_scene(cells, map_to_scene)[:, :2]
     here = _in_scene(np.array([robot.xy]), map_to_scene)
     positions = walkable.centres(walkable.component_of(*here[0].tolist()))
-    gaps, _ = KDTree(_in_scene(cells, map_to_scene)[:, :2]).query(positions)
+    gaps, _ = KDTree(targets).query(positions)
     near = positions[gaps <= config.search.stop_distance_m]
-    if len(near) == 0:
-        return GoalPosition.UNREACHABLE
+    unreachable = len(near) == 0
     paths = walkable.goal_field(here)
-    x, y = min(near.tolist(), key=lambda position: paths.distance(*position))
+    x, y = min(
+        (positions[[int(np.argmin(gaps))]] if unreachable else near).tolist(),
+        key=lambda position: paths.distance(*position),
+    )
     camera = config.embodiment.camera
     lens_m = walkable.height_at(x, y) + camera.height_m
     middle = map_to_scene.apply(np.array([*area.centre, area.height_m]))
     view = renderer.render(camera.intrinsics, _gaze((x, y, lens_m), middle))
     goal_ids = [instance.id for instance in goal.instances]
-    if float(np.isin(view.instance_ids, goal_ids).mean()) < MIN_VISIBLE_SHARE:
-        return GoalPosition.OCCLUDED
-    return GoalPosition.GOOD if goal.distance(x, y) < SUCCESS_DISTANCE_M else GoalPosition.TOO_FAR
+    return GoalPosition(
+        in_obstacle=not any(walkable.is_standable(*target) for target in targets.tolist()),
+        unreachable=unreachable,
+        occluded=float(np.isin(view.instance_ids, goal_ids).mean()) < MIN_VISIBLE_SHARE,
+        fails=unreachable or not goal.distance(x, y) < SUCCESS_DISTANCE_M,
+    )
 
 
 def _in_scene(

@@ -5,30 +5,26 @@ from collections.abc import Sequence
 from dataclasses import asdict, fields
 from pathlib import Path
 
-from PIL import Image
-
 from hypernav.core.errors import OutputError
+from hypernav.evaluation.ablation.ablation_page import PAGE
+from hypernav.evaluation.ablation.figures import write_figure
 from hypernav.evaluation.refinement.area_record import AreaRecord
 from hypernav.evaluation.refinement.boxes import JITTER_SHARE, MATCHING_IOU
-from hypernav.evaluation.refinement.example_image import Rgb
-from hypernav.evaluation.refinement.summary import Measure, Row, table
+from hypernav.evaluation.refinement.figure import shares_figure
+from hypernav.evaluation.refinement.goal_position import GoalPosition
+from hypernav.evaluation.refinement.summary import MEASURES, Measure, Row, table
 from hypernav.evaluation.report.report_text import number_of
-from hypernav.show.pages.templating import image_uri, page_environment
+from hypernav.show.pages.templating import page_environment
 
-PAGE = "index.html"
 CSV = "refinement.csv"
-EXAMPLE = "example.png"
 
 
-def write_refinement(
-    folder: Path, records: Sequence[AreaRecord], example: Rgb | None, *, lead: str
-) -> Path:
-    """Write the page, ``refinement.csv`` and ``example.png``.
+def write_refinement(folder: Path, records: Sequence[AreaRecord], *, lead: str) -> Path:
+    """Write the page, the figure and ``refinement.csv``.
 
     Args:
         folder: Folder of the study.
         records: Records of all episodes.
-        example: Image of a frame and its goal areas; None leaves it out.
         lead: Sentence that says what was studied.
 
     Returns:
@@ -37,20 +33,23 @@ def write_refinement(
     Raises:
         OutputError: The folder can't be written.
     """
+    rows = table(records)
     page = page_environment("hypernav.evaluation").get_template("refinement.html.j2")
-    text = page.render(
-        rows=table(records),
-        lead=lead,
-        is_typical=len({(record.scene_id, record.episode_id) for record in records}) > 1,
-        example="" if example is None else image_uri(example),
-        jitter=JITTER_SHARE,
-        iou=MATCHING_IOU,
-    )
     try:
+        text = page.render(
+            title="Goal refinement",
+            lead=lead,
+            verdicts=(),
+            warnings=(),
+            rows=rows,
+            measures=MEASURES,
+            figure=write_figure(folder, lambda: shares_figure(rows)) if rows else "",
+            figure_title="What becomes of a box",
+            jitter=JITTER_SHARE,
+            iou=MATCHING_IOU,
+        )
         (folder / PAGE).write_text(text, encoding="utf-8")
         _write_csv(folder / CSV, records)
-        if example is not None:
-            Image.fromarray(example).save(folder / EXAMPLE)
     except OSError as error:
         raise OutputError(f"{folder} cannot be written ({error.strerror or error})") from error
     return folder / PAGE
@@ -63,11 +62,8 @@ def result_lines(records: Sequence[AreaRecord]) -> list[str]:
 
 
 def _line(row: Row) -> str:
-    return (
-        f"{row.box.value} box, {row.mask.value}: off target {_said(row.off_target)}, unreachable "
-        f"or occluded {_said(row.useless)}, no success {_said(row.no_success)} "
-        f"({number_of(row.episodes, 'episode')})"
-    )
+    told = ", ".join(f"{name} {_said(measure)}" for name, measure in row.measures.items())
+    return f"{row.box.value} box, {row.mask.value}: {told} ({number_of(row.episodes, 'episode')})"
 
 
 def _said(measure: Measure) -> str:
@@ -77,6 +73,10 @@ def _said(measure: Measure) -> str:
 
 def _write_csv(path: Path, records: Sequence[AreaRecord]) -> None:
     with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, [field.name for field in fields(AreaRecord)])
+        positions = [field.name for field in fields(GoalPosition)]
+        own = [field.name for field in fields(AreaRecord) if field.name != "position"]
+        writer = csv.DictWriter(file, [*own, *positions])
         writer.writeheader()
-        writer.writerows(asdict(record) for record in records)
+        for record in records:
+            row = asdict(record)
+            writer.writerow(row | (row.pop("position") or dict.fromkeys(positions, "")))

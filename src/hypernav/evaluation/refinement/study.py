@@ -12,29 +12,27 @@ from hypernav.build.registries import DETECTORS, SEGMENTERS, Factory
 from hypernav.build.scenes import load_scene
 from hypernav.core.components.registry import Choice
 from hypernav.core.episode import Episode
-from hypernav.evaluation.refinement.area_record import AreaRecord, BoxSource, MaskSource
+from hypernav.evaluation.refinement.area_record import AreaRecord, EpisodeAreas
 from hypernav.evaluation.refinement.episode_study import EpisodeStudy
-from hypernav.evaluation.refinement.example_image import Rgb
-from hypernav.evaluation.refinement.store import RefinementStore
-from hypernav.evaluation.refinement.summary import off_target_share
+from hypernav.evaluation.store.record_file import RecordFile
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.worlds.simulation import SimulatedWorld
 
 
 def run_refinement_study(
     episodes: Sequence[Episode],
-    store: RefinementStore,
+    file: RecordFile[EpisodeAreas],
     config: HyPerNavConfig,
     specs: ComponentSpecs,
     *,
     seed: int = 0,
     watch: Callable[[int, int], None] | None = None,
 ) -> list[AreaRecord]:
-    """Study all episodes that the store doesn't hold yet.
+    """Study all episodes that the file doesn't hold yet.
 
     Args:
         episodes: All episodes, the finished ones included.
-        store: Folder of the study, open.
+        file: What the study has found so far.
         config: Configuration of the method that is studied.
         specs: Its components. The detector, if one is named, gives the boxes of a third source, and
             the segmenter refines; the robot itself is driven by ground truth.
@@ -42,7 +40,7 @@ def run_refinement_study(
         watch: Function that is called with the numbers of finished and of all episodes.
 
     Returns:
-        The records of all episodes.
+        The records of all episodes, in the order of scenes and episodes.
 
     Raises:
         HyPerNavError: A component can't be built, a scene can't be opened, or the disk is full.
@@ -50,40 +48,12 @@ def run_refinement_study(
     study, place = _study(config, specs, seed), _Place(config)
     for episode in episodes:
         if watch is not None:
-            watch(len(store.done), len(episodes))
-        if episode.key not in store.done:
-            store.add(episode, study.run(episode, *place.of(episode.scene_id)))
-    return store.records
-
-
-def draw_typical_frame(
-    episodes: Sequence[Episode],
-    records: Sequence[AreaRecord],
-    config: HyPerNavConfig,
-    specs: ComponentSpecs,
-    *,
-    seed: int = 0,
-) -> Rgb | None:
-    """Draw a frame of the episode whose raw boxes are as far off the goal as half of all are.
-
-    Args:
-        episodes: All episodes.
-        records: Their records.
-        config: Configuration of the method that is studied.
-        specs: Its components.
-        seed: Seed of all noise.
-
-    Returns:
-        The image; None without records.
-    """
-    raw = [one for one in records if (one.box, one.mask) == (BoxSource.TRUE, MaskSource.BOX)]
-    raw = sorted((one for one in raw if one.seen > 0), key=off_target_share)
-    if not raw:
-        return None
-    typical = raw[len(raw) // 2]
-    episode = next(one for one in episodes if one.key == (typical.scene_id, typical.episode_id))
-    study, place = _study(config, specs, seed), _Place(config)
-    return study.draw(episode, *place.of(episode.scene_id), off_target_share(typical))
+            watch(len(file.records), len(episodes))
+        if episode.key not in file.records:
+            areas = study.run(episode, *place.of(episode.scene_id))
+            scene_id, episode_id = episode.key
+            file.add(EpisodeAreas(scene_id=scene_id, episode_id=episode_id, areas=tuple(areas)))
+    return [area for _, one in sorted(file.records.items()) for area in one.areas]
 
 
 class _Place:

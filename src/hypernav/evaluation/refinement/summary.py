@@ -4,7 +4,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from hypernav.evaluation.refinement.area_record import AreaRecord, BoxSource, MaskSource
-from hypernav.evaluation.refinement.goal_position import GoalPosition
 from hypernav.evaluation.statistics import Estimate, mean_with_interval, ratio_with_interval
 
 
@@ -13,19 +12,19 @@ def off_target_share(record: AreaRecord) -> float:
     return record.seen_off / record.seen
 
 
-def off_target_share_dilated(record: AreaRecord) -> float:
-    """Share of the dilated cells that lie farther from the goal than dilation reaches."""
-    return record.dilated_off / record.dilated
+def _of_position(name: str) -> Callable[[AreaRecord], float]:
+    """1 if a fact of `GoalPosition` holds of the position of a record, else 0."""
+    return lambda record: float(getattr(record.position, name))
 
 
-def is_useless(record: AreaRecord) -> float:
-    """1 if the goal position is unreachable or occluded or there is none, else 0."""
-    return float(record.position not in (GoalPosition.GOOD, GoalPosition.TOO_FAR))
-
-
-def is_no_success(record: AreaRecord) -> float:
-    """1 if a STOP at the goal position is no success, or the robot doesn't get there, else 0."""
-    return float(record.position is not GoalPosition.GOOD)
+MEASURES: dict[str, Callable[[AreaRecord], float]] = {
+    "cells off the goal": off_target_share,
+    "goal in an obstacle": _of_position("in_obstacle"),
+    "vision occluded": _of_position("occluded"),
+    "unreachable": _of_position("unreachable"),
+    "a STOP there fails": _of_position("fails"),
+}
+"""What is counted of a record with an area, each by itself; shares, lower is better."""
 
 
 @dataclass(frozen=True)
@@ -48,25 +47,17 @@ class Row:
 
     Attributes:
         box: Source of the boxes.
-        mask: What was projected of them.
+        mask: What became of them.
         episodes: Number of episodes with a goal area of this box by every mask.
         frames: Number of their frames.
-        off_target: Share of the seen cells off the goal.
-        off_target_dilated: Share of the dilated cells off the goal.
-        useless: Share of the goal positions that are unreachable or occluded.
-        no_success: Share of the goal positions at which a STOP fails, useless ones included.
-        positions: Number of the goal positions of each kind.
+        measures: What was counted, by the names of `MEASURES`.
     """
 
     box: BoxSource
     mask: MaskSource
     episodes: int
     frames: int
-    off_target: Measure
-    off_target_dilated: Measure
-    useless: Measure
-    no_success: Measure
-    positions: dict[GoalPosition, int]
+    measures: dict[str, Measure]
 
 
 def table(records: Sequence[AreaRecord]) -> list[Row]:
@@ -74,7 +65,7 @@ def table(records: Sequence[AreaRecord]) -> list[Row]:
     rows: list[Row] = []
     for box in BoxSource:
         by_mask = _paired([one for one in records if one.box is box])
-        raw = by_mask.get(MaskSource.BOX, [])
+        raw = by_mask.get(MaskSource.RAW, [])
         rows += [_row(box, mask, by_mask[mask], raw) for mask in MaskSource if by_mask.get(mask)]
     return rows
 
@@ -98,19 +89,13 @@ def _paired(records: Sequence[AreaRecord]) -> dict[MaskSource, list[AreaRecord]]
 def _row(
     box: BoxSource, mask: MaskSource, records: Sequence[AreaRecord], raw: Sequence[AreaRecord]
 ) -> Row:
-    baseline = None if mask is MaskSource.BOX else raw
+    baseline = None if mask is MaskSource.RAW else raw
     return Row(
         box=box,
         mask=mask,
         episodes=len(records),
         frames=sum(record.frames for record in records),
-        off_target=_measure(off_target_share, records, baseline),
-        off_target_dilated=_measure(off_target_share_dilated, records, baseline),
-        useless=_measure(is_useless, records, baseline),
-        no_success=_measure(is_no_success, records, baseline),
-        positions={
-            kind: sum(record.position is kind for record in records) for kind in GoalPosition
-        },
+        measures={name: _measure(value, records, baseline) for name, value in MEASURES.items()},
     )
 
 

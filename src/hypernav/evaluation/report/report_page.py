@@ -10,7 +10,7 @@ import yaml
 
 from hypernav.core.errors import RunFolderError
 from hypernav.evaluation.failures.classification import RULES, Failure
-from hypernav.evaluation.protocol import SUCCESS_DISTANCES_M, StopRule
+from hypernav.evaluation.protocol import PROTOCOLS, StopRule
 from hypernav.evaluation.record import EpisodeRecord
 from hypernav.evaluation.report import report_text, tables
 from hypernav.evaluation.report.costs import call_axis, costs
@@ -66,7 +66,7 @@ def _content(folder: Path, runs: Sequence[RunData], pairs: Sequence[tables.Pair]
         "summaries": list(zip(runs, summaries, strict=True)),
         "pairs": pairs,
         "verdicts": [report_text.verdict(pair) for pair in pairs],
-        "distances": SUCCESS_DISTANCES_M,
+        "reaches": list(dict.fromkeys(protocol.reached for protocol in PROTOCOLS)),
         "stop_rules": list(StopRule),
         "matrices": [(run, tables.protocol_matrix(run)) for run in runs],
         "own": [tables.own_protocol(run) for run in runs],

@@ -95,6 +95,11 @@ def warnings(runs: Sequence[RunData]) -> list[str]:
         for run in runs
         if run.errs_as_released
     ]
+    found += [
+        f"{run.name} follows {run.benchmark.name}. {' '.join(run.benchmark.caveats)}"
+        for run in runs
+        if run.benchmark is not None and run.benchmark.caveats
+    ]
     for run in runs:
         if len(run.records) < run.wanted:
             found.append(
@@ -198,8 +203,8 @@ def other_protocol_lines(run: RunData, first: RunData) -> list[tuple[str, str]]:
 
 def setting(run: RunData) -> str:
     """Protocol in a line, to be set beside published ones."""
-    kind = run.dataset.partition("-")[0]
-    scenes = f"generated {kind}" if kind in NOUNS else "one scene"
+    kind, count = run.dataset.partition("-")[0], run.configuration["episodes"]["scenes"]
+    scenes = f"generated {kind}" if kind in NOUNS else number_of(count, "scene")
     sees = "ground-truth detection" if run.is_told_truth else f"sees with {run.who['detector']}"
     return f"{scenes}; {sees}; at most {run.configuration['protocol']['max_steps']} steps"
 
@@ -213,6 +218,13 @@ def reached(run: RunData) -> str:
 def step(run: RunData) -> str:
     """Length of a step, in words."""
     return f"{run.configuration['config']['embodiment']['motion']['forward_m']:g} m"
+
+
+def step_seconds(run: RunData) -> str:
+    """Mean time of a step, the simulator's included, seconds, in words."""
+    steps = sum(record.steps for record in run.records)
+    seconds = sum(record.seconds.get("total", 0.0) for record in run.records)
+    return f"{seconds / steps:.2f}" if steps and seconds else "–"
 
 
 def session_lines(run: RunData) -> list[str]:

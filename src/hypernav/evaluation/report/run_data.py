@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from hypernav.core.errors import RunFolderError
+from hypernav.datasets.benchmarks import Benchmark, benchmark_of
 from hypernav.evaluation.record import EpisodeKey, EpisodeRecord
 from hypernav.evaluation.store.run_store import read_configuration, read_records, read_sessions
 from hypernav.evaluation.store.session import Session
@@ -68,6 +69,11 @@ class RunData:
     def is_native(self) -> bool:
         """Whether the method had its own camera, step and stop, not those that all share."""
         return is_native(self.configuration)
+
+    @property
+    def benchmark(self) -> Benchmark | None:
+        """The published benchmark that the run follows, if any."""
+        return benchmark_of(self.dataset, self.configuration.get("benchmark"))
 
     @property
     def errs_as_released(self) -> bool:

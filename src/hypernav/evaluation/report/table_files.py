@@ -5,7 +5,7 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 
-from hypernav.evaluation.protocol import PROTOCOLS, EvaluationProtocol, StopRule
+from hypernav.evaluation.protocol import PROTOCOLS, EvaluationProtocol, Reference, StopRule
 from hypernav.evaluation.report import tables
 from hypernav.evaluation.report.run_data import RunData
 from hypernav.evaluation.statistics import Estimate
@@ -35,7 +35,14 @@ def write_csv(path: Path, runs: Sequence[RunData]) -> None:
                 *("run", "scene_id", "episode_id", "goal", "group", "outcome", "failure", "why"),
                 *("counts", "stopped", "steps", "path_length_m", "shortest_path_m"),
                 *("explored_m", "approached_m", "shortest_from_sight_m"),
-                *("distance_to_goal_m", "soft_spl", "model_calls", "tokens_in", "tokens_out"),
+                *(
+                    "distance_to_goal_m",
+                    "distance_to_object_m",
+                    "soft_spl",
+                    "model_calls",
+                    "tokens_in",
+                    "tokens_out",
+                ),
                 "seconds",
                 *(f"{name}_{_column(p)}" for p in PROTOCOLS for name in ("success", "spl")),
             ]
@@ -51,6 +58,7 @@ def write_csv(path: Path, runs: Sequence[RunData]) -> None:
                         _length(r.shortest_path_m),
                         *(_length(r.explored_m), _length(r.approached_m)),
                         *(_length(r.shortest_from_sight_m), _length(r.distance_to_goal_m)),
+                        _length(r.distance_to_object_m),
                         *(f"{r.soft_spl:.4f}", r.model_calls, r.tokens_in, r.tokens_out),
                         f"{r.seconds.get('total', 0.0):.3f}",
                         *(x for s in scores for x in (int(s.success), f"{s.spl:.4f}")),
@@ -121,7 +129,8 @@ def with_interval(estimate: Estimate, factor: float, digits: int) -> str:
 
 def _column(protocol: EvaluationProtocol) -> str:
     rule = "stop" if protocol.stop_rule is StopRule.STOP_REQUIRED else "timeout"
-    return f"{protocol.success_distance_m:g}m_{rule}"
+    of = "_object" if protocol.reference is Reference.OBJECT else ""
+    return f"{protocol.success_distance_m:g}m{of}_{rule}"
 
 
 def _length(value: float | None) -> str:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from hypernav.evaluation.failures.classification import Failure
-from hypernav.evaluation.protocol import SUCCESS_DISTANCES_M, EvaluationProtocol, StopRule
+from hypernav.evaluation.protocol import PROTOCOLS, EvaluationProtocol, StopRule
 from hypernav.evaluation.record import EpisodeRecord
 from hypernav.evaluation.report.run_data import RunData
 from hypernav.evaluation.statistics import (
@@ -125,12 +125,15 @@ def own_protocol(run: RunData) -> EvaluationProtocol:
     return EvaluationProtocol(float(told["success_distance_m"]), StopRule(told["stop_rule"]))
 
 
-def protocol_matrix(run: RunData) -> dict[StopRule, list[Summary]]:
-    """A run under every protocol: by stop rule, then in the order of the success distances."""
-    return {
-        rule: [summarise(run.records, EvaluationProtocol(d, rule)) for d in SUCCESS_DISTANCES_M]
-        for rule in StopRule
-    }
+def protocol_matrix(
+    run: RunData,
+) -> dict[StopRule, list[tuple[EvaluationProtocol, Summary | None]]]:
+    """A run under every protocol, by stop rule; None where its records can't be scored so."""
+    matrix: dict[StopRule, list[tuple[EvaluationProtocol, Summary | None]]] = {}
+    for protocol in PROTOCOLS:
+        summary = summarise(run.records, protocol) if protocol.can_score(run.counted) else None
+        matrix.setdefault(protocol.stop_rule, []).append((protocol, summary))
+    return matrix
 
 
 def by_scene(runs: Sequence[RunData]) -> list[Group]:

@@ -8,9 +8,6 @@
 ``scenes.json``         hash, sizes and times of the files of every scene (`scene_files`)
 ``episodes/``           pages and videos of single episodes, if they are kept
 ======================= ============================================================================
-
-A line is on the disk before the next episode is counted as done, so a crash loses only episodes in
-flight.
 """
 
 import json
@@ -30,6 +27,7 @@ from hypernav.core.files.json_text import parse_json
 from hypernav.core.files.reading import read_file
 from hypernav.evaluation.record import EpisodeKey, EpisodeRecord
 from hypernav.evaluation.store.append_only import append_line, write_whole
+from hypernav.evaluation.store.record_file import RecordFile, file_content, read_record_file
 from hypernav.evaluation.store.session import Session
 
 RUN_FILE = "run.json"
@@ -71,8 +69,8 @@ class RunStore:
         with ExitStack() as stack:
             stack.enter_context(FolderLock(self.folder))
             self._check_configuration()
-            _repair_last_line(self.folder / EPISODES_FILE)
-            self.records = {r.key: r for r in read_records(self.folder)}
+            self._file = RecordFile(self.folder / EPISODES_FILE, EpisodeRecord)
+            self.records = self._file.records
             self._earlier_sessions = _whole_lines(self.folder / SESSIONS_FILE)
             self._stack = stack.pop_all()
         return self
@@ -92,10 +90,7 @@ class RunStore:
         Raises:
             RunFolderError: The episode has a record already, or the disk is full.
         """
-        if record.key in self.records:
-            raise RunFolderError(f"{self.folder}: episode {'/'.join(record.key)} is done already")
-        append_line(self.folder / EPISODES_FILE, record.model_dump_json())
-        self.records[record.key] = record
+        self._file.add(record)
 
     def withdraw(self, unwanted: Callable[[EpisodeRecord], bool]) -> int:
         """Withdraw records, so that their episodes run again; ``retried.jsonl`` keeps them.
@@ -187,25 +182,7 @@ def read_records(folder: Path) -> list[EpisodeRecord]:
     Raises:
         RunFolderError: A line cannot be read, or an episode is there twice.
     """
-    path = folder / EPISODES_FILE
-    if not path.exists():
-        return []
-    records: dict[EpisodeKey, EpisodeRecord] = {}
-    for number, line in enumerate(_content(path).splitlines(), start=1):
-        try:
-            record = EpisodeRecord.model_validate_json(line)
-        except ValidationError as error:
-            raise RunFolderError(
-                f"{path}, line {number} is damaged ({error.errors()[0]['msg']}); nothing was "
-                "changed. Remove that line and run again: its episode will be repeated"
-            ) from error
-        if record.key in records:
-            raise RunFolderError(
-                f"{path}, line {number}: episode {'/'.join(record.key)} is there twice; nothing "
-                "was changed. Remove one of the lines"
-            )
-        records[record.key] = record
-    return list(records.values())
+    return list(read_record_file(folder / EPISODES_FILE, EpisodeRecord).values())
 
 
 def read_sessions(folder: Path) -> list[Session]:
@@ -246,51 +223,5 @@ def _shown(values: Mapping[str, Any], key: str) -> str:
 
 def _whole_lines(path: Path) -> bytes:
     """The content of a file of lines, with an end to the last one; empty if there is no file."""
-    content = _content(path) if path.exists() else b""
+    content = file_content(path) if path.exists() else b""
     return content if content.endswith(b"\n") or not content else content + b"\n"
-
-
-def _repair_last_line(path: Path) -> None:
-    """Move a last line that was not written to its end into a file of its own."""
-    if not path.exists():
-        return
-    content = _content(path)
-    start = content.rstrip(b"\n").rfind(b"\n") + 1
-    last = content[start:]
-    if not last.strip(b"\n"):
-        return
-    if _is_record(last):
-        if not last.endswith(b"\n"):
-            append_line(path, "")
-        return
-    backup = _free_name(path.with_name(path.name + ".cut"))
-    write_whole(backup, last)
-    write_whole(path, content[:start])
-    _LOGGER.warning(
-        "%s: the last line was not written to its end; it was moved to %s, and its episode runs "
-        "again",
-        path,
-        backup.name,
-    )
-
-
-def _content(path: Path) -> bytes:
-    try:
-        return read_file(path)
-    except OSError as error:
-        raise RunFolderError(f"{path} cannot be read: {error.strerror or error}") from error
-
-
-def _is_record(line: bytes) -> bool:
-    try:
-        EpisodeRecord.model_validate_json(line)
-    except ValidationError:
-        return False
-    return True
-
-
-def _free_name(path: Path) -> Path:
-    number = 1
-    while (candidate := path.with_name(f"{path.name}-{number}")).exists():
-        number += 1
-    return candidate

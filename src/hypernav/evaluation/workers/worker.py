@@ -35,6 +35,7 @@ from hypernav.show.captions import ITS_OWN
 from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
 from hypernav.worlds.habitat.simulator import HabitatRenderer
+from hypernav.worlds.object_distance import object_distance
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.simulation import SimulatedWorld
 
@@ -166,6 +167,7 @@ class EpisodeWorker:
             failure=verdict.failure if verdict is not None else None,
             why=verdict.why if verdict is not None else "",
             **result.measures(),
+            distance_to_object_m=object_distance(world.scene, goal.instances, world.position),
             stopped=stopped,
             steps=result.steps,
             model_calls=result.model_calls,

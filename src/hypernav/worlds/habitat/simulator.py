@@ -20,6 +20,7 @@ from hypernav.core.errors import MissingExtraError, SceneError
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.world import RenderedView
+from hypernav.worlds.habitat.graphics import graphics_device
 from hypernav.worlds.scenes.loading import OBJECTS_FILE
 from hypernav.worlds.scenes.scene import Scene
 
@@ -37,11 +38,16 @@ def require_habitat() -> ModuleType:
     """The module of habitat-sim.
 
     Raises:
-        MissingExtraError: It is not installed.
+        MissingExtraError: It is not installed, or a library that it needs.
     """
     try:
         return importlib.import_module("habitat_sim")
-    except ModuleNotFoundError as error:
+    except ImportError as error:
+        if error.name != "habitat_sim":
+            raise MissingExtraError(
+                f"habitat-sim is installed and can't be loaded ({error}); for libEGL.so.1 it is "
+                "apt-get install libegl1"
+            ) from error
         raise MissingExtraError(
             "the world 'habitat' needs habitat-sim, which is not installed and which pip does not "
             "have; try: conda install habitat-sim headless -c conda-forge -c aihabitat (Python "
@@ -67,7 +73,7 @@ class HabitatRenderer:
             robot: Robot whose camera is simulated.
 
         Raises:
-            MissingExtraError: habitat-sim is not installed.
+            MissingExtraError: habitat-sim is not installed, or nothing that it could draw with.
             SceneError: It can't open the scene, or has no navigation mesh of it.
         """
         habitat_sim = require_habitat()
@@ -81,8 +87,8 @@ class HabitatRenderer:
         self.path_finder: Any = self._simulator.pathfinder
         # Where the settings in the file aren't those of its robot, habitat-sim has computed a mesh
         # of its own; the published episodes belong to the file.
-        file = scene.navmesh or mesh.with_suffix(".navmesh")
-        if file.is_file():
+        file = navmesh_of(scene, mesh)
+        if file is not None:
             self.path_finder.load_nav_mesh(str(file))
         if not self.path_finder.is_loaded:
             self.close()
@@ -124,6 +130,17 @@ class HabitatRenderer:
         return np.where(known == semantic, self._instances[known], np.int32(0)).astype(np.int32)
 
 
+def navmesh_of(scene: Scene, mesh: Path) -> Path | None:
+    """The navigation mesh that habitat-sim walks on: the scene's own, or the file beside it.
+
+    Args:
+        scene: The scene as we read it.
+        mesh: File of the scene.
+    """
+    beside = mesh.with_suffix(".navmesh")
+    return scene.navmesh or (beside if beside.is_file() else None)
+
+
 def quaternion_of(rotation: Float64[np.ndarray, "3 3"]) -> Float64[np.ndarray, "4"]:
     """The quaternion ``[x, y, z, w]`` of a rotation matrix (Shepperd, 1978)."""
     trace = float(np.trace(rotation))
@@ -146,6 +163,7 @@ def _configuration(habitat_sim: ModuleType, mesh: Path, robot: Embodiment) -> An
     simulator = habitat_sim.SimulatorConfiguration()
     simulator.scene_id = str(mesh)
     simulator.enable_physics = False
+    simulator.gpu_device_id = graphics_device()
     dataset = _dataset_config(mesh)
     if dataset is not None:
         simulator.scene_dataset_config_file = str(dataset)
