@@ -87,7 +87,7 @@ def test_a_scene_in_millimetres_is_refused() -> None:
 
 
 def test_a_mesh_belongs_to_robots_that_are_alike_in_voxels() -> None:
-    settings = settings_for(ROBOT)[()]
+    settings = settings_for(ROBOT)
     assert is_mesh_of(settings, BodyConfig(radius_m=0.18, height_m=1.0))
     assert not is_mesh_of(settings, BodyConfig(radius_m=0.17, height_m=1.41))
     assert not is_mesh_of(None, ROBOT)

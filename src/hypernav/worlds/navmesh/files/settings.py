@@ -44,7 +44,7 @@ def robot_in_voxels(settings: np.ndarray | np.void) -> tuple[int, int, int]:
     return height, climb, math.ceil(settings["agent_radius"] / settings["cell_size"])
 
 
-def is_mesh_of(settings: np.void | None, body: BodyConfig) -> bool:
+def is_mesh_of(settings: np.ndarray | np.void | None, body: BodyConfig) -> bool:
     """Whether a mesh with these settings is the one that habitat-sim would compute for a robot.
 
     habitat-sim compares the numbers themselves; here a height or a radius that Recast rounds to the
