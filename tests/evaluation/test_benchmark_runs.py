@@ -126,6 +126,7 @@ def test_the_command_takes_the_robot_and_the_limits_of_the_benchmark(benchmark_d
     run = json.loads((tmp_path / "ovon" / "run.json").read_text())["configuration"]
     camera, body = run["config"]["embodiment"]["camera"], run["config"]["embodiment"]["body"]
     assert (camera["width"], camera["height"], camera["hfov_deg"]) == (360, 640, 42.0)
+    assert run["navmeshes"] == {"file": 0, "computed": 1}  # the files are another robot's
     assert (camera["height_m"], body["height_m"], body["radius_m"]) == (1.31, 1.41, 0.17)
     assert run["config"]["embodiment"]["motion"]["forward_m"] == 0.25
     assert (run["protocol"]["max_steps"], run["protocol"]["success_distance_m"]) == (3, 0.25)

@@ -28,6 +28,7 @@ COMMANDS = {
     "report": "Write a page, a CSV file and LaTeX tables about one or more evaluations.",
     "doctor": "Examine a vision-language model, or the data of benchmarks, and say what to change.",
     "compare": "Compare the simulator with habitat-sim, pose by pose, in a scene of your own.",
+    "scene": "Write the navigation mesh that habitat-sim computes of a scene, for any robot.",
     "serve": "Take the observations of robots over the network, and answer each with an action.",
     "robot": "Simulate a robot on the network, replay recordings of a camera, report on trials.",
     "houses": "Generated buildings: pages about them, files for other programs, splits, episodes.",

@@ -20,6 +20,8 @@ from hypernav.evaluation.datasets import (
     select,
 )
 from hypernav.evaluation.protocol import StopRule
+from hypernav.worlds.navmesh.robot_navmesh import is_computed
+from hypernav.worlds.scans.layout import ScanFiles
 
 
 @dataclass(frozen=True)
@@ -122,4 +124,19 @@ class RunPlan:
                 "seed": self.seed,
             },
             "config": self.config.model_dump(mode="json"),
-        } | named
+        } | named | self._navmeshes(episodes)
+
+    def _navmeshes(self, episodes: Sequence[Episode]) -> dict[str, Any]:
+        """In how many scans the robot walks on the file's mesh, and on one computed for it.
+
+        Nothing where none is computed.
+
+        Raises:
+            NavmeshError: A scan's mesh can't be used.
+        """
+        scans = [ScanFiles.of(Path(scene)) for scene in {e.scene_id for e in episodes}]
+        meshes = [scan.navmesh for scan in scans if scan is not None and scan.navmesh is not None]
+        body, choice = self.config.embodiment.body, self.config.world.navmesh
+        computed = sum(is_computed(mesh, body, choice) for mesh in meshes)
+        both = {"file": len(meshes) - computed, "computed": computed}
+        return {"navmeshes": both} if computed else {}

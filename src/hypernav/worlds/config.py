@@ -1,8 +1,14 @@
 """Configuration of simulated robots. It is part of every configuration, and loads no simulator."""
 
+from typing import Literal
+
 from pydantic import Field
 
 from hypernav.core.config import RoomConfig
+
+NavmeshChoice = Literal["auto", "file", "robot"]
+"""Which navigation mesh a robot walks on: the file's where it was made for such a robot, else one
+that is computed as habitat-sim does; always the file's; or always a computed one."""
 
 CELL_M = 0.05
 """Default side of the walkable surface's cells, metres, as in Habitat's navigation meshes."""
@@ -56,6 +62,9 @@ class SimulationConfig(RoomConfig):
         sliding: Slide along obstacles instead of stopping at them; off, as in Habitat's challenges.
         noise: Noise of sensors and motion; none by default.
         labels: Whether observations carry ground-truth labels.
+        navmesh: Mesh of a scan: the file's if it was made for such a robot, else one computed as
+            habitat-sim does ("auto"); always the file's ("file"); always computed, also where a
+            scene has no file ("robot").
         cell_m: Side of the walkable surface's cells, metres; a navigation mesh has none.
         judge_eye_m: Height above the floor from which a goal must be visible for a view point of
             it, metres; None takes the camera's. It stays when only the camera is another.
@@ -66,6 +75,7 @@ class SimulationConfig(RoomConfig):
     sliding: bool = False
     noise: NoiseConfig = NoiseConfig()
     labels: bool = True
+    navmesh: NavmeshChoice = "auto"
     cell_m: float = Field(default=CELL_M, ge=0.01, le=0.5)
     judge_eye_m: float | None = Field(default=None, gt=0.0, le=10.0)
     floor_z: float | None = Field(default=None, ge=-1000.0, le=1000.0)

@@ -20,6 +20,7 @@ from hypernav.worlds.config import SimulationConfig
 from hypernav.worlds.drawing.rays import RayCaster
 from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.goal_objects import named_as_goals
+from hypernav.worlds.navmesh.robot_navmesh import robot_navmesh
 from hypernav.worlds.navmesh.surface import NavmeshSurface
 from hypernav.worlds.noise import noisy_depth
 from hypernav.worlds.scenes.scene import Scene
@@ -61,11 +62,11 @@ class SimulatedWorld:
             config: How the robot is simulated.
             embodiment: Body, camera and motion of the robot; by default Habitat's HM3D robot.
             renderer: Renderer of the scene; by default a `CpuRenderer`.
-            walkable: The surface on which the robot can stand; by default the scene's navigation
-                mesh, or computed from the scene where it has none.
+            walkable: The surface on which the robot can stand; by default the navigation
+                mesh that the configuration names, or computed from the scene where it has none.
 
         Raises:
-            SceneError: The robot fits nowhere, or the navigation mesh can't be read.
+            SceneError: The robot fits nowhere, or the navigation mesh can't be read or computed.
             MissingExtraError: Embree is not installed.
         """
         self.scene = scene
@@ -226,9 +227,10 @@ class SimulatedWorld:
         return GoalRegions(self.scene, walkable, self._rays, eye_height_m=eye_height_m)
 
     def _surface_at(self, z: float | None) -> WalkableSurface:
-        """The scene's navigation mesh, or the walkable surface of the storey at a height."""
-        if self.scene.navmesh is not None:
-            return NavmeshSurface.load(self.scene.navmesh)
+        """The robot's navigation mesh, or the walkable surface of the storey at a height."""
+        navmesh = robot_navmesh(self.scene, self.embodiment.body, self.config.navmesh)
+        if navmesh is not None:
+            return NavmeshSurface(navmesh)
         return WalkableGrid.from_scene(
             self.scene, self.embodiment.body, cell_m=self.config.cell_m, floor_z=z
         )

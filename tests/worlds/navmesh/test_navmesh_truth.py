@@ -89,6 +89,16 @@ def test_steps(navmesh: Navmesh, truth: dict[str, Any], answer: str, sliding: bo
         assert reached == pytest.approx(step[answer], abs=1e-6)
 
 
+def test_a_step_without_sliding_goes_on_to_the_last_wall(test_data: Path) -> None:
+    folder = test_data / "habitat"
+    known = json.loads((folder / "step_without_sliding.json").read_text())
+    navmesh = Navmesh.load(folder / known["navmesh"])
+    step = known["step"]
+    for answer, sliding in (("slide", True), ("no_slide", False)):
+        reached = navmesh.try_step(_point(step["start"]), _point(step["end"]), sliding=sliding)
+        assert reached == pytest.approx(step[answer], abs=1e-6)
+
+
 def test_clearances(navmesh: Navmesh, truth: dict[str, Any]) -> None:
     for known in truth["clearance"]:
         distance = navmesh.obstacle_distance(_point(known["point"]))

@@ -54,7 +54,7 @@ def load_scan(files: ScanFiles) -> Scene:
         raise SceneError(f"{path}: holds no triangles; download it again")
     building = SceneObject("building", frozenset(part.node for part in parts), None)
     scene = assemble(path.stem.removesuffix(".basis"), parts, [building], materials, smooth=False)
-    scene = replace(scene, unlit=True, navmesh=files.navmesh)
+    scene = replace(scene, unlit=True, navmesh=files.navmesh, stored_z_up=True)
     if files.semantic_mesh is None or files.semantic_text is None:
         return scene
     if files.semantic_text.suffix == HOUSE_SUFFIX:

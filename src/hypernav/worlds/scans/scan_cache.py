@@ -96,6 +96,7 @@ def _read(home: Path, files: ScanFiles) -> Scene:
         instances=tuple(_instance(one) for one in about["instances"]),
         unlit=True,
         navmesh=files.navmesh,
+        stored_z_up=True,
         cache=home,
     )
 

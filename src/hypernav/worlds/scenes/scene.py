@@ -60,6 +60,7 @@ class Scene:
         unlit: Whether light is already in the textures, as in scans.
         navmesh: File of the surface to stand on that comes with the scene; None where it has to be
             computed from the triangles.
+        stored_z_up: Whether the file itself is z up, against the rule of glTF, as scans are.
         cache: Folder that stands for exactly these triangles and materials, in which what is
             computed from them is kept; None keeps nothing.
     """
@@ -76,6 +77,7 @@ class Scene:
     instances: tuple[Instance, ...]
     unlit: bool = False
     navmesh: Path | None = None
+    stored_z_up: bool = False
     cache: Path | None = None
 
     def of_faces(self, keep: Bool[np.ndarray, "faces"]) -> "Scene":

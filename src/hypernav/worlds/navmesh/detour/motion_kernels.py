@@ -1,7 +1,7 @@
 """Straight moves on a navigation mesh, and distances to its walls (numba kernels).
 
-As Detour's ``dtNavMeshQuery::moveAlongSurface`` with the switch for sliding that habitat-sim's copy
-has, and ``findDistanceToWall``.
+As Detour's ``dtNavMeshQuery::moveAlongSurface`` and ``findDistanceToWall``, and habitat-sim's
+``PathFinder::tryStep``.
 """
 
 import math
@@ -63,25 +63,31 @@ def _hits(a, b, start, end):
 def move(mesh, start_polygon, start, end, sliding):
     """The end of a straight move from a point on a polygon.
 
+    Without sliding it is that of the move with sliding, taken back to a wall of the polygons that
+    lead there which lies across the straight line.
+
     Returns:
-        The point, not yet at the height of the surface, and its polygon, which is `NOWHERE` if
-        there is no such move.
+        The point, not yet at the height of the surface, and the polygon where sliding ends, which
+        is `NOWHERE` if there is no such move.
     """
     polygons = np.empty(_MOST_NEAR, dtype=np.int32)
+    parents = np.full(_MOST_NEAR, -1, dtype=np.int32)
     visited = np.zeros(_MOST_NEAR, dtype=np.bool_)
     waiting = np.empty(_MOST_NEAR, dtype=np.int32)
     found = np.empty(_MOST_NEIGHBOURS, dtype=np.int32)
     polygons[0], visited[0], waiting[0] = start_polygon, True, 0
     nodes, first, last = 1, 0, 1
-    best, best_point, best_gap = NOWHERE, start, FARTHEST
+    best, best_point, best_gap = -1, start, FARTHEST
     middle = between(start, end, HALF)
     radius = distance(start, end) * HALF + _SLACK
     radius_squared = radius * radius
     while first < last:
-        polygon = polygons[waiting[first]]
+        current = waiting[first]
+        polygon = polygons[current]
         first += 1
         if is_over(mesh, polygon, end):
-            return end, polygon
+            best, best_point = current, end
+            break
         count = mesh.corner_count[polygon]
         edge = count - 1
         for i in range(count):
@@ -89,16 +95,9 @@ def move(mesh, start_polygon, start, end, sliding):
             beyond = _neighbours(mesh, polygon, edge, found)
             edge = i
             if beyond == 0:
-                if sliding:
-                    gap, t = to_segment(end, a, b)
-                    met = True
-                else:
-                    met, t = _hits(a, b, start, end)
-                    stop = between(a, b, t)
-                    dx, dz = end[0] - stop[0], end[2] - stop[2]
-                    gap = dx * dx + dz * dz
-                if met and gap < best_gap:
-                    best, best_point, best_gap = polygon, between(a, b, t), gap
+                gap, t = to_segment(end, a, b)
+                if gap < best_gap:
+                    best, best_point, best_gap = current, between(a, b, t), gap
             for k in range(beyond):
                 node = 0
                 while node < nodes and polygons[node] != found[k]:
@@ -110,13 +109,42 @@ def move(mesh, start_polygon, start, end, sliding):
                     nodes += 1
                 if visited[node] or to_segment(middle, a, b)[0] > radius_squared:
                     continue
-                if not sliding and not _hits(a, b, start, end)[0]:
-                    continue
                 if last - first < _MOST_WAITING:
-                    visited[node] = True
+                    visited[node], parents[node] = True, current
                     waiting[last] = node
                     last += 1
-    return best_point, best
+    if best < 0:
+        return start, NOWHERE
+    reached, stop_gap = best_point, FARTHEST
+    node = -1 if sliding else best
+    while node >= 0:
+        stop, gap = _stop_at_wall(mesh, polygons[node], start, end)
+        if gap < stop_gap:
+            reached, stop_gap = stop, gap
+        node = parents[node]
+    return reached, polygons[best]
+
+
+@njit(cache=True)
+def _stop_at_wall(mesh, polygon, start, end):
+    """Where a move meets a polygon's walls, nearest to its end, and the squared distance to it.
+
+    An edge to a polygon of the same tile is no wall, even if nobody may walk on that.
+    """
+    found = np.empty(_MOST_NEIGHBOURS, dtype=np.int32)
+    count = mesh.corner_count[polygon]
+    reached, least = start, FARTHEST
+    for edge in range(count):
+        if mesh.neighbours[polygon, edge] >= 0 or _neighbours(mesh, polygon, edge, found) > 0:
+            continue
+        a, b = corner(mesh, polygon, edge), corner(mesh, polygon, (edge + 1) % count)
+        met, t = _hits(a, b, start, end)
+        stop = between(a, b, t)
+        dx, dz = end[0] - stop[0], end[2] - stop[2]
+        gap = dx * dx + dz * dz
+        if met and gap < least:
+            reached, least = stop, gap
+    return reached, least
 
 
 @njit(cache=True)

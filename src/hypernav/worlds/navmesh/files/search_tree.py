@@ -1,28 +1,21 @@
 """The tree in which Detour searches for polygons near a position, as ``createBVTree`` makes it."""
 
 import numpy as np
-from jaxtyping import Float32
+from jaxtyping import UInt16
 
 from hypernav.worlds.navmesh.files.file_format import TREE_NODE
-from hypernav.worlds.navmesh.files.polygon_mesh import PolygonMesh
 
-_MOST_STEPS = 0xFFFF
+MOST_STEPS = 0xFFFF
+"""Greatest number that a box can have."""
 
 
-def search_tree(
-    mesh: PolygonMesh, vertices: Float32[np.ndarray, "v 3"], quantisation: np.float32
-) -> np.ndarray:
+def search_tree(low: UInt16[np.ndarray, "p 3"], high: UInt16[np.ndarray, "p 3"]) -> np.ndarray:
     """Nodes of the tree, parents first: records of type `file_format.TREE_NODE`.
 
     Args:
-        mesh: Polygons.
-        vertices: Their corners in Habitat's frame, metres.
-        quantisation: Steps of the boxes per metre.
+        low: Lowest corner of every polygon's box, in steps from the lowest corner of the mesh.
+        high: Its highest corner.
     """
-    steps = (vertices - vertices.min(axis=0)) * quantisation
-    corners = np.where(mesh.polygons >= 0, mesh.polygons, mesh.polygons[:, :1])
-    low = np.clip(np.floor(steps[corners].min(axis=1)), 0, _MOST_STEPS).astype(np.uint16)
-    high = np.clip(np.ceil(steps[corners].max(axis=1)), 0, _MOST_STEPS).astype(np.uint16)
     nodes: list[tuple[np.ndarray, np.ndarray, int]] = []
     # Each entry is a run of polygons, or the number of a node whose descendants are complete.
     waiting: list[np.ndarray | int] = [np.arange(len(low))]

@@ -1,7 +1,9 @@
 """Navigation mesh files for habitat-sim."""
 
+from collections.abc import Mapping
+
 import numpy as np
-from jaxtyping import Float32, Int64
+from jaxtyping import Int64
 
 from hypernav.core.embodiment import BodyConfig
 from hypernav.datasets.habitat_frames import positions_to_habitat
@@ -10,7 +12,7 @@ from hypernav.worlds.navmesh.files.file_format import (
     POLYGON,
     SET_HEADER,
     SET_MAGIC,
-    SETTINGS,
+    TILE_ARRAYS,
     TILE_HEADER,
     TILE_MAGIC,
     TILE_REFERENCE,
@@ -18,11 +20,10 @@ from hypernav.worlds.navmesh.files.file_format import (
     WALKABLE,
 )
 from hypernav.worlds.navmesh.files.polygon_mesh import PolygonMesh
-from hypernav.worlds.navmesh.files.search_tree import search_tree
+from hypernav.worlds.navmesh.files.search_tree import MOST_STEPS, search_tree
+from hypernav.worlds.navmesh.files.settings import settings_for
 
 _LINK_BYTES = 12
-_CELL_HEIGHT_M, _CLIMB_M, _SLOPE_DEG = 0.2, 0.2, 45.0
-"""What habitat-sim computes its meshes with (``NavMeshSettings::setDefaults``)."""
 
 _EDGE_FLAGS = (0b000001, 0b000100, 0b010000)
 """Flags of a detail triangle's edges that lie on the boundary of its polygon."""
@@ -44,64 +45,78 @@ def navmesh_bytes(
         version: Version of the format, 1 or 2.
     """
     vertices = positions_to_habitat(mesh.vertices).astype(np.float32)
-    low, high = vertices.min(axis=0), vertices.max(axis=0)
-    header = np.zeros((), SET_HEADER)
-    header["magic"], header["version"], header["tiles"] = SET_MAGIC, version, 1
-    header["origin"] = low
-    header["tile_width"], header["tile_height"] = high[0] - low[0], high[2] - low[2]
-    header["most_tiles"], header["most_polygons"] = 1, len(mesh.polygons)
-    tile = _tile_bytes(mesh, vertices, body, np.float32(1.0 / cell_m))
-    reference = np.zeros((), TILE_REFERENCE)
-    reference["reference"] = 1 << (len(mesh.polygons) - 1).bit_length()
-    reference["size"] = len(tile)
-    settings = _settings(body, cell_m).tobytes() if version > 1 else b""
-    return header.tobytes() + settings + reference.tobytes() + tile
-
-
-def _settings(body: BodyConfig, cell_m: float) -> np.ndarray:
-    """The settings that habitat-sim would compute a mesh for this robot with."""
-    settings = np.zeros((), SETTINGS)
-    settings["cell_size"], settings["cell_height"] = cell_m, _CELL_HEIGHT_M
-    settings["agent_height"], settings["agent_radius"] = body.height_m, body.radius_m
-    settings["agent_max_climb"], settings["agent_max_slope"] = _CLIMB_M, _SLOPE_DEG
-    settings["region_min_size"] = settings["region_merge_size"] = 20.0
-    settings["edge_max_len"], settings["edge_max_error"] = 12.0, 1.3
-    settings["verts_per_poly"] = POLYGON["vertices"].shape[0]
-    settings["detail_sample_dist"], settings["detail_sample_max_error"] = 6.0, 1.0
-    for name in ("low_hanging_obstacles", "ledge_spans", "walkable_low_height_spans"):
-        settings[f"filter_{name}"] = 1
-    return settings
-
-
-def _tile_bytes(
-    mesh: PolygonMesh,
-    vertices: Float32[np.ndarray, "v 3"],
-    body: BodyConfig,
-    quantisation: np.float32,
-) -> bytes:
     sizes = mesh.sizes
-    polygons = np.zeros(len(mesh.polygons), POLYGON)
-    polygons["first_link"] = 0xFFFFFFFF
-    polygons["vertices"] = np.maximum(mesh.polygons, 0)
-    polygons["neighbours"] = mesh.neighbours() + 1
-    polygons["flags"], polygons["vertex_count"] = WALKABLE, sizes
-    details = np.zeros(len(polygons), DETAIL_MESH)
+    details = np.zeros(len(sizes), DETAIL_MESH)
     details["triangle_count"] = sizes - 2
     details["triangle_base"] = np.cumsum(sizes - 2) - (sizes - 2)
-    triangles = _fans(sizes)
-    tree = search_tree(mesh, vertices, quantisation)
-    links = int(sizes.sum())
     header = np.zeros((), TILE_HEADER)
-    header["magic"], header["version"] = TILE_MAGIC, TILE_VERSION
-    header["polygons"] = header["detail_meshes"] = header["off_mesh_base"] = len(polygons)
-    header["vertices"], header["most_links"] = len(vertices), links
-    header["detail_triangles"], header["tree_nodes"] = len(triangles), len(tree)
     header["walkable_height"], header["walkable_radius"] = body.height_m, body.radius_m
     header["walkable_climb"] = body.max_step_m
     header["lowest"], header["highest"] = vertices.min(axis=0), vertices.max(axis=0)
-    header["quantisation"] = quantisation
-    parts = (header, vertices, polygons, bytes(links * _LINK_BYTES), details, triangles, tree)
-    return b"".join(part if isinstance(part, bytes) else part.tobytes() for part in parts)
+    header["quantisation"] = np.float32(1.0 / cell_m)
+    steps = (vertices - vertices.min(axis=0)) * header["quantisation"]
+    corners = np.where(mesh.polygons >= 0, mesh.polygons, mesh.polygons[:, :1])
+    low = np.clip(np.floor(steps[corners].min(axis=1)), 0, MOST_STEPS).astype(np.uint16)
+    high = np.clip(np.ceil(steps[corners].max(axis=1)), 0, MOST_STEPS).astype(np.uint16)
+    arrays = {
+        "vertices": vertices,
+        "polygons": polygon_records(mesh.polygons, mesh.neighbours()),
+        "details": details,
+        "detail_vertices": np.zeros((0, 3), dtype=np.float32),
+        "detail_triangles": _fans(sizes),
+        "tree": search_tree(low, high),
+    }
+    return file_of_tile(header, arrays, settings_for(body, cell_m) if version > 1 else None)
+
+
+def file_of_tile(
+    header: np.ndarray, arrays: Mapping[str, np.ndarray], settings: np.ndarray | None
+) -> bytes:
+    """The content of a file of one tile.
+
+    Args:
+        header: Record of type `TILE_HEADER`: the robot, the bounds and the steps of the tree; the
+            rest is filled in.
+        arrays: The arrays of `TILE_ARRAYS`, but links.
+        settings: What the mesh was computed with; None for version 1 of the format.
+    """
+    polygons = arrays["polygons"]
+    links = int(polygons["vertex_count"].sum())
+    header["magic"], header["version"] = TILE_MAGIC, TILE_VERSION
+    for array in TILE_ARRAYS:
+        header[array.length] = links if array.name == "links" else len(arrays[array.name])
+    header["off_mesh_base"] = len(polygons)
+    content = {"links": bytes(links * _LINK_BYTES)} | {k: v.tobytes() for k, v in arrays.items()}
+    tile = header.tobytes() + b"".join(content[array.name] for array in TILE_ARRAYS)
+    whole = np.zeros((), SET_HEADER)
+    whole["magic"], whole["tiles"] = SET_MAGIC, 1
+    whole["version"] = 1 if settings is None else 2
+    whole["origin"] = header["lowest"]
+    sides = header["highest"] - header["lowest"]
+    whole["tile_width"], whole["tile_height"] = sides[0], sides[2]
+    whole["most_tiles"], whole["most_polygons"] = 1, len(polygons)
+    reference = np.zeros((), TILE_REFERENCE)
+    reference["reference"] = 1 << (len(polygons) - 1).bit_length()
+    reference["size"] = len(tile)
+    told = b"" if settings is None else settings.tobytes()
+    return whole.tobytes() + told + reference.tobytes() + tile
+
+
+def polygon_records(
+    polygons: Int64[np.ndarray, "p 6"], neighbours: Int64[np.ndarray, "p 6"]
+) -> np.ndarray:
+    """Records of type `POLYGON`.
+
+    Args:
+        polygons: Corners of every polygon, padded with -1.
+        neighbours: Polygon behind every edge, -1 where there is none.
+    """
+    records = np.zeros(len(polygons), POLYGON)
+    records["first_link"] = 0xFFFFFFFF
+    records["vertices"] = np.maximum(polygons, 0)
+    records["neighbours"] = neighbours + 1
+    records["flags"], records["vertex_count"] = WALKABLE, (polygons >= 0).sum(axis=1)
+    return records
 
 
 def _fans(sizes: Int64[np.ndarray, " p"]) -> np.ndarray:

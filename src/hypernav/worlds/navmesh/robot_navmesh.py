@@ -1,0 +1,76 @@
+"""The navigation mesh that a robot walks on in a scene: that of the file, or one computed for it.
+
+habitat-sim computes a mesh anew wherever the file beside a scene was made for another robot than
+the agent (``Simulator::reconfigure``), which habitat-lab asks it to.
+"""
+
+import hashlib
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from hypernav.core.embodiment import BodyConfig
+from hypernav.core.files.kept_arrays import digest_of, kept_arrays
+from hypernav.worlds.config import NavmeshChoice
+from hypernav.worlds.navmesh.files.reader import navmesh_of, read_navmesh
+from hypernav.worlds.navmesh.files.settings import is_mesh_of, settings_for
+from hypernav.worlds.navmesh.navmesh import Navmesh
+from hypernav.worlds.navmesh.recast.build import compute_navmesh
+from hypernav.worlds.navmesh.recast.scene_triangles import habitat_vertices
+from hypernav.worlds.scenes.scene import Scene
+
+
+def robot_navmesh(scene: Scene, body: BodyConfig, choice: NavmeshChoice) -> Navmesh | None:
+    """The mesh that a robot walks on; None where the scene has no file and none shall be computed.
+
+    Args:
+        scene: The scene.
+        body: The robot.
+        choice: Which mesh.
+
+    Raises:
+        NavmeshError: The file can't be used, or there is nothing to walk on.
+    """
+    if is_computed(scene.navmesh, body, choice):
+        return Navmesh(navmesh_of(computed_for(scene, body)))
+    return None if scene.navmesh is None else Navmesh.load(scene.navmesh)
+
+
+def is_computed(file: Path | None, body: BodyConfig, choice: NavmeshChoice) -> bool:
+    """Whether a robot walks on a mesh that is computed for it.
+
+    Args:
+        file: Mesh that comes with the scene; None if there is none.
+        body: The robot.
+        choice: Which mesh.
+
+    Raises:
+        NavmeshError: The file can't be used.
+    """
+    if choice == "auto":
+        return file is not None and not is_mesh_of(read_navmesh(file).settings, body)
+    return choice == "robot"
+
+
+def computed_for(scene: Scene, body: BodyConfig) -> bytes:
+    """The file of the mesh that habitat-sim would compute for a robot; from the cache if there.
+
+    Raises:
+        NavmeshError: There is nothing to walk on, or more than a mesh can hold.
+    """
+    settings = settings_for(body)
+    robot = hashlib.sha256(settings.tobytes()).hexdigest()[:16]
+
+    def compute() -> dict[str, np.ndarray]:
+        content = compute_navmesh(habitat_vertices(scene), scene.faces, settings)
+        return {"file": np.frombuffer(content, dtype=np.uint8)}
+
+    return kept_arrays(scene.cache, f"navmesh-{robot}-{_version()}", compute)["file"].tobytes()
+
+
+@lru_cache(maxsize=1)
+def _version() -> str:
+    """A name that changes with the code that computes meshes."""
+    here = Path(__file__).parent
+    return digest_of(sorted([*here.glob("recast/*.py"), *here.glob("files/*.py")]))
