@@ -55,6 +55,10 @@ if TYPE_CHECKING:
     from hypernav.evaluation.checks.box_room import BoxRoom
     from hypernav.evaluation.checks.worlds import check_world
     from hypernav.evaluation.evaluate import evaluate
+    from hypernav.evaluation.habitat_lab.benchmark import HabitatBenchmark
+    from hypernav.evaluation.habitat_lab.env import HabitatEnv
+    from hypernav.evaluation.habitat_lab.gym_env import HabitatGymEnv
+    from hypernav.evaluation.habitat_lab.task import HabitatTask
     from hypernav.evaluation.record import EpisodeRecord
     from hypernav.evaluation.report.report_page import write_report
     from hypernav.evaluation.report.run_data import load_runs
@@ -102,6 +106,10 @@ __all__ = [
     "Goal",
     "GoalError",
     "GroundTruthDetector",
+    "HabitatBenchmark",
+    "HabitatEnv",
+    "HabitatGymEnv",
+    "HabitatTask",
     "HttpLink",
     "HttpServer",
     "HyPerNavConfig",
@@ -198,6 +206,10 @@ _MODULES = {
     "BoxRoom": "hypernav.evaluation.checks.box_room",
     "check_world": "hypernav.evaluation.checks.worlds",
     "evaluate": "hypernav.evaluation.evaluate",
+    "HabitatBenchmark": "hypernav.evaluation.habitat_lab.benchmark",
+    "HabitatEnv": "hypernav.evaluation.habitat_lab.env",
+    "HabitatGymEnv": "hypernav.evaluation.habitat_lab.gym_env",
+    "HabitatTask": "hypernav.evaluation.habitat_lab.task",
     "EpisodeRecord": "hypernav.evaluation.record",
     "write_report": "hypernav.evaluation.report.report_page",
     "load_runs": "hypernav.evaluation.report.run_data",

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from certainty import certain
 from hypernav.core.errors import EpisodeError
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.datasets.habitat_episodes import read_split
+from hypernav.datasets.habitat_episodes import episodes_of, read_split
 from hypernav.datasets.habitat_files import episode_files, read_episodes, write_episodes
 from hypernav.datasets.habitat_format import EpisodeDataset
 from hypernav.datasets.habitat_frames import (
@@ -101,6 +101,14 @@ def test_the_same_data_gives_the_same_bytes(tmp_path):
     assert read_episodes(tmp_path / "deep" / "plain.json") == dataset
     with pytest.raises(EpisodeError, match=r"ends in \.json\.gz"):
         write_episodes(dataset, tmp_path / "episodes.yaml")
+
+
+def test_an_episode_keeps_its_category_and_the_files_numbers():
+    content = copy.deepcopy(CONTENT)
+    content["category_to_task_category_id"] = {"bed": 6, "sofa": 10}
+    [episode] = episodes_of(EpisodeDataset.model_validate(content), words={"bed": "cot"})
+    assert (episode.goal.text, episode.object_category) == ("cot", "bed")
+    assert episode.category_ids == {"bed": 6, "sofa": 10}
 
 
 def test_ovons_variations_are_understood(tmp_path):

@@ -134,6 +134,17 @@ def test_path_and_camera_follow_the_floor(world):
     assert world.path_length_m == pytest.approx(math.hypot(0.5, 0.04), abs=1e-5)
 
 
+def test_the_camera_tilts_down_and_up_until_the_next_reset(world):
+    level = world.reset(episode_from(START))
+    down = world.tilt(30.0)
+    optical_axis = down.camera_to_map.rotation @ [0.0, 0.0, 1.0]
+    assert optical_axis == pytest.approx([math.cos(math.pi / 6), 0.0, -0.5])
+    assert world.step(Action.TURN_LEFT).camera_to_map.rotation[2, 2] == pytest.approx(-0.5)
+    world.tilt(-60.0)
+    assert world.observation.camera_to_map.rotation[2, 2] == pytest.approx(0.5)
+    assert np.array_equal(world.reset(episode_from(START)).depth, level.depth)
+
+
 def test_depth_outside_the_sensors_range_is_no_return():
     world = world_of(camera=CameraConfig(width=64, height=48, min_depth_m=1.0, max_depth_m=3.0))
     depth = world.reset(episode_from(Pose2(1.0, 2.0, 0.0))).depth

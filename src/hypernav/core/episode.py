@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
@@ -48,6 +49,10 @@ class Episode:
             the data set brings them; None leaves them to the scene. Equality leaves them out.
         objects: Objects that satisfy the goal, as the data set names them besides those that are
             called so in the scene. Equality leaves them out.
+        object_category: Category of the goal as the data set calls it, such as ``tv_monitor``;
+            empty if it has none. Equality leaves it out.
+        category_ids: Numbers of all categories of the data set, by which Habitat's sensor
+            ``objectgoal`` tells them. Equality leaves them out.
     """
 
     scene_id: str
@@ -60,6 +65,8 @@ class Episode:
     success_distance_m: float = SUCCESS_DISTANCE_M
     view_points: Float64[np.ndarray, "n 3"] | None = field(default=None, compare=False, repr=False)
     objects: tuple[ObjectName, ...] = field(default=(), compare=False, repr=False)
+    object_category: str = field(default="", compare=False, repr=False)
+    category_ids: Mapping[str, int] = field(default_factory=dict, compare=False, repr=False)
 
     @property
     def key(self) -> tuple[str, str]:

@@ -50,6 +50,8 @@ def episodes_of(
             group=str((entry.info or {}).get("vocabulary", "")),
             view_points=shared[key].view_points,
             objects=shared[key].objects,
+            object_category=entry.object_category,
+            category_ids=dataset.category_to_task_category_id,
         )
         if episode.key in found:
             raise EpisodeError(_repeated(episode))

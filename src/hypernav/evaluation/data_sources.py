@@ -100,6 +100,7 @@ def _goals_and_starts(
     if not goals:
         raise EpisodeError(f"scene:{scene}: no labelled object in it can be reached")
     episodes = []
+    numbers = {goal: number for number, goal in enumerate(goals)}
     for done, goal in enumerate(goals):
         request.tell(done, len(goals))
         region = world.regions.of(Goal(goal))
@@ -107,7 +108,7 @@ def _goals_and_starts(
             spec = Episode(scene, f"{goal}-{number}", Goal(goal), Pose2(0.0, 0.0, 0.0))
             rng = np.random.default_rng(spec.seed(0))
             start = random_start(world.walkable, rng, region)
-            episodes.append(replace(spec, start=start))
+            episodes.append(replace(spec, start=start, object_category=goal, category_ids=numbers))
     return episodes
 
 

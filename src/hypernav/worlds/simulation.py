@@ -10,6 +10,7 @@ from hypernav.core.components.abilities import Closes
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.episode import Episode
 from hypernav.core.errors import WorldError
+from hypernav.core.geometry.camera import optical_to_base
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
@@ -79,6 +80,7 @@ class SimulatedWorld:
         self.regions: GoalRegions = self._regions_on(self.walkable)
         self._storeys = [(self.walkable, self.regions)]
         self._camera = self.embodiment.camera.intrinsics
+        self._tilt_deg = 0.0
         self._instances = scene.instances
         self._labels: dict[int, ObjectLabel] = {}
         # One that is never used where all noise is off.
@@ -117,6 +119,7 @@ class SimulatedWorld:
         self._robot = self._robot_at(episode.start, floor_z)
         self._start = episode.start.to_transform(self._robot.floor_z)
         self._stopped = False
+        self._tilt_deg = 0.0
         self._instances = named_as_goals(self.scene.instances, episode)
         self._labels = {i.id: i.label for i in self._instances if i.label is not None}
         self._observation = self._look()
@@ -130,14 +133,25 @@ class SimulatedWorld:
         Raises:
             WorldError: Before the first `reset`, or after STOP.
         """
-        if self._observation is None:
-            raise WorldError("step before reset: place the robot first")
-        if self._stopped:
-            raise WorldError("step after STOP: the episode is over, reset the world")
+        self._check_running()
         if action == Action.STOP:
             self._stopped = True
-            return self._observation
+            return self.observation
         self._robot.move(action)
+        self._observation = self._look()
+        return self._observation
+
+    def tilt(self, angle_deg: float) -> Observation:
+        """Tilt the camera and observe; `reset` turns it back.
+
+        Args:
+            angle_deg: Angle by which it looks further down, degrees; negative looks up.
+
+        Raises:
+            WorldError: Before the first `reset`, or after STOP.
+        """
+        self._check_running()
+        self._tilt_deg += angle_deg
         self._observation = self._look()
         return self._observation
 
@@ -192,7 +206,7 @@ class SimulatedWorld:
     def camera_to_scene(self) -> Transform:
         """True pose of the camera, scene frame."""
         robot = self._robot
-        return robot.pose.to_transform(robot.floor_z) @ self.embodiment.camera.camera_to_base
+        return robot.pose.to_transform(robot.floor_z) @ self._camera_to_base
 
     def view_from(self, camera_to_scene: Transform) -> RenderedView:
         """What the camera sees from a pose of its own, scene frame, without noise."""
@@ -221,6 +235,17 @@ class SimulatedWorld:
             view_points: View points of a data set, scene frame, metres; None takes the scene's own.
         """
         return self.regions.of(goal, view_points, self._instances)
+
+    @property
+    def _camera_to_base(self) -> Transform:
+        camera = self.embodiment.camera
+        return optical_to_base(camera.height_m, camera.pitch_deg + self._tilt_deg)
+
+    def _check_running(self) -> None:
+        if self._observation is None:
+            raise WorldError("step before reset: place the robot first")
+        if self._stopped:
+            raise WorldError("step after STOP: the episode is over, reset the world")
 
     def _regions_on(self, walkable: WalkableSurface) -> GoalRegions:
         eye_height_m = self.config.judge_eye_m or self.embodiment.camera.height_m
@@ -256,7 +281,6 @@ class SimulatedWorld:
         )
 
     def _look(self) -> Observation:
-        camera_to_base = self.embodiment.camera.camera_to_base
         view = self.view_from(self.camera_to_scene)
         robot = self._robot
         above_start = robot.floor_z - float(self.map_to_scene.translation[2])
@@ -265,7 +289,7 @@ class SimulatedWorld:
             rgb=view.rgb,
             depth=self._sensed(view),
             camera=self._camera,
-            camera_to_map=robot.reported.to_transform(above_start) @ camera_to_base,
+            camera_to_map=robot.reported.to_transform(above_start) @ self._camera_to_base,
             robot=robot.reported,
             truth=truth,
         )

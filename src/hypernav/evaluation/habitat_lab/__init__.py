@@ -1,0 +1,1 @@
+"""Environments with the observations, actions and measures of habitat-lab's ObjectNav task."""
