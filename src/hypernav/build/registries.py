@@ -53,6 +53,12 @@ DETECTORS: Registry[Factory] = Registry(
             words="noisy ground truth ({files})",
             section="noisy_detector",
         ),
+        Entry(
+            "systematic",
+            "hypernav.perception.local.systematic_detector:SystematicDetector",
+            form="systematic:LEVEL",
+            words="ground truth with systematic errors ({files})",
+        ),
     ],
 )
 """Detectors of the goal (`hypernav.core.components.protocols.Detector`)."""

@@ -19,6 +19,7 @@ from hypernav.cli.guards.crashes import crash_report
 from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.terminal import Terminal
+from hypernav.cli.warnings_shown import warnings_on
 from hypernav.core.config import MOST_THREADS, check_option
 from hypernav.core.episode import MAX_STEPS, Episode
 from hypernav.core.errors import ConfigError, GoalError
@@ -80,7 +81,8 @@ def evaluate(
     Raises:
         HyPerNavError: The run cannot be begun, or stopped before its end.
     """
-    plan, episodes = planned(options, console)
+    with warnings_on(console):
+        plan, episodes = planned(options, console)
     with RunStore(folder, plan.configuration(episodes)) as store:
         if heading:
             console.print(heading)

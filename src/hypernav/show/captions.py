@@ -58,6 +58,7 @@ _PARTS_WITHOUT_MODEL: dict[str, str] = {
     "ground truth": "ground truth labels from the simulator (no model)",
     "geometric": "geometric rule (no model)",
     "noisy": "a stand-in that knows the truth and errs at a set rate (no model)",
+    "systematic": "a stand-in that knows the truth and errs on the same things (no model)",
     "random block": "chance (no model)",
     "value map": "the value map",
     "truth": "a stand-in that knows what is in view (no model)",

@@ -287,7 +287,6 @@ def invalid(path: list[Any], value: Any) -> GltfWriter:
         (["scene"], 3, "scene 3"),
         (["scenes", 0, "nodes"], [7], "node 7"),
         (["nodes", 0, "mesh"], 7, "mesh 7"),
-        (["nodes", 0, "children"], [0], "below itself"),
         (["nodes", 0, "matrix"], [1.0], "nodes.0.matrix"),
         (["meshes", 0, "primitives", 0, "material"], 9, "material 9"),
         (["meshes", 0, "primitives", 0, "indices"], 99, "accessor 99"),
@@ -301,9 +300,6 @@ def invalid(path: list[Any], value: Any) -> GltfWriter:
         (["textures", 0, "source"], 5, "image 5"),
         (["textures", 0, "sampler"], 5, "sampler 5"),
         (["textures"], [{"extensions": {"MSFT_texture_dds": {"source": 0}}}], "MSFT_texture_dds"),
-        (["images", 0], {}, "neither bytes nor a file"),
-        (["images", 0], {"bufferView": 0}, "cannot be decoded"),
-        (["images", 0], {"uri": "data:image/png;base64,!!!"}, "cannot be decoded"),
         (["extensionsRequired"], ["KHR_draco_mesh_compression"], "KHR_draco_mesh_compression"),
     ],
 )
@@ -315,6 +311,40 @@ def test_broken_documents(tmp_path: Path, path: list[Any], value: Any, words: st
     assert words in message
     assert "a.glb" in message
     assert "\n" not in message
+
+
+@pytest.mark.parametrize(
+    ("image", "words"),
+    [
+        ({}, "neither bytes nor a file"),
+        ({"bufferView": 0}, "cannot be decoded"),
+        ({"uri": "data:image/png;base64,!!!"}, "cannot be decoded"),
+        ({"uri": "textures/wood.png"}, "textures/wood.png"),
+    ],
+)
+def test_a_texture_that_is_missing_or_broken_leaves_a_plain_colour(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture, image: dict[str, Any], words: str
+) -> None:
+    writer = invalid(["images", 0], image)
+    surface = writer.document["materials"][0]["pbrMetallicRoughness"]
+    surface["baseColorFactor"] = [1.0, 0.0, 0.0, 1.0]
+    scene = load_scene(writer.write(tmp_path / "a.glb"))
+    used = scene.materials[scene.face_material[0]]
+    assert used.texture is None
+    assert used.color == pytest.approx((1.0, 0.0, 0.0))
+    (message,) = caplog.messages
+    assert words in message
+    assert "plain colour" in message
+
+
+def test_a_node_that_is_listed_twice_is_shown_once(tmp_path: Path) -> None:
+    writer = GltfWriter()
+    lamp = writer.node(name="Lamp", mesh=writer.mesh(writer.square()))
+    writer.document["scenes"][0]["nodes"].append(lamp)
+    writer.node(name="Room", children=[lamp])
+    writer.document["nodes"][lamp]["children"] = [lamp]
+    scene = load_scene(writer.write(tmp_path / "a.glb"))
+    assert [instance.name for instance in scene.instances] == ["Lamp"]
 
 
 def test_text_that_is_no_gltf(tmp_path: Path) -> None:

@@ -78,8 +78,8 @@ def _placed_nodes(file: GltfFile, to_scene: Float64[np.ndarray, "3 3"]) -> list[
     while stack:
         index, parent, descriptive_name = stack.pop()
         node = file.item(nodes, index, "node")
-        if index in visited:
-            raise file.invalid(f"node {index} hangs below two parents or below itself")
+        if index in visited:  # A file that lists a node twice shows it once.
+            continue
         visited.add(index)
         to_scene = parent @ _local_matrix(node)
         own = node.name

@@ -1,6 +1,7 @@
 """Materials and images of a glTF file."""
 
 import hashlib
+import logging
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any, TypeVar
@@ -27,6 +28,7 @@ _WRAPS = {10497: Wrap.REPEAT, 33648: Wrap.MIRROR, 33071: Wrap.CLAMP}
 _IMAGE_EXTENSIONS = ("EXT_texture_webp", "KHR_texture_basisu", "GOOGLE_texture_basis")
 """Extensions that name the image of a texture in place of its source."""
 _MIN_EMISSION = 0.5
+_LOGGER = logging.getLogger(__name__)
 _Part = TypeVar("_Part", bound=BaseModel)
 
 
@@ -46,10 +48,11 @@ class _Image:
 def read_materials(file: GltfFile) -> tuple[list[Material], list[TextureTransform]]:
     """All materials of a file, and how the texture of each is laid on its triangles.
 
-    A plain light grey one, for primitives that name no material, comes last.
+    A plain light grey one, for primitives that name no material, comes last. A material whose image
+    is missing or cannot be decoded has its colour alone, and a warning says so.
 
     Raises:
-        SceneError: An image is missing or cannot be decoded.
+        SceneError: An image is too large, or of a kind that cannot be read.
     """
     infos = [_base_color(file, source)[1] for source in file.document.materials]
     sources = {_source(file, info) for info in infos if info is not None}
@@ -74,10 +77,10 @@ def _material(
         light, unlit = np.maximum(light, source.emissive_factor), True
     codes = linear_to_srgb(light)
     srgb = (float(codes[0]), float(codes[1]), float(codes[2]))
-    if info is None:
+    number = None if info is None else _source(file, info)
+    image = None if number is None else images.get(number)
+    if info is None or number is None or image is None:
         return Material(source.name, srgb, unlit=unlit)
-    number = _source(file, info)
-    image = images[number]
     holes = None
     if image.opacity is not None and source.alpha_mode != "OPAQUE":
         cutoff = source.alpha_cutoff if source.alpha_mode == "MASK" else 0.5
@@ -138,35 +141,47 @@ def _source(file: GltfFile, info: TextureInfo) -> int:
 
 
 def _decode(file: GltfFile, numbers: list[int]) -> dict[int, _Image]:
-    """Decode images on all cores; equal bytes give one and the same image."""
-    entries = [file.item(file.document.images, number, "image") for number in numbers]
-    data = [file.image_bytes(image) for image in entries]
-    for number, content in zip(numbers, data, strict=True):
-        _check_size(file, number, content)
-    keys = [hashlib.sha256(content).digest() for content in data]
-    distinct = dict(zip(keys, data, strict=True))
+    """Decode images on all cores; equal bytes give one and the same image.
+
+    Those that are missing or broken are left out.
+    """
+    data: dict[int, bytes] = {}
+    broken: list[str] = []
+    for number in numbers:
+        image = file.item(file.document.images, number, "image")
+        try:
+            content = file.image_bytes(image)
+        except SceneError as error:
+            broken.append(str(error))
+            continue
+        if _is_image(file, number, content):
+            data[number] = content
+        else:
+            broken.append(_undecodable(file, number))
+    keys = {number: hashlib.sha256(content).digest() for number, content in data.items()}
+    distinct = {keys[number]: content for number, content in data.items()}
     with ThreadPoolExecutor() as pool:
         decoded = dict(zip(distinct, pool.map(_decode_one, distinct.values()), strict=True))
-    images: dict[int, _Image] = {}
-    for number, key in zip(numbers, keys, strict=True):
-        image = decoded[key]
-        if image is None:
-            raise SceneError(
-                f"{file.path}: texture {number} cannot be decoded; "
-                "export the file again with PNG or JPEG textures"
-            )
-        images[number] = image
-    return images
+    found = {number: decoded[key] for number, key in keys.items()}
+    broken += [_undecodable(file, number) for number, image in found.items() if image is None]
+    if broken:
+        more = f" and so for {len(broken) - 1} more textures" if len(broken) > 1 else ""
+        _LOGGER.warning("%s; until then its surfaces have a plain colour%s", broken[0], more)
+    return {number: image for number, image in found.items() if image is not None}
 
 
-def _check_size(file: GltfFile, number: int, content: bytes) -> None:
-    """Refuse an image before it is decoded, by what its header says."""
+def _undecodable(file: GltfFile, number: int) -> str:
+    return (
+        f"{file.path}: texture {number} cannot be decoded; export the file again with PNG or JPEG "
+        "textures"
+    )
+
+
+def _is_image(file: GltfFile, number: int, content: bytes) -> bool:
+    """Whether the header is an image's; too large ones are refused before they are decoded."""
     size = basis_size(content) if is_basis(content) else image_size(content)
     if size is None:
-        raise SceneError(
-            f"{file.path}: texture {number} cannot be decoded: it is no PNG, JPEG, WebP or Basis "
-            "Universal image; export the file again with PNG or JPEG textures"
-        )
+        return False
     width, height = size
     what = f"texture {number} with {width} × {height} pixels"
     if width * height > MOST_PIXELS:
@@ -175,6 +190,7 @@ def _check_size(file: GltfFile, number: int, content: bytes) -> None:
             "smaller"
         )
     file.allowance.take(3 * width * height, what)
+    return True
 
 
 def _decode_one(content: bytes) -> _Image | None:

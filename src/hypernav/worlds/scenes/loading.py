@@ -1,5 +1,6 @@
 """Loading of scenes from files."""
 
+import logging
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -12,10 +13,12 @@ from hypernav.worlds.scenes.node_names import category_of
 from hypernav.worlds.scenes.objects_file import read_objects
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.scenes.scene_assembly import MeshPart, SceneObject, assemble
+from hypernav.worlds.scenes.stray_parts import in_one_line, without_stray_parts
 
 OBJECTS_FILE = "objects.json"
 _GLTF_SUFFIXES = (".glb", ".gltf")
 _MESH_SUFFIXES = (".obj", ".ply", ".stl", ".off")
+_LOGGER = logging.getLogger(__name__)
 
 
 def load_scene(path: Path) -> Scene:
@@ -23,7 +26,8 @@ def load_scene(path: Path) -> Scene:
 
     A file ``objects.json`` beside it says which nodes make up which object. Without it every node
     is an instance of its own, labelled by its name. glTF files (y up) become ``(x, -z, y)``; for
-    the other formats see `read_mesh`. Units are metres.
+    the other formats see `read_mesh`. Units are metres. Stray parts (`without_stray_parts`) are
+    left out, with a warning that names them.
 
     Args:
         path: A ``.glb``, ``.gltf``, ``.obj``, ``.ply``, ``.stl`` or ``.off`` file.
@@ -49,7 +53,11 @@ def load_scene(path: Path) -> Scene:
         raise SceneError(f"{path}: cannot be read ({error.strerror or error})") from error
     if not parts:
         raise SceneError(f"{path}: holds no triangles; export a mesh with faces")
-    return assemble(_name(path), parts, _scene_objects(path, parts), materials)
+    objects = _scene_objects(path, parts)
+    building, left_out = without_stray_parts(parts)
+    if left_out:
+        _LOGGER.warning("%s: leaves out %s", path, in_one_line(left_out))
+    return assemble(_name(path), building, objects, materials)
 
 
 def _check_readable(path: Path) -> None:
