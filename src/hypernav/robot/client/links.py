@@ -1,9 +1,6 @@
-"""The way to a robot's server: requests over HTTP, by the standard library alone."""
+"""The way to a robot's server: requests over HTTP."""
 
-import http.client
 import json
-import socket
-import ssl
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,6 +12,7 @@ from pydantic import BaseModel, ValidationError
 
 from hypernav.core.errors import LinkLostError, RequestRefusedError, RobotLinkError
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
+from hypernav.core.network.bounded_http import Deadline, Session
 from hypernav.core.trace import StepTrace
 from hypernav.robot.wire.replies import ErrorBody, Reply, SearchOpened, Status
 from hypernav.robot.wire.requests import OpenSearch, StopRequest
@@ -23,8 +21,8 @@ from hypernav.robot.wire.waiting import ROBOTS, GivenGoal
 
 MessageT = TypeVar("MessageT", bound=BaseModel)
 _CONNECT_S = 5.0
-_CLOSED_MEANWHILE = (http.client.RemoteDisconnected, BrokenPipeError, ConnectionResetError)
-"""How a connection ends that the server closed because nobody used it for a while."""
+_LARGEST_REPLY_BYTES = 256 * 2**20
+"""Limit of a reply: the trace of a long search and the map of a large building are the largest."""
 
 
 @dataclass(frozen=True)
@@ -121,7 +119,7 @@ class HttpServer:
     def __init__(self, address: ServerAddress) -> None:
         """Remember the address; the first request connects."""
         self.address = address
-        self._connection: http.client.HTTPConnection | None = None
+        self._session = Session(largest_reply_bytes=_LARGEST_REPLY_BYTES)
 
     def open(self, request: OpenSearch) -> SearchOpened:
         """Open a search, or find the one that was opened with the same key."""
@@ -203,9 +201,7 @@ class HttpServer:
 
     def close(self) -> None:
         """End the connection."""
-        if self._connection is not None:
-            self._connection.close()
-            self._connection = None
+        self._session.close()
 
     def _asked(
         self,
@@ -235,43 +231,23 @@ class HttpServer:
         kind: str = "application/json",
     ) -> bytes:
         headers = self.address.headers | ({} if body is None else {"Content-Type": kind})
-        was_open = self._connection is not None
         try:
-            connection = self._connected(timeout_s)
-            connection.request(method, self.address.path + path, body, headers)
-            response = connection.getresponse()
-            content = response.read()
-        except (OSError, http.client.HTTPException) as error:
-            self.close()
-            if was_open and isinstance(error, _CLOSED_MEANWHILE):
-                return self._request(method, path, body, timeout_s=timeout_s, kind=kind)
+            reply = self._session.exchange(
+                method,
+                f"{self.address}{path}",
+                headers=headers,
+                body=body,
+                deadline=Deadline(timeout_s),
+                connect_limit_s=_CONNECT_S,
+            )
+        except (OSError, ValueError) as error:
             hint = "; is hypernav serve running there?" * isinstance(error, ConnectionRefusedError)
-            reason = error or type(error).__name__
-            raise LinkLostError(f"{self.address}: {reason}{hint}") from error
-        if response.status >= 400:
-            raise refused(response.status, content)
-        return content
-
-    def _connected(self, timeout_s: float) -> http.client.HTTPConnection:
-        if self._connection is None:
-            address = self.address
-            if address.is_secure:
-                self._connection = http.client.HTTPSConnection(
-                    address.host,
-                    address.port,
-                    timeout=_CONNECT_S,
-                    context=ssl.create_default_context(),
-                )
-            else:
-                self._connection = http.client.HTTPConnection(
-                    address.host, address.port, timeout=_CONNECT_S
-                )
-            self._connection.connect()
-            if self._connection.sock is not None:
-                self._connection.sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        if self._connection.sock is not None:
-            self._connection.sock.settimeout(timeout_s)
-        return self._connection
+            raise LinkLostError(
+                f"{self.address}: {str(error) or type(error).__name__}{hint}"
+            ) from error
+        if reply.status >= 400:
+            raise refused(reply.status, reply.body)
+        return reply.body
 
 
 class HttpLink:

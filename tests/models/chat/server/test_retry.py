@@ -11,8 +11,8 @@ from hypernav.core.errors import (
     ModelRejectedError,
     ModelUnavailableError,
 )
+from hypernav.core.network.bounded_http import Deadline
 from hypernav.models.chat.config import ChatConfig
-from hypernav.models.chat.server.deadline import Deadline
 from hypernav.models.chat.server.retry import Retry, RetryLaterError
 
 

@@ -13,8 +13,8 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from hypernav.core.errors import ModelRejectedError, ModelSetupError
+from hypernav.core.network.bounded_http import Deadline
 from hypernav.models.chat.config import ChatConfig
-from hypernav.models.chat.server.deadline import Deadline
 from hypernav.models.chat.server.dialects import ServerDialect, dialect_named
 from hypernav.models.chat.server.http_client import HttpClient, NotFoundError
 from hypernav.models.chat.server.retry import RetryLaterError

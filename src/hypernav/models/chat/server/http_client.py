@@ -1,13 +1,15 @@
 """JSON over HTTP with an OpenAI-compatible server; every failure is one of our errors."""
 
-import http.client
 import json
 import math
 import os
 import re
 from collections.abc import Mapping
+from contextlib import closing
 from typing import Any
 from urllib.parse import urljoin, urlsplit
+
+import httpx
 
 from hypernav.core.errors import (
     ChatTimeoutError,
@@ -16,10 +18,15 @@ from hypernav.core.errors import (
     ModelRejectedError,
     ModelSetupError,
 )
+from hypernav.core.network.bounded_http import (
+    Deadline,
+    Reply,
+    ReplyTooLargeError,
+    Session,
+    environment_proxy,
+)
 from hypernav.models.chat.answer_parsing import shortened
 from hypernav.models.chat.config import ChatConfig
-from hypernav.models.chat.server.bounded_http import Reply, ReplyTooLargeError, exchange
-from hypernav.models.chat.server.deadline import Deadline
 from hypernav.models.chat.server.retry import RetryLaterError
 
 _RETRYABLE_STATUSES = {408, 409, 425, 429}
@@ -29,6 +36,10 @@ _NO_VISION = re.compile(
 _PLAIN = re.compile(r"[!-~]+")
 _MOST_CONTAINERS = 200_000
 _LOCAL_HOSTS = {"localhost", "127.0.0.1", "::1"}
+
+LARGEST_REPLY_BYTES = 4 * 2**20
+"""Limit of a reply: an answer has a few kilobytes, one with probabilities or a long list of models
+about one megabyte. Parsing the worst takes a second."""
 
 
 class NotFoundError(ModelSetupError):
@@ -79,22 +90,26 @@ class HttpClient:
     ) -> dict[str, Any]:
         url = urljoin(f"{self.url}/", path)
         headers = {"Accept": "application/json", "Content-Type": "application/json"}
+        # Questions come seconds apart; servers close idle connections sooner (vLLM after 5 s).
+        headers["Connection"] = "close"
         if self._key:
             headers["Authorization"] = f"Bearer {self._key}"
         try:
-            reply = exchange(
-                method,
-                url,
-                headers=headers,
-                body=body,
-                deadline=deadline,
-                connect_limit_s=self._config.connect_timeout_s,
-            )
+            proxy = environment_proxy(url)
+            with closing(Session(largest_reply_bytes=LARGEST_REPLY_BYTES, proxy=proxy)) as session:
+                reply = session.exchange(
+                    method,
+                    url,
+                    headers=headers,
+                    body=body,
+                    deadline=deadline,
+                    connect_limit_s=self._config.connect_timeout_s,
+                )
         except TimeoutError as error:
             raise ChatTimeoutError(
                 f"{self.url}: no answer within {deadline.limit_s:.3g} s"
             ) from error
-        except (ReplyTooLargeError, http.client.HTTPException, ValueError) as error:
+        except (ReplyTooLargeError, ValueError) as error:
             raise ChatTransportError(f"{url}: {self._told(error)}") from error
         except OSError as error:
             raise ChatTransportError(
@@ -181,7 +196,7 @@ def _message(reply: Reply) -> str:
     try:
         body = json.loads(text)
     except (ValueError, RecursionError):
-        return text or http.client.responses.get(reply.status, "no reason given")
+        return text or httpx.codes.get_reason_phrase(reply.status) or "no reason given"
     for key in ("error", "message", "detail"):
         if isinstance(body, dict) and body.get(key):
             body = body[key]

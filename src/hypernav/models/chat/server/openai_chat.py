@@ -11,11 +11,11 @@ from typing import Any
 
 from hypernav.core.chat import Answer, Question, Usage
 from hypernav.core.errors import ChatTransportError, ModelRejectedError, ModelSetupError
+from hypernav.core.network.bounded_http import Deadline
 from hypernav.models.chat.answer_parsing import parse_answer
 from hypernav.models.chat.config import ChatConfig
 from hypernav.models.chat.image_encoding import jpeg_data_url
 from hypernav.models.chat.server.answer_probabilities import answer_probabilities, parse_logprobs
-from hypernav.models.chat.server.deadline import Deadline
 from hypernav.models.chat.server.decision_api import (
     accepts_question,
     decision_request,

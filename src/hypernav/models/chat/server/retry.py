@@ -7,8 +7,8 @@ from collections.abc import Callable
 from typing import TypeVar
 
 from hypernav.core.errors import ChatTimeoutError, ChatTransportError, ModelUnavailableError
+from hypernav.core.network.bounded_http import Deadline
 from hypernav.models.chat.config import ChatConfig
-from hypernav.models.chat.server.deadline import Deadline
 
 _Result = TypeVar("_Result")
 _log = logging.getLogger(__name__)
