@@ -107,24 +107,28 @@ class RunPlan:
         named = {"world": self.world} if self.world != "native" else {}
         if self.benchmark is not None:
             named["benchmark"] = self.benchmark
-        return {
-            "hypernav": version("hypernav"),
-            "dataset": canonical_name(self.dataset),
-            "selection": asdict(self.selection),
-            "episodes": {
-                "count": len(episodes),
-                "scenes": len({episode.scene_id for episode in episodes}),
-                "fingerprint": fingerprint(episodes),
-            },
-            "who": self.who,
-            "protocol": {
-                "max_steps": self.max_steps,
-                "success_distance_m": self.success_distance_m,
-                "stop_rule": StopRule.STOP_REQUIRED.value,
-                "seed": self.seed,
-            },
-            "config": self.config.model_dump(mode="json"),
-        } | named | self._navmeshes(episodes)
+        return (
+            {
+                "hypernav": version("hypernav"),
+                "dataset": canonical_name(self.dataset),
+                "selection": asdict(self.selection),
+                "episodes": {
+                    "count": len(episodes),
+                    "scenes": len({episode.scene_id for episode in episodes}),
+                    "fingerprint": fingerprint(episodes),
+                },
+                "who": self.who,
+                "protocol": {
+                    "max_steps": self.max_steps,
+                    "success_distance_m": self.success_distance_m,
+                    "stop_rule": StopRule.STOP_REQUIRED.value,
+                    "seed": self.seed,
+                },
+                "config": self.config.model_dump(mode="json"),
+            }
+            | named
+            | self._navmeshes(episodes)
+        )
 
     def _navmeshes(self, episodes: Sequence[Episode]) -> dict[str, Any]:
         """In how many scans the robot walks on the file's mesh, and on one computed for it.
