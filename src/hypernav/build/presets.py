@@ -33,7 +33,7 @@ from hypernav.perception.explorers.prefetch import PrefetchConfig
 from hypernav.perception.local.attention import AttentionConfig
 from hypernav.perception.local.config import LocalConfig
 from hypernav.perception.local.depth_cut import DepthCutConfig
-from hypernav.perception.local.noisy_detector import NoisyDetectorConfig
+from hypernav.perception.local.noisy_detector import DetectorQuality
 from hypernav.perception.local.presence import PresenceConfig
 from hypernav.perception.local.vlm_detector import VlmDetectorConfig
 from hypernav.perception.values.chat_scorer import ChatScorerConfig
@@ -96,7 +96,7 @@ class HyPerNavConfig(RoomConfig):
         zero_shot: Use of an open-vocabulary detector.
         sam: Use of a SAM model.
         onnx_sam: Use of an exported SAM.
-        noisy_detector: Error rates of detectors that stand in for a model of known quality.
+        noisy_detector: Error rates of the detector noisy:custom, which stands in for a model.
         value_frontier: VLFM's choice of a frontier.
         truth_scorer: Errors of the stand-in that scores views by the truth.
         similarity_scorer: Scores of views by a model that compares images with texts.
@@ -134,7 +134,7 @@ class HyPerNavConfig(RoomConfig):
     zero_shot: ZeroShotConfig = ZeroShotConfig()
     sam: SamConfig = SamConfig()
     onnx_sam: OnnxSamConfig = OnnxSamConfig()
-    noisy_detector: NoisyDetectorConfig = NoisyDetectorConfig()
+    noisy_detector: DetectorQuality = DetectorQuality()
     value_frontier: ValueFrontierConfig = ValueFrontierConfig()
     truth_scorer: TruthScorerConfig = TruthScorerConfig()
     similarity_scorer: SimilarityScorerConfig = SimilarityScorerConfig()
