@@ -26,8 +26,9 @@ from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending, ExchangeLog, Mode, StepTrace
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.top_down_map import TopDownMap
-from hypernav.perception.arrows.arrow_explorer import VlmnavConfig, vlmnav
-from hypernav.perception.arrows.pivot import PivotConfig, PivotExplorer
+from hypernav.perception.arrows.arrow_explorer import vlmnav
+from hypernav.perception.arrows.config import ArrowsConfig
+from hypernav.perception.arrows.pivot import PivotExplorer
 from hypernav.perception.arrows.stop_checks import (
     ChatStopCheck,
     StopCheck,
@@ -230,7 +231,7 @@ class NativeVlmnav(PromptedAgent):
         log: ExchangeLog,
         prompted: PromptedConfig,
         chat: ChatModel | None = None,
-        config: VlmnavConfig | None = None,
+        config: ArrowsConfig | None = None,
     ) -> None:
         """Put it together.
 
@@ -268,7 +269,7 @@ class NativePivot(PromptedAgent):
         log: ExchangeLog,
         prompted: PromptedConfig,
         chat: ChatModel | None = None,
-        config: PivotConfig | None = None,
+        config: ArrowsConfig | None = None,
     ) -> None:
         """Put it together.
 
@@ -287,4 +288,4 @@ class NativePivot(PromptedAgent):
 
 
 def _stop_check(chat: ChatModel | None, log: ExchangeLog, config: StopCheckConfig) -> StopCheck:
-    return TruthStopCheck(log, config) if chat is None else ChatStopCheck(chat, log, config)
+    return TruthStopCheck(log) if chat is None else ChatStopCheck(chat, log, config)

@@ -22,10 +22,7 @@ from hypernav.models.vision.zero_shot import ZeroShotConfig
 from hypernav.perception.areas.area_explorer import AreaConfig
 from hypernav.perception.areas.chat_guide import ChatGuideConfig
 from hypernav.perception.areas.truth_guide import TruthGuideConfig
-from hypernav.perception.arrows.arrow_explorer import DynavlmConfig, VlmnavConfig
-from hypernav.perception.arrows.chat_arrows import ChatArrowsConfig
-from hypernav.perception.arrows.geometric_arrows import GeometricArrowsConfig
-from hypernav.perception.arrows.pivot import PivotConfig
+from hypernav.perception.arrows.config import ArrowsConfig
 from hypernav.perception.explorers.block_explorer import OverviewConfig
 from hypernav.perception.explorers.geometric_reasoner import GeometricConfig
 from hypernav.perception.explorers.map_question import VlmReasonerConfig
@@ -104,11 +101,7 @@ class HyPerNavConfig(RoomConfig):
         navvlm: NavVLM's areas and turns.
         truth_guide: Stand-in that says directions by the truth.
         chat_guide: Question about directions to a chat model.
-        vlmnav: VLMnav's arrows.
-        pivot: PIVOT's marks.
-        dynavlm: Points and memory in DyNaVLM's style.
-        geometric_arrows: Choice of arrows without a model.
-        chat_arrows: Question about arrows to a chat model.
+        arrows: Moves drawn into the image, of VLMnav, PIVOT and in DyNaVLM's style.
         prompted: Budget and stop of agents that make long moves (native mode).
         policy: Choice of an action by a trained policy.
         own: Sections of components from other packages.
@@ -142,11 +135,7 @@ class HyPerNavConfig(RoomConfig):
     navvlm: AreaConfig = AreaConfig()
     truth_guide: TruthGuideConfig = TruthGuideConfig()
     chat_guide: ChatGuideConfig = ChatGuideConfig()
-    vlmnav: VlmnavConfig = VlmnavConfig()
-    pivot: PivotConfig = PivotConfig()
-    dynavlm: DynavlmConfig = DynavlmConfig()
-    geometric_arrows: GeometricArrowsConfig = GeometricArrowsConfig()
-    chat_arrows: ChatArrowsConfig = ChatArrowsConfig()
+    arrows: ArrowsConfig = ArrowsConfig()
     prompted: PromptedConfig = PromptedConfig()
     policy: PolicyConfig = PolicyConfig()
     own: OwnConfig = OwnConfig()
@@ -180,9 +169,7 @@ class HyPerNavConfig(RoomConfig):
         return near_m + max(local.entry_reach_m - dilated_m, 0.0)
 
 
-ARROWS_AS_RELEASED: dict[str, Any] = {
-    "sight": {"marks": {"slide": False}, "blind_step_m": 0.2},
-}
+ARROWS_AS_RELEASED: dict[str, Any] = {"slide_marks": False, "blind_step_m": 0.2}
 """What VLMnav's and PIVOT's released code does with arrows; in native mode it is so as well."""
 _ANSWERS_AS_RELEASED: dict[str, Any] = {"count_short": True, "outage_is_no_answer": True}
 _AS_RELEASED: dict[str, dict[str, Any]] = {
@@ -192,12 +179,10 @@ _AS_RELEASED: dict[str, dict[str, Any]] = {
     },
     "navvlm-as-released": {"navvlm": {"visited_radius_m": 0.0, "clear_rows": True}},
     "vlmnav-as-released": {
-        "vlmnav": {**ARROWS_AS_RELEASED, "moves": {"space_explored": False}},
-        "chat_arrows": _ANSWERS_AS_RELEASED,
+        "arrows": {**ARROWS_AS_RELEASED, **_ANSWERS_AS_RELEASED, "space_explored": False},
     },
     "pivot-as-released": {
-        "pivot": {**ARROWS_AS_RELEASED, "zero_is_last": True},
-        "chat_arrows": _ANSWERS_AS_RELEASED,
+        "arrows": {**ARROWS_AS_RELEASED, **_ANSWERS_AS_RELEASED, "zero_is_last": True},
     },
 }
 """What the released code of published methods does otherwise than it means to, or than we do."""

@@ -12,10 +12,11 @@ from hypernav.core.goal import Goal
 from hypernav.core.sightings import SeenThing, Sightings
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.config import MappingConfig
+from hypernav.perception.arrows import object_graph
 from hypernav.perception.arrows.arrow_explorer import dynavlm_style, vlmnav
 from hypernav.perception.arrows.chat_arrows import ChatArrowReasoner
 from hypernav.perception.arrows.geometric_arrows import GeometricArrowReasoner
-from hypernav.perception.arrows.object_graph import ObjectGraph, ObjectGraphConfig
+from hypernav.perception.arrows.object_graph import ObjectGraph
 from hypernav.perception.arrows.pivot import PivotExplorer
 
 BED = Goal("bed")
@@ -163,7 +164,7 @@ def test_pivot_without_an_answer_takes_a_step():
 
 
 def test_things_of_one_name_are_one_where_they_are_near():
-    graph = ObjectGraph(ObjectGraphConfig())
+    graph = ObjectGraph()
     first = graph.add(SeenThing("bed", (2.0, 0.0)))
     assert graph.add(SeenThing("bed", (2.5, 0.5))) == first
     assert graph.add(SeenThing("bed", (5.0, 0.0))) != first
@@ -176,8 +177,9 @@ def test_things_of_one_name_are_one_where_they_are_near():
     assert "18° to the left" in stand.words
 
 
-def test_people_see_the_whole_memory_and_what_of_it_is_told():
-    graph = ObjectGraph(ObjectGraphConfig(most_facts=1))
+def test_people_see_the_whole_memory_and_what_of_it_is_told(monkeypatch):
+    monkeypatch.setattr(object_graph, "_MOST_FACTS", 1)
+    graph = ObjectGraph()
     bed, stand = SeenThing("bed", (2.0, 0.0)), SeenThing("nightstand", (3.0, 1.0))
     graph.add_all([bed, stand, SeenThing("oven", (-4.0, 0.0))])
     shown = graph.shown(BED, HERE)

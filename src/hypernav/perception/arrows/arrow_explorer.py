@@ -6,7 +6,6 @@ from functools import cache
 
 from hypernav.core.arrows import TURN_AROUND
 from hypernav.core.components.protocols import ArrowReasoner
-from hypernav.core.config import RoomConfig
 from hypernav.core.destination import Destination
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.grid import OccupancyGrid
@@ -16,44 +15,17 @@ from hypernav.core.insight import Insight
 from hypernav.core.sightings import Sightings
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.reachable_area import ReachableArea
-from hypernav.perception.arrows.arrow_sight import ArrowConfig, ArrowSight, MoveExplorer
-from hypernav.perception.arrows.object_graph import ObjectGraph, ObjectGraphConfig
+from hypernav.perception.arrows.arrow_sight import ArrowSight, MoveExplorer
+from hypernav.perception.arrows.config import ArrowsConfig
+from hypernav.perception.arrows.object_graph import ObjectGraph
 from hypernav.perception.arrows.proposals import (
     DEFAULT_MOVES,
-    BiasedConfig,
     BiasedProposer,
     IsOpen,
     Proposer,
-    SpatialConfig,
     SpatialProposer,
 )
 from hypernav.show.drawing.arrows import ArrowStyle
-
-
-class VlmnavConfig(RoomConfig):
-    """VLMnav's arrows.
-
-    Attributes:
-        sight: Sight and execution of moves.
-        moves: Lengths of and angles between the arrows.
-    """
-
-    sight: ArrowConfig = ArrowConfig()
-    moves: BiasedConfig = BiasedConfig()
-
-
-class DynavlmConfig(RoomConfig):
-    """Points and memory in DyNaVLM's style, which was not published in full: all of it is ours.
-
-    Attributes:
-        sight: Sight and execution of moves.
-        points: Where the points lie.
-        graph: Memory of things.
-    """
-
-    sight: ArrowConfig = ArrowConfig()
-    points: SpatialConfig = SpatialConfig()
-    graph: ObjectGraphConfig = ObjectGraphConfig()
 
 
 class ArrowExplorer(MoveExplorer):
@@ -163,7 +135,7 @@ def vlmnav(
     embodiment: Embodiment,
     mapping: MappingConfig,
     clearances_m: tuple[float, ...],
-    config: VlmnavConfig | None = None,
+    config: ArrowsConfig | None = None,
 ) -> ArrowExplorer:
     """VLMnav's exploration: arrows into the unexplored, by depth.
 
@@ -175,12 +147,12 @@ def vlmnav(
         embodiment: Camera, step and turn of the robot.
         mapping: Cells of the map.
         clearances_m: Distances from obstacles, metres.
-        config: Arrows.
+        config: What arrows are like.
     """
-    config = config or VlmnavConfig()
+    config = config or ArrowsConfig()
     return ArrowExplorer(
-        ArrowSight(embodiment, config.sight, ArrowStyle()),
-        BiasedProposer(config.moves),
+        ArrowSight(embodiment, config, ArrowStyle()),
+        BiasedProposer(space_explored=config.space_explored),
         arrow_reasoner,
         mapping,
         clearances_m[0],
@@ -193,7 +165,7 @@ def dynavlm_style(
     embodiment: Embodiment,
     mapping: MappingConfig,
     clearances_m: tuple[float, ...],
-    config: DynavlmConfig | None = None,
+    config: ArrowsConfig | None = None,
 ) -> ArrowExplorer:
     """Exploration in DyNaVLM's style: points of free space, and a memory of things.
 
@@ -209,15 +181,15 @@ def dynavlm_style(
         embodiment: Camera, step and turn of the robot.
         mapping: Cells of the map.
         clearances_m: Distances from obstacles, metres.
-        config: Points and memory.
+        config: What arrows are like.
     """
-    config = config or DynavlmConfig()
+    config = config or ArrowsConfig()
     return ArrowExplorer(
-        ArrowSight(embodiment, config.sight, ArrowStyle(shafts=False)),
-        SpatialProposer(config.points),
+        ArrowSight(embodiment, config, ArrowStyle(shafts=False)),
+        SpatialProposer(),
         arrow_reasoner,
         mapping,
         clearances_m[0],
-        ObjectGraph(config.graph),
+        ObjectGraph(),
         sightings,
     )

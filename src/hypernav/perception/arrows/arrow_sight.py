@@ -5,71 +5,52 @@ from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
-from pydantic import Field
 
 from hypernav.core.arrows import Arrow, ArrowView
-from hypernav.core.config import RoomConfig
 from hypernav.core.destination import Destination
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.insight import ImageMark, Insight
 from hypernav.core.observation import Observation
-from hypernav.perception.arrows.free_range import FreeRangeConfig, free_ranges
-from hypernav.perception.arrows.marks import MarkConfig, mark_of
+from hypernav.perception.arrows.config import ArrowsConfig
+from hypernav.perception.arrows.free_range import all_headings, free_ranges
+from hypernav.perception.arrows.marks import mark_of
 from hypernav.perception.arrows.proposals import FreeDirections, Move
-from hypernav.perception.arrows.ray_memory import RayMemory, RayMemoryConfig
+from hypernav.perception.arrows.ray_memory import RayMemory
 from hypernav.show.drawing.arrows import ArrowStyle, draw_arrows, foot_pixel
 
 _SPARE_STEPS = 2
 """Actions that a move may take beyond those of a straight one; ours."""
-
-
-class ArrowConfig(RoomConfig):
-    """Sight and execution of moves.
-
-    Attributes:
-        floor: What counts as floor in the depth image.
-        memory: What counts as explored.
-        marks: Where ends of moves are marked.
-        turn_rest: Number of choices after a turn around before the next may be offered (VLMnav's
-            code).
-        arrival_m: Distance from the end of a move within which it is done, metres; ours: the
-            original moves through walls of no simulator at all, and exactly.
-        blind_step_m: Length of the step ahead where an answer names nothing, metres; 0.2 in
-            VLMnav's code. None takes the robot's own step (ours).
-    """
-
-    floor: FreeRangeConfig = FreeRangeConfig()
-    memory: RayMemoryConfig = RayMemoryConfig()
-    marks: MarkConfig = MarkConfig()
-    turn_rest: int = Field(default=3, ge=0, le=1000)
-    arrival_m: float = Field(default=0.25, gt=0.0, le=10.0)
-    blind_step_m: float | None = Field(default=None, gt=0.0, le=10.0)
+_TURN_REST = 3
+"""Number of choices after a turn around before the next may be offered (VLMnav's code)."""
+_ARRIVAL_M = 0.25
+"""Distance from the end of a move within which it is done; ours: the original moves through walls
+of no simulator at all, and exactly."""
 
 
 class ArrowSight:
     """The latest image, where its floor is free, and the moves in it."""
 
-    def __init__(self, embodiment: Embodiment, config: ArrowConfig, style: ArrowStyle) -> None:
+    def __init__(self, embodiment: Embodiment, config: ArrowsConfig, style: ArrowStyle) -> None:
         """Create it.
 
         Args:
             embodiment: Camera, step and turn of the robot.
-            config: Sight and execution of moves.
+            config: Marks, and the step of an answer that names nothing.
             style: Style of the arrows.
         """
         self._embodiment = embodiment
         self._config = config
         self._style = style
-        self._headings = config.floor.all_headings(embodiment.camera)
+        self._headings = all_headings(embodiment.camera)
         self.reset()
 
     def reset(self) -> None:
         """Forget everything."""
-        self._memory = RayMemory(self._config.memory)
+        self._memory = RayMemory()
         self._observation: Observation | None = None
-        self._rested = self._config.turn_rest
+        self._rested = _TURN_REST
         self._asked = 0
         self._offered: tuple[Arrow, ...] = ()
         self._taken: Arrow | None = None
@@ -87,13 +68,11 @@ class ArrowSight:
     @property
     def may_turn(self) -> bool:
         """Whether turning around may be offered: not soon after the last time."""
-        return self._rested >= self._config.turn_rest
+        return self._rested >= _TURN_REST
 
     def look(self) -> FreeDirections:
         """Where the floor of the latest image is free; it counts as explored from now on."""
-        free_m = free_ranges(
-            self.observation, self._headings, self._config.floor, self._embodiment.camera
-        )
+        free_m = free_ranges(self.observation, self._headings, self._embodiment.camera)
         is_explored = self._memory.look(self.observation.robot, self._headings, free_m)
         fov = self.observation.camera.hfov
         return FreeDirections(self._headings, free_m, is_explored, fov)
@@ -106,7 +85,9 @@ class ArrowSight:
         arrows: list[Arrow] = []
         apart = 2.0 * self._style.radius_px(self.observation.camera.height)
         for move in moves:
-            pixel = mark_of(self.observation, move.heading, move.length_m, self._config.marks)
+            pixel = mark_of(
+                self.observation, move.heading, move.length_m, slide=self._config.slide_marks
+            )
             if pixel is not None and all(
                 math.dist(pixel, other.pixel) >= apart for other in arrows
             ):
@@ -181,7 +162,7 @@ class ArrowSight:
             *robot.xy,
             reason=reason,
             holds=True,
-            arrival_m=self._config.arrival_m,
+            arrival_m=_ARRIVAL_M,
             face=robot.yaw + math.pi,
             most_steps=turns,
         )
@@ -198,7 +179,7 @@ class ArrowSight:
             *end,
             reason=reason,
             holds=True,
-            arrival_m=self._config.arrival_m,
+            arrival_m=_ARRIVAL_M,
             most_steps=steps + _SPARE_STEPS,
         )
 
