@@ -10,7 +10,8 @@ from hypernav.build.presets import HyPerNavConfig, preset
 from hypernav.cli.agent_options import AgentOptions
 from hypernav.cli.command_line import run_command
 from hypernav.core.errors import ConfigError
-from hypernav.perception.arrows.chat_arrows import ChatArrowsConfig
+from hypernav.perception.arrows.config import ArrowsConfig
+from hypernav.perception.arrows.proposals import MOST_MOVE_M
 
 NATIVE = ("vlfm", "navvlm", "vlmnav", "pivot")
 
@@ -41,7 +42,7 @@ def test_every_method_has_its_own_robot(agent, hfov, height, step, sliding):
 def test_no_forty_moves_take_more_steps_than_the_limit():
     config = native_config("vlmnav", HyPerNavConfig())
     motion, prompted = config.embodiment.motion, config.prompted
-    longest = 180.0 / motion.turn_angle_deg + config.vlmnav.moves.most_m / motion.forward_m
+    longest = 180.0 / motion.turn_angle_deg + MOST_MOVE_M / motion.forward_m
     assert prompted.most_moves * (longest + 1) + 1 <= step_limit_of("vlmnav")
 
 
@@ -89,15 +90,16 @@ def test_methods_that_ask_to_stop_have_no_detector(agent):
 
 def test_mistakes_are_off_unless_a_preset_of_released_code_is_asked_for():
     default = preset("default")
-    assert default.vlmnav.moves.space_explored
+    assert default.arrows.space_explored
     assert not default.search.claim_when_explored
-    assert not default.pivot.zero_is_last
     assert not default.navvlm.clear_rows
-    assert default.chat_arrows == ChatArrowsConfig(count_short=False, outage_is_no_answer=False)
+    assert default.arrows == ArrowsConfig(
+        zero_is_last=False, count_short=False, outage_is_no_answer=False
+    )
     assert preset("vlfm-as-released").search.claim_when_explored
     assert preset("navvlm-as-released").navvlm.clear_rows
-    assert not preset("vlmnav-as-released").vlmnav.moves.space_explored
-    assert preset("pivot-as-released").pivot.zero_is_last
+    assert not preset("vlmnav-as-released").arrows.space_explored
+    assert preset("pivot-as-released").arrows.zero_is_last
 
 
 def test_the_mistakes_of_another_method_are_refused():

@@ -26,8 +26,9 @@ from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending, ExchangeLog, Mode, StepTrace
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.memory import Floor, Memory
-from hypernav.perception.arrows.arrow_explorer import VlmnavConfig, vlmnav
-from hypernav.perception.arrows.pivot import PivotConfig, PivotExplorer
+from hypernav.perception.arrows.arrow_explorer import vlmnav
+from hypernav.perception.arrows.config import ArrowsConfig
+from hypernav.perception.arrows.pivot import PivotExplorer
 from hypernav.perception.arrows.stop_checks import (
     ChatStopCheck,
     StopCheck,
@@ -231,7 +232,7 @@ class NativeVlmnav(PromptedAgent):
         log: ExchangeLog,
         prompted: PromptedConfig,
         chat: ChatModel | None = None,
-        config: VlmnavConfig | None = None,
+        config: ArrowsConfig | None = None,
     ) -> None:
         """Put it together.
 
@@ -261,7 +262,7 @@ class NativePivot(PromptedAgent):
         log: ExchangeLog,
         prompted: PromptedConfig,
         chat: ChatModel | None = None,
-        config: PivotConfig | None = None,
+        config: ArrowsConfig | None = None,
     ) -> None:
         """Put it together.
 
@@ -280,4 +281,4 @@ class NativePivot(PromptedAgent):
 
 
 def _stop_check(chat: ChatModel | None, log: ExchangeLog, config: StopCheckConfig) -> StopCheck:
-    return TruthStopCheck(log, config) if chat is None else ChatStopCheck(chat, log, config)
+    return TruthStopCheck(log) if chat is None else ChatStopCheck(chat, log, config)

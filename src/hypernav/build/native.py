@@ -80,8 +80,8 @@ class _NativeMethod:
 _METHODS = {
     "vlfm": _NativeMethod(500, _vlfm),
     "navvlm": _NativeMethod(400, lambda _: _NAVVLM),
-    "vlmnav": _NativeMethod(2000, lambda _: _LOOKING_DOWN | {"vlmnav": ARROWS_AS_RELEASED}),
-    "pivot": _NativeMethod(2000, lambda _: _LOOKING_DOWN | {"pivot": ARROWS_AS_RELEASED}),
+    "vlmnav": _NativeMethod(2000, lambda _: _LOOKING_DOWN | {"arrows": ARROWS_AS_RELEASED}),
+    "pivot": _NativeMethod(2000, lambda _: _LOOKING_DOWN | {"arrows": ARROWS_AS_RELEASED}),
 }
 """Methods that have a native mode. Limits of the last two are in short steps, so that
 `PromptedConfig` ends their searches: no 40 moves take more."""

@@ -22,17 +22,14 @@ from hypernav.models.vision.zero_shot import ZeroShotConfig
 from hypernav.perception.areas.area_explorer import AreaConfig
 from hypernav.perception.areas.chat_guide import ChatGuideConfig
 from hypernav.perception.areas.truth_guide import TruthGuideConfig
-from hypernav.perception.arrows.arrow_explorer import DynavlmConfig, VlmnavConfig
-from hypernav.perception.arrows.chat_arrows import ChatArrowsConfig
-from hypernav.perception.arrows.geometric_arrows import GeometricArrowsConfig
-from hypernav.perception.arrows.pivot import PivotConfig
+from hypernav.perception.arrows.config import ArrowsConfig
 from hypernav.perception.explorers.block_explorer import OverviewConfig
 from hypernav.perception.explorers.geometric_reasoner import GeometricConfig
 from hypernav.perception.explorers.map_question import VlmReasonerConfig
 from hypernav.perception.local.attention import AttentionConfig
 from hypernav.perception.local.config import LocalConfig
 from hypernav.perception.local.depth_cut import DepthCutConfig
-from hypernav.perception.local.noisy_detector import NoisyDetectorConfig
+from hypernav.perception.local.noisy_detector import DetectorQuality
 from hypernav.perception.local.presence import PresenceConfig
 from hypernav.perception.local.vlm_detector import VlmDetectorConfig
 from hypernav.perception.values.chat_scorer import ChatScorerConfig
@@ -94,7 +91,7 @@ class HyPerNavConfig(RoomConfig):
         zero_shot: Use of an open-vocabulary detector.
         sam: Use of a SAM model.
         onnx_sam: Use of an exported SAM.
-        noisy_detector: Error rates of detectors that stand in for a model of known quality.
+        noisy_detector: Error rates of the detector noisy:custom, which stands in for a model.
         value_frontier: VLFM's choice of a frontier.
         truth_scorer: Errors of the stand-in that scores views by the truth.
         similarity_scorer: Scores of views by a model that compares images with texts.
@@ -102,11 +99,7 @@ class HyPerNavConfig(RoomConfig):
         navvlm: NavVLM's areas and turns.
         truth_guide: Stand-in that says directions by the truth.
         chat_guide: Question about directions to a chat model.
-        vlmnav: VLMnav's arrows.
-        pivot: PIVOT's marks.
-        dynavlm: Points and memory in DyNaVLM's style.
-        geometric_arrows: Choice of arrows without a model.
-        chat_arrows: Question about arrows to a chat model.
+        arrows: Moves drawn into the image, of VLMnav, PIVOT and in DyNaVLM's style.
         prompted: Budget and stop of agents that make long moves (native mode).
         policy: Choice of an action by a trained policy.
         own: Sections of components from other packages.
@@ -131,7 +124,7 @@ class HyPerNavConfig(RoomConfig):
     zero_shot: ZeroShotConfig = ZeroShotConfig()
     sam: SamConfig = SamConfig()
     onnx_sam: OnnxSamConfig = OnnxSamConfig()
-    noisy_detector: NoisyDetectorConfig = NoisyDetectorConfig()
+    noisy_detector: DetectorQuality = DetectorQuality()
     value_frontier: ValueFrontierConfig = ValueFrontierConfig()
     truth_scorer: TruthScorerConfig = TruthScorerConfig()
     similarity_scorer: SimilarityScorerConfig = SimilarityScorerConfig()
@@ -139,11 +132,7 @@ class HyPerNavConfig(RoomConfig):
     navvlm: AreaConfig = AreaConfig()
     truth_guide: TruthGuideConfig = TruthGuideConfig()
     chat_guide: ChatGuideConfig = ChatGuideConfig()
-    vlmnav: VlmnavConfig = VlmnavConfig()
-    pivot: PivotConfig = PivotConfig()
-    dynavlm: DynavlmConfig = DynavlmConfig()
-    geometric_arrows: GeometricArrowsConfig = GeometricArrowsConfig()
-    chat_arrows: ChatArrowsConfig = ChatArrowsConfig()
+    arrows: ArrowsConfig = ArrowsConfig()
     prompted: PromptedConfig = PromptedConfig()
     policy: PolicyConfig = PolicyConfig()
     own: OwnConfig = OwnConfig()
@@ -177,9 +166,7 @@ class HyPerNavConfig(RoomConfig):
         return near_m + max(local.entry_reach_m - dilated_m, 0.0)
 
 
-ARROWS_AS_RELEASED: dict[str, Any] = {
-    "sight": {"marks": {"slide": False}, "blind_step_m": 0.2},
-}
+ARROWS_AS_RELEASED: dict[str, Any] = {"slide_marks": False, "blind_step_m": 0.2}
 """What VLMnav's and PIVOT's released code does with arrows; in native mode it is so as well."""
 _ANSWERS_AS_RELEASED: dict[str, Any] = {"count_short": True, "outage_is_no_answer": True}
 _AS_RELEASED: dict[str, dict[str, Any]] = {
@@ -189,12 +176,10 @@ _AS_RELEASED: dict[str, dict[str, Any]] = {
     },
     "navvlm-as-released": {"navvlm": {"visited_radius_m": 0.0, "clear_rows": True}},
     "vlmnav-as-released": {
-        "vlmnav": {**ARROWS_AS_RELEASED, "moves": {"space_explored": False}},
-        "chat_arrows": _ANSWERS_AS_RELEASED,
+        "arrows": {**ARROWS_AS_RELEASED, **_ANSWERS_AS_RELEASED, "space_explored": False},
     },
     "pivot-as-released": {
-        "pivot": {**ARROWS_AS_RELEASED, "zero_is_last": True},
-        "chat_arrows": _ANSWERS_AS_RELEASED,
+        "arrows": {**ARROWS_AS_RELEASED, **_ANSWERS_AS_RELEASED, "zero_is_last": True},
     },
 }
 """What the released code of published methods does otherwise than it means to, or than we do."""

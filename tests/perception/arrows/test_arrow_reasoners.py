@@ -15,10 +15,11 @@ from hypernav.core.sightings import SeenThing
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.memory import SearchMemory
+from hypernav.perception.arrows import object_graph
 from hypernav.perception.arrows.arrow_explorer import dynavlm_style, vlmnav
 from hypernav.perception.arrows.chat_arrows import ChatArrowReasoner
 from hypernav.perception.arrows.geometric_arrows import GeometricArrowReasoner
-from hypernav.perception.arrows.object_graph import ObjectGraph, ObjectGraphConfig
+from hypernav.perception.arrows.object_graph import ObjectGraph
 from hypernav.perception.arrows.pivot import PivotExplorer
 
 BED = Goal("bed")
@@ -167,7 +168,7 @@ def test_pivot_without_an_answer_takes_a_step():
 def test_things_of_one_name_are_one_where_they_are_near():
     beds = [SeenThing("bed", at) for at in ((2.0, 0.0), (2.5, 0.5), (5.0, 0.0))]
     others = [SeenThing("nightstand", (3.0, 1.0)), SeenThing("oven", (-4.0, 0.0))]
-    graph = ObjectGraph(ObjectGraphConfig(), [*beds, *others])
+    graph = ObjectGraph([*beds, *others])
     assert [one.position[0] for one in graph.shown(BED, HERE).things] == [2.0, 5.0, 3.0, -4.0]
     facts = graph.retrieve(Goal("pillow"), HERE)
     assert [fact.name for fact in facts[-1:]] == ["oven"]  # it stands where no pillow lies
@@ -177,10 +178,11 @@ def test_things_of_one_name_are_one_where_they_are_near():
     assert "18° to the left" in stand.words
 
 
-def test_people_see_the_whole_memory_and_what_of_it_is_told():
+def test_people_see_the_whole_memory_and_what_of_it_is_told(monkeypatch):
+    monkeypatch.setattr(object_graph, "_MOST_FACTS", 1)
     bed, stand = SeenThing("bed", (2.0, 0.0)), SeenThing("nightstand", (3.0, 1.0))
     things = [bed, stand, SeenThing("oven", (-4.0, 0.0))]
-    graph = ObjectGraph(ObjectGraphConfig(most_facts=1), things)
+    graph = ObjectGraph(things)
     shown = graph.shown(BED, HERE)
     assert [one.label for one in shown.things] == ["bed", "nightstand", "oven"]
     assert [one.told for one in shown.things] == [True, False, False]

@@ -8,10 +8,9 @@ import pytest
 from arrow_views import CAMERA, HERE, room_with_wall
 from hypernav.core.embodiment import CameraConfig
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.perception.arrows.free_range import FreeRangeConfig, free_ranges
-from hypernav.perception.arrows.ray_memory import RayMemory, RayMemoryConfig
+from hypernav.perception.arrows.free_range import all_headings, free_ranges
+from hypernav.perception.arrows.ray_memory import RayMemory
 
-CONFIG = FreeRangeConfig()
 DOWN = CameraConfig(width=320, height=240, pitch_deg=20.0)
 
 
@@ -19,7 +18,7 @@ DOWN = CameraConfig(width=320, height=240, pitch_deg=20.0)
 def test_the_floor_is_free_up_to_a_wall(camera, wall_m):
     headings = np.radians([-25.0, 0.0, 20.0])
     seen = room_with_wall(wall_m, camera=camera, pitch_deg=camera.pitch_deg)
-    found = free_ranges(seen, headings, CONFIG, camera)
+    found = free_ranges(seen, headings, camera)
     # The lowest part of the wall, up to 0.16 m, counts as floor: the line may end a little behind.
     true = wall_m / np.cos(headings)
     assert (found > 0.93 * true).all()
@@ -27,29 +26,29 @@ def test_the_floor_is_free_up_to_a_wall(camera, wall_m):
 
 
 def test_ranges_do_not_depend_on_where_the_robot_is():
-    headings = CONFIG.all_headings(CAMERA)
-    here = free_ranges(room_with_wall(), headings, CONFIG, CAMERA)
+    headings = all_headings(CAMERA)
+    here = free_ranges(room_with_wall(), headings, CAMERA)
     there = room_with_wall(robot=Pose2(3.0, -2.0, 2.0))
-    np.testing.assert_allclose(free_ranges(there, headings, CONFIG, CAMERA), here, atol=0.03)
+    np.testing.assert_allclose(free_ranges(there, headings, CAMERA), here, atol=0.03)
 
 
 def test_what_the_camera_does_not_see_is_not_free():
     headings = np.radians([-60.0, 60.0, 180.0])
-    assert free_ranges(room_with_wall(), headings, CONFIG, CAMERA).tolist() == [0.0, 0.0, 0.0]
+    assert free_ranges(room_with_wall(), headings, CAMERA).tolist() == [0.0, 0.0, 0.0]
 
 
 def test_a_wall_before_the_first_floor_in_view_blocks_the_way():
-    assert free_ranges(room_with_wall(1.0), np.zeros(1), CONFIG, CAMERA)[0] == 0.0
+    assert free_ranges(room_with_wall(1.0), np.zeros(1), CAMERA)[0] == 0.0
 
 
 def test_an_image_without_depth_shows_no_floor():
     seen = room_with_wall()
     seen.depth[:] = 0.0
-    assert not free_ranges(seen, CONFIG.all_headings(CAMERA), CONFIG, CAMERA).any()
+    assert not free_ranges(seen, all_headings(CAMERA), CAMERA).any()
 
 
 def test_where_the_robot_looked_is_explored_and_farther_it_is_not():
-    memory = RayMemory(RayMemoryConfig())
+    memory = RayMemory()
     headings = np.array([-0.3, 0.0, 0.3])
     near, far = np.full(3, 1.5), np.full(3, 4.0)
     assert memory.look(HERE, headings, near).all()  # painted before it is asked
@@ -60,7 +59,7 @@ def test_where_the_robot_looked_is_explored_and_farther_it_is_not():
 
 
 def test_beyond_the_memory_nothing_is_explored():
-    memory = RayMemory(RayMemoryConfig())
+    memory = RayMemory()
     memory.look(HERE, np.zeros(1), np.array([2.0]))
     far = Pose2(100.0, 100.0, 0.0)
     assert not memory.look(far, np.zeros(1), np.array([1.0])).any()

@@ -13,10 +13,10 @@ from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.memory import SearchMemory
-from hypernav.perception.arrows.arrow_explorer import VlmnavConfig, vlmnav
-from hypernav.perception.arrows.arrow_sight import ArrowConfig
-from hypernav.perception.arrows.chat_arrows import ChatArrowReasoner, ChatArrowsConfig
-from hypernav.perception.arrows.pivot import PivotConfig, PivotExplorer
+from hypernav.perception.arrows.arrow_explorer import vlmnav
+from hypernav.perception.arrows.chat_arrows import ChatArrowReasoner
+from hypernav.perception.arrows.config import ArrowsConfig
+from hypernav.perception.arrows.pivot import PivotExplorer
 from hypernav.perception.arrows.proposals import DEFAULT_MOVES
 
 BED = Goal("bed")
@@ -42,7 +42,7 @@ def move_of(explorer, search=None, *, may_be_here=False):
 
 def text_of(arrows: int, *, may_turn: bool, count_short: bool) -> str:
     chat = Parrot('{"action": 1}')
-    reasoner = ChatArrowReasoner(chat, ExchangeLog(), ChatArrowsConfig(count_short=count_short))
+    reasoner = ChatArrowReasoner(chat, ExchangeLog(), ArrowsConfig(count_short=count_short))
     reasoner.choose(view_of(*map(arrow, range(1, arrows + 1)), may_turn=may_turn), BED)
     return chat.asked[0].text
 
@@ -59,7 +59,7 @@ def test_the_number_of_arrows_is_one_short_where_turning_is_barred(may_turn, cou
 @pytest.mark.parametrize("hidden", [True, False])
 def test_an_outage_is_an_outage_unless_it_is_to_be_a_step(hidden):
     chat = Parrot(ModelUnavailableError("no answer for 60 s"))
-    config = ChatArrowsConfig(outage_is_no_answer=hidden)
+    config = ArrowsConfig(outage_is_no_answer=hidden)
     log = ExchangeLog()
     reasoner = ChatArrowReasoner(chat, log, config)
     if hidden:
@@ -79,14 +79,14 @@ def test_an_outage_is_an_outage_unless_it_is_to_be_a_step(hidden):
 
 def test_zero_is_the_last_mark():
     reasoner = Says(0)
-    move = move_of(PivotExplorer(reasoner, ROBOT, PivotConfig(zero_is_last=True)))
+    move = move_of(PivotExplorer(reasoner, ROBOT, ArrowsConfig(zero_is_last=True)))
     assert move.face is None
     assert move.xy == reasoner.views[-1].arrows[-1].end
     assert move_of(PivotExplorer(Says(0), ROBOT)).face is not None  # else it turns around
 
 
 def test_a_blind_step_has_its_own_length():
-    config = VlmnavConfig(sight=ArrowConfig(blind_step_m=0.2))
+    config = ArrowsConfig(blind_step_m=0.2)
     explorer = vlmnav(Says(), ROBOT, MappingConfig(), (0.2,), config)
     assert move_of(explorer).xy == pytest.approx((0.2, 0.0))
 

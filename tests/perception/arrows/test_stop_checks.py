@@ -7,7 +7,7 @@ from chat_models import Parrot
 from hypernav.core.errors import LabelsMissingError
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
-from hypernav.perception.arrows.stop_checks import ChatStopCheck, StopCheckConfig, TruthStopCheck
+from hypernav.perception.arrows.stop_checks import ChatStopCheck, TruthStopCheck
 from images import thing_before_wall
 
 BED = Goal("the bed")
@@ -29,7 +29,7 @@ def test_a_model_is_asked_with_the_plain_image(says, here, unsure):
 
 @pytest.mark.parametrize(("thing_m", "here"), [(0.8, True), (1.6, False)])
 def test_the_stand_in_says_yes_near_the_goal(thing_m, here):
-    check = TruthStopCheck(ExchangeLog(), StopCheckConfig(near_m=1.0))
+    check = TruthStopCheck(ExchangeLog())
     assert check.is_here(thing_before_wall(thing_m=thing_m), BED) is here
 
 

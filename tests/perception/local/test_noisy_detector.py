@@ -15,9 +15,9 @@ from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.perception.local.noisy_detector import (
+    LEVELS,
     DetectorQuality,
     NoisyDetector,
-    NoisyDetectorConfig,
     resembles,
 )
 from images import thing_before_wall
@@ -34,9 +34,7 @@ def told(seed=0):
 
 
 def detector(truth=None, **values):
-    return NoisyDetector(
-        "fair", truth or told(), NoisyDetectorConfig(fair=DetectorQuality(**values))
-    )
+    return NoisyDetector("custom", truth or told(), DetectorQuality(**values))
 
 
 def found(noisy, observation, goal=BED, images=IMAGES):
@@ -66,7 +64,7 @@ def test_a_perfect_one_gives_the_boxes_of_ground_truth(x, y, width, height, seed
     ("distance_m", "share"), [(0.8, 0.1), (1.5, 0.1), (3.25, 0.4), (5.0, 0.7), (8.0, 0.7)]
 )
 def test_misses_rise_with_the_distance(distance_m, share):
-    noisy = detector(missed_near=0.1, missed_far=0.7, near_m=1.5, far_m=5.0)
+    noisy = detector(missed_near=0.1, missed_far=0.7)
     view = thing_before_wall(thing_m=distance_m, wall_m=9.0)
     assert is_share(IMAGES - found(noisy, view), share)
 
@@ -187,11 +185,9 @@ def test_the_same_episode_gives_the_same_detections():
 
 
 def test_each_named_level_is_worse_than_the_one_before():
-    levels = [getattr(NoisyDetectorConfig(), name) for name in ("perfect", "good", "fair", "poor")]
-    for better, worse in pairwise(levels):
+    assert list(LEVELS) == ["perfect", "good", "fair", "poor"]
+    for better, worse in pairwise(LEVELS.values()):
         for name in DetectorQuality.model_fields:
-            if name in ("near_m", "far_m"):
-                continue
             a, b = getattr(better, name), getattr(worse, name)
             assert a > b if name == "right_score" else a < b or name == "wrong_score"
 
@@ -199,8 +195,6 @@ def test_each_named_level_is_worse_than_the_one_before():
 def test_what_is_wrong_is_said():
     with pytest.raises(ConfigError, match=r"noisy:great: expected one of perfect, good, fair"):
         NoisyDetector("great", told())
-    with pytest.raises(ValueError, match="near_m must be below far_m"):
-        DetectorQuality(near_m=5.0, far_m=5.0)
     with pytest.raises(TruthMissingError, match="only in a simulated world"):
         NoisyDetector("fair", EpisodeTruth()).detect(thing_before_wall(), BED)
     unlabelled = replace(thing_before_wall(), truth=None)

@@ -5,11 +5,11 @@ from dataclasses import replace
 
 from hypernav.core.errors import ConfigError
 from hypernav.evaluation.ablation.study import Axis, LeftOut, Method, Study, Variant
-from hypernav.perception.local.noisy_detector import NoisyDetectorConfig
+from hypernav.perception.local import noisy_detector
 
 RATES = (0.0, 0.25, 0.4, 0.55, 0.7, 0.85, 1.0)
 """Probabilities of the truly best block."""
-LEVELS = tuple(reversed(NoisyDetectorConfig.model_fields))
+LEVELS = tuple(reversed(noisy_detector.LEVELS))
 """Detectors, the worst first."""
 
 _REASONER = "best block with probability P, else another"
@@ -50,7 +50,7 @@ def model_quality(method: Method) -> Study:
     levels = [
         Variant(
             f"{level} detector{suffix}",
-            f"The detector errs as the level '{level}' of the section noisy_detector says{more}.",
+            f"The detector errs as often as noisy:{level} does{more}.",
             components=(("detector", f"noisy:{level}"), *extra),
             quality=float(place),
             curve=curve,

@@ -6,51 +6,23 @@ from functools import cache
 
 from hypernav.core.arrows import TURN_AROUND
 from hypernav.core.components.protocols import ArrowReasoner
-from hypernav.core.config import RoomConfig
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.exploration import Destination, ExplorationView
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.reachable_area import ReachableArea
-from hypernav.perception.arrows.arrow_sight import ArrowConfig, ArrowSight
-from hypernav.perception.arrows.object_graph import ObjectGraph, ObjectGraphConfig
+from hypernav.perception.arrows.arrow_sight import ArrowSight
+from hypernav.perception.arrows.config import ArrowsConfig
+from hypernav.perception.arrows.object_graph import ObjectGraph
 from hypernav.perception.arrows.proposals import (
     DEFAULT_MOVES,
-    BiasedConfig,
     BiasedProposer,
     IsOpen,
     Proposer,
-    SpatialConfig,
     SpatialProposer,
 )
 from hypernav.show.drawing.arrows import ArrowStyle
-
-
-class VlmnavConfig(RoomConfig):
-    """VLMnav's arrows.
-
-    Attributes:
-        sight: Sight and execution of moves.
-        moves: Lengths of and angles between the arrows.
-    """
-
-    sight: ArrowConfig = ArrowConfig()
-    moves: BiasedConfig = BiasedConfig()
-
-
-class DynavlmConfig(RoomConfig):
-    """Points and memory in DyNaVLM's style, which was not published in full: all of it is ours.
-
-    Attributes:
-        sight: Sight and execution of moves.
-        points: Where the points lie.
-        graph: Memory of things.
-    """
-
-    sight: ArrowConfig = ArrowConfig()
-    points: SpatialConfig = SpatialConfig()
-    graph: ObjectGraphConfig = ObjectGraphConfig()
 
 
 class ArrowExplorer:
@@ -59,39 +31,40 @@ class ArrowExplorer:
     def __init__(
         self,
         embodiment: Embodiment,
-        sight: ArrowConfig,
+        config: ArrowsConfig,
         style: ArrowStyle,
         proposer: Proposer,
         reasoner: ArrowReasoner,
         mapping: MappingConfig,
         clearance_m: float,
-        graph: ObjectGraphConfig | None = None,
+        *,
+        remembers: bool = False,
     ) -> None:
         """Put it together; `vlmnav` and `dynavlm_style` do.
 
         Args:
             embodiment: Camera, step and turn of the robot.
-            sight: Sight and execution of moves.
+            config: What arrows are like.
             style: Style of the arrows.
             proposer: Proposer of the moves.
             reasoner: Reasoner that chooses among them.
             mapping: Cells of the map.
             clearance_m: Distance of the ends of moves from obstacles, metres.
-            graph: What the reasoner is told of the things that were seen; None tells nothing.
+            remembers: Whether the reasoner is told of the things that were seen.
         """
         self._embodiment = embodiment
-        self._config = sight
+        self._config = config
         self._style = style
         self._proposer = proposer
         self._reasoner = reasoner
         self._mapping = mapping
         self._clearance_m = clearance_m
-        self._graph = graph
+        self._remembers = remembers
 
     @property
     def wants_named_things(self) -> bool:
         """See `hypernav.core.components.abilities.wants_named_things`."""
-        return self._graph is not None
+        return self._remembers
 
     def next_destination(self, view: ExplorationView) -> Destination:
         """The end of the next move.
@@ -99,7 +72,7 @@ class ArrowExplorer:
         Raises:
             ModelUnavailableError: The reasoner's model did not answer.
         """
-        graph = None if self._graph is None else ObjectGraph(self._graph, view.things)
+        graph = ObjectGraph(view.things) if self._remembers else None
         destination = self._next_move(view, graph)
         insight = destination.insight
         if graph is None or insight is None:
@@ -150,7 +123,7 @@ def vlmnav(
     embodiment: Embodiment,
     mapping: MappingConfig,
     clearances_m: tuple[float, ...],
-    config: VlmnavConfig | None = None,
+    config: ArrowsConfig | None = None,
 ) -> ArrowExplorer:
     """VLMnav's exploration: arrows into the unexplored, by depth.
 
@@ -162,14 +135,14 @@ def vlmnav(
         embodiment: Camera, step and turn of the robot.
         mapping: Cells of the map.
         clearances_m: Distances from obstacles, metres.
-        config: Arrows.
+        config: What arrows are like.
     """
-    config = config or VlmnavConfig()
+    config = config or ArrowsConfig()
     return ArrowExplorer(
         embodiment,
-        config.sight,
+        config,
         ArrowStyle(),
-        BiasedProposer(config.moves),
+        BiasedProposer(space_explored=config.space_explored),
         arrow_reasoner,
         mapping,
         clearances_m[0],
@@ -181,7 +154,7 @@ def dynavlm_style(
     embodiment: Embodiment,
     mapping: MappingConfig,
     clearances_m: tuple[float, ...],
-    config: DynavlmConfig | None = None,
+    config: ArrowsConfig | None = None,
 ) -> ArrowExplorer:
     """Exploration in DyNaVLM's style: points of free space, and a memory of things.
 
@@ -196,16 +169,16 @@ def dynavlm_style(
         embodiment: Camera, step and turn of the robot.
         mapping: Cells of the map.
         clearances_m: Distances from obstacles, metres.
-        config: Points and memory.
+        config: What arrows are like.
     """
-    config = config or DynavlmConfig()
+    config = config or ArrowsConfig()
     return ArrowExplorer(
         embodiment,
-        config.sight,
+        config,
         ArrowStyle(shafts=False),
-        SpatialProposer(config.points),
+        SpatialProposer(),
         arrow_reasoner,
         mapping,
         clearances_m[0],
-        config.graph,
+        remembers=True,
     )

@@ -6,47 +6,28 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from pydantic import Field
 
 from hypernav.core.arrows import Arrow, ArrowView
-from hypernav.core.config import RoomConfig
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.exploration import Destination, ExplorationView
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.insight import ImageMark, Insight
-from hypernav.perception.arrows.free_range import FreeRangeConfig, free_ranges
-from hypernav.perception.arrows.marks import MarkConfig, mark_of
+from hypernav.perception.arrows.config import ArrowsConfig
+from hypernav.perception.arrows.free_range import all_headings, free_ranges
+from hypernav.perception.arrows.marks import mark_of
 from hypernav.perception.arrows.proposals import FreeDirections, Move
-from hypernav.perception.arrows.ray_memory import RayMemory, RayMemoryConfig
+from hypernav.perception.arrows.ray_memory import RayMemory
 from hypernav.show.drawing.arrows import ArrowStyle, draw_arrows, foot_pixel
 
 _KEY = "arrows"
 """Key of the notes."""
 _SPARE_STEPS = 2
 """Actions that a move may take beyond those of a straight one; ours."""
-
-
-class ArrowConfig(RoomConfig):
-    """Sight and execution of moves.
-
-    Attributes:
-        floor: What counts as floor in the depth image.
-        memory: What counts as explored.
-        marks: Where ends of moves are marked.
-        turn_rest: Number of choices after a turn around before the next may be offered (VLMnav's
-            code).
-        arrival_m: Distance from the end of a move within which it is done, metres; ours: the
-            original moves through walls of no simulator at all, and exactly.
-        blind_step_m: Length of the step ahead where an answer names nothing, metres; 0.2 in
-            VLMnav's code. None takes the robot's own step (ours).
-    """
-
-    floor: FreeRangeConfig = FreeRangeConfig()
-    memory: RayMemoryConfig = RayMemoryConfig()
-    marks: MarkConfig = MarkConfig()
-    turn_rest: int = Field(default=3, ge=0, le=1000)
-    arrival_m: float = Field(default=0.25, gt=0.0, le=10.0)
-    blind_step_m: float | None = Field(default=None, gt=0.0, le=10.0)
+_TURN_REST = 3
+"""Number of choices after a turn around before the next may be offered (VLMnav's code)."""
+_ARRIVAL_M = 0.25
+"""Distance from the end of a move within which it is done; ours: the original moves through walls
+of no simulator at all, and exactly."""
 
 
 @dataclass
@@ -71,7 +52,7 @@ class ArrowSight:
         self,
         view: ExplorationView,
         embodiment: Embodiment,
-        config: ArrowConfig,
+        config: ArrowsConfig,
         style: ArrowStyle,
     ) -> None:
         """Look at what an explorer is shown.
@@ -79,28 +60,26 @@ class ArrowSight:
         Args:
             view: What it is shown, and its notes.
             embodiment: Camera, step and turn of the robot.
-            config: Sight and execution of moves.
+            config: Marks, and the step of an answer that names nothing.
             style: Style of the arrows.
         """
         self.observation = view.observation
         self._embodiment = embodiment
         self._config = config
         self._style = style
-        self._headings = config.floor.all_headings(embodiment.camera)
-        fresh = _Notes(RayMemory(config.memory), config.turn_rest)
+        self._headings = all_headings(embodiment.camera)
+        fresh = _Notes(RayMemory(), _TURN_REST)
         self._notes: _Notes = view.notes.setdefault(_KEY, fresh)
         self._offered: tuple[Arrow, ...] = ()
 
     @property
     def may_turn(self) -> bool:
         """Whether turning around may be offered: not soon after the last time."""
-        return self._notes.rested >= self._config.turn_rest
+        return self._notes.rested >= _TURN_REST
 
     def look(self) -> FreeDirections:
         """Where the floor of the latest image is free; it counts as explored from now on."""
-        free_m = free_ranges(
-            self.observation, self._headings, self._config.floor, self._embodiment.camera
-        )
+        free_m = free_ranges(self.observation, self._headings, self._embodiment.camera)
         is_explored = self._notes.explored.look(self.observation.robot, self._headings, free_m)
         fov = self.observation.camera.hfov
         return FreeDirections(self._headings, free_m, is_explored, fov)
@@ -113,7 +92,9 @@ class ArrowSight:
         arrows: list[Arrow] = []
         apart = 2.0 * self._style.radius_px(self.observation.camera.height)
         for move in moves:
-            pixel = mark_of(self.observation, move.heading, move.length_m, self._config.marks)
+            pixel = mark_of(
+                self.observation, move.heading, move.length_m, slide=self._config.slide_marks
+            )
             if pixel is not None and all(
                 math.dist(pixel, other.pixel) >= apart for other in arrows
             ):
@@ -187,7 +168,7 @@ class ArrowSight:
             reason=reason,
             insight=self._insight(),
             holds=True,
-            arrival_m=self._config.arrival_m,
+            arrival_m=_ARRIVAL_M,
             face=robot.yaw + math.pi,
             most_steps=turns,
         )
@@ -207,7 +188,7 @@ class ArrowSight:
             reason=reason,
             insight=insight,
             holds=True,
-            arrival_m=self._config.arrival_m,
+            arrival_m=_ARRIVAL_M,
             most_steps=steps + _SPARE_STEPS,
         )
 

@@ -4,16 +4,14 @@ import json
 import re
 from typing import Any
 
-from pydantic import Field
-
 from hypernav.core.arrows import TURN_AROUND, ArrowChoice, ArrowView
 from hypernav.core.chat import Question
 from hypernav.core.components.protocols import ChatModel
-from hypernav.core.config import RoomConfig
 from hypernav.core.errors import ModelUnavailableError
 from hypernav.core.goal import Goal
 from hypernav.core.trace import Exchange, ExchangeLog
 from hypernav.models.chat.answer_parsing import shortened, without_thinking
+from hypernav.perception.arrows.config import ArrowsConfig
 from hypernav.perception.exchanges import exchange_of
 
 _ONE = (
@@ -34,28 +32,11 @@ _OBJECT = re.compile(r"\{[^{}]*\}")
 _NUMBERS = re.compile(r"-?\d+")
 
 
-class ChatArrowsConfig(RoomConfig):
-    """The question about arrows: in substance VLMnav's and PIVOT's, in our words.
-
-    Attributes:
-        max_tokens: Limit on the length of an answer, tokens (VLMnav's code).
-        count_short: Whether the question says one arrow less than there are where the robot may not
-            turn around: a mistake of VLMnav's code.
-        outage_is_no_answer: Whether a model that isn't available counts as an answer without a
-            number, which is a step ahead, as in VLMnav's code; else the episode ends as such. Other
-            questions, such as the one whether to stop, are not meant.
-    """
-
-    max_tokens: int = Field(default=500, ge=8, le=100_000)
-    count_short: bool = False
-    outage_is_no_answer: bool = False
-
-
 class ChatArrowReasoner:
-    """Shows the arrows and asks for numbers."""
+    """Shows the arrows and asks for numbers: in substance VLMnav's and PIVOT's, in our words."""
 
     def __init__(
-        self, chat: ChatModel, log: ExchangeLog, config: ChatArrowsConfig | None = None
+        self, chat: ChatModel, log: ExchangeLog, config: ArrowsConfig | None = None
     ) -> None:
         """Create the reasoner.
 
@@ -66,7 +47,7 @@ class ChatArrowReasoner:
         """
         self._chat = chat
         self._log = log
-        self._config = config or ChatArrowsConfig()
+        self._config = config or ArrowsConfig()
         self._unread = 0
 
     def take_report(self) -> dict[str, Any]:
@@ -112,7 +93,7 @@ class ChatArrowReasoner:
         return ArrowChoice(numbers, f"{name}: {shortened(said, 160)}")
 
 
-def arrow_question(view: ArrowView, goal: Goal, config: ChatArrowsConfig) -> Question:
+def arrow_question(view: ArrowView, goal: Goal, config: ArrowsConfig) -> Question:
     """The question to a model about the arrows in an image."""
     last = len(view.arrows)
     if config.count_short and not view.may_turn:

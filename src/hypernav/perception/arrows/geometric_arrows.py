@@ -1,22 +1,11 @@
 """Choice of arrows without a model: the way that is free farthest, unexplored first."""
 
 import numpy as np
-from pydantic import Field
 
 from hypernav.core.arrows import TURN_AROUND, ArrowChoice, ArrowView
-from hypernav.core.config import MOST_SEED, RoomConfig
 from hypernav.core.goal import Goal
 from hypernav.core.trace import Exchange, ExchangeLog
-
-
-class GeometricArrowsConfig(RoomConfig):
-    """Choice where nothing is unexplored. All of it is ours.
-
-    Attributes:
-        seed: Seed of the choice among explored arrows; equal searches make equal choices.
-    """
-
-    seed: int = Field(default=0, ge=0, le=MOST_SEED)
+from hypernav.perception.arrows.config import ArrowsConfig
 
 
 class GeometricArrowReasoner:
@@ -31,15 +20,15 @@ class GeometricArrowReasoner:
 
     stands_in_for = "a vision-language model (--vlm)"
 
-    def __init__(self, log: ExchangeLog, config: GeometricArrowsConfig | None = None) -> None:
+    def __init__(self, log: ExchangeLog, config: ArrowsConfig | None = None) -> None:
         """Create the reasoner.
 
         Args:
             log: Log of all choices, for the trace.
-            config: Choice where nothing is unexplored.
+            config: Seed of the choice where nothing is unexplored.
         """
         self._log = log
-        self._config = config or GeometricArrowsConfig()
+        self._config = config or ArrowsConfig()
 
     def choose(self, view: ArrowView, goal: Goal) -> ArrowChoice:
         """The best arrows; see `hypernav.core.components.protocols.ArrowReasoner`."""

@@ -4,32 +4,17 @@ import math
 
 import numpy as np
 from jaxtyping import Float64
-from pydantic import Field
 
-from hypernav.core.config import RoomConfig
 from hypernav.core.observation import Observation
 
 _STEP_M = 0.05
 _FARTHEST_M = 20.0
-
-
-class MarkConfig(RoomConfig):
-    """Marks in the image.
-
-    Attributes:
-        margin: Distance of a mark from the edges of the image, as a share of its sides (VLMnav's
-            code).
-        slide: Whether the mark of an end below the image is slid along its direction into the
-            image; ours. Without it such an arrow is left out, as in VLMnav's code, whose camera
-            looks down: a level camera at 0.88 m would hardly ever show one.
-    """
-
-    margin: float = Field(default=0.04, ge=0.0, lt=0.5)
-    slide: bool = True
+_MARGIN = 0.04
+"""Distance of a mark from the edges of the image, as a share of its sides (VLMnav's code)."""
 
 
 def mark_of(
-    observation: Observation, heading: float, length_m: float, config: MarkConfig
+    observation: Observation, heading: float, length_m: float, *, slide: bool
 ) -> tuple[float, float] | None:
     """Image coordinates of the end of a move over the floor; None if it can't be marked.
 
@@ -37,13 +22,13 @@ def mark_of(
         observation: Frame whose image is marked.
         heading: Direction of the move from the robot's heading, radians.
         length_m: Length of the move, metres.
-        config: Marks in the image.
+        slide: Whether the mark of an end below the image is slid into it.
     """
-    farthest = _FARTHEST_M if config.slide else length_m
+    farthest = _FARTHEST_M if slide else length_m
     distances = np.arange(length_m, farthest + _STEP_M / 2.0, _STEP_M)
     pixels = floor_pixels(observation, heading, distances)
     camera = observation.camera
-    inner = np.array([camera.width, camera.height]) * config.margin
+    inner = np.array([camera.width, camera.height]) * _MARGIN
     outer = np.array([camera.width, camera.height]) - inner
     inside = ((pixels >= inner) & (pixels <= outer)).all(axis=1)
     if not inside.any():

@@ -8,9 +8,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from pydantic import Field
 
-from hypernav.core.config import RoomConfig
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.insight import RememberedThing, ThingGraph
@@ -18,19 +16,12 @@ from hypernav.core.labels import normalise, same_name
 from hypernav.core.sightings import SeenThing
 from hypernav.perception.rooms.room_table import room_table
 
-
-class ObjectGraphConfig(RoomConfig):
-    """What is one thing, what is near, and what is told. All values are ours.
-
-    Attributes:
-        same_within_m: Distance within which two things of one name are the same, metres.
-        near_m: Distance below which two things are near each other, metres.
-        most_facts: Number of things that are told of.
-    """
-
-    same_within_m: float = Field(default=1.0, ge=0.0, le=100.0)
-    near_m: float = Field(default=2.0, ge=0.0, le=100.0)
-    most_facts: int = Field(default=10, ge=0, le=100)
+_SAME_WITHIN_M = 1.0
+"""Distance within which two things of one name are the same."""
+_NEAR_M = 2.0
+"""Distance below which two things are near each other."""
+_MOST_FACTS = 10
+"""Number of things that are told of."""
 
 
 @dataclass(frozen=True)
@@ -62,14 +53,12 @@ class GraphFact:
 class ObjectGraph:
     """Things as nodes, and edges between those that are near each other."""
 
-    def __init__(self, config: ObjectGraphConfig, things: Iterable[SeenThing] = ()) -> None:
+    def __init__(self, things: Iterable[SeenThing] = ()) -> None:
         """Make it.
 
         Args:
-            config: What is one thing, what is near.
             things: Things in the order in which they were seen, with repetitions.
         """
-        self._config = config
         self._things: list[SeenThing] = []
         self._near: list[set[int]] = []
         for thing in things:
@@ -79,13 +68,13 @@ class ObjectGraph:
         """Add a thing, unless one of its name is right there."""
         for known in self._things:
             away_m = math.dist(known.position, thing.position)
-            if away_m <= self._config.same_within_m and same_name(known.label, thing.label):
+            if away_m <= _SAME_WITHIN_M and same_name(known.label, thing.label):
                 return
         number = len(self._things)
         self._things.append(thing)
         self._near.append(set())
         for other, known in enumerate(self._things[:-1]):
-            if math.dist(known.position, thing.position) < self._config.near_m:
+            if math.dist(known.position, thing.position) < _NEAR_M:
                 self._near[number].add(other)
                 self._near[other].add(number)
 
@@ -113,7 +102,7 @@ class ObjectGraph:
                 robot.distance_to(*self._things[k].position),
             ),
         )
-        return order[: self._config.most_facts]
+        return order[:_MOST_FACTS]
 
     def _fact(self, number: int, robot: Pose2) -> GraphFact:
         thing = self._things[number]

@@ -6,20 +6,18 @@ Source: Nasiriany et al., "PIVOT: Iterative Visual Prompting Elicits Actionable 
 
 import math
 import zlib
-from typing import Annotated
 
 import numpy as np
 from jaxtyping import Float64
-from pydantic import Field, model_validator
 
 from hypernav.core.arrows import TURN_AROUND, Arrow
 from hypernav.core.components.protocols import ArrowReasoner
-from hypernav.core.config import MOST_SEED, RoomConfig
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.exploration import Destination, ExplorationView
 from hypernav.core.geometry.camera import PinholeCamera
-from hypernav.perception.arrows.arrow_sight import ArrowConfig, ArrowSight
-from hypernav.perception.arrows.proposals import FreeDirections, Move
+from hypernav.perception.arrows.arrow_sight import ArrowSight
+from hypernav.perception.arrows.config import ArrowsConfig
+from hypernav.perception.arrows.proposals import MOST_MOVE_M, FreeDirections, Move
 from hypernav.show.drawing.arrows import ArrowStyle
 
 _KEY = "pivot"
@@ -29,62 +27,30 @@ _TRIES = 50
 """Samples for each mark that is wanted, before there are fewer; ours."""
 
 
-_Marks = Annotated[int, Field(ge=1, le=40)]
-
-
-class PivotConfig(RoomConfig):
-    """Rounds of marks. Values are those of VLMnav's code unless said ours.
-
-    Attributes:
-        sight: Sight and execution of moves.
-        samples: Number of marks in each round.
-        best: Number of marks that are asked for in each round.
-        calls: Number of times that each round is asked; the answers are united.
-        inner: Share of the image's sides within which marks lie.
-        apart_px: Least distance between marks at an image height of 1080 pixels.
-        length_m: Length of every move, metres; depth is not asked.
-        zero_is_last: Whether number 0 means the last mark instead of turning around: a mistake of
-            VLMnav's code.
-        seed: Seed of the marks; every search of one goal draws the same (ours).
-    """
-
-    sight: ArrowConfig = ArrowConfig()
-    samples: tuple[_Marks, ...] = (8, 6, 4)
-    best: tuple[_Marks, ...] = (4, 3, 2)
-    calls: int = Field(default=3, ge=1, le=20)
-    inner: float = Field(default=0.9, gt=0.0, le=1.0)
-    apart_px: float = Field(default=100.0, ge=0.0, le=1000.0)
-    length_m: float = Field(default=1.7, gt=0.0, le=20.0)
-    zero_is_last: bool = False
-    seed: int = Field(default=0, ge=0, le=MOST_SEED)
-
-    @model_validator(mode="after")
-    def _rounds_agree(self) -> "PivotConfig":
-        if len(self.samples) != len(self.best) or not self.samples:
-            raise ValueError(
-                "samples and best must hold a number for each round, and there must be one; got "
-                f"{len(self.samples)} and {len(self.best)}"
-            )
-        return self
+_ROUNDS = ((8, 4), (6, 3), (4, 2))
+"""Number of marks that are drawn in each round, and that are asked for (VLMnav's code)."""
+_CALLS = 3
+"""Number of times that each round is asked; the answers are united (VLMnav's code)."""
+_INNER = 0.9
+"""Share of the image's sides within which marks lie (VLMnav's code)."""
+_APART_PX = 100.0
+"""Least distance between marks at an image height of 1080 pixels (VLMnav's code)."""
 
 
 class GaussianProposer:
     """Draws marks from a normal distribution over the image, and fits it to the best of them."""
 
-    def __init__(
-        self, camera: PinholeCamera, config: PivotConfig, rng: np.random.Generator
-    ) -> None:
+    def __init__(self, camera: PinholeCamera, rng: np.random.Generator) -> None:
         """Begin at the middle of the image, with a quarter of its sides as deviations.
 
         Args:
             camera: Size of the image.
-            config: Rounds of marks.
             rng: Generator of the marks.
         """
         self._rng = rng
         self._size = np.array([camera.width, camera.height], dtype=np.float64)
-        self._apart = config.apart_px * camera.height / _LINES
-        self._rim = self._size * (1.0 - config.inner) / 2.0
+        self._apart = _APART_PX * camera.height / _LINES
+        self._rim = self._size * (1.0 - _INNER) / 2.0
         self.mean = self._size / 2.0
         self.deviation = self._size / 4.0
 
@@ -118,42 +84,40 @@ class PivotExplorer:
         self,
         arrow_reasoner: ArrowReasoner,
         embodiment: Embodiment,
-        config: PivotConfig | None = None,
+        config: ArrowsConfig | None = None,
     ) -> None:
         """Create it.
 
         Args:
             arrow_reasoner: Reasoner that chooses marks.
             embodiment: Camera, step and turn of the robot.
-            config: Rounds of marks.
+            config: What arrows are like.
         """
         self._reasoner = arrow_reasoner
         self._embodiment = embodiment
-        self._config = config or PivotConfig()
+        self._config = config or ArrowsConfig()
 
     def next_destination(self, view: ExplorationView) -> Destination:
-        """The end of the next move, always as long as configured.
+        """The end of the next move, always of the same length: depth is not asked.
 
         Raises:
             ModelUnavailableError: The reasoner's model did not answer.
         """
-        config = self._config
-        sight = ArrowSight(view, self._embodiment, config.sight, ArrowStyle())
+        sight = ArrowSight(view, self._embodiment, self._config, ArrowStyle())
         directions = sight.look()
-        rng: np.random.Generator = view.notes.setdefault(
-            _KEY, np.random.default_rng([config.seed, zlib.crc32(view.goal.text.encode())])
-        )
-        proposer = GaussianProposer(sight.observation.camera, config, rng)
+        seed = [self._config.seed, zlib.crc32(view.goal.text.encode())]
+        rng: np.random.Generator = view.notes.setdefault(_KEY, np.random.default_rng(seed))
+        proposer = GaussianProposer(sight.observation.camera, rng)
         named: list[Arrow] = []
-        for samples, best in zip(config.samples, config.best, strict=True):
+        for samples, best in _ROUNDS:
             may_turn = sight.may_turn
             arrows = self._arrows(sight, proposer.draw(samples), directions)
             question = sight.view(arrows, may_turn=may_turn, wanted=best)
             numbers: dict[int, None] = {}
-            for _ in range(config.calls if arrows else 0):
+            for _ in range(_CALLS if arrows else 0):
                 choice = self._reasoner.choose(question, view.goal)
                 chosen = choice.numbers
-                if config.zero_is_last:
+                if self._config.zero_is_last:
                     chosen = tuple(one or arrows[-1].number for one in chosen)
                 if TURN_AROUND in chosen[:1]:
                     return sight.around(choice.reason)
@@ -177,7 +141,7 @@ class PivotExplorer:
         return tuple(
             sight.arrow(
                 number,
-                Move(camera.bearing_of(float(u)), self._config.length_m),
+                Move(camera.bearing_of(float(u)), MOST_MOVE_M),
                 (float(u), float(v)),
                 directions,
             )

@@ -3,13 +3,11 @@
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Bool, Float64
-from pydantic import Field
 
-from hypernav.core.config import RoomConfig
 from hypernav.core.geometry.transforms import Pose2
 
 
@@ -65,28 +63,15 @@ class Proposer(Protocol):
         ...
 
 
-class BiasedConfig(RoomConfig):
-    """Moves into what is unexplored, as VLMnav proposes them. Values are those of its code.
-
-    Attributes:
-        share: Length of a move as a share of the free range.
-        least_m: Length up to which a move is not worth it, metres.
-        most_m: Largest length of a move, metres.
-        spacing: Angle between unexplored directions, in units of (field of view in degrees / 360)
-            radians.
-        explored_spacing: Angle between an explored direction and all that were chosen before, in
-            the same unit.
-        space_explored: Whether explored directions keep that angle among themselves as well. The
-            original means to, but compares with a stale angle.
-    """
-
-    share: float = Field(default=0.66, gt=0.0, le=1.0)
-    least_m: float = Field(default=0.75, ge=0.0, le=10.0)
-    most_m: float = Field(default=1.7, gt=0.0, le=20.0)
-    spacing: float = Field(default=0.9, gt=0.0, le=10.0)
-    explored_spacing: float = Field(default=4.0, gt=0.0, le=20.0)
-    space_explored: bool = True
-
+MOST_MOVE_M = 1.7
+"""Largest length of a move, and of the floor that a look explores (VLMnav's code)."""
+_SHARE = 0.66
+"""Length of a move as a share of the free range (VLMnav's code)."""
+_LEAST_M = 0.75
+"""Length up to which a move is not worth it (VLMnav's code)."""
+_SPACING, _EXPLORED_SPACING = 0.9, 4.0
+"""Angle between unexplored directions, and between an explored one and all that were chosen before,
+in units of (field of view in degrees / 360) radians (VLMnav's code)."""
 
 DEFAULT_MOVES = tuple(Move(math.radians(angle), 1.5) for angle in (45.9, 11.5, -11.5, -45.9))
 """What VLMnav offers where nothing is free and the robot may not turn around."""
@@ -95,32 +80,32 @@ DEFAULT_MOVES = tuple(Move(math.radians(angle), 1.5) for angle in (45.9, 11.5, -
 class BiasedProposer:
     """Proposes moves into unexplored directions first, then into explored ones far from them."""
 
-    def __init__(self, config: BiasedConfig) -> None:
+    def __init__(self, *, space_explored: bool) -> None:
         """Create it.
 
         Args:
-            config: Lengths and angles.
+            space_explored: Whether explored directions keep their angle among themselves as well.
         """
-        self._config = config
+        self._space_explored = space_explored
 
     def propose(
         self, directions: FreeDirections, robot: Pose2, is_open: IsOpen, *, may_turn: bool
     ) -> list[Move]:
         """Moves from left to right; see `Proposer.propose`."""
-        config, headings = self._config, directions.headings
-        lengths = config.share * directions.free_m
-        worth = lengths > config.least_m
+        headings = directions.headings
+        lengths = _SHARE * directions.free_m
+        worth = lengths > _LEAST_M
         unit = math.degrees(directions.fov) / 360.0
         fresh = np.flatnonzero(worth & ~directions.is_explored)
         if len(fresh):
-            chosen = _outward(headings, fresh, directions.free_m, config.spacing * unit)
+            chosen = _outward(headings, fresh, directions.free_m, _SPACING * unit)
             known = np.flatnonzero(worth & directions.is_explored)
-            chosen += self._far_from(headings, known, chosen, config.explored_spacing * unit)
+            chosen += self._far_from(headings, known, chosen, _EXPLORED_SPACING * unit)
         else:
             known = np.flatnonzero(worth)
             chosen = _outward(headings, known, directions.free_m, unit) if len(known) else []
         moves = [
-            Move(float(headings[k]), min(float(lengths[k]), config.most_m))
+            Move(float(headings[k]), min(float(lengths[k]), MOST_MOVE_M))
             for k in sorted(chosen, reverse=True)
         ]
         return moves or ([] if may_turn else list(DEFAULT_MOVES))
@@ -134,7 +119,7 @@ class BiasedProposer:
     ) -> list[int]:
         added: list[int] = []
         for k in candidates:
-            others = chosen + added if self._config.space_explored else chosen
+            others = chosen + added if self._space_explored else chosen
             if all(abs(headings[k] - headings[other]) >= angle for other in others):
                 added.append(int(k))
         return added
@@ -158,50 +143,32 @@ def _outward(
     return chosen
 
 
-class SpatialConfig(RoomConfig):
-    """Target points in space, as DyNaVLM is described to sample them. All values are ours.
-
-    Attributes:
-        angle_deg: Angle between directions, degrees.
-        ranges_m: Distances of the points, metres.
-        share: Largest distance of a point, as a share of the free range.
-        most_points: Largest number of points; those that are farthest from each other are kept.
-    """
-
-    angle_deg: float = Field(default=10.0, ge=1.0, le=90.0)
-    ranges_m: tuple[Annotated[float, Field(gt=0.0, le=20.0)], ...] = (0.8, 1.6, 2.4)
-    share: float = Field(default=0.66, gt=0.0, le=1.0)
-    most_points: int = Field(default=8, ge=1, le=40)
+_ANGLE_DEG = 10.0
+_RANGES_M = (0.8, 1.6, 2.4)
+"""Angle between directions and distances of DyNaVLM's points, which were not published; ours."""
+_MOST_POINTS = 8
+"""Largest number of them; those that are farthest from each other are kept (ours)."""
 
 
 class SpatialProposer:
     """Proposes points of free, reachable floor in view, far from each other."""
 
-    def __init__(self, config: SpatialConfig) -> None:
-        """Create it.
-
-        Args:
-            config: Distances and angles.
-        """
-        self._config = config
-
     def propose(
         self, directions: FreeDirections, robot: Pose2, is_open: IsOpen, *, may_turn: bool
     ) -> list[Move]:
         """Points by farthest-point choice; see `Proposer.propose`."""
-        config = self._config
         half = math.degrees(directions.fov) / 2.0
         moves: list[Move] = []
-        most = math.floor(half / config.angle_deg)
+        most = math.floor(half / _ANGLE_DEG)
         for k in range(-most, most + 1):
-            heading = math.radians(k * config.angle_deg)
+            heading = math.radians(k * _ANGLE_DEG)
             free_m, _ = directions.at(heading)
-            for length_m in config.ranges_m:
+            for length_m in _RANGES_M:
                 x = robot.x + length_m * math.cos(robot.yaw + heading)
                 y = robot.y + length_m * math.sin(robot.yaw + heading)
-                if length_m <= config.share * free_m and is_open(x, y):
+                if length_m <= _SHARE * free_m and is_open(x, y):
                     moves.append(Move(heading, length_m))
-        return _far_apart(moves, config.most_points)
+        return _far_apart(moves, _MOST_POINTS)
 
 
 def _far_apart(moves: list[Move], most: int) -> list[Move]:

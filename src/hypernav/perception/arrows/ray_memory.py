@@ -5,10 +5,9 @@ import math
 import cv2
 import numpy as np
 from jaxtyping import Bool, Float64
-from pydantic import Field
 
-from hypernav.core.config import RoomConfig
 from hypernav.core.geometry.transforms import Pose2
+from hypernav.perception.arrows.proposals import MOST_MOVE_M
 
 _CELL_M = 0.05
 """Side of a cell; ours: the original draws 100 pixels a metre."""
@@ -16,20 +15,10 @@ _SIDE_M = 50.0
 _PROBES = 8
 _SEEN_PROBES = 3
 """Of eight cells around a point so many must be explored for it to be."""
-
-
-class RayMemoryConfig(RoomConfig):
-    """What counts as explored. Values are those of VLMnav's code.
-
-    Attributes:
-        width_m: Width of the strip of floor that a look explores, metres.
-        reach: Length of the strip, as a share of the free range.
-        most_m: Largest length of a strip, metres.
-    """
-
-    width_m: float = Field(default=0.6, gt=0.0, le=10.0)
-    reach: float = Field(default=0.8, gt=0.0, le=1.0)
-    most_m: float = Field(default=1.7, gt=0.0, le=20.0)
+_WIDTH_M = 0.6
+"""Width of the strip of floor that a look explores (VLMnav's code)."""
+_REACH = 0.8
+"""Length of the strip, as a share of the free range (VLMnav's code)."""
 
 
 class RayMemory:
@@ -38,13 +27,8 @@ class RayMemory:
     Beyond that nothing counts as explored.
     """
 
-    def __init__(self, config: RayMemoryConfig) -> None:
-        """Begin without any.
-
-        Args:
-            config: What counts as explored.
-        """
-        self._config = config
+    def __init__(self) -> None:
+        """Begin without any."""
         side = round(_SIDE_M / _CELL_M)
         self._explored = np.zeros((side, side), dtype=np.uint8)
         self._corner: Float64[np.ndarray, 2] | None = None
@@ -60,25 +44,24 @@ class RayMemory:
             free_m: Free ranges in these directions, metres.
 
         Returns:
-            Whether each direction is explored at `RayMemoryConfig.reach` of its range.
+            Whether each direction is explored at four fifths of its range.
         """
-        config = self._config
         if self._corner is None:
             self._corner = np.array(robot.xy) - _SIDE_M / 2.0
         angles = robot.yaw + headings
         towards = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-        reaches = config.reach * free_m
+        reaches = _REACH * free_m
         here = np.array(robot.xy)
-        ends = self._cells(here + towards * np.minimum(reaches, config.most_m)[:, None])
+        ends = self._cells(here + towards * np.minimum(reaches, MOST_MOVE_M)[:, None])
         start = tuple(int(number) for number in self._cells(here[None])[0])
-        thickness = max(round(config.width_m / _CELL_M), 1)
+        thickness = max(round(_WIDTH_M / _CELL_M), 1)
         for end in ends[free_m > 0.0]:
             cv2.line(self._explored, start, (int(end[0]), int(end[1])), 1, thickness)
         return self._is_explored(here + towards * reaches[:, None])
 
     def _is_explored(self, points: Float64[np.ndarray, "n 2"]) -> Bool[np.ndarray, " n"]:
         around = 2.0 * math.pi * np.arange(_PROBES) / _PROBES
-        ring = self._config.width_m / 4.0 * np.stack([np.cos(around), np.sin(around)], axis=1)
+        ring = _WIDTH_M / 4.0 * np.stack([np.cos(around), np.sin(around)], axis=1)
         cells = self._cells((points[:, None] + ring).reshape(-1, 2))
         side = len(self._explored)
         inside = ((cells >= 0) & (cells < side)).all(axis=1)

@@ -4,7 +4,6 @@ from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Bool
-from pydantic import Field
 
 from hypernav.core.components.protocols import ChatModel
 from hypernav.core.config import RoomConfig
@@ -21,6 +20,8 @@ _PROMPT = (
     "there is none, if it is far away or if you aren't sure, say no. Answer yes or no."
 )
 _MORE_YES_THAN_NO = 0.5
+_NEAR_M = 1.0
+"""Distance up to which the stand-in, which no model is, says yes; ours."""
 
 
 class StopCheckConfig(RoomConfig):
@@ -28,11 +29,9 @@ class StopCheckConfig(RoomConfig):
 
     Attributes:
         prompt: Text of the question, in substance VLMnav's; ``{goal}`` is filled in.
-        near_m: Distance up to which the stand-in, which no model is, says yes, metres; ours.
     """
 
     prompt: str = _PROMPT
-    near_m: float = Field(default=1.0, gt=0.0, le=10.0)
 
 
 @runtime_checkable
@@ -83,15 +82,13 @@ class TruthStopCheck:
 
     warning = "stops by the truth in view, in place of a vision-language model (--vlm)"
 
-    def __init__(self, log: ExchangeLog, config: StopCheckConfig | None = None) -> None:
+    def __init__(self, log: ExchangeLog) -> None:
         """Create the check.
 
         Args:
             log: Log of all answers, for the trace.
-            config: Distance up to which the goal is near.
         """
         self._log = log
-        self._config = config or StopCheckConfig()
         self._detector = GroundTruthDetector()
 
     def is_here(self, observation: Observation, goal: Goal) -> bool:
@@ -105,13 +102,13 @@ class TruthStopCheck:
             _floor_distance(observation, one.mask) for one in found if one.mask is not None
         ]
         away_m = min(distances, default=np.inf)
-        here = bool(away_m <= self._config.near_m)
+        here = bool(away_m <= _NEAR_M)
         seen = f"{away_m:.1f} m away" if np.isfinite(away_m) else "not in view"
         self._log.record(
             Exchange(
                 kind="stop",
                 asked="truth",
-                question=f"Is the {goal.thing} within {self._config.near_m:g} m?",
+                question=f"Is the {goal.thing} within {_NEAR_M:g} m?",
                 answer=f"{'yes' if here else 'no'}: {seen}",
             )
         )

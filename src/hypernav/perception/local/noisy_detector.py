@@ -3,7 +3,7 @@
 import math
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from hypernav.core.config import RoomConfig
 from hypernav.core.episode_truth import EpisodeTruth
@@ -18,16 +18,18 @@ from hypernav.perception.local.ground_truth import true_detection, true_labels, 
 _LEAST_SCORE = 0.05
 _ALARM_SIDES = (0.05, 0.4)
 """Least and largest side of a false alarm, as a share of the image's."""
+NEAR_M, FAR_M = 1.5, 5.0
+"""Distances up to which the near rate of misses holds and from which on the far one does, as those
+of YOLOX-nano were measured (benchmarks/detector_errors.py)."""
 
 
 class DetectorQuality(RoomConfig):
     """Error rates of a detector. All values are ours.
 
     Attributes:
-        missed_near: Probability that an object is missed in an image, at ``near_m`` and nearer.
-        missed_far: The same at ``far_m`` and farther, and where no pixel has depth; linear between.
-        near_m: Distance of the median pixel at which the near rate ends, metres.
-        far_m: Distance at which the far rate begins, metres.
+        missed_near: Probability that an object is missed in an image, if the median of its pixels
+            is at most `NEAR_M` away.
+        missed_far: The same from `FAR_M` on, and where no pixel has depth; linear between.
         never_found: Probability that an object is missed in every image of an episode: it looks
             unlike all that the detector has learned.
         confused_alike: Probability that an object that resembles the goal is taken for it; drawn
@@ -42,8 +44,6 @@ class DetectorQuality(RoomConfig):
 
     missed_near: float = Field(default=0.0, ge=0.0, le=1.0)
     missed_far: float = Field(default=0.0, ge=0.0, le=1.0)
-    near_m: float = Field(default=1.5, ge=0.0, le=99.0)
-    far_m: float = Field(default=5.0, ge=0.1, le=100.0)
     never_found: float = Field(default=0.0, ge=0.0, le=1.0)
     confused_alike: float = Field(default=0.0, ge=0.0, le=1.0)
     confused_other: float = Field(default=0.0, ge=0.0, le=1.0)
@@ -53,33 +53,15 @@ class DetectorQuality(RoomConfig):
     score_sd: float = Field(default=0.0, ge=0.0, le=1.0)
     jitter_px: float = Field(default=0.0, ge=0.0, le=1000.0)
 
-    @model_validator(mode="after")
-    def _near_is_nearer_than_far(self) -> "DetectorQuality":
-        if self.near_m >= self.far_m:
-            raise ValueError(
-                f"near_m must be below far_m, got near_m={self.near_m} and far_m={self.far_m}"
-            )
-        return self
-
     def missed_at(self, distance_m: float) -> float:
         """Probability of a miss in an image at a distance, metres; it may be infinite."""
         rates = (self.missed_near, self.missed_far)
-        return float(np.interp(distance_m, (self.near_m, self.far_m), rates))
+        return float(np.interp(distance_m, (NEAR_M, FAR_M), rates))
 
 
-class NoisyDetectorConfig(RoomConfig):
-    """The named qualities of ``noisy:LEVEL``; each value can be set.
-
-    Attributes:
-        perfect: No errors: what ground truth sees, but boxes without masks.
-        good: About a fifth of the errors of ``poor``.
-        fair: About half of them.
-        poor: About as many errors as YOLOX-nano on views of generated houses
-            (benchmarks/detector_errors.py).
-    """
-
-    perfect: DetectorQuality = DetectorQuality()
-    good: DetectorQuality = DetectorQuality(
+LEVELS = {
+    "perfect": DetectorQuality(),
+    "good": DetectorQuality(
         missed_near=0.1,
         missed_far=0.2,
         never_found=0.01,
@@ -90,8 +72,8 @@ class NoisyDetectorConfig(RoomConfig):
         wrong_score=0.4,
         score_sd=0.1,
         jitter_px=2.0,
-    )
-    fair: DetectorQuality = DetectorQuality(
+    ),
+    "fair": DetectorQuality(
         missed_near=0.2,
         missed_far=0.35,
         never_found=0.03,
@@ -102,8 +84,8 @@ class NoisyDetectorConfig(RoomConfig):
         wrong_score=0.45,
         score_sd=0.15,
         jitter_px=3.0,
-    )
-    poor: DetectorQuality = DetectorQuality(
+    ),
+    "poor": DetectorQuality(
         missed_near=0.4,
         missed_far=0.6,
         never_found=0.07,
@@ -114,7 +96,16 @@ class NoisyDetectorConfig(RoomConfig):
         wrong_score=0.5,
         score_sd=0.17,
         jitter_px=4.0,
-    )
+    ),
+}
+"""The qualities of ``noisy:LEVEL``, the best first.
+
+``perfect`` makes no errors: it sees what ground truth sees, but gives boxes without masks. ``poor``
+makes about as many as YOLOX-nano on views of generated houses (benchmarks/detector_errors.py),
+``fair`` about half of them and ``good`` about a fifth.
+"""
+_CUSTOM = "custom"
+"""The level whose rates are those of the section ``noisy_detector``."""
 
 
 class NoisyDetector:
@@ -132,25 +123,25 @@ class NoisyDetector:
     looks_at_colours = False
 
     def __init__(
-        self, level: str, truth: EpisodeTruth, config: NoisyDetectorConfig | None = None
+        self, level: str, truth: EpisodeTruth, config: DetectorQuality | None = None
     ) -> None:
         """Create the detector.
 
         Args:
-            level: Name of the quality: "perfect", "good", "fair" or "poor".
+            level: Name of the quality: "perfect", "good", "fair", "poor" or "custom".
             truth: Generator of the episode.
-            config: Error rates of all levels.
+            config: Error rates of "custom".
 
         Raises:
             ConfigError: There is no such level.
         """
-        levels = tuple(NoisyDetectorConfig.model_fields)
+        levels = LEVELS | {_CUSTOM: config or DetectorQuality()}
         if level not in levels:
             raise ConfigError(
-                f"--detector noisy:{level:.40}: expected one of {', '.join(levels)}; their error "
-                "rates are in the section 'noisy_detector'"
+                f"--detector noisy:{level:.40}: expected one of {', '.join(levels)}; the error "
+                f"rates of {_CUSTOM} are in the section 'noisy_detector'"
             )
-        self._quality: DetectorQuality = getattr(config or NoisyDetectorConfig(), level)
+        self._quality = levels[level]
         self._truth = truth
         self._rng: np.random.Generator | None = None
         self._seems: dict[int, bool] = {}
