@@ -33,6 +33,9 @@ def checked(subject: Any) -> Any:
         if is_dataclass(subject) and "__init__" in vars(subject):
             subject.__init__ = checked(subject.__init__)
         return subject
+    for name, hint in subject.__annotations__.items():
+        if isinstance(hint, str):  # a class that is defined later, or for type checkers alone
+            subject.__annotations__[name] = Any
     if isgeneratorfunction(subject):
         # The other form stops checking every shape that a generator function yields, everywhere.
         return jaxtyped(typechecker=_typed)(subject)

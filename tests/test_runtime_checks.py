@@ -67,8 +67,12 @@ class Point:
         return 5
 
     @staticmethod
-    def at(x: float) -> "Point":
-        return 5
+    def at(x: float) -> float:
+        return "text"
+
+
+def later(known: "Nowhere", number: int) -> None:
+    pass
 
 
 @dataclass(frozen=True)
@@ -78,6 +82,7 @@ class Cloud:
 '''
 _REFUSED: dict[str, Callable] = {
     "an argument": lambda m: m.whole("text"),
+    "an argument beside one of an unknown type": lambda m: m.later(5, "text"),
     "a result": lambda m: m.wrong(),
     "two shapes that differ": lambda m: m.joined(m.np.zeros((2, 3)), m.np.zeros(3)),
     "a shape in a union": lambda m: m.first([m.np.zeros((2, 4))]),
@@ -115,5 +120,6 @@ def test_what_fits_is_let_through(checked_module):
     assert checked_module.real(1) == 1  # an int is a float, as in Python's own rules
     assert checked_module.joined(zeros((2, 3)), zeros(2)) is None
     assert [rows.shape for rows in checked_module.each(zeros((2, 3)))] == [(1, 3)]
+    assert checked_module.later(5, 5) is None
     assert checked_module.Point(1).moved(2.0).x == 3.0
     assert checked_module.Cloud(zeros((2, 3)), zeros(2)).weights.shape == (2,)
