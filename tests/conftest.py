@@ -5,7 +5,9 @@ from pathlib import Path
 
 import pytest
 from hypothesis import settings
-from jaxtyping import install_import_hook
+
+from kernel_cache import compile_missing_kernels
+from runtime_checks import check_modules
 
 _SOURCE = Path(__file__).parents[1] / "src"
 _COMPILED = ("kernels.py", "core/geometry/depth.py")
@@ -30,7 +32,14 @@ def _checked_modules() -> list[str]:
 settings.register_profile("hypernav", deadline=None)
 settings.load_profile("hypernav")
 
-install_import_hook(_checked_modules(), "runtime_checks.checked")
+check_modules(_checked_modules())
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    if config.getoption(
+        "numprocesses", None
+    ):  # not in a worker, and not where there is one process
+        compile_missing_kernels()
 
 
 @pytest.fixture(scope="session")

@@ -4,7 +4,7 @@ import copy
 import json
 import struct
 import zlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -195,31 +195,31 @@ def chain(count: int, **node: Any) -> list[dict[str, Any]]:
     return [{**node, **({"children": [n + 1]} if n + 1 < count else {})} for n in range(count)]
 
 
-NODES = {
-    "chain of 50000": [{"mesh": 0}, *chain(50_001)[1:]],
-    "chain of 50000 floors": chain(50_000, mesh=0, name="floor"),
-    "chain of 19000 floors": chain(19_000, mesh=0, name="floor", scale=[0.01, 0.01, 0.01]),
-    "million children": [{"mesh": 0, "children": [0] * 1_000_000}],
-    "circle": [{"mesh": 0, "children": [1]}, {"children": [0]}],
-    "itself": [{"mesh": 0, "children": [0]}],
-    "twice": [{"mesh": 0, "children": [1, 1]}, {"mesh": 0}],
-    "floor of 350 m": [{"mesh": 0, "scale": [350, 350, 1], "rotation": FLAT}],
-    "floor of 1e9 m": [{"mesh": 0, "scale": [1e9, 1e9, 1], "rotation": FLAT}],
-    "floor of 1e38 m": [{"mesh": 0, "scale": [1e38, 1e38, 1], "rotation": FLAT}],
-    "wall of 1e6 m": [{"mesh": 0, "scale": [5, 1e6, 1]}],
-    "40 floors of 150 m": [
+NODES: dict[str, Callable[[], list[dict[str, Any]]]] = {
+    "chain of 50000": lambda: [{"mesh": 0}, *chain(50_001)[1:]],
+    "chain of 50000 floors": lambda: chain(50_000, mesh=0, name="floor"),
+    "chain of 19000 floors": lambda: chain(19_000, mesh=0, name="floor", scale=[0.01, 0.01, 0.01]),
+    "million children": lambda: [{"mesh": 0, "children": [0] * 1_000_000}],
+    "circle": lambda: [{"mesh": 0, "children": [1]}, {"children": [0]}],
+    "itself": lambda: [{"mesh": 0, "children": [0]}],
+    "twice": lambda: [{"mesh": 0, "children": [1, 1]}, {"mesh": 0}],
+    "floor of 350 m": lambda: [{"mesh": 0, "scale": [350, 350, 1], "rotation": FLAT}],
+    "floor of 1e9 m": lambda: [{"mesh": 0, "scale": [1e9, 1e9, 1], "rotation": FLAT}],
+    "floor of 1e38 m": lambda: [{"mesh": 0, "scale": [1e38, 1e38, 1], "rotation": FLAT}],
+    "wall of 1e6 m": lambda: [{"mesh": 0, "scale": [5, 1e6, 1]}],
+    "40 floors of 150 m": lambda: [
         {"children": list(range(1, 41)), "rotation": FLAT},
         *({"mesh": 0, "scale": [150, 150, 1], "translation": [0, 0, 3 * n]} for n in range(40)),
     ],
-    "overflow": chain(200, mesh=0, scale=[1e30, 1e30, 1e30]),
-    "underflow": chain(200, mesh=0, scale=[1e-30, 1e-30, 1e-30]),
-    "no scale": [{"mesh": 0, "scale": [0, 0, 0]}],
-    "no rotation": [{"mesh": 0, "rotation": [0, 0, 0, 0]}],
-    "huge rotation": [{"mesh": 0, "rotation": [1e200, 1e200, 1e200, 1e200]}],
-    "huge matrix": [{"mesh": 0, "matrix": [1e308] * 16}],
-    "far away": [{"mesh": 0, "translation": [1e30, 1e30, 1e30]}],
+    "overflow": lambda: chain(200, mesh=0, scale=[1e30, 1e30, 1e30]),
+    "underflow": lambda: chain(200, mesh=0, scale=[1e-30, 1e-30, 1e-30]),
+    "no scale": lambda: [{"mesh": 0, "scale": [0, 0, 0]}],
+    "no rotation": lambda: [{"mesh": 0, "rotation": [0, 0, 0, 0]}],
+    "huge rotation": lambda: [{"mesh": 0, "rotation": [1e200, 1e200, 1e200, 1e200]}],
+    "huge matrix": lambda: [{"mesh": 0, "matrix": [1e308] * 16}],
+    "far away": lambda: [{"mesh": 0, "translation": [1e30, 1e30, 1e30]}],
 }
-"""Nodes in place of the sound ones."""
+"""Nodes in place of the sound ones; some are many, so each is made in its test."""
 
 WHOLE_FILES = {
     "empty": b"",

@@ -163,7 +163,7 @@ def test_accessors(name, tmp_path):
 
 @pytest.mark.parametrize("name", scenes.NODES)
 def test_nodes(name, tmp_path):
-    check(load(scenes.with_nodes(scenes.NODES[name]), tmp_path), LOOKED_AT)
+    check(load(scenes.with_nodes(scenes.NODES[name]()), tmp_path), LOOKED_AT)
 
 
 @pytest.mark.parametrize("kind", ["images", "buffers"])
@@ -200,7 +200,7 @@ def test_episode_files_of_other_json(name, tmp_path):
 
 @pytest.mark.parametrize("name", records.PACKED)
 def test_packed_episode_files(name, tmp_path):
-    (tmp_path / "a.json.gz").write_bytes(records.PACKED[name])
+    (tmp_path / "a.json.gz").write_bytes(records.PACKED[name]())
     check(run(["eval", "habitat:a.json.gz", "--quiet"], tmp_path), 2, "a.json.gz")
 
 

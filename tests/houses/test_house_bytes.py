@@ -44,6 +44,7 @@ def elsewhere(number: int, hash_seed: str) -> str:
     return run.stdout.strip()
 
 
+@pytest.mark.slow
 def test_two_processes_build_the_same_bytes():
     assert elsewhere(BUILTIN_HOUSE, "1") == digest(build_compact(house(BUILTIN_HOUSE)))
 

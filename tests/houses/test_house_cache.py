@@ -6,16 +6,10 @@ import pytest
 
 from hypernav.core.files.cache_folder import cache_folder
 from hypernav.houses.building import BUILTIN_HOUSE, house
-from hypernav.houses.generator import generate
 from hypernav.houses.house_cache import cached_building, generator_version
 from hypernav.worlds.scenes.scene import Scene
 
 NUMBER = BUILTIN_HOUSE
-
-
-@pytest.fixture(scope="module")
-def built() -> Scene:
-    return generate(house(NUMBER))
 
 
 @pytest.fixture(scope="module")
@@ -53,8 +47,8 @@ def check_same(a: Scene, b: Scene) -> None:
             assert np.array_equal(one.texture, two.texture)
 
 
-def test_a_house_from_the_cache_is_the_house(built: Scene, filled: Path):
-    check_same(cached_building(house(NUMBER), filled), built)
+def test_a_house_from_the_cache_is_the_house(builtin_scene: Scene, filled: Path):
+    check_same(cached_building(house(NUMBER), filled), builtin_scene)
 
 
 def test_nothing_is_left_over(filled: Path):
@@ -70,22 +64,23 @@ def test_nothing_is_left_over(filled: Path):
         pytest.param(b"PK\x03\x04 broken", marks=pytest.mark.slow),
     ],
 )
-def test_a_broken_file_is_replaced(built: Scene, filled: Path, content: bytes):
+def test_a_broken_file_is_replaced(builtin_scene: Scene, filled: Path, content: bytes):
     path, _ = files(filled)
     good = path.read_bytes()
     path.write_bytes(content)
-    check_same(cached_building(house(NUMBER), filled), built)
+    check_same(cached_building(house(NUMBER), filled), builtin_scene)
     assert len(path.read_bytes()) == len(good)
 
 
-def test_a_cut_file_is_replaced(built: Scene, filled: Path):
+@pytest.mark.slow
+def test_a_cut_file_is_replaced(builtin_scene: Scene, filled: Path):
     path, _ = files(filled)
     path.write_bytes(path.read_bytes()[:-2000])
-    check_same(cached_building(house(NUMBER), filled), built)
+    check_same(cached_building(house(NUMBER), filled), builtin_scene)
 
 
 def test_broken_textures_are_made_again(
-    built: Scene, filled: Path, monkeypatch: pytest.MonkeyPatch
+    builtin_scene: Scene, filled: Path, monkeypatch: pytest.MonkeyPatch
 ):
     _, textures = files(filled)
     textures[0].write_bytes(b"broken")
@@ -93,14 +88,14 @@ def test_broken_textures_are_made_again(
     from hypernav.houses.textures import library
 
     monkeypatch.setattr(library, "_TEXTURES", {})
-    check_same(cached_building(house(NUMBER), filled), built)
+    check_same(cached_building(house(NUMBER), filled), builtin_scene)
     assert np.load(textures[0]).ndim == 3
 
 
-def test_a_cache_that_cannot_be_written_is_done_without(built: Scene, tmp_path: Path):
+def test_a_cache_that_cannot_be_written_is_done_without(builtin_scene: Scene, tmp_path: Path):
     blocked = tmp_path / "file"
     blocked.write_text("in the way")
-    check_same(cached_building(house(NUMBER), blocked), built)
+    check_same(cached_building(house(NUMBER), blocked), builtin_scene)
 
 
 def test_the_folder_can_be_chosen(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):

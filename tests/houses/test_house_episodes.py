@@ -30,18 +30,15 @@ STYLES = ("categories", "phrases")
 
 
 @pytest.fixture(scope="module")
-def scene():
-    return generate(house(HOUSE))
-
-
-@pytest.fixture(scope="module")
-def truth(scene):
-    return HouseGroundTruth.of(scene)
+def truth(builtin_scene):
+    return HouseGroundTruth.of(builtin_scene)
 
 
 @pytest.fixture(scope="module", params=STYLES)
-def dataset(scene, request):
-    return with_view_points(house_episodes(scene, house(HOUSE), request.param), scene)
+def dataset(builtin_scene, request):
+    return with_view_points(
+        house_episodes(builtin_scene, house(HOUSE), request.param), builtin_scene
+    )
 
 
 @pytest.fixture
@@ -93,10 +90,11 @@ def test_view_points_look_at_their_object(dataset):
             assert math.cos(bearing - pose.yaw) > 0.999
 
 
-def test_the_same_house_gives_the_same_bytes(dataset, scene, tmp_path):
+@pytest.mark.slow
+def test_the_same_house_gives_the_same_bytes(dataset, builtin_scene, tmp_path):
     style = "phrases" if "vocabulary" in dataset.episodes[0].info else "categories"
     write_episodes(dataset, tmp_path / "a.json.gz")
-    again = with_view_points(house_episodes(scene, house(HOUSE), style), scene)
+    again = with_view_points(house_episodes(builtin_scene, house(HOUSE), style), builtin_scene)
     write_episodes(again, tmp_path / "b.json.gz")
     assert (tmp_path / "a.json.gz").read_bytes() == (tmp_path / "b.json.gz").read_bytes()
 
@@ -107,17 +105,17 @@ def test_what_is_written_is_what_is_read(dataset, tmp_path):
     assert read_episodes(path) == dataset
 
 
-def test_categories_are_spread_evenly(scene):
-    goals = difficulty(house_episodes(scene, house(HOUSE), "categories")).goals
+def test_categories_are_spread_evenly(builtin_scene):
+    goals = difficulty(house_episodes(builtin_scene, house(HOUSE), "categories")).goals
     assert set(goals) <= set(CATEGORIES)
     assert max(goals.values()) - min(goals.values()) <= 1
-    labels = [i.label for i in scene.instances if i.label]
+    labels = [i.label for i in builtin_scene.instances if i.label]
     held = {c for c in HABITAT_CATEGORIES if any(x.satisfies(Goal(c)) for x in labels)}
     assert len(held & set(goals)) >= 4
 
 
-def test_phrases_use_seen_synonymous_and_unseen_names_alike(scene):
-    dataset = house_episodes(scene, house(HOUSE), "phrases")
+def test_phrases_use_seen_synonymous_and_unseen_names_alike(builtin_scene):
+    dataset = house_episodes(builtin_scene, house(HOUSE), "phrases")
     found = difficulty(dataset)
     assert set(found.vocabulary) == {"seen", "synonym", "unseen"}
     assert min(found.vocabulary.values()) >= EPISODES_PER_HOUSE // 4
@@ -128,9 +126,9 @@ def test_phrases_use_seen_synonymous_and_unseen_names_alike(scene):
     assert unseen.isdisjoint(CATEGORIES)
 
 
-def test_a_description_is_true_of_some_and_false_of_others_of_the_name(scene):
-    dataset = house_episodes(scene, house(HOUSE), "phrases")
-    labels = {i.id: i.label for i in scene.instances if i.label}
+def test_a_description_is_true_of_some_and_false_of_others_of_the_name(builtin_scene):
+    dataset = house_episodes(builtin_scene, house(HOUSE), "phrases")
+    labels = {i.id: i.label for i in builtin_scene.instances if i.label}
     described = [e for e in dataset.episodes if certain(e.info)["is_description"]]
     for episode in described:
         true = {number for number, label in labels.items() if label.satisfies(episode.goal)}

@@ -15,7 +15,6 @@ from hypernav.houses.export.dataset_config import write_dataset_config
 from hypernav.houses.export.descriptions import describe
 from hypernav.houses.export.files import ExportedBuilding, export_building
 from hypernav.houses.export.page import building_page
-from hypernav.houses.generator import generate
 from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.navmesh.surface import NavmeshSurface
 from hypernav.worlds.scenes.loading import load_scene
@@ -23,11 +22,6 @@ from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.walkable import WalkableGrid
 
 NUMBER = BUILTIN_HOUSE
-
-
-@pytest.fixture(scope="module")
-def built() -> Scene:
-    return generate(house(NUMBER))
 
 
 @pytest.fixture(scope="module")
@@ -40,40 +34,40 @@ def loaded(exported: ExportedBuilding) -> Scene:
     return load_scene(exported.glb)
 
 
-def test_all_instances_come_back_with_their_labels(built: Scene, loaded: Scene):
+def test_all_instances_come_back_with_their_labels(builtin_scene: Scene, loaded: Scene):
     by_name = {i.name: i for i in loaded.instances}
-    assert set(by_name) == {i.name for i in built.instances}
-    for instance in built.instances:
+    assert set(by_name) == {i.name for i in builtin_scene.instances}
+    for instance in builtin_scene.instances:
         other = by_name[instance.name]
         assert other.label == instance.label
         assert np.allclose(other.box_min, instance.box_min, atol=1e-4)
         assert np.allclose(other.box_max, instance.box_max, atol=1e-4)
-    assert len(loaded.faces) == len(built.faces)
+    assert len(loaded.faces) == len(builtin_scene.faces)
 
 
-def test_it_looks_the_same(built: Scene, loaded: Scene):
+def test_it_looks_the_same(builtin_scene: Scene, loaded: Scene):
     camera = PinholeCamera.from_hfov(160, 120, 79.0)
-    bed = next(i for i in built.instances if i.label and i.label.category == "bed")
+    bed = next(i for i in builtin_scene.instances if i.label and i.label.category == "bed")
     x, y = bed.box_max[0] + 0.4, (bed.box_min[1] + bed.box_max[1]) / 2
     pose = Pose2(x, y, np.pi).to_transform() @ optical_to_base(1.2, 10.0)
-    one, two = (CpuRenderer(s).render(camera, pose).rgb for s in (built, loaded))
+    one, two = (CpuRenderer(s).render(camera, pose).rgb for s in (builtin_scene, loaded))
     difference = np.abs(one.astype(int) - two.astype(int))
     assert (difference > 8).mean() < 0.01
 
 
-def test_other_readers_open_the_file(exported: ExportedBuilding, built: Scene):
+def test_other_readers_open_the_file(exported: ExportedBuilding, builtin_scene: Scene):
     scene = trimesh.load(exported.glb)
     assert isinstance(scene, trimesh.Scene)
-    assert len(scene.graph.nodes_geometry) >= len(built.instances)
+    assert len(scene.graph.nodes_geometry) >= len(builtin_scene.instances)
     low, high = scene.bounds
     # glTF is y up.
-    assert high[1] == pytest.approx(built.vertices[:, 2].max(), abs=1e-3)
-    assert low[0] == pytest.approx(built.vertices[:, 0].min(), abs=1e-3)
+    assert high[1] == pytest.approx(builtin_scene.vertices[:, 2].max(), abs=1e-3)
+    assert low[0] == pytest.approx(builtin_scene.vertices[:, 0].min(), abs=1e-3)
 
 
-def test_objects_have_the_known_format(exported: ExportedBuilding, built: Scene):
+def test_objects_have_the_known_format(exported: ExportedBuilding, builtin_scene: Scene):
     objects = json.loads(exported.objects.read_text())["objects"]
-    assert [o["id"] for o in objects] == list(range(len(built.instances)))
+    assert [o["id"] for o in objects] == list(range(len(builtin_scene.instances)))
     sofa = next(o for o in objects if o["category"] == "sofa")
     assert sofa["nodes"] == [sofa["name"]]
     assert not sofa["structural"]
@@ -85,8 +79,8 @@ def test_objects_have_the_known_format(exported: ExportedBuilding, built: Scene)
     assert any(o["structural"] and o["category"] == "wall" for o in objects)
 
 
-def test_a_description_is_true_of_its_object(built: Scene):
-    for label in [i.label for i in built.instances if i.label is not None]:
+def test_a_description_is_true_of_its_object(builtin_scene: Scene):
+    for label in [i.label for i in builtin_scene.instances if i.label is not None]:
         assert label.satisfies(Goal(describe(label))), describe(label)
 
 
@@ -97,7 +91,7 @@ def test_descriptions_read_well():
     assert describe(ObjectLabel("sofa")) == "sofa"
 
 
-def test_habitat_finds_its_semantics(exported: ExportedBuilding, built: Scene):
+def test_habitat_finds_its_semantics(exported: ExportedBuilding, builtin_scene: Scene):
     config = json.loads(write_dataset_config(exported.glb.parent).read_text())
     stage = config["stages"]["default_attributes"]
     assert config["stages"]["paths"][".glb"] == [exported.glb.name]
@@ -111,11 +105,11 @@ def test_habitat_finds_its_semantics(exported: ExportedBuilding, built: Scene):
     lines = exported.semantic_txt.read_text().splitlines()
     assert lines[0] == "HM3D Semantic Annotations"
     rows = [line.split(",") for line in lines[1:]]
-    assert [int(r[0]) for r in rows] == list(range(1, len(built.instances) + 1))
+    assert [int(r[0]) for r in rows] == list(range(1, len(builtin_scene.instances) + 1))
     assert len({r[1] for r in rows}) == len(rows)
     mesh = trimesh.load(exported.semantic_glb, force="mesh")
     assert isinstance(mesh, trimesh.Trimesh)
-    assert len(mesh.faces) == len(built.faces)
+    assert len(mesh.faces) == len(builtin_scene.faces)
 
 
 def test_a_folder_that_cannot_be_made_is_an_error(tmp_path: Path):
@@ -138,9 +132,9 @@ def test_the_page_shows_all(tmp_path: Path):
 
 
 def test_paths_on_its_navigation_mesh_are_as_long_as_on_our_own_surface(
-    built: Scene, exported: ExportedBuilding
+    builtin_scene: Scene, exported: ExportedBuilding
 ):
-    surface, grid = NavmeshSurface.load(exported.navmesh), WalkableGrid.from_scene(built)
+    surface, grid = NavmeshSurface.load(exported.navmesh), WalkableGrid.from_scene(builtin_scene)
     assert surface.navmesh.area_m2 == pytest.approx(grid.area_m2(), rel=0.005)
     rng = np.random.default_rng(0)
     ratios = []

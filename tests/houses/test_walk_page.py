@@ -39,18 +39,13 @@ BUILDING = house(BUILTIN_HOUSE)
 
 
 @pytest.fixture(scope="module")
-def scene() -> Scene:
-    return generate(BUILDING)
+def grid(builtin_scene: Scene) -> WalkableGrid:
+    return WalkableGrid.from_scene(builtin_scene)
 
 
 @pytest.fixture(scope="module")
-def grid(scene: Scene) -> WalkableGrid:
-    return WalkableGrid.from_scene(scene)
-
-
-@pytest.fixture(scope="module")
-def renderer(scene: Scene) -> Iterator[CpuRenderer]:
-    with closing(CpuRenderer(scene)) as renderer:
+def renderer(builtin_scene: Scene) -> Iterator[CpuRenderer]:
+    with closing(CpuRenderer(builtin_scene)) as renderer:
         yield renderer
 
 
@@ -147,15 +142,15 @@ def test_at_its_seams_a_panorama_is_what_the_camera_sees(seam, grid, renderer):
     assert (at_seam > 40).mean() < 0.06
 
 
-def test_two_renderers_draw_the_same_file(scene, grid, renderer):
+def test_two_renderers_draw_the_same_file(builtin_scene, grid, renderer):
     x, y = grid.centres()[0].tolist()
-    with closing(CpuRenderer(scene)) as other:
+    with closing(CpuRenderer(builtin_scene)) as other:
         one, two = (draw_panorama((x, y), grid=grid, renderer=r).webp() for r in (renderer, other))
     assert one == two
 
 
 @pytest.mark.slow
-def test_what_is_said_to_be_seen_is_seen_by_the_camera(walk, scene, grid, renderer):
+def test_what_is_said_to_be_seen_is_seen_by_the_camera(walk, builtin_scene, grid, renderer):
     config = CameraConfig(width=160, height=120)
     for place in walk["positions"][::5]:
         x, y = place["at"]
@@ -164,7 +159,7 @@ def test_what_is_said_to_be_seen_is_seen_by_the_camera(walk, scene, grid, render
             view = renderer.render(config.intrinsics, pose)
             ids = {
                 i.id
-                for i in scene.instances
+                for i in builtin_scene.instances
                 if i.label is not None and i.label.category == walk["names"][name]
             }
             shown = np.isin(view.instance_ids, list(ids))

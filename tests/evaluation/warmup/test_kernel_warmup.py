@@ -25,9 +25,9 @@ def test_the_warm_up_runs_an_agent():
 def test_it_leaves_no_kernel_of_navigation_meshes_to_be_compiled():
     script = (
         "from numba.extending import is_jitted\n"
-        "from hypernav.evaluation.warmup.exercises import _walk_on_mesh\n"
+        "from hypernav.evaluation.warmup.exercises import walk_on_mesh\n"
         "from hypernav.worlds.navmesh import goal_paths, navmesh\n"
-        "_walk_on_mesh()\n"
+        "walk_on_mesh()\n"
         "for kernel in [*vars(navmesh).values(), *vars(goal_paths).values()]:\n"
         "    if is_jitted(kernel) and not kernel.signatures: print(kernel.__name__)"
     )

@@ -26,12 +26,12 @@ _STEPS = 12
 
 def warm_up() -> None:
     """Draw, then search, then walk on a mesh."""
-    _draw_tile()
-    _search_room()
-    _walk_on_mesh()
+    draw_tile()
+    search_room()
+    walk_on_mesh()
 
 
-def _draw_tile() -> None:
+def draw_tile() -> None:
     """Draw one triangle with a texture, in light."""
     corners = np.array([[2.0, -1.0, 0.0], [2.0, 1.0, 0.0], [2.0, 0.0, 2.0]], np.float32)
     part = MeshPart("tile", "tile", corners, np.array([[0, 1, 2]], np.int32), material=0)
@@ -42,7 +42,7 @@ def _draw_tile() -> None:
     CpuRenderer(scene).render(camera.intrinsics, pose)
 
 
-def _search_room() -> None:
+def search_room() -> None:
     """Let the default agent search an empty room for its door, and for a missing object."""
     agent = build_agent(preset("default")).agent
     for goal in (DOOR, "nothing of the kind"):
@@ -55,7 +55,7 @@ def _search_room() -> None:
             room.step(action)
 
 
-def _walk_on_mesh() -> None:
+def walk_on_mesh() -> None:
     """Step, slide and find paths on the navigation mesh of an empty room."""
     room = mesh_from_grid(WalkableGrid.from_mask(np.ones((40, 40), dtype=bool)))
     surface = NavmeshSurface(Navmesh(navmesh_of(navmesh_bytes(room, Embodiment().body))))

@@ -1,0 +1,71 @@
+"""Numba's kernels, compiled once for all processes of the tests before the first test.
+
+Otherwise each process compiles what its first tests need. Two processes share the work, which
+takes each of them half a minute where nothing is compiled.
+"""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+
+_SOURCE = Path(__file__).parents[1] / "src"
+_PARTS = ("worlds", "searches")
+_STEPS = 15
+
+
+def compile_missing_kernels() -> None:
+    """Fill the cache, if it lacks a kernel module. What cannot be compiled fails in its test."""
+    if not any(map(_is_missing, sorted(_SOURCE.rglob("*_kernels.py")))):
+        return
+    processes = [subprocess.Popen([sys.executable, __file__, part]) for part in _PARTS]
+    for process in processes:
+        process.wait()
+
+
+def _is_missing(source: Path) -> bool:
+    """Whether nothing of a kernel module has been kept since the module changed."""
+    if "cache=True" not in source.read_text():
+        return False
+    python = f"py{sys.version_info.major}{sys.version_info.minor}"
+    indices = (source.parent / "__pycache__").glob(f"{source.stem}.*.{python}.nbi")
+    return not any(index.stat().st_mtime >= source.stat().st_mtime for index in indices)
+
+
+def _compile_worlds() -> None:
+    """Draw, and walk on a mesh."""
+    from hypernav.evaluation.warmup.exercises import draw_tile, walk_on_mesh
+
+    draw_tile()
+    walk_on_mesh()
+
+
+def _compile_searches() -> None:
+    """Search with each method that has kernels of its own, and walk in a scene without mesh."""
+    from hypernav.build.agents import build_agent
+    from hypernav.build.component_specs import ComponentSpecs
+    from hypernav.core.goal import Goal
+    from hypernav.evaluation.checks.box_room import BoxRoom
+    from hypernav.evaluation.warmup.exercises import search_room
+    from small_worlds import small_config, two_rooms
+
+    search_room()
+    for method in ("vlfm", "vlmnav"):
+        agent = build_agent(small_config(), ComponentSpecs(agent=method)).agent
+        agent.reset(Goal("nothing of the kind"))
+        room = BoxRoom()
+        for _ in range(_STEPS):
+            action = agent.act(room.observe())
+            if action is None:
+                break
+            room.step(action)
+    floor = two_rooms().walkable
+    here = floor.nearest_standable(2.0, 1.0)
+    floor.move(here, 0.25, 0.0)
+    floor.move(here, 0.5, -9.0, sliding=True)
+    floor.goal_field(np.array([here])).distance(7.0, 3.0)
+
+
+if __name__ == "__main__":
+    {"worlds": _compile_worlds, "searches": _compile_searches}[sys.argv[1]]()
