@@ -12,7 +12,7 @@ from hypernav.core.episode import Episode
 from hypernav.core.errors import RunFolderError
 from hypernav.evaluation.record import EpisodeKey
 from hypernav.evaluation.refinement.area_record import AreaRecord
-from hypernav.evaluation.store.append_only import append_line, write_whole
+from hypernav.evaluation.store.run_files import append_line, write_whole
 from hypernav.evaluation.store.study_folder import held_folder
 
 LINES_FILE = "refinement.jsonl"
