@@ -15,11 +15,11 @@ import numpy as np
 from jaxtyping import UInt8
 
 from hypernav.core.errors import OutputError
+from hypernav.core.files.append_only import AppendOnlyFile
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.observation import Observation
 from hypernav.core.trace import StepTrace
 from hypernav.core.view import json_values
-from hypernav.evaluation.store.append_only import LineFile
 from hypernav.mapping.ros_map import save_ros_map
 from hypernav.perception.exchanges import unusable_answers
 from hypernav.show.drawing.map_images import write_map_png
@@ -80,8 +80,10 @@ class EpisodeRecorder:
             # Space for result and page, held without a name and given back when they are written.
             self._reserve = tempfile.TemporaryFile(dir=folder, buffering=0)  # noqa: SIM115
             self._reserve.write(bytes(_RESERVE_BYTES))
-            self._trace = LineFile(folder / "trace.jsonl")
-            self._timings = LineFile(folder / "timings.jsonl")
+            self._trace = AppendOnlyFile(folder / "trace.jsonl")
+            self._timings = AppendOnlyFile(folder / "timings.jsonl")
+            self._trace.cut(0)
+            self._timings.cut(0)
             self._video = EpisodeVideo(
                 folder / "episode.mp4",
                 goal,
@@ -140,8 +142,8 @@ class EpisodeRecorder:
         """
         timing = {"step": step.step, "seconds": step.seconds}
         with _written_to(self.folder):
-            self._trace.add(step.model_dump_json(exclude={"seconds"}))
-            self._timings.add(json.dumps(timing))
+            self._trace.append(step.model_dump_json(exclude={"seconds"}).encode() + b"\n")
+            self._timings.append(json.dumps(timing).encode() + b"\n")
             self.steps.append(step)
             if grid is None or image is None:
                 self._video.pass_over(step)

@@ -22,12 +22,12 @@ from typing import Any
 from pydantic import ValidationError
 
 from hypernav.core.errors import RunFolderError
-from hypernav.core.files.folder_lock import FolderLock
+from hypernav.core.files.folder_lock import folder_lock
 from hypernav.core.files.json_text import parse_json
 from hypernav.core.files.reading import read_file
 from hypernav.evaluation.record import EpisodeKey, EpisodeRecord
-from hypernav.evaluation.store.append_only import append_line, write_whole
 from hypernav.evaluation.store.record_file import RecordFile, file_content, read_record_file
+from hypernav.evaluation.store.run_files import append_line, write_whole
 from hypernav.evaluation.store.session import Session
 
 RUN_FILE = "run.json"
@@ -67,7 +67,7 @@ class RunStore:
             RunFolderError: The folder is in use, of another configuration, damaged, or read-only.
         """
         with ExitStack() as stack:
-            stack.enter_context(FolderLock(self.folder))
+            stack.enter_context(folder_lock(self.folder))
             self._check_configuration()
             self._file = RecordFile(self.folder / EPISODES_FILE, EpisodeRecord)
             self.records = self._file.records

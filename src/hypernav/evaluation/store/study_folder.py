@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from hypernav.core.files.folder_lock import FolderLock
+from hypernav.core.files.folder_lock import folder_lock
 from hypernav.evaluation.store.run_store import keep_configuration
 
 
@@ -21,6 +21,6 @@ def held_folder(folder: Path, configuration: Mapping[str, Any]) -> Iterator[None
     Raises:
         RunFolderError: The folder is in use, of another configuration, damaged, or read-only.
     """
-    with FolderLock(folder):
+    with folder_lock(folder):
         keep_configuration(folder, configuration)
         yield

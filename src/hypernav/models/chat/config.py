@@ -24,7 +24,7 @@ class ChatConfig(RoomConfig):
 
     Attributes:
         timeout_s: Longest wait for one attempt (the SDK's own 600 s would freeze a robot).
-        connect_timeout_s: Longest wait for a connection.
+        connect_timeout_s: Longest wait for one of the server's addresses to connect.
         patience_s: Time after which an unanswered question is given up. Failed attempts are
             repeated until then; 0 asks once.
         first_wait_s: Wait between the first two attempts; doubles each time.

@@ -313,7 +313,14 @@ class MarkerArray(IdlStruct, typename="visualization_msgs.msg.dds_.MarkerArray_"
 
 
 def _data_as_bytes(*types: type[IdlStruct]) -> None:
-    """Take a type's ``data`` for bytes; as numbers of a list an image would cost 30 to 200 ms."""
+    """Take a type's ``data`` for bytes; as numbers of a list an image would cost 30 to 200 ms.
+
+    A field of type ``bytes`` is public and as fast, but cyclonedds cannot describe its type to the
+    others on the network ("Cannot construct typeobject"). So the fields stay what they are in ROS 2
+    and only what reads and writes them is exchanged, for which there is no public way:
+    pyproject.toml bounds the version, and ``tests/robot/ros2/test_idl_types.py`` fails where a
+    release has changed it.
+    """
     for one in types:
         one.__idl__.populate()
         machines: list[Any] = [one.__idl__.v1_machine, one.__idl__.v2_machine]

@@ -1,6 +1,11 @@
 """HTTP whose connections are bounded in number, and whose request heads must arrive in time.
 
 Uvicorn bounds neither. Connections that only wait would keep STOP out.
+
+Uvicorn takes a protocol class of one's own as its ``http`` setting, but has no public one to derive
+from, and tells no application of a connection before a whole head has come. So this one builds on
+attributes of `H11Protocol` that no documentation promises: pyproject.toml bounds the version, and
+``tests/robot/server/test_request_heads.py`` names what a release has changed.
 """
 
 import asyncio

@@ -11,7 +11,7 @@ from pathlib import Path
 from types import TracebackType
 
 from hypernav.core.errors import HyPerNavError, RequestRefusedError, RunFolderError
-from hypernav.core.files.folder_lock import FolderLock
+from hypernav.core.files.folder_lock import folder_lock
 from hypernav.core.goal import Goal
 from hypernav.robot.server.agents import AgentPlan, PlanAgent
 from hypernav.robot.server.decisions import Decisions
@@ -43,7 +43,7 @@ class Searches:
         """
         self._folder = state / "searches"
         self._open = ExitStack()
-        self._folder_lock = FolderLock(state, option="--state")
+        self._folder_lock = folder_lock(state, option="--state")
         self._plan = plan
         self._limits = limits
         self._lock = threading.Lock()

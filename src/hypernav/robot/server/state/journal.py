@@ -8,7 +8,7 @@ an agent's memory needs a format of its own, and no question is paid twice.
 The folder of a search holds:
 
 - ``search.json``: the request, and the configuration of the agent.
-- ``observations.bin``: the observations as they were received (`AppendOnlyFile`).
+- ``observations.bin``: the observations as they were received (`RecordFile`).
 - ``steps.bin``: one `StepRecord` as JSON for every decision.
 - ``model.jsonl``: the exchanges with the model (`hypernav.models.chat.recording`).
 - ``end.json``: how the search ended, once it has; ``map.pgm`` and ``map.yaml`` with it. Before, a
@@ -32,7 +32,7 @@ from hypernav.core.files.reading import read_file
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.trace import StepTrace
 from hypernav.mapping.ros_map import load_ros_map, save_ros_map
-from hypernav.robot.server.state.append_only import AppendOnlyFile
+from hypernav.robot.server.state.record_file import RecordFile
 from hypernav.robot.wire.replies import Reply, SearchEnding
 from hypernav.robot.wire.requests import OpenSearch
 from hypernav.robot.wire.values import Message, SearchId
@@ -108,8 +108,8 @@ class Journal:
         self.folder = folder
         self._ending = threading.Lock()
         self.record = _read(folder / "search.json", SearchRecord)
-        self._observations = AppendOnlyFile(folder / "observations.bin", to_read=to_read)
-        self._steps = AppendOnlyFile(folder / "steps.bin", to_read=to_read)
+        self._observations = RecordFile(folder / "observations.bin", to_read=to_read)
+        self._steps = RecordFile(folder / "steps.bin", to_read=to_read)
         if not to_read:
             # After a loss of power a decision may be on the disk, and its observation not.
             self._steps.cut(len(self._observations))

@@ -3,20 +3,20 @@
 import pytest
 
 from hypernav.core.errors import RunFolderError
-from hypernav.robot.server.state.append_only import AppendOnlyFile
+from hypernav.robot.server.state.record_file import RecordFile
 
 RECORDS = [b"first", b"", b"\x00" * 40, b"last of all"]
 
 
 def written(path) -> bytes:
-    file = AppendOnlyFile(path)
+    file = RecordFile(path)
     for record in RECORDS:
         file.append(record, sync=True)
     file.close()
     return path.read_bytes()
 
 
-def all_of(file: AppendOnlyFile) -> list[bytes]:
+def all_of(file: RecordFile) -> list[bytes]:
     return [file.read(number) for number in range(len(file))]
 
 
@@ -25,12 +25,12 @@ def test_a_file_cut_anywhere_holds_a_prefix_and_goes_on(tmp_path):
     for size in range(len(whole)):
         path = tmp_path / str(size)
         path.write_bytes(whole[:size])
-        file = AppendOnlyFile(path)
+        file = RecordFile(path)
         kept = len(file)
         assert all_of(file) == RECORDS[:kept]
         file.append(b"new", sync=False)
         file.close()
-        again = AppendOnlyFile(path)
+        again = RecordFile(path)
         assert all_of(again) == [*RECORDS[:kept], b"new"]
         again.close()
     assert kept == len(RECORDS) - 1
@@ -40,7 +40,7 @@ def test_half_of_the_last_record_is_left_for_its_writer(tmp_path):
     path = tmp_path / "file"
     path.write_bytes(written(path)[:-3])
     size = path.stat().st_size
-    reader = AppendOnlyFile(path, to_read=True)
+    reader = RecordFile(path, to_read=True)
     assert all_of(reader) == RECORDS[:-1]
     reader.close()
     assert path.stat().st_size == size
@@ -50,7 +50,7 @@ def test_zeros_after_a_loss_of_power_are_no_records(tmp_path):
     path = tmp_path / "file"
     whole = written(path)
     path.write_bytes(whole[:-5] + bytes(5))
-    file = AppendOnlyFile(path)
+    file = RecordFile(path)
     assert all_of(file) == RECORDS[:-1]
     file.close()
 
@@ -60,7 +60,7 @@ def test_damage_in_the_middle_is_an_error(tmp_path):
     whole = bytearray(written(path))
     whole[9] ^= 1
     path.write_bytes(bytes(whole))
-    file = AppendOnlyFile(path)
+    file = RecordFile(path)
     with pytest.raises(RunFolderError, match="record 0 was damaged"):
         file.read(0)
     assert file.read(3) == RECORDS[3]
@@ -70,7 +70,7 @@ def test_damage_in_the_middle_is_an_error(tmp_path):
 def test_cutting_keeps_the_first_records(tmp_path):
     path = tmp_path / "file"
     written(path)
-    file = AppendOnlyFile(path)
+    file = RecordFile(path)
     file.cut(2)
     assert all_of(file) == RECORDS[:2]
     file.append(b"new", sync=False)
@@ -80,4 +80,4 @@ def test_cutting_keeps_the_first_records(tmp_path):
 
 def test_a_folder_in_its_place_is_an_error(tmp_path):
     with pytest.raises(RunFolderError, match="cannot be written"):
-        AppendOnlyFile(tmp_path)
+        RecordFile(tmp_path)

@@ -1,18 +1,18 @@
-"""A file that only grows, whole record by whole record, whatever kills the program."""
+"""A file of records, each behind its length and checksum, of which any whole ones can be read."""
 
-import os
 import struct
 import zlib
 from collections.abc import Iterator
 from pathlib import Path
 
 from hypernav.core.errors import RunFolderError
+from hypernav.core.files.append_only import AppendOnlyFile
 
 _HEADER = struct.Struct("<II")
 
 
-class AppendOnlyFile:
-    """Records, each behind its length and checksum. What a crash left of the last one is cut off.
+class RecordFile:
+    """Records that are only added. What a crash left of the last one is cut off.
 
     Not thread-safe.
     """
@@ -29,17 +29,17 @@ class AppendOnlyFile:
         """
         self.path = path
         try:
-            self._file = os.open(path, os.O_RDONLY if to_read else os.O_RDWR | os.O_CREAT, 0o600)
-            self.offsets = list(_whole_records(self._file))
-            self._end = self.offsets.pop()
+            self._file = AppendOnlyFile(path, mode=0o600, to_read=to_read)
+            self._offsets = list(_whole_records(self._file))
+            end = self._offsets.pop()
             if not to_read:
-                os.ftruncate(self._file, self._end)
+                self._file.cut(end)
         except OSError as error:
             raise _unwritable(path, error) from error
 
     def __len__(self) -> int:
         """Number of records."""
-        return len(self.offsets)
+        return len(self._offsets)
 
     def append(self, record: bytes, *, sync: bool) -> None:
         """Write a record, all of it or nothing.
@@ -52,16 +52,12 @@ class AppendOnlyFile:
         Raises:
             RunFolderError: The disk is full, or the file cannot be written. It is as before.
         """
-        data = _HEADER.pack(len(record), zlib.crc32(record)) + record
+        at, data = self._file.size, _HEADER.pack(len(record), zlib.crc32(record)) + record
         try:
-            _write_all(self._file, data, self._end)
-            if sync:
-                os.fsync(self._file)
+            self._file.append(data, sync=sync)
         except OSError as error:
-            os.ftruncate(self._file, self._end)  # needs no space on the disk
             raise _unwritable(self.path, error) from error
-        self.offsets.append(self._end)
-        self._end += len(data)
+        self._offsets.append(at)
 
     def sync(self) -> None:
         """Wait until all records are on the disk.
@@ -70,7 +66,7 @@ class AppendOnlyFile:
             RunFolderError: The disk fails.
         """
         try:
-            os.fsync(self._file)
+            self._file.sync()
         except OSError as error:
             raise _unwritable(self.path, error) from error
 
@@ -80,47 +76,39 @@ class AppendOnlyFile:
         Raises:
             RunFolderError: The file was damaged.
         """
-        at = self.offsets[number]
-        length, checksum = _HEADER.unpack(os.pread(self._file, _HEADER.size, at))
-        record = os.pread(self._file, length, at + _HEADER.size)
+        at = self._offsets[number]
+        length, checksum = _HEADER.unpack(self._file.read(at, _HEADER.size))
+        record = self._file.read(at + _HEADER.size, length)
         if len(record) != length or zlib.crc32(record) != checksum:
             raise RunFolderError(f"{self.path}: record {number} was damaged since it was written")
         return record
 
     def cut(self, count: int) -> None:
         """Keep the first records only."""
-        if count < len(self.offsets):
-            self._end = self.offsets[count]
-            del self.offsets[count:]
-            os.ftruncate(self._file, self._end)
+        if count < len(self._offsets):
+            self._file.cut(self._offsets[count])
+            del self._offsets[count:]
 
     def close(self) -> None:
         """Close the file."""
-        os.close(self._file)
+        self._file.close()
 
 
-def _whole_records(file: int) -> Iterator[int]:
+def _whole_records(file: AppendOnlyFile) -> Iterator[int]:
     """Offsets of the records, and of the end of the last one that is whole."""
-    size, at = os.fstat(file).st_size, 0
+    at = 0
     while True:
         yield at
-        header = os.pread(file, _HEADER.size, at)
+        header = file.read(at, _HEADER.size)
         if len(header) < _HEADER.size:
             return
         length, checksum = _HEADER.unpack(header)
         end = at + _HEADER.size + length
-        if end > size:
+        if end > file.size:
             return
-        if end == size and zlib.crc32(os.pread(file, length, at + _HEADER.size)) != checksum:
+        if end == file.size and zlib.crc32(file.read(at + _HEADER.size, length)) != checksum:
             return
         at = end
-
-
-def _write_all(file: int, data: bytes, at: int) -> None:
-    view = memoryview(data)
-    while view:
-        written = os.pwrite(file, view, at)
-        view, at = view[written:], at + written
 
 
 def _unwritable(path: Path, error: OSError) -> RunFolderError:
