@@ -1,8 +1,8 @@
 """habitat-sim's images of a scene, as a renderer of ours.
 
 Written against the documented calls of habitat-sim 0.2.2 to 0.3.3: ``Simulator``,
-``get_agent(0).set_state``, ``get_sensor_observations`` and ``pathfinder`` (of which here
-``load_nav_mesh``) are all that is used.
+``get_agent(0).set_state``, ``get_sensor_observations``, ``pathfinder`` (of which here
+``load_nav_mesh``), ``recompute_navmesh`` and ``NavMeshSettings`` are all that is used.
 Poses of the scene, z up, become Habitat's, y up, here and in `path_finder`, and nowhere else.
 """
 
@@ -20,6 +20,8 @@ from hypernav.core.errors import MissingExtraError, SceneError
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.world import RenderedView
+from hypernav.worlds.config import NavmeshChoice
+from hypernav.worlds.navmesh.robot_navmesh import is_computed
 from hypernav.worlds.scenes.loading import OBJECTS_FILE
 from hypernav.worlds.scenes.scene import Scene
 
@@ -58,16 +60,20 @@ class HabitatRenderer:
         path_finder: habitat-sim's path finder of the scene.
     """
 
-    def __init__(self, scene: Scene, mesh: Path, robot: Embodiment) -> None:
+    def __init__(
+        self, scene: Scene, mesh: Path, robot: Embodiment, navmesh: NavmeshChoice = "auto"
+    ) -> None:
         """Open a scene in habitat-sim.
 
         Args:
             scene: The same scene as we read it, for the numbers of its instances.
             mesh: File of the scene.
             robot: Robot whose camera is simulated.
+            navmesh: Which navigation mesh it walks on.
 
         Raises:
             MissingExtraError: habitat-sim is not installed.
+            NavmeshError: The file of the mesh can't be used.
             SceneError: It can't open the scene, or has no navigation mesh of it.
         """
         habitat_sim = require_habitat()
@@ -79,11 +85,14 @@ class HabitatRenderer:
         except (RuntimeError, ValueError, OSError) as error:
             raise SceneError(f"{mesh}: habitat-sim can't open it ({error})") from error
         self.path_finder: Any = self._simulator.pathfinder
-        # Where the settings in the file aren't those of its robot, habitat-sim has computed a mesh
-        # of its own; the published episodes belong to the file.
+        # The mesh that it has now may be neither: it doesn't know yet for which robot.
         file = scene.navmesh or mesh.with_suffix(".navmesh")
-        if file.is_file():
-            self.path_finder.load_nav_mesh(str(file))
+        known = file if file.is_file() else None
+        if is_computed(known, robot.body, navmesh):
+            settings = _navmesh_settings(habitat_sim, robot)
+            self._simulator.recompute_navmesh(self.path_finder, settings)
+        elif known is not None:
+            self.path_finder.load_nav_mesh(str(known))
         if not self.path_finder.is_loaded:
             self.close()
             raise SceneError(f"{mesh}: habitat-sim found no navigation mesh beside it")
@@ -161,6 +170,13 @@ def _configuration(habitat_sim: ModuleType, mesh: Path, robot: Embodiment) -> An
     agent = habitat_sim.agent.AgentConfiguration()
     agent.sensor_specifications = sensors
     return habitat_sim.Configuration(simulator, [agent])
+
+
+def _navmesh_settings(habitat_sim: ModuleType, robot: Embodiment) -> Any:
+    settings = habitat_sim.NavMeshSettings()
+    settings.set_defaults()
+    settings.agent_radius, settings.agent_height = robot.body.radius_m, robot.body.height_m
+    return settings
 
 
 def _sensor(habitat_sim: ModuleType, robot: Embodiment, name: str, kind: Any) -> Any:
