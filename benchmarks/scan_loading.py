@@ -1,4 +1,4 @@
-"""Time a large scan: loading, opening a world over it, and drawing it, first and from the cache.
+"""Time a large scan: loading, opening a world, computing a mesh and drawing, first and cached.
 
 The scan is the house of two storeys of the tests, cut into a million triangles, with textures of
 4096². It is written to a temporary folder, in the layout of HM3D. Each time is that of a process of
@@ -29,6 +29,9 @@ from render import CAMERA, TEST_DATA, standing_views
 from gltf_writer import GltfWriter
 from hypernav.datasets.benchmarks import BENCHMARKS
 from hypernav.worlds.drawing.renderer import CpuRenderer
+from hypernav.worlds.navmesh.files.reader import navmesh_of
+from hypernav.worlds.navmesh.navmesh import Navmesh
+from hypernav.worlds.navmesh.robot_navmesh import computed_for
 from hypernav.worlds.scans.layout import ScanFiles
 from hypernav.worlds.scans.loading import load_scan
 from hypernav.worlds.scans.scan_cache import cached_scan
@@ -80,6 +83,10 @@ def open_world(path: Path, cache: Path) -> SimulatedWorld:
     scene = timed("  scene", lambda: cached_scan(files, load_scan, folder=cache))
     robot = BENCHMARKS["hm3d"].embodiment
     world = timed("  world", lambda: SimulatedWorld(scene, embodiment=robot))
+    body = BENCHMARKS["ovon"].embodiment.body
+    content = timed("  navigation mesh", lambda: computed_for(scene, body))
+    navmesh = Navmesh(navmesh_of(content))
+    print(f"  {len(navmesh.islands)} polygons, {navmesh.area_m2:.0f} m²")
     print(f"  {len(scene.faces):,} triangles, {len(scene.instances)} instances")
     tell_memory()
     return world

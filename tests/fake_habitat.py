@@ -14,12 +14,15 @@ from typing import Any
 import numpy as np
 import pytest
 
+from hypernav.core.embodiment import BodyConfig
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Transform
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.worlds.habitat import graphics
+from hypernav.worlds.navmesh.files.reader import navmesh_of
 from hypernav.worlds.navmesh.goal_paths import GoalPaths
 from hypernav.worlds.navmesh.navmesh import Navmesh
+from hypernav.worlds.navmesh.robot_navmesh import computed_for
 from hypernav.worlds.scans.layout import ScanFiles
 from hypernav.worlds.scans.loading import open_scene
 from hypernav.worlds.scenes.scene import Scene
@@ -94,6 +97,9 @@ class PathFinder:
         self._mesh = Navmesh.load(Path(path))
         return True
 
+    def take(self, content: bytes) -> None:
+        self._mesh = Navmesh(navmesh_of(content))
+
     @property
     def num_islands(self) -> int:
         return len(self._mesh.areas_m2)
@@ -116,7 +122,7 @@ class PathFinder:
         return np.full(3, np.nan) if found is None else np.array(found)
 
     def is_navigable(self, point: Any, max_y_delta: float = 0.5) -> bool:
-        return self._mesh.is_navigable(tuple(point), max_y_delta)
+        return self._mesh.is_navigable(tuple(np.asarray(point).tolist()), max_y_delta)
 
     def try_step(self, start: Any, end: Any) -> Any:
         return np.array(self._mesh.try_step(tuple(start), tuple(end), sliding=True))
@@ -133,6 +139,11 @@ class PathFinder:
             found = self._mesh.shortest_path(start, end)
         path.geodesic_distance, path.points = found.length_m, list(found.points)
         return np.isfinite(found.length_m)
+
+
+class NavMeshSettings(SimpleNamespace):
+    def set_defaults(self) -> None:
+        self.agent_radius, self.agent_height = 0.1, 1.5
 
 
 class _Agent:
@@ -154,6 +165,7 @@ class Simulator:
         scene = open_scene(path)
         # The real one has a mesh already, but one that it may have computed for another robot.
         self.pathfinder = PathFinder()
+        self._scene = scene
         self._renderer = CpuRenderer(scene, RenderConfig(threads=1))
         self._numbers = np.array(_annotated(path, scene), dtype=np.uint32)
         self._sensors = configuration.agents[0].sensor_specifications
@@ -179,6 +191,11 @@ class Simulator:
                 numbers = self._numbers[np.maximum(view.instance_ids, 0)]
                 seen[sensor.uuid] = np.where(view.instance_ids >= 0, numbers, 0)
         return seen
+
+    def recompute_navmesh(self, path_finder: PathFinder, settings: NavMeshSettings) -> bool:
+        robot = BodyConfig(radius_m=settings.agent_radius, height_m=settings.agent_height)
+        path_finder.take(computed_for(self._scene, robot))
+        return True
 
     def close(self) -> None:
         self._renderer.close()

@@ -48,7 +48,7 @@ def open_world(
     mesh = Path(scene_id)
     if not mesh.is_file():
         raise SceneError(f"{scene_id}: habitat-sim opens files only, such as those of hm3d:DIR")
-    drawn = HabitatRenderer(scene, mesh, config.embodiment)
+    drawn = HabitatRenderer(scene, mesh, config.embodiment, config.world.navmesh)
     surface = HabitatSurface(drawn.path_finder)
     world = SimulatedWorld(scene, config.world, config.embodiment, renderer=drawn, walkable=surface)
     return OpenedWorld(world, drawn)

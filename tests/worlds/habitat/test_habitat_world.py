@@ -39,8 +39,8 @@ def mesh(benchmark_data):
     return benchmark_data / "scene_datasets" / "hm3d" / "val" / SCENE / f"{HASH}.glb"
 
 
-def opened(mesh, name):
-    return open_world(open_scene(mesh), str(mesh), CONFIG, name)
+def opened(mesh, name, config=CONFIG):
+    return open_world(open_scene(mesh), str(mesh), config, name)
 
 
 def test_without_habitat_sim_the_error_says_how_to_get_it(mesh):
@@ -67,6 +67,18 @@ def test_a_quaternion_turns_as_its_matrix(yaw, pitch, roll):
     for axis in np.eye(3):
         turned = fake_habitat._turned((x, y, z, w), tuple(axis))
         assert np.allclose(turned, matrix @ axis, atol=1e-9)
+
+
+@pytest.mark.usefixtures("_habitat")
+def test_both_worlds_compute_a_mesh_for_a_robot_that_the_file_was_not_made_for(mesh):
+    body = CONFIG.embodiment.body.model_copy(update={"radius_m": 0.17, "height_m": 1.41})
+    tall = CONFIG.model_copy(
+        update={"embodiment": CONFIG.embodiment.model_copy(update={"body": body})}
+    )
+    habitat, native = opened(mesh, "habitat", tall), opened(mesh, "native", tall)
+    (comparison,) = compare_worlds(habitat, native, 1, np.random.default_rng(0))
+    assert comparison.step_m == pytest.approx(0.0, abs=1e-6)
+    assert comparison.own_path_m == pytest.approx(comparison.path_m)
 
 
 @pytest.mark.usefixtures("_habitat")

@@ -1,8 +1,8 @@
 """habitat-sim's images of a scene, as a renderer of ours.
 
 Written against the documented calls of habitat-sim 0.2.2 to 0.3.3: ``Simulator``,
-``get_agent(0).set_state``, ``get_sensor_observations`` and ``pathfinder`` (of which here
-``load_nav_mesh``) are all that is used.
+``get_agent(0).set_state``, ``get_sensor_observations``, ``pathfinder`` (of which here
+``load_nav_mesh``), ``recompute_navmesh`` and ``NavMeshSettings`` are all that is used.
 Poses of the scene, z up, become Habitat's, y up, here and in `path_finder`, and nowhere else.
 """
 
@@ -20,7 +20,9 @@ from hypernav.core.errors import MissingExtraError, SceneError
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.world import RenderedView
+from hypernav.worlds.config import NavmeshChoice
 from hypernav.worlds.habitat.graphics import graphics_device
+from hypernav.worlds.navmesh.robot_navmesh import is_computed
 from hypernav.worlds.scenes.loading import OBJECTS_FILE
 from hypernav.worlds.scenes.scene import Scene
 
@@ -64,16 +66,20 @@ class HabitatRenderer:
         path_finder: habitat-sim's path finder of the scene.
     """
 
-    def __init__(self, scene: Scene, mesh: Path, robot: Embodiment) -> None:
+    def __init__(
+        self, scene: Scene, mesh: Path, robot: Embodiment, navmesh: NavmeshChoice = "auto"
+    ) -> None:
         """Open a scene in habitat-sim.
 
         Args:
             scene: The same scene as we read it, for the numbers of its instances.
             mesh: File of the scene.
             robot: Robot whose camera is simulated.
+            navmesh: Which navigation mesh it walks on.
 
         Raises:
             MissingExtraError: habitat-sim is not installed, or nothing that it could draw with.
+            NavmeshError: The file of the mesh can't be used.
             SceneError: It can't open the scene, or has no navigation mesh of it.
         """
         habitat_sim = require_habitat()
@@ -85,10 +91,12 @@ class HabitatRenderer:
         except (RuntimeError, ValueError, OSError) as error:
             raise SceneError(f"{mesh}: habitat-sim can't open it ({error})") from error
         self.path_finder: Any = self._simulator.pathfinder
-        # Where the settings in the file aren't those of its robot, habitat-sim has computed a mesh
-        # of its own; the published episodes belong to the file.
+        # The mesh that it has now may be neither: it doesn't know yet for which robot.
         file = navmesh_of(scene, mesh)
-        if file is not None:
+        if is_computed(file, robot.body, navmesh):
+            settings = _navmesh_settings(habitat_sim, robot)
+            self._simulator.recompute_navmesh(self.path_finder, settings)
+        elif file is not None:
             self.path_finder.load_nav_mesh(str(file))
         if not self.path_finder.is_loaded:
             self.close()
@@ -179,6 +187,13 @@ def _configuration(habitat_sim: ModuleType, mesh: Path, robot: Embodiment) -> An
     agent = habitat_sim.agent.AgentConfiguration()
     agent.sensor_specifications = sensors
     return habitat_sim.Configuration(simulator, [agent])
+
+
+def _navmesh_settings(habitat_sim: ModuleType, robot: Embodiment) -> Any:
+    settings = habitat_sim.NavMeshSettings()
+    settings.set_defaults()
+    settings.agent_radius, settings.agent_height = robot.body.radius_m, robot.body.height_m
+    return settings
 
 
 def _sensor(habitat_sim: ModuleType, robot: Embodiment, name: str, kind: Any) -> Any:
