@@ -22,7 +22,8 @@ class Options:
     out: Path | None = None
     """Folder of the run; runs/<dataset>-<agent> by default."""
     benchmark: BenchmarkName | None = None
-    """Published robot, step limit and success distance; hm3d:, mp3d: and ovon: have their own."""
+    """Published robot, step limit and success distance; hm3d:, mp3d: and ovon: have their own.
+    hypernav-paper-hm3d and -ovon also ask for goals in the words of the files."""
     episodes: str | None = None
     """Only these episodes, by position in the data set: FIRST:END (END is not included)."""
     scenes: str | None = None
