@@ -72,7 +72,7 @@ class Tally:
         found: set[int] = set()
         for one in sure:
             over = {k: iou for k, box in things.items() if (iou := one.box.iou(box)) >= LEAST_IOU}
-            right_ones = {k for k in over if _is(truth.labels[k], one)}
+            right_ones = {k for k in over if is_named(truth.labels[k], one)}
             found |= right_ones
             (self.right if right_ones else self.wrong).append(one.score)
             if not over:
@@ -163,7 +163,8 @@ def _class_of(label: ObjectLabel) -> str | None:
         return None
 
 
-def _is(label: ObjectLabel, detection: Detection) -> bool:
+def is_named(label: ObjectLabel, detection: Detection) -> bool:
+    """Whether a detection names a thing rightly."""
     return label.is_named(detection.label) or _class_of(label) == detection.label
 
 

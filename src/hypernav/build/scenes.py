@@ -21,6 +21,7 @@ SCENES: Registry[Callable[..., Scene]] = Registry(
         Entry("houses", "hypernav.build.scenes:numbered_house", form="houses:N"),
         Entry("offices", "hypernav.build.scenes:numbered_office", form="offices:N"),
         Entry("shops", "hypernav.build.scenes:numbered_shop", form="shops:N"),
+        Entry("crowded", "hypernav.build.scenes:numbered_crowded_office", form="crowded:N"),
     ],
 )
 """Scenes that are no files: functions of the text after the name."""
@@ -30,9 +31,9 @@ def load_scene(spec: str) -> Scene:
     """Load a scene by name.
 
     Args:
-        spec: Name of the scene: ``builtin``, ``houses:N``, ``offices:N`` or ``shops:N`` for
-            the generated building of number N, a name that an installed package brings, or the path
-            of a GLB.
+        spec: Name of the scene: ``builtin``, ``houses:N``, ``offices:N``, ``shops:N`` or
+            ``crowded:N`` for the generated building of number N, a name that an installed package
+            brings, or the path of a GLB.
 
     Raises:
         SceneError: The file cannot be used, or there is no such building.
@@ -71,6 +72,9 @@ numbered_office = partial(numbered_building, "offices")
 
 numbered_shop = partial(numbered_building, "shops")
 """Shop of a number."""
+
+numbered_crowded_office = partial(numbered_building, "crowded")
+"""Crowded office of a number."""
 
 
 def building_of(scene: str) -> Building:

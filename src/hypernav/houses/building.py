@@ -5,7 +5,7 @@ from dataclasses import dataclass
 VERSION = 1
 """Version of the generator; rises whenever a number gives another building than before."""
 
-NOUNS = {"houses": "house", "offices": "office", "shops": "shop"}
+NOUNS = {"houses": "house", "offices": "office", "shops": "shop", "crowded": "crowded-office"}
 """Word for one building of every kind."""
 
 BUILTIN_HOUSE = 0
@@ -17,7 +17,8 @@ class Building:
     """Name of a generated building, which is all that it is made from.
 
     Attributes:
-        kind: Kind of the building: "houses", "offices" or "shops".
+        kind: Kind of the building: "houses", "offices", "shops" or "crowded" (offices whose meeting
+            rooms are full of chairs).
         number: Number of the building, from 0 on.
     """
 
@@ -46,7 +47,7 @@ class Building:
 
     @property
     def noun(self) -> str:
-        """Word for a building of its kind: "house", "office" or "shop"."""
+        """Word for a building of its kind: "house", "office", "shop" or "crowded-office"."""
         return NOUNS[self.kind]
 
     @property

@@ -4,6 +4,7 @@ from hypernav.houses.assembly import CompactScene, PlacedModel, compact, to_scen
 from hypernav.houses.building import VERSION, Building
 from hypernav.houses.furnishing.rooms import furnish_rooms
 from hypernav.houses.kinds.building_kind import BuildingKind
+from hypernav.houses.kinds.crowded import CROWDED
 from hypernav.houses.kinds.homes import HOMES
 from hypernav.houses.kinds.offices import OFFICES
 from hypernav.houses.kinds.shops import SHOPS
@@ -15,7 +16,12 @@ from hypernav.houses.shell.doors_and_windows import build_openings
 from hypernav.houses.shell.room_surfaces import build_rooms
 from hypernav.worlds.scenes.scene import Scene
 
-_KINDS: dict[str, BuildingKind] = {"houses": HOMES, "offices": OFFICES, "shops": SHOPS}
+_KINDS: dict[str, BuildingKind] = {
+    "houses": HOMES,
+    "offices": OFFICES,
+    "shops": SHOPS,
+    "crowded": CROWDED,
+}
 
 
 def plan_of(building: Building) -> FloorPlan:

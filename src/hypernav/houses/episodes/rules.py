@@ -59,5 +59,11 @@ RULES = {
         4.0,
         60.0,
     ),
+    "crowded": EpisodeRules(
+        ("tv", "whiteboard", "meeting table", "refrigerator", "copier", "toilet", "sofa"),
+        ("tv",),
+        4.0,
+        60.0,
+    ),
 }
 """Rules of the episodes by kind of building."""

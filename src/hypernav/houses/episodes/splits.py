@@ -29,7 +29,7 @@ class BuildingSplit:
 
     Attributes:
         name: Name of the split.
-        kind: Kind of the buildings: "houses", "offices" or "shops".
+        kind: Kind of the buildings: "houses", "offices", "shops" or "crowded".
         style: Whether goals are categories or phrases.
         numbers: Numbers of the buildings; for an open split those that are used by default.
         episodes: Number of episodes in these buildings.
@@ -90,6 +90,9 @@ SPLITS = {
         ),
         BuildingSplit("shops-val", "shops", "categories", range(1000, 1025), 300),
         BuildingSplit("shops-train", "shops", "categories", range(3000, 3025), 300, is_open=True),
+        BuildingSplit(
+            "crowded-train", "crowded", "categories", range(3000, 3025), 300, is_open=True
+        ),
     )
 }
 """All splits by name."""

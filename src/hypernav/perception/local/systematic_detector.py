@@ -167,7 +167,8 @@ def _shows(
 ) -> bool:
     """Whether a thing is reported in a view.
 
-    A part is drawn for the thing and a part for the view. Both are normal, so that any chance can be had with any persistence (a Gaussian copula).
+    A part is drawn for the thing and a part for the view. Both are normal, so that any chance can
+    be had with any persistence (a Gaussian copula).
     """
     if not 0.0 < chance < 1.0:
         return chance >= 1.0

@@ -1,0 +1,178 @@
+"""Size and form of what a mask shows, measured in the depth image."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from jaxtyping import Bool, Float64
+
+from hypernav.core.geometry.boxes import Box
+from hypernav.core.geometry.depth import is_measured
+from hypernav.core.observation import Observation
+
+_LEAST_POINTS = 40
+_TRIM = (3.0, 97.0)
+"""Percentiles that stand for the ends: masks bleed over edges."""
+_BESIDE_PX = 3
+_EDGE_SHARE = 0.03
+"""A box that ends so near the image's edge, as a share of the image, is cut off there."""
+_NEARER_M = 0.12
+_HIDDEN_SHARE = 0.3
+_SHORT_OF_BOX = 0.1
+"""Share of the box that a mask may fall short of it."""
+_MOST_POINTS = 4000
+_PLANE_M = 0.03
+_ON_PLANE = 0.8
+_LEVEL = 0.85
+_UPRIGHT = 0.2
+"""Cosines between a normal and the vertical."""
+
+
+@dataclass(frozen=True)
+class Form:
+    """What is seen of a thing; heights are above the floor, metres.
+
+    Attributes:
+        bottom_m: Height of its lowest part in view.
+        top_m: Height of its highest part in view.
+        long_m: Horizontal extent across the line of sight of what is in view.
+        is_bottom_seen: Whether it ends there; else the image's edge or something nearer hides more.
+        is_top_seen: The same for the top.
+        is_long_seen: The same for its left and right sides.
+        level_share: Share of its surface in view that is level and looks up.
+        goes_on: Share of the surroundings in the image that lie in the plane of a flat thing; 0 if
+            it is not flat.
+        is_plane_upright: Whether that plane is a wall's; else a floor's or a table's.
+    """
+
+    bottom_m: float
+    top_m: float
+    long_m: float
+    is_bottom_seen: bool
+    is_top_seen: bool
+    is_long_seen: bool
+    level_share: float
+    goes_on: float
+    is_plane_upright: bool
+
+
+def measured_form(
+    observation: Observation, mask: Bool[np.ndarray, "height width"], box: Box
+) -> Form | None:
+    """The form of what a mask shows; None where too few of its pixels have depth.
+
+    Masks that are cut out by depth often lack legs and edges, and hold some of what is behind. So
+    an end counts as seen only where the mask reaches the detector's box, and the extent is measured
+    across the line of sight.
+
+    Args:
+        observation: A frame whose map has its floor at height 0.
+        mask: Pixels of the thing.
+        box: Box that the detector gave it.
+    """
+    rows, columns = np.nonzero(mask & is_measured(observation.depth))
+    if len(rows) < _LEAST_POINTS:
+        return None
+    step = -(-len(rows) // _MOST_POINTS)
+    points = _points(observation, rows[::step], columns[::step])
+    bottom, top = np.percentile(points[:, 2], _TRIM)
+    left, right = np.percentile(points @ observation.camera_to_map.rotation[:, 0], _TRIM)
+    is_bottom_seen, is_top_seen, is_long_seen = _ends_seen(observation, mask, box)
+    goes_on, is_upright = _plane_beyond(observation, mask, points)
+    return Form(
+        float(bottom),
+        float(top),
+        float(right - left),
+        is_bottom_seen,
+        is_top_seen,
+        is_long_seen,
+        _level_share(observation, mask),
+        goes_on,
+        is_upright,
+    )
+
+
+def _points(
+    observation: Observation, rows: np.ndarray, columns: np.ndarray
+) -> Float64[np.ndarray, "n 3"]:
+    """Points of pixels in the map frame."""
+    depth = observation.depth[rows, columns]
+    return observation.camera_to_map.apply(
+        observation.camera.unproject_pixels(rows, columns, depth)
+    )
+
+
+def _ends_seen(
+    observation: Observation, mask: Bool[np.ndarray, "height width"], box: Box
+) -> tuple[bool, bool, bool]:
+    """Whether the thing ends in view at its bottom, at its top, and at both of its sides."""
+    top, right, bottom, left = [_ends(observation.depth, mask, turns) for turns in range(4)]
+    rows, columns = np.nonzero(mask)
+    high, wide = box.y_max - box.y_min, box.x_max - box.x_min
+    top &= bool(rows.min() - box.y_min < _SHORT_OF_BOX * high)
+    bottom &= bool(box.y_max - 1 - rows.max() < _SHORT_OF_BOX * high)
+    left &= bool(columns.min() - box.x_min < _SHORT_OF_BOX * wide)
+    right &= bool(box.x_max - 1 - columns.max() < _SHORT_OF_BOX * wide)
+    return bottom, top, left and right
+
+
+def _ends(depth: np.ndarray, mask: np.ndarray, turns: int) -> bool:
+    """Whether a mask ends towards one edge of the image: the upper one after quarter turns."""
+    depth, mask = np.rot90(depth, turns), np.rot90(mask, turns)
+    first = mask.argmax(axis=0)
+    columns = np.flatnonzero(mask.any(axis=0))
+    extent = int(first[columns].min())
+    if extent < _EDGE_SHARE * len(mask):
+        return False
+    # Only the part of the outline that reaches as far as the thing itself does.
+    span = max(int(np.flatnonzero(mask.any(axis=1))[-1]) - extent, 1)
+    columns = columns[first[columns] <= extent + 0.3 * span]
+    inner, outer = first[columns] + 1, np.maximum(first[columns] - _BESIDE_PX, 0)
+    own, other = depth[np.minimum(inner, len(depth) - 1), columns], depth[outer, columns]
+    nearer = is_measured(own) & is_measured(other) & (other < own - _NEARER_M)
+    return float(nearer.mean()) < _HIDDEN_SHARE
+
+
+def _level_share(observation: Observation, mask: Bool[np.ndarray, "height width"]) -> float:
+    """Share of a thing's pixels whose surface is level and looks up."""
+    rows, columns = np.nonzero(mask)
+    step = max(int((len(rows) / _MOST_POINTS) ** 0.5), 1) * 2
+    window = np.ix_(
+        np.arange(rows.min(), rows.max() + 1, step),
+        np.arange(columns.min(), columns.max() + 1, step),
+    )
+    grid_rows, grid_columns = np.broadcast_arrays(*window)
+    depth = observation.depth[window]
+    if min(depth.shape) < 3:
+        return 0.0
+    points = _points(observation, grid_rows.ravel(), grid_columns.ravel()).reshape(*depth.shape, 3)
+    down, right = np.diff(points, axis=0)[:, :-1], np.diff(points, axis=1)[:-1]
+    normals = np.cross(right, down)
+    length = np.linalg.norm(normals, axis=2)
+    valid = mask[window] & is_measured(depth)
+    valid = valid[:-1, :-1] & valid[1:, :-1] & valid[:-1, 1:] & (length > 0.0)
+    if not valid.any():
+        return 0.0
+    return float((np.abs(normals[valid][:, 2]) > _LEVEL * length[valid]).mean())
+
+
+def _plane_beyond(
+    observation: Observation,
+    mask: Bool[np.ndarray, "height width"],
+    points: Float64[np.ndarray, "n 3"],
+) -> tuple[float, bool]:
+    """How much of what surrounds a flat thing lies in its plane, and whether that is upright."""
+    centre = np.median(points, axis=0)
+    normal = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2][2]
+    if (np.abs((points - centre) @ normal) < _PLANE_M).mean() < _ON_PLANE:
+        return 0.0, False
+    rows, columns = np.nonzero(mask)
+    across = min(int(np.ptp(rows)), int(np.ptp(columns))) // 3 + 1
+    width = 2 * min(max(across, 8), 40) + 1
+    wide = cv2.dilate(mask.astype(np.uint8), np.ones((width, width), np.uint8)).astype(bool)
+    slim = cv2.dilate(mask.astype(np.uint8), np.ones((7, 7), np.uint8)).astype(bool)
+    around = np.nonzero(wide & ~slim & is_measured(observation.depth))
+    if len(around[0]) < _LEAST_POINTS:
+        return 0.0, False
+    beyond = np.abs((_points(observation, *around) - centre) @ normal) < _PLANE_M
+    return float(beyond.mean()), bool(abs(normal[2]) < _UPRIGHT)
