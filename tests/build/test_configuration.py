@@ -3,11 +3,10 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
-import yaml
 from pydantic import BaseModel, ValidationError
 
 from hypernav.build.presets import HyPerNavConfig, preset
-from hypernav.core.config import RENAMED, layered
+from hypernav.core.config import layered
 from hypernav.core.errors import ConfigError
 from hypernav.worlds.drawing.renderer import RenderConfig
 from hypernav.worlds.env import ObjectNavConfig
@@ -80,7 +79,6 @@ def test_what_is_out_of_bounds_or_no_number_is_refused(name):
         ("embodiment.body.height_m=3", "larger mapping.voxel_height_m"),
         ("embodiment.camera.width=1000000", "equal to 8192, got 1000000 .images must fit"),
         ("mapping.cell_size_m=0.0001", r"equal to 0.01, got 0.0001 .maps must fit"),
-        ("mapping.chunk_cells=100000", "equal to 1024, got 100000 .maps must fit"),
         ("overview.image_px=1000000", "equal to 4096, got 1000000 .images must fit"),
         ("embodiment.motion.forward_m=1e9", "less than or equal to 5, .* .metres, as a robot"),
         ("embodiment.motion.turn_angle_deg=.nan", "finite number, got nan .degrees, at most"),
@@ -106,29 +104,3 @@ def test_values_that_together_take_too_much_memory_are_refused(assignments, word
     ]
     with pytest.raises(ConfigError, match=words):
         layered(preset("default"), environment={}, assignments=named)
-
-
-@pytest.mark.parametrize("name", RENAMED)
-def test_an_old_name_gives_the_new_one_wherever_it_is_written(name, tmp_path):
-    new = RENAMED[name].split(" ")[0].rstrip(",")
-    *sections, key = name.split(".")
-    content = {key: 1}
-    for section in reversed(sections):
-        content = {section: content}
-    file = tmp_path / "old.yaml"
-    file.write_text(yaml.safe_dump(content))
-    variable = "HYPERNAV_" + name.upper().replace(".", "__")
-    for layer in (
-        lambda: layered(preset("default"), assignments=[f"{name}=1"], environment={}),
-        lambda: layered(preset("default"), file=file, environment={}),
-        lambda: layered(preset("default"), environment={variable: "1"}),
-    ):
-        with pytest.raises(ConfigError, match=f"'{name}' is now {new}"):
-            layer()
-
-
-@pytest.mark.parametrize("name", RENAMED)
-def test_every_new_name_exists(name):
-    values = preset("default").model_dump()
-    for key in RENAMED[name].split(" ")[0].rstrip(",").split("."):
-        values = values[key]

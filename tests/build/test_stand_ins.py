@@ -62,6 +62,6 @@ def test_a_search_around_own_components_cuts_as_configured(monkeypatch):
         return DepthCutSegmenter(config)
 
     monkeypatch.setattr("hypernav.build.agents.DepthCutSegmenter", noting)
-    config = preset("default").model_copy(update={"depth_cut": DepthCutConfig(iterations=7)})
+    config = preset("default").model_copy(update={"depth_cut": DepthCutConfig(depth_gap_m=0.3)})
     build_search(config, GroundTruthDetector(), ExchangeLog())
-    assert [one.iterations for one in made] == [7]
+    assert [one.depth_gap_m for one in made] == [0.3]

@@ -72,7 +72,7 @@ def test_configurations(name, tmp_path):
         ["find", "bed", "--set", "mapping.cell_size_m=" + "9" * 50_000],
         ["find", "bed", "--set", "mapping.cell_size_m=[" * 5000],
         ["find", "bed", "--set", "mapping.cell_size_m=&a [*a]"],
-        ["find", "bed", "--set", "mapping={chunk_cells: 1, chunk_cells: 2}"],
+        ["find", "bed", "--set", "mapping={min_points: 1, min_points: 2}"],
         ["find", "bed", "--set", "mapping.cell_size_m=2001-99-99"],
         ["eval", "houses-val", "--success-distance", "nan"],
         ["eval", "houses-val", "--success-distance", "inf"],

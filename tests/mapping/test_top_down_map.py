@@ -14,7 +14,7 @@ from hypernav.core.errors import ConfigError, MapError
 from hypernav.core.geometry.grid import Cell
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.observation import Observation
-from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.config import BUMP_PERSISTENCE, MAX_EVIDENCE, MappingConfig
 from hypernav.mapping.top_down_map import TopDownMap
 
 CONFIG = MappingConfig()
@@ -185,7 +185,7 @@ def test_an_obstacle_that_is_carried_away_disappears():
     wall = ((3.8, -4.0, 0.0), (4.0, 4.0, 2.0))  # rays that meet nothing in range tell nothing
     world_map = map_of([FLOOR, wall, TABLE], [HERE] * 10)
     assert world_map.grid.state_at(2.02, 0.0) == Cell.OCCUPIED
-    for _ in range(CONFIG.max_evidence):
+    for _ in range(MAX_EVIDENCE):
         world_map.integrate(view_of([FLOOR, wall], HERE))
     assert points(world_map, Cell.OCCUPIED)[:, 0].min() > 3.7
     assert world_map.grid.state_at(2.3, 0.0) == Cell.FREE
@@ -217,7 +217,7 @@ def test_who_stood_before_a_distant_wall_and_left_is_forgotten():
     """The wall is measured, but too far away to be drawn."""
     world_map = map_of([FLOOR, DISTANT_WALL, PERSON], [HERE], max_depth_m=10.0)
     assert len(points(world_map, Cell.OCCUPIED)) > 0
-    for _ in range(CONFIG.max_evidence):
+    for _ in range(MAX_EVIDENCE):
         world_map.integrate(view_of([FLOOR, DISTANT_WALL], HERE, max_depth_m=10.0))
     assert len(points(world_map, Cell.OCCUPIED)) == 0
     assert world_map.grid.state_at(2.1, 0.0) == Cell.FREE
@@ -227,7 +227,7 @@ def test_where_nothing_is_measured_nobody_has_left():
     """No return may also mean that something is too near."""
     world_map = map_of([FLOOR, DISTANT_WALL, PERSON], [HERE])
     before = points(world_map, Cell.OCCUPIED)
-    for _ in range(CONFIG.max_evidence):
+    for _ in range(MAX_EVIDENCE):
         world_map.integrate(view_of([FLOOR, DISTANT_WALL], HERE))
     np.testing.assert_array_equal(points(world_map, Cell.OCCUPIED), before)
 
@@ -261,7 +261,7 @@ def test_where_the_robot_stands_may_stay_as_it_was_drawn():
 def test_a_bump_outlasts_clear_views_but_not_for_ever():
     world_map = map_of([FLOOR], [HERE])
     world_map.mark_occupied(np.array([[2.0, 0.0]]))
-    for _ in range(CONFIG.bump_persistence - 1):
+    for _ in range(BUMP_PERSISTENCE - 1):
         world_map.integrate(view_of([FLOOR], HERE))
     assert world_map.grid.state_at(2.0, 0.0) == Cell.OCCUPIED
     world_map.integrate(view_of([FLOOR], HERE))
@@ -335,7 +335,7 @@ def test_a_new_map_knows_nothing_and_can_be_asked():
     [
         (Pose2(math.nan, 0.0, 0.0), 0.0, "finite"),
         (HERE, math.inf, "finite"),
-        (Pose2(1e6, 0.0, 0.0), 0.0, "max_side_m"),
+        (Pose2(1e6, 0.0, 0.0), 0.0, "at most 500 m"),
     ],
 )
 def test_an_impossible_pose_is_refused_and_changes_nothing(robot, camera_x, words):
@@ -357,7 +357,6 @@ def test_a_bump_nowhere_is_refused():
 @pytest.mark.parametrize(
     ("wrong", "words"),
     [
-        ({"occupied_evidence": 7}, "must not exceed max_evidence"),
         ({"cell_size": 0.1}, "cell_size"),
     ],
 )

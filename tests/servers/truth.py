@@ -33,7 +33,7 @@ from hypernav.perception.explorers.vlm_reasoner import VlmReasoner
 from hypernav.perception.local.crop_check import crop_of
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.perception.local.presence import VlmPresenceCheck
-from hypernav.perception.local.vlm_detector import VlmDetector
+from hypernav.perception.local.vlm_detector import CROP_MARGIN, VlmDetector
 from hypernav.perception.values.chat_scorer import ChatScorer
 from hypernav.perception.values.truth_scorer import chance_in_view
 from hypernav.worlds.simulation import SimulatedWorld
@@ -174,7 +174,7 @@ def watching(truth: Truth) -> Iterator[Truth]:
         self: VlmDetector, found: list[Detection], observation: Observation, goal: Goal
     ) -> list[Detection]:
         for one in found:
-            crop = crop_of(observation.rgb, one.box, self._config.crop_margin)
+            crop = crop_of(observation.rgb, one.box, CROP_MARGIN)
             truth.crops.append((_small(crop), (one.box, observation, goal)))
         return looked_at(self, found, observation, goal)
 

@@ -21,7 +21,6 @@ from hypernav.models.vision.yolox import YoloxConfig
 from hypernav.models.vision.zero_shot import ZeroShotConfig
 from hypernav.perception.areas.area_explorer import AreaConfig
 from hypernav.perception.areas.chat_guide import ChatGuideConfig
-from hypernav.perception.areas.truth_guide import TruthGuideConfig
 from hypernav.perception.arrows.config import ArrowsConfig
 from hypernav.perception.explorers.block_explorer import OverviewConfig
 from hypernav.perception.explorers.geometric_reasoner import GeometricConfig
@@ -97,7 +96,6 @@ class HyPerNavConfig(RoomConfig):
         similarity_scorer: Scores of views by a model that compares images with texts.
         chat_scorer: Scores of views by a chat model.
         navvlm: NavVLM's areas and turns.
-        truth_guide: Stand-in that says directions by the truth.
         chat_guide: Question about directions to a chat model.
         arrows: Moves drawn into the image, of VLMnav, PIVOT and in DyNaVLM's style.
         prompted: Budget and stop of agents that make long moves (native mode).
@@ -130,7 +128,6 @@ class HyPerNavConfig(RoomConfig):
     similarity_scorer: SimilarityScorerConfig = SimilarityScorerConfig()
     chat_scorer: ChatScorerConfig = ChatScorerConfig()
     navvlm: AreaConfig = AreaConfig()
-    truth_guide: TruthGuideConfig = TruthGuideConfig()
     chat_guide: ChatGuideConfig = ChatGuideConfig()
     arrows: ArrowsConfig = ArrowsConfig()
     prompted: PromptedConfig = PromptedConfig()

@@ -172,7 +172,6 @@ GUIDES: Registry[Factory] = Registry(
             "truth",
             "hypernav.perception.areas.truth_guide:TruthGuide",
             words="the truth in view (stand-in)",
-            section="truth_guide",
         ),
         Entry(
             "vlm",

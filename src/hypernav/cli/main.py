@@ -48,7 +48,7 @@ def _flushed(status: int) -> int:
         if sys.stdout is not None:
             sys.stdout.flush()
     except OSError as error:
-        sys.stdout = None  # Nobody shall try again.
+        sys.stdout = None  # Python would flush it again when it ends.
         return _say(f"standard output cannot be written ({error.strerror})", ExitStatus.USAGE)
     return status
 

@@ -15,44 +15,6 @@ from hypernav.core.files.yaml_text import MOST_CHARACTERS, MOST_LEVELS, parse_ya
 
 ENVIRONMENT_PREFIX = "HYPERNAV_"
 
-
-_MARGIN = "planning.margin_m, the room beyond embodiment.body.radius_m"
-_CAMERA_KEYS = (
-    "width",
-    "height",
-    "hfov_deg",
-    "height_m",
-    "pitch_deg",
-    "min_depth_m",
-    "max_depth_m",
-)
-RENAMED = {
-    **{f"world.camera.{key}": f"embodiment.camera.{key}" for key in _CAMERA_KEYS},
-    **{
-        f"world.robot.{key}": f"embodiment.body.{key}"
-        for key in ("radius_m", "height_m", "max_step_m", "max_slope_deg")
-    },
-    "world.actions.forward_m": "embodiment.motion.forward_m",
-    "world.actions.turn_angle_deg": "embodiment.motion.turn_angle_deg",
-    "world.actions.sliding": "world.sliding",
-    "planning.forward_m": "embodiment.motion.forward_m",
-    "planning.turn_angle_deg": "embodiment.motion.turn_angle_deg",
-    "search.turn_angle_deg": "embodiment.motion.turn_angle_deg",
-    "mapping.min_depth_m": "embodiment.camera.min_depth_m",
-    "mapping.max_depth_m": "embodiment.camera.max_depth_m",
-    "local.min_depth_m": "embodiment.camera.min_depth_m",
-    "local.max_depth_m": "embodiment.camera.max_depth_m",
-    "mapping.robot_radius_m": "embodiment.body.radius_m",
-    "mapping.obstacle_min_height_m": "embodiment.body.max_step_m",
-    "mapping.obstacle_max_height_m": "embodiment.body.height_m (with mapping.headroom_m)",
-    "mapping.clearance_m": _MARGIN,
-    "planning.inflation_m": _MARGIN,
-    "mapping.squeeze_m": "planning.squeeze_m",
-    "overview.picture_px": "overview.image_px",
-}
-"""Former names of options, and the options that say the same today."""
-
-
 MOST_STEPS = 1_000_000
 """The longest search, and the upper bound of all numbers of steps."""
 MOST_THREADS = 256
@@ -61,7 +23,7 @@ MOST_SEED = 2**63 - 1
 
 _REASONS = {
     ("width", "height", "_px", "_pixels", "_mb"): "images must fit into memory",
-    ("cell_m", "cell_size_m", "voxel_height_m", "chunk_cells"): "maps must fit into memory",
+    ("cell_m", "cell_size_m", "voxel_height_m"): "maps must fit into memory",
     ("_m", "_m2"): "metres, as a robot and the rooms of a building have them",
     ("_deg",): "degrees, at most a turn",
     ("_s",): "seconds, at most a day",
@@ -159,7 +121,7 @@ def read_section(model: type[ConfigT], values: dict[str, Any], *, section: str) 
     Raises:
         ConfigError: A wrong key or an impossible value.
     """
-    _merge(model, dict(values), values, source=section, section=section)
+    _merge(model, dict(values), values, source=section)
     return _validated(model, values, section=section)
 
 
@@ -216,18 +178,15 @@ def _merge(
     changes: dict[Any, Any],
     *,
     source: str,
-    section: str = "",
 ) -> None:
     for key, change in changes.items():
         if key not in model.model_fields:
-            _refuse_renamed(f"{section}.{key}" if section else str(key), change, source)
             close = difflib.get_close_matches(str(key), model.model_fields, n=1)
             hint = f"did you mean '{close[0]}'? " if close else ""
             raise ConfigError(
                 f"{source}: unknown key '{key!s:.60}'; {hint}"
                 f"keys here: {', '.join(model.model_fields)}"
             )
-        name = f"{section}.{key}" if section else key
         inner = model.model_fields[key].annotation
         if isinstance(inner, type) and issubclass(inner, BaseModel):
             if not isinstance(change, dict):
@@ -235,7 +194,7 @@ def _merge(
                     f"{source}: '{key}' is a section with the keys "
                     f"{', '.join(inner.model_fields)}, got {_shown(change)}"
                 )
-            _merge(inner, values[key], change, source=source, section=name)
+            _merge(inner, values[key], change, source=source)
         elif isinstance(change, dict) and isinstance(values[key], dict):
             values[key] = values[key] | change
         else:
@@ -246,16 +205,3 @@ def _shown(value: Any) -> str:
     """A value in a message, which a long one must not fill."""
     text = repr(value)
     return text if len(text) <= 80 else f"{text[:79]}…"
-
-
-def _refuse_renamed(name: str, change: Any, source: str) -> None:
-    """Say the new name of an option that was called otherwise, or of the first below it.
-
-    Raises:
-        ConfigError: The option is in the table.
-    """
-    if name in RENAMED:
-        raise ConfigError(f"{source}: '{name}' is now {RENAMED[name]}")
-    if isinstance(change, dict):
-        for key, inner in change.items():
-            _refuse_renamed(f"{name}.{key}", inner, source)

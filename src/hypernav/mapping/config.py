@@ -3,7 +3,7 @@
 import math
 from typing import Literal, NamedTuple
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from hypernav.core.config import RoomConfig
 from hypernav.core.embodiment import BodyConfig
@@ -11,6 +11,24 @@ from hypernav.core.errors import ConfigError
 
 MAX_LAYERS = 32
 """Number of voxel layers that fit into the bit mask that the map keeps for every cell."""
+HIT_WEIGHT = 2
+"""Evidence that a frame adds to a voxel that it hits."""
+OCCUPIED_EVIDENCE = 2
+"""Evidence of a voxel from which on its cell is occupied: that of one hit, so that what stands in
+the way is avoided at once."""
+MAX_EVIDENCE = 6
+"""Upper bound of a voxel's evidence; it limits the frames that a removed object takes to
+disappear."""
+PASS_MARGIN_M, PASS_MARGIN_RATIO = 0.05, 0.01
+"""Distance of the measured surface behind a voxel that was seen through, and its addition per metre
+of depth, with which depth noise grows."""
+BUMP_PERSISTENCE = 30
+"""Number of frames with a clear view of its floor before a bumped cell counts as free again; a
+robot often bumps into what its camera cannot see."""
+CHUNK_CELLS = 128
+"""Side of the chunks that the map grows by, so that it seldom has to be copied."""
+MAX_SIDE_M = 500.0
+"""Width of the map beyond which a pose is refused as wrong: no building is that large."""
 
 
 class HeightBand(NamedTuple):
@@ -48,22 +66,9 @@ class MappingConfig(RoomConfig):
             up already.
         min_points: Number of points that a voxel needs in one frame to count as hit, so that single
             noisy pixels draw nothing.
-        hit_weight: Evidence that a frame adds to a voxel that it hits.
         pass_weight: Evidence that a frame takes from a voxel that it sees through. With 0, what one
             frame draws stays (paper: local maps are merged).
-        occupied_evidence: Evidence of a voxel from which on its cell is occupied. Up to
-            `hit_weight`, one frame suffices.
-        max_evidence: Upper bound of a voxel's evidence; it limits the frames that a removed object
-            takes to disappear.
-        pass_margin_m: Distance of the measured surface behind a voxel that was seen through,
-            metres.
-        pass_margin_ratio: Addition to `pass_margin_m` per metre of depth, since depth noise grows
-            with it.
-        bump_persistence: Number of frames with a clear view of its floor before a bumped cell
-            counts as free again; a robot often bumps into what its camera cannot see.
         free_footprint: Whether the cells that the robot stands on become free.
-        chunk_cells: Side of the chunks that the map grows by, cells.
-        max_side_m: Width of the map, metres, beyond which a pose is refused as wrong.
         frontier_min_size_m: Length of the shortest frontier, metres; shorter ones are noise, or too
             narrow for a robot.
         block_size_m: Side of the numbered squares, metres.
@@ -78,29 +83,12 @@ class MappingConfig(RoomConfig):
     floor_noise_m: float = Field(default=0.05, ge=0.0, le=1.0)
     headroom_m: float = Field(default=-0.05, ge=-1.0, le=2.0)
     min_points: int = Field(default=2, ge=1, le=10_000)
-    hit_weight: int = Field(default=2, ge=1, le=255)
     pass_weight: int = Field(default=1, ge=0, le=255)
-    occupied_evidence: int = Field(default=2, ge=1, le=255)
-    max_evidence: int = Field(default=6, ge=1, le=255)
-    pass_margin_m: float = Field(default=0.05, ge=0.0, le=10.0)
-    pass_margin_ratio: float = Field(default=0.01, ge=0.0, le=1.0)
-    bump_persistence: int = Field(default=30, ge=1, le=255)
     free_footprint: bool = True
-    chunk_cells: int = Field(default=128, ge=1, le=1024)
-    max_side_m: float = Field(default=500.0, gt=0.0, le=2000.0)
     frontier_min_size_m: float = Field(default=0.5, ge=0.0, le=50.0)
     block_size_m: float = Field(default=2.0, ge=0.1, le=100.0)
     block_min_area_m2: float = Field(default=0.1, ge=0.0, le=10_000.0)
     block_destination: Literal["frontier", "middle"] = "frontier"
-
-    @model_validator(mode="after")
-    def _check_ranges(self) -> "MappingConfig":
-        if self.occupied_evidence > self.max_evidence:
-            raise ValueError(
-                "occupied_evidence must not exceed max_evidence, got "
-                f"{self.occupied_evidence} and {self.max_evidence}"
-            )
-        return self
 
     def height_band(self, body: BodyConfig) -> HeightBand:
         """The heights between which obstacles hinder a robot.

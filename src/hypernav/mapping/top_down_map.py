@@ -13,7 +13,18 @@ from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.observation import Observation
-from hypernav.mapping.config import MappingConfig, memory_of
+from hypernav.mapping.config import (
+    BUMP_PERSISTENCE,
+    CHUNK_CELLS,
+    HIT_WEIGHT,
+    MAX_EVIDENCE,
+    MAX_SIDE_M,
+    OCCUPIED_EVIDENCE,
+    PASS_MARGIN_M,
+    PASS_MARGIN_RATIO,
+    MappingConfig,
+    memory_of,
+)
 from hypernav.mapping.integrate_kernels import FREE, OCCUPIED, UNKNOWN, integrate_frame
 
 
@@ -68,12 +79,12 @@ class TopDownMap:
         self._sizes = (config.cell_size_m, config.voxel_height_m, self._band.bottom_m)
         self._weights = (
             config.min_points,
-            config.hit_weight,
+            HIT_WEIGHT,
             config.pass_weight,
-            config.occupied_evidence,
-            config.max_evidence,
+            OCCUPIED_EVIDENCE,
+            MAX_EVIDENCE,
         )
-        self._margins = (config.pass_margin_m, config.pass_margin_ratio)
+        self._margins = (PASS_MARGIN_M, PASS_MARGIN_RATIO)
         above_bottom_m = embodiment.camera.height_m - self._band.bottom_m
         to_camera = math.ceil(above_bottom_m / config.voxel_height_m)
         layers = np.arange(max(self._band.layers, to_camera)) + 0.5
@@ -189,14 +200,14 @@ class TopDownMap:
             points_xy.min(axis=0).astype(np.float64), points_xy.max(axis=0).astype(np.float64)
         )
         for row, column in self.grid.cells_of(points_xy):
-            self._arrays.bumps[row, column] = self.config.bump_persistence
+            self._arrays.bumps[row, column] = BUMP_PERSISTENCE
             self._arrays.cells[row, column] = OCCUPIED
 
     def forget_bumps(self) -> None:
         """Believe the camera again where the robot bumped into something."""
         arrays = self._arrays
         bumped = arrays.bumps > 0
-        occupied = (arrays.evidence[bumped] >= self.config.occupied_evidence).any(axis=1)
+        occupied = (arrays.evidence[bumped] >= OCCUPIED_EVIDENCE).any(axis=1)
         free = np.where(arrays.seen[bumped] > 0, FREE, UNKNOWN)
         arrays.cells[bumped] = np.where(occupied, OCCUPIED, free)
         arrays.bumps[bumped] = 0
@@ -211,10 +222,10 @@ class TopDownMap:
         first = np.minimum(first, [self._first_column, self._first_row])
         last = np.maximum(last, [self._first_column + columns - 1, self._first_row + rows - 1])
         side = float((last - first).max() + 1) * size
-        if side > self.config.max_side_m + 2 * self.config.chunk_cells * size:
+        if side > MAX_SIDE_M + 2 * CHUNK_CELLS * size:
             raise MapError(
-                f"the map would become {side:.0f} m wide, at most {self.config.max_side_m:g} m are "
-                f"allowed; is a pose wrong? (points from {low} to {high}; see max_side_m)"
+                f"the map would become {side:.0f} m wide, at most {MAX_SIDE_M:g} m are "
+                f"allowed; is a pose wrong? (points from {low} to {high})"
             )
         self._allocate(int(first[1]), int(first[0]), int(last[1]) + 1, int(last[0]) + 1)
 
@@ -225,7 +236,7 @@ class TopDownMap:
             row, column = min(row, self._first_row), min(column, self._first_column)
             row_end = max(row_end, self._first_row + rows)
             column_end = max(column_end, self._first_column + columns)
-        chunk = self.config.chunk_cells
+        chunk = CHUNK_CELLS
         row, column = row // chunk * chunk, column // chunk * chunk
         new_rows = -(-(row_end - row) // chunk) * chunk
         new_columns = -(-(column_end - column) // chunk) * chunk

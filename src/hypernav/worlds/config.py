@@ -25,7 +25,6 @@ class NoiseConfig(RoomConfig):
         depth_sigma_m: Standard deviation of depth at 1 m; it grows with the square of the distance,
             as for every sensor that triangulates.
         depth_edge_px: Pixels without a return on either side of a depth edge.
-        depth_edge_jump: Share by which neighbouring depths differ at an edge.
         forward_sigma: Standard deviation of a forward step, as a share of its length.
         turn_sigma_deg: Standard deviation of a turn, degrees.
         odometry_sigma: Standard deviation of the reported motion, as a share of its length. The
@@ -36,7 +35,6 @@ class NoiseConfig(RoomConfig):
 
     depth_sigma_m: float = Field(default=0.0, ge=0.0, le=100.0)
     depth_edge_px: int = Field(default=0, ge=0, le=100)
-    depth_edge_jump: float = Field(default=0.1, gt=0.0, le=10.0)
     forward_sigma: float = Field(default=0.0, ge=0.0, le=100.0)
     turn_sigma_deg: float = Field(default=0.0, ge=0.0, le=180.0)
     odometry_sigma: float = Field(default=0.0, ge=0.0, le=100.0)

@@ -9,6 +9,9 @@ from jaxtyping import Float32
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.worlds.config import NoiseConfig
 
+_EDGE_JUMP = 0.1
+"""Share by which neighbouring depths differ at an edge; ours."""
+
 
 def noisy_depth(
     depth: Float32[np.ndarray, "height width"], config: NoiseConfig, rng: np.random.Generator
@@ -31,7 +34,7 @@ def noisy_depth(
     if config.depth_edge_px > 0:
         kernel = np.ones((3, 3), dtype=np.uint8)
         jump = cv2.dilate(depth, kernel) - cv2.erode(depth, kernel)
-        edge = (jump > config.depth_edge_jump * depth).astype(np.uint8)
+        edge = (jump > _EDGE_JUMP * depth).astype(np.uint8)
         if config.depth_edge_px > 1:
             edge = cv2.dilate(edge, kernel, iterations=config.depth_edge_px - 1)
         sensed = np.where(edge > 0, np.float32(0.0), sensed)

@@ -9,8 +9,8 @@ import pytest
 
 from hypernav.cli.guards.crashes import crash_report
 from hypernav.cli.guards.interruptions import (
-    EndedInPeace,
     Terminated,
+    UninterruptedEnd,
     interruptions_put_off,
     sigterm_as_interruption,
 )
@@ -84,7 +84,7 @@ def test_a_context_comes_to_its_end_however_often_one_interrupts(error):
             said.append("stands")
 
     def search():
-        with EndedInPeace(robot()) as entered:
+        with UninterruptedEnd(robot()) as entered:
             said.append(entered)
             if error is not None:
                 raise error
@@ -96,7 +96,7 @@ def test_a_context_comes_to_its_end_however_often_one_interrupts(error):
 
 def test_one_who_interrupts_while_it_must_wait_is_told_what_for(capfd):
     def search():
-        with EndedInPeace(nullcontext(), "waiting until the robot stands"):
+        with UninterruptedEnd(nullcontext(), "waiting until the robot stands"):
             pass
 
     search()
@@ -109,7 +109,7 @@ def test_one_who_interrupts_while_it_must_wait_is_told_what_for(capfd):
 
     with (
         pytest.raises(KeyboardInterrupt),
-        EndedInPeace(interrupted(), "waiting until the robot stands"),
+        UninterruptedEnd(interrupted(), "waiting until the robot stands"),
     ):
         pass
     assert capfd.readouterr().err == "\nhypernav: waiting until the robot stands\n"
@@ -121,7 +121,7 @@ def test_a_terminal_that_goes_cuts_no_end_short(tmp_path):
         "import os, time\n"
         "from contextlib import contextmanager\n"
         "from hypernav.cli import main\n"
-        "from hypernav.cli.guards.interruptions import EndedInPeace\n"
+        "from hypernav.cli.guards.interruptions import UninterruptedEnd\n"
         "from hypernav.cli.terminal import Terminal\n"
         "import hypernav.cli.command_line as line\n"
         "os.open(os.ttyname(0), os.O_RDWR)  # becomes the terminal of the session\n"
@@ -134,7 +134,7 @@ def test_a_terminal_that_goes_cuts_no_end_short(tmp_path):
         "        console.print('the robot is told to stand')\n"
         f"        open({str(said)!r}, 'w').write('stands')\n"
         "def run(_):\n"
-        "    with EndedInPeace(robot(), 'waiting'), console.status('searching'):\n"
+        "    with UninterruptedEnd(robot(), 'waiting'), console.status('searching'):\n"
         "        console.print('ready')\n"
         "        time.sleep(100)\n"
         "line.run_command = run\n"

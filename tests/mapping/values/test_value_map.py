@@ -11,7 +11,7 @@ from hypernav.core.embodiment import CameraConfig
 from hypernav.core.geometry.camera import optical_to_base
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.observation import Observation
-from hypernav.mapping.values.value_map import ValueMap, ValueMapConfig
+from hypernav.mapping.values.value_map import ValueMap
 
 CAMERA = CameraConfig(width=160, height=120)
 HERE = Pose2(0.0, 0.0, 0.0)
@@ -28,8 +28,8 @@ def looking(robot: Pose2 = HERE, depth_m: float = 3.0, pitch_deg: float = 0.0) -
     )
 
 
-def value_map(**values: float) -> ValueMap:
-    return ValueMap(ValueMapConfig(**values), CAMERA, cell_size_m=0.05)
+def value_map() -> ValueMap:
+    return ValueMap(CAMERA, cell_size_m=0.05)
 
 
 def at(world: ValueMap, numbers: np.ndarray, x: float, y: float) -> float:
@@ -64,8 +64,9 @@ def test_fusing_the_same_value_again_leaves_it_unchanged(value, times, yaw):
     np.testing.assert_allclose(values, value, atol=1e-6)
 
 
-def test_values_are_weighed_by_how_sure_they_are():
-    world = value_map(least_confidence=0.0)
+def test_values_are_weighed_by_how_sure_they_are(monkeypatch):
+    monkeypatch.setattr("hypernav.mapping.values.value_map._LEAST_CONFIDENCE", 0.0)
+    world = value_map()
     world.integrate(looking(), 1.0)
     world.integrate(looking(Pose2(0.0, 0.0, math.radians(79.0 / 2.0 - 1.0))), 0.0)
     # The point ahead is at the edge of the second view: 1 and about a quarter are their weights.

@@ -48,8 +48,8 @@ class Points:
         return GuideChoice(self.left.pop(0) if len(self.left) > 1 else self.left[0], "because")
 
 
-def explorer_of(guide, **config):
-    return AreaExplorer(guide, ExchangeLog(), ROBOT, MappingConfig(), (0.2,), AreaConfig(**config))
+def explorer_of(guide):
+    return AreaExplorer(guide, ExchangeLog(), ROBOT, MappingConfig(), (0.2,))
 
 
 def next_of(explorer, search=None, *, robot=HERE):
@@ -68,9 +68,10 @@ def test_what_the_image_shows_in_a_direction_is_gone_to(direction, side):
     assert (area.arrival_m, area.most_steps) == (0.8, 10)
 
 
-def test_where_nothing_leads_there_it_turns_right_and_then_goes_to_a_frontier():
+def test_where_nothing_leads_there_it_turns_right_and_then_goes_to_a_frontier(monkeypatch):
+    monkeypatch.setattr("hypernav.perception.areas.area_explorer._TURNS", 3)
     guide = Points(Direction.EXPLORE)
-    explorer, search = explorer_of(guide, turns=3), SearchMemory()
+    explorer, search = explorer_of(guide), SearchMemory()
     for _ in range(3):
         turn = next_of(explorer, search)
         search.visits.append(turn.xy)
@@ -82,8 +83,9 @@ def test_where_nothing_leads_there_it_turns_right_and_then_goes_to_a_frontier():
     assert next_of(explorer, search).face is not None  # it asks, and turns, anew
 
 
-def test_an_area_that_was_reached_is_none():
-    explorer = explorer_of(Points(Direction.STRAIGHT), turns=0)
+def test_an_area_that_was_reached_is_none(monkeypatch):
+    monkeypatch.setattr("hypernav.perception.areas.area_explorer._TURNS", 0)
+    explorer = explorer_of(Points(Direction.STRAIGHT))
     area = next_of(explorer)
     reached = SearchMemory(visits=[area.xy])
     assert "nearest frontier" in next_of(explorer, reached).reason
@@ -92,8 +94,9 @@ def test_an_area_that_was_reached_is_none():
     assert "nearest frontier" in next_of(explorer, robot=at_wall).reason  # it is there already
 
 
-def test_an_image_without_depth_has_no_areas():
-    explorer = explorer_of(Points(Direction.STRAIGHT), turns=0)
+def test_an_image_without_depth_has_no_areas(monkeypatch):
+    monkeypatch.setattr("hypernav.perception.areas.area_explorer._TURNS", 0)
+    explorer = explorer_of(Points(Direction.STRAIGHT))
     seen = room_with_wall(3.0)
     seen.depth[:] = 0.0
     destination = certain(explorer.next_destination(exploration_view(hall(), seen)))

@@ -46,7 +46,7 @@ def interruptions_put_off(notice: str | None = None) -> Iterator[None]:
         signal.raise_signal(came[0])
 
 
-class EndedInPeace(AbstractContextManager[_EnteredT, bool | None]):
+class UninterruptedEnd(AbstractContextManager[_EnteredT, bool | None]):
     """A context whose end no interruption cuts short, such as that of a robot that must stand."""
 
     def __init__(

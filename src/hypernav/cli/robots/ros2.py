@@ -10,7 +10,7 @@ from rich.markup import escape
 from rich.status import Status
 
 from hypernav.cli.agent_options import check_steps_and_seed
-from hypernav.cli.guards.interruptions import EndedInPeace
+from hypernav.cli.guards.interruptions import UninterruptedEnd
 from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.robot_options import Ros2
@@ -116,7 +116,7 @@ def _searched(
     with (
         console.status("looking for the robot …") as status,
         closing(Ros2Network(config.domain_id)) as network,
-        EndedInPeace(
+        UninterruptedEnd(
             opened_drive(options.drive, network, config), "waiting until the robot stands"
         ) as (robot, senses),
         server_at(options.server, options.own_server) as url,

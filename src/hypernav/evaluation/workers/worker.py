@@ -86,7 +86,7 @@ class EpisodeWorker:
         self._job = job
         self._agent, self._words, self._needs_colours, self._parts = _agent_of(job)
         self._truth = self._parts.truth if isinstance(self._parts, BuiltAgent) else None
-        self._place: _Place | None = None
+        self._scene: _OpenScene | None = None
 
     def run(self, episode: Episode) -> EpisodeRecord:
         """Run one episode.
@@ -98,16 +98,16 @@ class EpisodeWorker:
             HyPerNavError: The agent can't search for the goal, or page or video can't be written.
         """
         try:
-            place = self._place_of(episode.scene_id)
-            place.renderer.colours = self._needs_colours or self._job.save == "videos"
+            scene = self._scene_of(episode.scene_id)
+            scene.renderer.colours = self._needs_colours or self._job.save == "videos"
             run = EpisodeRun(
                 self._agent,
-                place.world,
+                scene.world,
                 episode,
                 rng=np.random.default_rng(episode.seed(self._job.seed)),
                 told=self._truth,
             )
-            return self._watch(run, place)
+            return self._watch(run, scene)
         except _SIMULATOR_ERRORS as error:
             return simulator_error_record(episode, f"{type(error).__name__}: {error}")
 
@@ -118,20 +118,20 @@ class EpisodeWorker:
             self._parts.close()
 
     def _leave_scene(self) -> None:
-        if self._place is not None:
-            self._place.world.close()
-        self._place = None
+        if self._scene is not None:
+            self._scene.world.close()
+        self._scene = None
 
-    def _place_of(self, scene_id: str) -> "_Place":
-        if self._place is None or self._place.scene_id != scene_id:
+    def _scene_of(self, scene_id: str) -> "_OpenScene":
+        if self._scene is None or self._scene.scene_id != scene_id:
             self._leave_scene()  # the old one's memory, before the new one's
             scene = self._job.open_scene(scene_id)
             opened = open_world(scene, scene_id, self._job.config, self._job.world)
-            self._place = _Place(scene_id, opened.world, opened.renderer)
-        return self._place
+            self._scene = _OpenScene(scene_id, opened.world, opened.renderer)
+        return self._scene
 
-    def _watch(self, run: EpisodeRun, place: "_Place") -> EpisodeRecord:
-        episode, world, save = run.trial.episode, place.world, self._job.save
+    def _watch(self, run: EpisodeRun, scene: "_OpenScene") -> EpisodeRecord:
+        episode, world, save = run.trial.episode, scene.world, self._job.save
         goal = world.goal_truth(episode.goal, episode.view_points)
         evidence = FailureEvidence(world, goal, self._job.config)
         questions, tokens, unusable = Counter[str](), Counter[str](), Counter[str]()
@@ -145,7 +145,7 @@ class EpisodeWorker:
                 if recorder is not None:
                     recorder.add(step.trace, step.grid, step.observation)
                 elif save == "failures":
-                    storyboard.watch(step, world.camera_to_scene, coloured=place.renderer.colours)
+                    storyboard.watch(step, world.camera_to_scene, coloured=scene.renderer.colours)
             result = run.result()
             stopped = run.trial.ending is Ending.FOUND
             facts = evidence.facts(
@@ -156,7 +156,7 @@ class EpisodeWorker:
                 saved = self._finish(recorder, episode, result, verdict)
         if save == "failures" and verdict is not None:
             with self._recorder(episode) as recorder:
-                storyboard.record(recorder, place.image_from)
+                storyboard.record(recorder, scene.image_from)
                 saved = self._finish(recorder, episode, result, verdict)
         return EpisodeRecord(
             scene_id=episode.scene_id,
@@ -225,7 +225,7 @@ def _decisive_step(verdict: Verdict | None, steps: Sequence[StepTrace]) -> dict[
 
 
 @dataclass(frozen=True, eq=False)
-class _Place:
+class _OpenScene:
     """An open scene, the world in it, and the renderer that draws it."""
 
     scene_id: str

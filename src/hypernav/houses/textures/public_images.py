@@ -12,13 +12,12 @@ def whiteboard(rng: RandomStream, height: int = 160, width: int = 256) -> Image:
     row, column = pixel_grid(height, width)
     canvas = np.ones((height, width, 3)) * 0.955
     pens = ((0.12, 0.18, 0.5), (0.68, 0.15, 0.14), (0.1, 0.1, 0.1), (0.1, 0.42, 0.2))
-    for k in range(rng.integer(3, 6)):
+    for _ in range(rng.integer(3, 6)):
         ink = rng.choice(pens)
         top, left = rng.uniform(0.08, 0.75), rng.uniform(0.05, 0.5)
         wave = 0.006 * np.sin(column * rng.uniform(150.0, 260.0))
         line = np.abs(row - top - wave) < 0.012
         canvas[line & (column > left) & (column < left + rng.uniform(0.15, 0.4))] = ink
-        del k
     for _ in range(rng.integer(1, 3)):
         ink = rng.choice(pens)
         x0, y0 = rng.uniform(0.5, 0.75), rng.uniform(0.1, 0.6)

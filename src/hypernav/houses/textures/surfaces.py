@@ -22,7 +22,7 @@ def wood(rng: RandomStream, size: int = 512, contrast: float = 0.3) -> Image:
     """Boards with the grain along u; one image covers about a metre."""
     bend = smooth_noise(rng, size, size, 4, 2) * 0.25
     row, _ = pixel_grid(size, size)
-    rings = (np.floor((row + bend) * 8) % 1, (row + bend * 0.6) * 14.0)[1]
+    rings = (row + bend * 0.6) * 14.0
     wave = 0.5 + 0.5 * np.sin(2.0 * np.pi * rings)
     grain = cloud_noise(rng, size, 64, octaves=3, stretch=32)
     pores = (smooth_noise(rng, size, size, 256, 16) > 0.82) * 0.35

@@ -8,9 +8,7 @@ import math
 
 import numpy as np
 from jaxtyping import Float, Float32, Float64
-from pydantic import Field
 
-from hypernav.core.config import RoomConfig
 from hypernav.core.embodiment import CameraConfig
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.observation import Observation
@@ -20,18 +18,11 @@ _CHUNK_CELLS = 128
 """Cells by which the map grows; ours."""
 
 
-class ValueMapConfig(RoomConfig):
-    """Weights of the views.
-
-    Attributes:
-        edge_confidence: Confidence of a view at the edges of the image; it is 1 in the middle
-            (VLFM's code; its paper has 0).
-        least_confidence: Confidence below which a view counts only where nothing surer is known
-            (VLFM's code).
-    """
-
-    edge_confidence: float = Field(default=0.25, gt=0.0, le=1.0)
-    least_confidence: float = Field(default=0.35, ge=0.0, le=1.0)
+_EDGE_CONFIDENCE = 0.25
+"""Confidence of a view at the edges of the image; it is 1 in the middle (VLFM's code; its paper has
+0)."""
+_LEAST_CONFIDENCE = 0.35
+"""Confidence below which a view counts only where nothing surer is known (VLFM's code)."""
 
 
 class ValueMap:
@@ -42,15 +33,13 @@ class ValueMap:
     holes). A tilted camera counts as a level one that sees as far (ours: the original has none).
     """
 
-    def __init__(self, config: ValueMapConfig, camera: CameraConfig, *, cell_size_m: float) -> None:
+    def __init__(self, camera: CameraConfig, *, cell_size_m: float) -> None:
         """Begin with an empty map.
 
         Args:
-            config: Weights of the views.
             camera: Range of the camera.
             cell_size_m: Side of a cell, metres.
         """
-        self._config = config
         self._range_m = (camera.min_depth_m, camera.max_depth_m)
         self._size = cell_size_m
         self._row = self._column = 0
@@ -112,7 +101,7 @@ class ValueMap:
             reach,
             self._weights_of(camera),
             np.float32(value),
-            self._config.least_confidence,
+            _LEAST_CONFIDENCE,
         )
 
     def median_near(
@@ -131,7 +120,7 @@ class ValueMap:
     def _weights_of(self, camera: PinholeCamera) -> Float32[np.ndarray, " width"]:
         """Confidence of a view in each image column."""
         if self._weights is None or self._weights[0] != camera:
-            least = self._config.edge_confidence
+            least = _EDGE_CONFIDENCE
             angles = np.arctan(camera.ray_slopes()[0])
             falling = np.cos(np.pi * angles / camera.hfov) ** 2
             self._weights = camera, (least + (1.0 - least) * falling).astype(np.float32)

@@ -23,7 +23,7 @@ class ChatConfig(RoomConfig):
     """Settings that all chat models share.
 
     Attributes:
-        timeout_s: Longest wait for one attempt (the SDK's own 600 s would freeze a robot).
+        timeout_s: Longest wait for one attempt; a robot stands still meanwhile.
         connect_timeout_s: Longest wait for one of the server's addresses to connect.
         patience_s: Time after which an unanswered question is given up. Failed attempts are
             repeated until then; 0 asks once.

@@ -13,7 +13,7 @@ from difflib import SequenceMatcher
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import AliasChoices, BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from hypernav.core.chat import Answer, Fault, Question, Usage
 from hypernav.core.components.protocols import ChatModel
@@ -41,7 +41,7 @@ class _Header(_Line):
 class _RecordedQuestion(_Line):
     kind: str
     text: str
-    images: list[str] = Field(validation_alias=AliasChoices("images", "pictures"))
+    images: list[str]
     allowed: list[str]
     form: dict[str, Any] | None
     max_tokens: int

@@ -63,7 +63,7 @@ def open_chat(spec: VlmSpec | str, config: ChatConfig | None = None) -> ChatMode
     """
     spec = parse_vlm_spec(spec) if isinstance(spec, str) else spec
     config = config or ChatConfig()
-    # Each backend is imported when it is used: the SDK alone takes half a second.
+    # Each backend is imported when it is used: torch and transformers take seconds to load.
     match spec.kind:
         case "openai":
             from hypernav.models.chat.server.openai_chat import OpenAiChat

@@ -27,6 +27,8 @@ from hypernav.models.vision.sam import clipped_to_box
 
 _MEAN = np.array([123.675, 116.28, 103.53], dtype=np.float32)
 _DEVIATION = np.array([58.395, 57.12, 57.375], dtype=np.float32)
+_MASK_SIDE_PX = 256
+"""Side of the decoder's mask input, in all exports of SAM and MobileSAM."""
 _CORNER_LABELS = np.array([[2.0, 3.0]], dtype=np.float32)
 _DECODER_INPUTS = {
     "image_embeddings",
@@ -43,13 +45,11 @@ class OnnxSamConfig(RoomConfig):
 
     Attributes:
         side_px: Longest side of the image as the encoder was trained on.
-        mask_side_px: Side of the decoder's mask input.
         clip_to_box: Drop what the mask has outside the box.
         threads: Threads of onnxruntime.
     """
 
     side_px: int = Field(default=1024, ge=64, le=4096)
-    mask_side_px: int = Field(default=256, ge=16, le=4096)
     clip_to_box: bool = True
     threads: int = Field(default=2, ge=1, le=MOST_THREADS)
 
@@ -80,7 +80,7 @@ class OnnxSamSegmenter:
             return np.zeros((height, width), dtype=bool)
         scale = self.config.side_px / max(height, width)
         corners = [[[box.x_min, box.y_min], [box.x_max, box.y_max]]]
-        side = self.config.mask_side_px
+        side = _MASK_SIDE_PX
         masks, qualities = self._decoder.run(
             ["masks", "iou_predictions"],
             {

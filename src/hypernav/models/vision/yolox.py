@@ -21,6 +21,10 @@ from hypernav.models.vision.coco import COCO_CLASSES, class_for
 from hypernav.models.vision.onnx_session import open_session
 
 _PADDING = 114
+_NMS_IOU = 0.45
+"""Of two boxes of one class that overlap more than this, the better one stays (YOLOX's demo)."""
+_MIN_BOX_PX = 2.0
+"""A narrower or lower box is dropped."""
 
 
 class YoloxConfig(RoomConfig):
@@ -28,16 +32,12 @@ class YoloxConfig(RoomConfig):
 
     Attributes:
         score_threshold: Detections below this are dropped; objectness times class score.
-        nms_iou: Of two boxes of one class that overlap more than this, the better one stays.
-        min_box_pixels: A narrower or lower box is dropped.
         threads: Threads of onnxruntime.
         classes: Names in the order of the network's outputs.
         fallback_input_px: Side of the input for an export whose own input size is not fixed.
     """
 
     score_threshold: float = Field(default=0.3, ge=0.0, le=1.0)
-    nms_iou: float = Field(default=0.45, gt=0.0, le=1.0)
-    min_box_pixels: float = Field(default=2.0, ge=0.0, le=8192.0)
     threads: int = Field(default=2, ge=1, le=MOST_THREADS)
     classes: tuple[str, ...] = COCO_CLASSES
     fallback_input_px: int = Field(default=640, ge=32, le=4096, multiple_of=32)
@@ -96,10 +96,10 @@ class YoloxDetector:
         boxes, scores, classes = self._decode(np.asarray(output, dtype=np.float32))
         boxes /= ratio
         detections = []
-        for index in keep_best_boxes(boxes, scores, classes, self.config.nms_iou):
+        for index in keep_best_boxes(boxes, scores, classes, _NMS_IOU):
             box = Box(*(float(edge) for edge in boxes[index])).clipped(rgb.shape[1], rgb.shape[0])
             sides = (box.x_max - box.x_min, box.y_max - box.y_min)
-            if min(sides) >= self.config.min_box_pixels:
+            if min(sides) >= _MIN_BOX_PX:
                 label = self.config.classes[int(classes[index])]
                 detections.append(Detection(box, float(scores[index]), label))
         return detections

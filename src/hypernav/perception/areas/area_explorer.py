@@ -36,35 +36,35 @@ _CENTRES = {Direction.LEFT: 0.25, Direction.RIGHT: 0.75, Direction.STRAIGHT: 0.5
 _JOINED_CELLS = 3
 _KEY = "navvlm"
 """Key of this explorer's notes."""
+_SQUARE_PX = 200
+"""Side of the labelled square in an image of 640 columns (NavVLM's code)."""
+_ARRIVAL_M = 0.8
+"""Distance within which an area counts as reached (NavVLM's code)."""
+_KEEP_STEPS = 10
+"""Number of steps that an area is gone to (NavVLM's code)."""
+_TURNS = 12
+"""Largest number of turns to the right, with a question after each, before the nearest frontier is
+gone to (NavVLM's code)."""
+_LEAST_CELLS = 6
+"""Number of map cells that the square must cover in one piece (NavVLM's code)."""
+_GAP_M = 1.0
+"""Largest distance from an area to floor that the robot can reach; ours."""
+_MAP_PX = 480
+"""Side of the map's image, pixels; ours."""
 
 
 class AreaConfig(RoomConfig):
     """Areas and turns. Values are those of NavVLM's code unless said ours.
 
     Attributes:
-        square_px: Side of the labelled square in an image of 640 columns.
-        arrival_m: Distance within which an area counts as reached, metres.
-        keep_steps: Number of steps that an area is gone to.
-        turns: Largest number of turns to the right, with a question after each, before the nearest
-            frontier is gone to.
-        least_cells: Number of map cells that the square must cover in one piece.
-        gap_m: Largest distance from an area to floor that the robot can reach, metres; ours.
         visited_radius_m: Distance from an area that was reached or given up, metres, within which
             another counts as none; ours: the original may go to and fro.
         clear_rows: Whether a row of the map that holds anything outside the largest piece is
             dropped altogether: a mistake of the original.
-        map_px: Side of the map's image, pixels; ours.
     """
 
-    square_px: int = Field(default=200, ge=2, le=8192)
-    arrival_m: float = Field(default=0.8, gt=0.0, le=10.0)
-    keep_steps: int = Field(default=10, ge=1, le=10_000)
-    turns: int = Field(default=12, ge=0, le=1000)
-    least_cells: int = Field(default=6, ge=1, le=100_000)
-    gap_m: float = Field(default=1.0, ge=0.0, le=10.0)
     visited_radius_m: float = Field(default=0.5, ge=0.0, le=100.0)
     clear_rows: bool = False
-    map_px: int = Field(default=480, ge=64, le=4096)
 
 
 @dataclass
@@ -120,29 +120,30 @@ class AreaExplorer:
         Raises:
             ModelUnavailableError: The guide's model did not answer.
         """
-        seen, config = view.observation, self._config
+        seen = view.observation
         notes: _Notes = view.notes.setdefault(_KEY, _Notes())
         past = None
         if notes.seen_before is not None:
-            grid, trajectory = view.grid.copy(), list(view.trajectory)
-            past = partial(_past, notes.seen_before, grid, view.robot, trajectory, config.map_px)
+            past = partial(
+                _past, notes.seen_before, view.grid, view.robot, view.trajectory, _MAP_PX
+            )
         choice = self._guide.direct(GuideView(seen, self._windows(seen), past), view.goal)
         notes.seen_before = seen.rgb
         if choice.direction is not Direction.EXPLORE:
             position = self._area(view, choice.direction)
             if position is not None:
                 notes.turns = 0
-                rows, columns = _square(seen, choice.direction, config)
+                rows, columns = _square(seen, choice.direction)
                 box = (columns.start, rows.start, columns.stop, rows.stop)
                 return Destination(
                     *position,
                     reason=choice.reason,
                     insight=Insight(window=ImageWindow(box=box, label=choice.direction)),
                     holds=True,
-                    arrival_m=config.arrival_m,
-                    most_steps=config.keep_steps,
+                    arrival_m=_ARRIVAL_M,
+                    most_steps=_KEEP_STEPS,
                 )
-        if notes.turns < config.turns:
+        if notes.turns < _TURNS:
             notes.turns += 1
             return self._turned_right(view.robot, choice.reason)
         notes.turns = 0
@@ -153,7 +154,7 @@ class AreaExplorer:
         return Destination(*robot.xy, reason=reason, holds=True, face=robot.yaw - angle)
 
     def _windows(self, seen: Observation) -> dict[Direction, slice]:
-        return {direction: _square(seen, direction, self._config)[1] for direction in _CENTRES}
+        return {direction: _square(seen, direction)[1] for direction in _CENTRES}
 
     def _area(self, view: ExplorationView, direction: Direction) -> tuple[float, float] | None:
         """Reachable position nearest to what the square shows; None if there is none to go to."""
@@ -175,14 +176,14 @@ class AreaExplorer:
             int((away_m + 1e-3 * np.minimum(reach.travel_m, 1e3)).argmin()), away_m.shape
         )
         position = reach.grid.centre_of(int(row), int(column))
-        if away_m[row, column] > self._config.gap_m or self._is_known(position, view):
+        if away_m[row, column] > _GAP_M or self._is_known(position, view):
             return None
         return position
 
     def _is_known(self, position: tuple[float, float], view: ExplorationView) -> bool:
         """Whether the robot is there, or has been."""
         radius_m = self._config.visited_radius_m
-        here = view.robot.distance_to(*position) < self._config.arrival_m
+        here = view.robot.distance_to(*position) < _ARRIVAL_M
         return here or any(math.dist(position, visit) < radius_m for visit in view.visits)
 
     def _cells_in(
@@ -193,7 +194,7 @@ class AreaExplorer:
         The original clusters by density; a piece is what stays connected when cells are dilated by
         one (ours).
         """
-        rows, columns = _square(seen, direction, self._config)
+        rows, columns = _square(seen, direction)
         depth = seen.depth[rows, columns]
         camera = self._embodiment.camera
         measured = is_measured(depth, camera.min_depth_m, camera.max_depth_m)
@@ -206,10 +207,10 @@ class AreaExplorer:
         return _largest_piece(grid, points[:, :2], self._config)
 
 
-def _square(seen: Observation, direction: Direction, config: AreaConfig) -> tuple[slice, slice]:
+def _square(seen: Observation, direction: Direction) -> tuple[slice, slice]:
     """Rows and columns of the labelled square."""
     height, width = seen.depth.shape
-    half = max(round(config.square_px * width / _WIDTH / 2.0), 1)
+    half = max(round(_SQUARE_PX * width / _WIDTH / 2.0), 1)
     middle, centre = height // 2, round(_CENTRES[direction] * width)
     return (
         slice(max(middle - half, 0), min(middle + half, height)),
@@ -227,7 +228,7 @@ def _largest_piece(
     kernel = np.ones((_JOINED_CELLS, _JOINED_CELLS), np.uint8)
     _, parts = cv2.connectedComponents(cv2.dilate(covered.view(np.uint8), kernel))
     sizes = np.bincount(parts[covered], minlength=1)
-    if not sizes.any() or sizes.max() < config.least_cells:
+    if not sizes.any() or sizes.max() < _LEAST_CELLS:
         return np.empty((0, 2), dtype=np.int64)
     kept = covered & (parts == sizes.argmax())
     if config.clear_rows:

@@ -1,26 +1,16 @@
 """A stand-in for a model that says directions: what is really in view, and a table of rooms."""
 
-from pydantic import Field
-
-from hypernav.core.config import RoomConfig
 from hypernav.core.goal import Goal
 from hypernav.core.guidance import Direction, GuideChoice, GuideView
 from hypernav.core.trace import Exchange, ExchangeLog
 from hypernav.perception.values.truth_scorer import chance_in_view
 
-
-class TruthGuideConfig(RoomConfig):
-    """Caution of the stand-in. All values are ours.
-
-    Attributes:
-        least_chance: Chance of the goal in a room like the one in a direction at which that
-            direction leads there.
-        least_lead: How many times as likely as in the least likely direction the goal must be
-            elsewhere to lead there below that chance.
-    """
-
-    least_chance: float = Field(default=0.4, ge=0.0, le=1.0)
-    least_lead: float = Field(default=2.0, ge=1.0, le=1000.0)
+_LEAST_CHANCE = 0.4
+"""Chance of the goal in a room like the one in a direction at which that direction leads there;
+ours."""
+_LEAST_LEAD = 2.0
+"""How many times as likely as in the least likely direction the goal must be elsewhere to lead
+there below that chance; ours."""
 
 
 class TruthGuide:
@@ -36,15 +26,13 @@ class TruthGuide:
     looks_at_colours = False
     stands_in_for = "a vision-language model (--vlm)"
 
-    def __init__(self, log: ExchangeLog, config: TruthGuideConfig | None = None) -> None:
+    def __init__(self, log: ExchangeLog) -> None:
         """Create the guide.
 
         Args:
             log: Log of all choices, for the trace.
-            config: Caution.
         """
         self._log = log
-        self._config = config or TruthGuideConfig()
 
     def direct(self, view: GuideView, goal: Goal) -> GuideChoice:
         """The likeliest direction, if it is likely enough.
@@ -72,8 +60,8 @@ class TruthGuide:
         if not chances:
             return GuideChoice(Direction.EXPLORE, f"{Direction.EXPLORE}: nothing tells the room")
         best = max(chances, key=lambda direction: chances[direction])
-        ahead = chances[best] >= self._config.least_lead * min(chances.values())
-        leads = ahead or chances[best] >= self._config.least_chance
+        ahead = chances[best] >= _LEAST_LEAD * min(chances.values())
+        leads = ahead or chances[best] >= _LEAST_CHANCE
         direction = best if leads else Direction.EXPLORE
         reason = f"{direction}: a room like the one in view has it {chances[best]:.0%} of the time"
         return GuideChoice(direction, reason)

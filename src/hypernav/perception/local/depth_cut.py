@@ -21,32 +21,31 @@ _LEAST_INSIDE = 0.5
 _LEAST_FIT = 0.02
 """What remains of the fit of a part that goes on around the whole box."""
 _NEAREST_M = 0.3
+_WORK_SIZE_PX = 120
+"""Length that the longer side of the box is reduced to before the colour cut."""
+_MARGIN = 0.15
+"""Width of the certain background around the box, as a share of the box's size."""
+_ITERATIONS = 2
+"""Number of GrabCut's iterations."""
+_MAX_FLOOR_SHARE = 0.6
+"""Share of the box on the floor above which the object lies on it, as a rug does, and the floor is
+kept."""
+_MAX_EMPTY_SHARE = 0.5
+"""Share of the box without depth above which the object lies beyond the range of depth, and what
+has depth stands before it."""
 
 
 class DepthCutConfig(RoomConfig):
     """Configuration of the depth cut, which replaces the paper's MobileSAM; its values are ours.
 
     Attributes:
-        work_size_px: Length that the longer side of the box is reduced to before the colour cut,
-            pixels.
-        margin: Width of the certain background around the box, as a share of the box's size.
         depth_gap_m: Jump in depth between two pixels that ends the object, metres.
-        iterations: Number of GrabCut's iterations.
         floor_height_m: Height below which a pixel is floor, not the object, metres: floor touches
             the object without a jump in depth and often has its colour. 0 keeps it.
-        max_empty_share: Share of the box without depth above which the object lies beyond the range
-            of depth, and what has depth stands before it.
-        max_floor_share: Share of the box on the floor above which the object lies on it (a rug),
-            and the floor is kept.
     """
 
-    work_size_px: int = Field(default=120, ge=16, le=4096)
-    margin: float = Field(default=0.15, ge=0.0, le=1.0)
     depth_gap_m: float = Field(default=0.15, gt=0.0, le=100.0)
-    iterations: int = Field(default=2, ge=1, le=100)
     floor_height_m: float = Field(default=0.06, ge=0.0, le=10.0)
-    max_floor_share: float = Field(default=0.6, ge=0.0, le=1.0)
-    max_empty_share: float = Field(default=0.5, ge=0.0, le=1.0)
 
 
 class DepthCutSegmenter:
@@ -70,12 +69,12 @@ class DepthCutSegmenter:
         if box.area < 1.0:
             return mask
         dx, dy = (
-            self._config.margin * (box.x_max - box.x_min),
-            self._config.margin * (box.y_max - box.y_min),
+            _MARGIN * (box.x_max - box.x_min),
+            _MARGIN * (box.y_max - box.y_min),
         )
         crop = Box(box.x_min - dx, box.y_min - dy, box.x_max + dx, box.y_max + dy)
         x0, y0, x1, y1 = crop.clipped(width, height).pixels()
-        scale = min(1.0, self._config.work_size_px / max(x1 - x0, y1 - y0))
+        scale = min(1.0, _WORK_SIZE_PX / max(x1 - x0, y1 - y0))
         size = (max(round((x1 - x0) * scale), 2), max(round((y1 - y0) * scale), 2))
         rgb = cv2.resize(observation.rgb[y0:y1, x0:x1], size, interpolation=cv2.INTER_AREA)
         depth = cv2.resize(observation.depth[y0:y1, x0:x1], size, interpolation=cv2.INTER_NEAREST)
@@ -87,7 +86,7 @@ class DepthCutSegmenter:
             round((bx0 - x0) * sx) : max(round((bx1 - x0) * sx), 1),
         ] = True
         floor = self._is_floor(observation, depth, (x0, y0), (sx, sy))
-        if (floor & inside).sum() > self._config.max_floor_share * inside.sum():
+        if (floor & inside).sum() > _MAX_FLOOR_SHARE * inside.sum():
             floor[:] = False
         cut = self._cut(rgb, depth, inside, floor)
         whole = cv2.resize(
@@ -120,7 +119,7 @@ class DepthCutSegmenter:
         """The object's pixels in a reduced crop."""
         inside, has_depth = box & ~floor, is_measured(depth)
         empty = inside & ~has_depth
-        if empty.sum() > self._config.max_empty_share * inside.sum():
+        if empty.sum() > _MAX_EMPTY_SHARE * inside.sum():
             return empty
         cluster = self._best_fitting_parts(depth, box, has_depth & ~floor)
         if not cluster.any():
@@ -137,7 +136,7 @@ class DepthCutSegmenter:
             (0, 0, 0, 0),  # unused: the mask says where the object is
             np.zeros((1, 65)),
             np.zeros((1, 65)),
-            self._config.iterations,
+            _ITERATIONS,
             cv2.GC_INIT_WITH_MASK,
         )
         cut = (labels == cv2.GC_FGD) | (labels == cv2.GC_PR_FGD)

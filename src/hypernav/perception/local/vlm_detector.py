@@ -27,6 +27,12 @@ _PROMPT = (
 )
 _UNSURE = 0.5
 """Score of a crop about which the answer is neither yes nor no."""
+CROP_MARGIN = 0.3
+"""Width of what a crop shows around its box, as a share of the box's sides."""
+_MAX_BOXES = 10
+"""Largest number of boxes of an answer; further ones are dropped."""
+_MIN_SIDE_PX = 4.0
+"""Shortest side of a box; smaller boxes are dropped."""
 
 
 class VlmDetectorConfig(RoomConfig):
@@ -40,27 +46,21 @@ class VlmDetectorConfig(RoomConfig):
         right_articles: Whether the goal is named without its own article.
         score_crops: Number of boxes of an image, the largest first, whose crops are looked at once
             more: the probability of "yes" is the box's score. 0 takes boxes as they are.
-        crop_margin: Width of what a crop shows around its box, as a share of the box's sides.
         min_score: Score below which a box is dropped.
         constrained: Whether to enforce the JSON form where the server can. The models were trained
             on free answers and these are read tolerantly, so it is rarely needed.
         drop_other_labels: Whether to reject boxes that the model itself labels as something else.
         max_tokens: Limit on the length of the answer, tokens; a box takes about 40.
-        max_boxes: Largest number of boxes; further ones are dropped.
-        min_side_px: Shortest side of a box, pixels; smaller boxes are dropped.
     """
 
     family: Literal["auto", FamilyName] = "auto"
     prompt: str = _PROMPT
     right_articles: bool = True
     score_crops: int = Field(default=2, ge=0, le=1000)
-    crop_margin: float = Field(default=0.3, ge=0.0, le=10.0)
     min_score: float = Field(default=0.3, ge=0.0, le=1.0)
     constrained: bool = False
     drop_other_labels: bool = False
     max_tokens: int = Field(default=300, ge=16, le=1_000_000)
-    max_boxes: int = Field(default=10, ge=1, le=1000)
-    min_side_px: float = Field(default=4.0, ge=0.0, le=8192.0)
 
     @field_validator("prompt")
     @classmethod
@@ -173,8 +173,8 @@ class VlmDetector:
             self.family,
             width,
             height,
-            max_boxes=self._config.max_boxes,
-            min_side_px=self._config.min_side_px,
+            max_boxes=_MAX_BOXES,
+            min_side_px=_MIN_SIDE_PX,
         )
         boxes, remarks = self._judge(answer, grounding, goal)
         self._log.record(exchange_of(question, answer, remarks=remarks))
@@ -186,7 +186,7 @@ class VlmDetector:
         """The detections with the scores of their crops; those with too low a score are dropped."""
         by_size = sorted(range(len(found)), key=lambda k: -found[k].box.area)
         for k in by_size[: self._config.score_crops]:
-            crop = crop_of(observation.rgb, found[k].box, self._config.crop_margin)
+            crop = crop_of(observation.rgb, found[k].box, CROP_MARGIN)
             yes = self._crops.ask(crop_question(crop, goal))
             found[k] = replace(found[k], score=_UNSURE if yes is None else yes)
         kept = [one for one in found if one.score >= self._config.min_score]

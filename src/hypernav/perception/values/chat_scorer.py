@@ -2,8 +2,6 @@
 
 from typing import Any
 
-from pydantic import Field
-
 from hypernav.core.components.protocols import ChatModel
 from hypernav.core.config import RoomConfig
 from hypernav.core.goal import Goal
@@ -15,6 +13,8 @@ _PROMPT = (
     "You look for a {goal} in a building. Is the place in this picture one from which a {goal} is "
     "likely close by? Answer yes or no."
 )
+_UNSURE = 0.5
+"""Score of an answer that is neither yes nor no."""
 
 
 class ChatScorerConfig(RoomConfig):
@@ -22,11 +22,9 @@ class ChatScorerConfig(RoomConfig):
 
     Attributes:
         prompt: Text of the question; ``{goal}`` is filled in.
-        unsure: Score of an answer that is neither yes nor no.
     """
 
     prompt: str = _PROMPT
-    unsure: float = Field(default=0.5, ge=0.0, le=1.0)
 
 
 class ChatScorer:
@@ -61,5 +59,5 @@ class ChatScorer:
         question = yes_no_question(
             "score view", goal.named_in(self._config.prompt), observation.rgb
         )
-        yes = self._asker.ask(question, f"scored {self._config.unsure:g}")
-        return self._config.unsure if yes is None else yes
+        yes = self._asker.ask(question, f"scored {_UNSURE:g}")
+        return _UNSURE if yes is None else yes

@@ -20,32 +20,30 @@ from hypernav.core.insight import Insight, ValueImage
 from hypernav.core.trace import Exchange, ExchangeLog
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.frontiers import Frontier, find_frontiers
-from hypernav.mapping.values.value_map import ValueMap, ValueMapConfig
+from hypernav.mapping.values.value_map import ValueMap
 
 _KEY = "vlfm"
 """Key of this explorer's notes."""
 _SHOWN_EVERY = 4
 """Every fourth cell of the value map, in both directions, is shown."""
+_NEAR_M = 0.5
+"""Distance from a frontier's destination within which values count, and within which a frontier is
+the one of the step before (VLFM's code)."""
+_STAY_MARGIN = 0.01
+"""Amount by which the value of the present frontier may fall from one step to the next before the
+best is gone to (VLFM's code)."""
 
 
 class ValueFrontierConfig(RoomConfig):
     """Choice of a frontier by the value map. Values are those of VLFM's code unless said ours.
 
     Attributes:
-        map: Weights of the views in the value map.
-        near_m: Distance from a frontier's destination, metres, within which values count, and
-            within which a frontier is the one of the step before.
-        stay_margin: Amount by which the value of the present frontier may fall from one step to the
-            next before the best is gone to.
         least_pocket_m2: Area below which unknown floor in the middle of known floor counts as
             explored, square metres.
         visited_radius_m: Distance from a destination that was reached or given up, metres, within
             which frontiers are passed over; ours: the original goes on for ever.
     """
 
-    map: ValueMapConfig = ValueMapConfig()
-    near_m: float = Field(default=0.5, gt=0.0, le=10.0)
-    stay_margin: float = Field(default=0.01, ge=0.0, le=1.0)
     least_pocket_m2: float = Field(default=1.5, ge=0.0, le=100.0)
     visited_radius_m: float = Field(default=0.5, ge=0.0, le=100.0)
 
@@ -107,20 +105,20 @@ class ValueFrontierExplorer:
 
     def _notes(self, view: ExplorationView) -> "_Notes":
         if _KEY not in view.notes:
-            values = ValueMap(self._config.map, self._camera, cell_size_m=self._mapping.cell_size_m)
+            values = ValueMap(self._camera, cell_size_m=self._mapping.cell_size_m)
             view.notes[_KEY] = _Notes(values)
         return view.notes[_KEY]
 
     def _best(self, positions: list[tuple[float, float]], notes: "_Notes") -> Destination:
         points = np.array(positions)
-        scores = notes.values.median_near(points, self._config.near_m)
+        scores = notes.values.median_near(points, _NEAR_M)
         chosen, why = int(scores.argmax()), "the best"
         if notes.latest is not None:
             before, score_before = notes.latest
             away = np.hypot(*(points - before).T)
             nearest = int(away.argmin())
-            is_same = away[nearest] <= self._config.near_m
-            if is_same and scores[nearest] + self._config.stay_margin > score_before:
+            is_same = away[nearest] <= _NEAR_M
+            if is_same and scores[nearest] + _STAY_MARGIN > score_before:
                 chosen, why = nearest, "kept"
         x, y = positions[chosen]
         score = float(scores[chosen])

@@ -3,9 +3,8 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import av
 import numpy as np
 from jaxtyping import UInt8
 
@@ -23,6 +22,9 @@ from hypernav.show.video.frame_timing import (
     decisions,
     frame_count,
 )
+
+if TYPE_CHECKING:
+    import av
 
 _BLOCKS_STAY_STEPS = 5
 # Numbers of the video standard: BT.709 colours in the narrow range, what players expect of HD.
@@ -45,6 +47,8 @@ class VideoFile:
             height: Height, pixels; even.
             frames_per_second: Frame rate, constant.
         """
+        import av  # where a video is written: a robot that writes none loads no encoder
+
         path.parent.mkdir(parents=True, exist_ok=True)
         # The index goes to the front, so that a browser can seek before it has everything.
         self._container = av.open(str(path), "w", format="mp4", options={"movflags": "faststart"})
@@ -81,6 +85,8 @@ class VideoFile:
             image: RGB, of the video's size.
             repeat: Number of frames that the image stays.
         """
+        import av
+
         frame = av.VideoFrame.from_ndarray(image, format="rgb24")
         self._last = frame.reformat(format="yuv420p", dst_colorspace=_BT709)
         # An image that stays is encoded once; the next one just comes later.
@@ -100,7 +106,7 @@ class VideoFile:
         finally:
             self._container.close()
 
-    def _encode(self, frame: av.VideoFrame, at: int) -> None:
+    def _encode(self, frame: "av.VideoFrame", at: int) -> None:
         frame.pts = at
         if self._error is not None:
             raise self._error  # FFmpeg crashes if it is asked to go on where it could not write.

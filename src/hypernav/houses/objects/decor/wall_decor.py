@@ -9,7 +9,6 @@ from hypernav.houses.materials import (
     BRASS,
     CHROME,
     MIRROR,
-    STEEL,
     WHITE_METAL,
     Palette,
     fabric,
@@ -204,18 +203,6 @@ def radiator(rng: RandomStream, palette: Palette) -> Model:
         cylinder(0.02, 0.06, sides=10).turned(90, "y").moved(wide / 2, 0, 0.16),
     )
     return builder.model("radiator", "heater", main=WHITE_METAL)
-
-
-def air_conditioner(rng: RandomStream, palette: Palette) -> Model:
-    """An air conditioner that hangs high on a wall."""
-    del rng, palette
-    builder = ModelBuilder()
-    builder.add(WHITE_METAL, cushion(0.85, 0.2, 0.29, radius=0.04))
-    builder.add(lacquer("gray"), box(0.78, 0.01, 0.05, at=(0, 0.092, 0.03)))
-    for k in range(3):
-        builder.add(lacquer("dark gray"), box(0.74, 0.006, 0.006, at=(0, 0.1, 0.035 + 0.015 * k)))
-    builder.add(STEEL, box(0.06, 0.004, 0.012, at=(0.3, 0.101, 0.2)))
-    return builder.model("air conditioner", "ac unit", main=WHITE_METAL)
 
 
 def wall_hooks(rng: RandomStream, palette: Palette) -> Model:

@@ -3,7 +3,6 @@
 from hypernav.houses.materials import BLACK_METAL, BRASS, GLOW, SHADE, WHITE_METAL, Palette, plastic
 from hypernav.houses.modelling.mesh import Finish
 from hypernav.houses.modelling.model import Model, ModelBuilder
-from hypernav.houses.modelling.solids import box
 from hypernav.houses.modelling.surfaces import ball, cylinder, lathe
 from hypernav.houses.modelling.tubes import rod, tube
 from hypernav.houses.random_stream import RandomStream
@@ -165,20 +164,6 @@ def chandelier(rng: RandomStream, palette: Palette) -> Model:
             GLOW, ball(0.05, 0.05, 0.07, at=(0.28, 0, -drop + 0.075), sides=10).turned(turn)
         )
     return builder.model("chandelier", "ceiling lamp", "lamp", main=metal)
-
-
-def wall_lamp(rng: RandomStream, palette: Palette) -> Model:
-    """A lamp on a wall plate; its back is the wall."""
-    builder = ModelBuilder()
-    metal = rng.choice((palette.metal, BRASS, BLACK_METAL))
-    builder.add(
-        metal,
-        box(0.09, 0.02, 0.14, at=(0, -0.1, 0), bevel=0.006),
-        rod((0, -0.1, 0.07), (0, 0.02, 0.07), 0.008),
-    )
-    wall = lathe([(0.075, 0.08), (0.055, 0.22)], sides=20)
-    builder.add(_LIT, wall.moved(0, 0.02, 0.0))
-    return builder.model("wall lamp", "sconce", "lamp", main=metal)
 
 
 def pendant(rng: RandomStream, palette: Palette) -> Model:

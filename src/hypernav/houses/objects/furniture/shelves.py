@@ -148,26 +148,6 @@ def coat_rack(rng: RandomStream, palette: Palette) -> Model:
     return builder.model("coat rack", "coat stand", "hat stand", main=wood)
 
 
-def wall_shelf(rng: RandomStream, palette: Palette) -> Model:
-    """One board on brackets."""
-    builder = ModelBuilder()
-    wood = palette.furniture_wood(rng)
-    wide = rng.uniform(0.6, 0.95)
-    builder.add(wood, box(wide, 0.2, 0.025, at=(0, 0, 0.08), bevel=0.003))
-    for s in (-1.0, 1.0):
-        builder.add(
-            BLACK_METAL,
-            box(0.02, 0.17, 0.01, at=(s * wide * 0.35, -0.01, 0.07)),
-            box(0.02, 0.01, 0.08, at=(s * wide * 0.35, -0.09, 0)),
-        )
-    return builder.model(
-        "shelf",
-        "wall shelf",
-        main=wood,
-        supports=(SupportSurface(-wide / 2 + 0.02, -0.08, wide / 2 - 0.02, 0.09, 0.105, 0.3),),
-    )
-
-
 def metal_shelf(rng: RandomStream, palette: Palette) -> Model:
     """A storage rack with boxes."""
     del palette

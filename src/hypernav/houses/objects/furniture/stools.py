@@ -2,12 +2,12 @@
 
 import math
 
-from hypernav.houses.materials import BLACK_METAL, CHROME, Palette, fabric, lacquer, leather
+from hypernav.houses.materials import Palette, fabric, lacquer, leather
 from hypernav.houses.modelling.joinery import four_legs
 from hypernav.houses.modelling.model import Model, ModelBuilder
 from hypernav.houses.modelling.solids import box, cushion, prism
 from hypernav.houses.modelling.surfaces import cylinder, rounded_outline
-from hypernav.houses.modelling.tubes import rod, tube
+from hypernav.houses.modelling.tubes import rod
 from hypernav.houses.random_stream import RandomStream
 
 
@@ -32,42 +32,6 @@ def stool(rng: RandomStream, palette: Palette) -> Model:
             ),
         )
     return builder.model("stool", main=seat, attributes=("round",))
-
-
-def bar_stool(rng: RandomStream, palette: Palette) -> Model:
-    """A high stool with a foot ring."""
-    builder = ModelBuilder()
-    metal = rng.choice((BLACK_METAL, CHROME, palette.metal))
-    seat = leather(rng.choice(("black", "white", "brown", palette.upholstery_hue)))
-    high = 0.68
-    builder.add(seat, cylinder(0.18, 0.07, at=(0, 0, high - 0.05), sides=24, bevel=0.025))
-    if rng.chance(0.5):
-        builder.add(
-            metal,
-            cylinder(0.2, 0.018, sides=28, bevel=0.006),
-            cylinder(0.028, high - 0.06, at=(0, 0, 0.01)),
-        )
-        ring = [(0.14 * math.cos(a), 0.14 * math.sin(a) + 0.03, 0.24) for a in _around(16)]
-        builder.add(metal, tube(ring, 0.009, sides=6, closed=True))
-    else:
-        for sx in (-1.0, 1.0):
-            for sy in (-1.0, 1.0):
-                builder.add(
-                    metal, rod((sx * 0.2, sy * 0.2, 0), (sx * 0.11, sy * 0.11, high - 0.04), 0.012)
-                )
-        ring = [
-            (0.165, 0.165, 0.25),
-            (-0.165, 0.165, 0.25),
-            (-0.165, -0.165, 0.25),
-            (0.165, -0.165, 0.25),
-        ]
-        for a, b in zip(ring, [*ring[1:], ring[0]], strict=True):
-            builder.add(metal, rod(a, b, 0.008, sides=6))
-    return builder.model("stool", "bar stool", "high stool", main=seat, attributes=("high",))
-
-
-def _around(count: int) -> list[float]:
-    return [2.0 * math.pi * k / count for k in range(count)]
 
 
 def bench_seat(rng: RandomStream, palette: Palette) -> Model:

@@ -33,8 +33,7 @@ def base_cabinet(
     builder.add(_GAP, box(wide, DEEP_M - 0.12, 0.1, at=(at_x, -0.04, 0)))
     y = DEEP_M / 2 - 0.04
     if drawers:
-        for k, (z, h) in enumerate(((0.11, 0.28), (0.39, 0.26), (0.65, 0.2))):
-            del k
+        for z, h in ((0.11, 0.28), (0.39, 0.26), (0.65, 0.2)):
             front(builder, body, metal, wide, h, at=(at_x, y, z), framed=framed)
         return
     doors = 1 if wide < 0.5 else 2
