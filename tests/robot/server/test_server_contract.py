@@ -9,6 +9,7 @@ import pytest
 
 from hypernav.core.actions import Action
 from hypernav.core.errors import ModelUnavailableError, RunFolderError
+from hypernav.core.files.append_only import AppendOnlyFile
 from hypernav.evaluation.checks.box_room import BoxRoom
 from hypernav.robot.server.state.journal import Journal
 from servers.robots import body_of, drive, real_plan, robot_server
@@ -172,11 +173,11 @@ def test_a_full_disk_takes_no_observation_and_has_room_for_a_stop(
     folder = tmp_path / "searches" / search.rpartition("/")[2]
     kept = (folder / ".end.json.new").stat()
 
-    def full(*_: object) -> int:
+    def full(*_: object, **__: object) -> None:
         raise OSError(28, "No space left on device")
 
     with monkeypatch.context() as patch:
-        patch.setattr("os.pwrite", full)
+        patch.setattr(AppendOnlyFile, "append", full)
         answer = link.observe(search, body_of(0))
         assert (answer.status, answer.json["error"]) == (507, "storage")
     assert script.seen == 0

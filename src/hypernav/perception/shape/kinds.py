@@ -2,7 +2,7 @@
 
 Ranges are wide, since they refute: they span what shops sell and what homes, offices and shops
 hold, from children's to oversized pieces. COCO's indoor classes, HM3D's six goals, usual names of
-OVON and all that the generated buildings hold are in it. The supports of plants, the width of chairs
+OVON and all that the generated buildings hold are in it. Supports of plants, the width of chairs
 and some faces were mended after a look at detections in training buildings
 (`benchmarks/shape_evidence.py`).
 """
