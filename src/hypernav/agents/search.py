@@ -27,7 +27,7 @@ class SearchAgent:
 
     def __init__(self, components: SearchComponents) -> None:
         """Begin with no search under way."""
-        self.components = components
+        self.components: SearchComponents = components
         self._goal: Goal | None = None
         self._memory: Memory | None = None
         self._plan: Plan | None = None

@@ -64,6 +64,13 @@ def test_extreme_boxes_do_not_break_it(box):
     assert mask.shape == (120, 160)
 
 
+@pytest.mark.parametrize("row", [1.0, 2.0, 50.0, 117.0])
+def test_a_box_one_pixel_high_does_not_break_it(row):
+    seen = thing_before_wall()
+    mask = DepthCutSegmenter().segment(seen, Box(2.0, row, 158.0, row + 1.0))
+    assert mask.shape == seen.depth.shape
+
+
 def test_a_wall_that_goes_on_beside_the_box_is_not_the_thing():
     """Most of the box is the wall behind two posts and a bar; these reach from side to side."""
     observation = thing_before_wall(thing_m=2.0, wall_m=2.6, box=(55, 35, 105, 85))

@@ -120,8 +120,8 @@ class Memory:
         """
         self._mapping = mapping
         self._embodiment = embodiment
-        self.floors = [self._new_floor(0.0)]
-        self.number = 0
+        self.floors: list[Floor] = [self._new_floor(0.0)]
+        self.number: int = 0
         self._level_z = 0.0
         self._walked_m = 0.0
         self._position: tuple[float, float] | None = None

@@ -81,10 +81,10 @@ class DepthCutSegmenter:
         inside = np.zeros(depth.shape, dtype=bool)
         bx0, by0, bx1, by1 = box.pixels()
         sx, sy = size[0] / (x1 - x0), size[1] / (y1 - y0)
-        inside[
-            round((by0 - y0) * sy) : max(round((by1 - y0) * sy), 1),
-            round((bx0 - x0) * sx) : max(round((bx1 - x0) * sx), 1),
-        ] = True
+        top, left = round((by0 - y0) * sy), round((bx0 - x0) * sx)
+        bottom = max(round((by1 - y0) * sy), top + 1)  # a thin box keeps a row when it is reduced
+        right = max(round((bx1 - x0) * sx), left + 1)
+        inside[top:bottom, left:right] = True
         floor = self._is_floor(observation, depth, (x0, y0), (sx, sy))
         if (floor & inside).sum() > _MAX_FLOOR_SHARE * inside.sum():
             floor[:] = False
