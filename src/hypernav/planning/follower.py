@@ -63,17 +63,18 @@ class PathFollower:
             A turn or a step, and the route from here on. No action if there is no path, if the
             robot is at its end (`Route.arrived`), or if no step brings it nearer.
         """
-        route = replace(route.seen_from(robot), arrived=False)
+        route = route.seen_from(robot)
         path = route.path
         if path is None:
-            return None, route
+            return None, replace(route, arrived=False)
         if self._config.steering == "lattice" and costmap is not None:
             action, route = self._by_lattice(route, path, robot, costmap)
             if action is None and costmap.is_tight and not self._is_at_end(path, robot):
                 action = self._to_waypoint(route, path, robot)
         else:
             action = self._to_waypoint(route, path, robot)
-        return action, replace(route, arrived=action is None and self._is_at_end(path, robot))
+        arrived = action is None and self._is_at_end(path, robot)
+        return action, route if arrived == route.arrived else replace(route, arrived=arrived)
 
     def _is_at_end(self, path: PlannedPath, robot: Pose2) -> bool:
         # A step may end up to half its length away from where it should.

@@ -95,7 +95,7 @@ class Route:
             if not near and not (ahead > 0.0 and abs(beside) <= self.tolerance_m):
                 break
             passed += 1
-        return replace(self, next_waypoint=passed)
+        return self if passed == self.next_waypoint else replace(self, next_waypoint=passed)
 
     def points_left(self, robot: Pose2) -> tuple[tuple[float, float], ...]:
         """The robot's position and the waypoints that it has not passed, metres."""
