@@ -49,7 +49,7 @@ class SearchAgent:
         """
         components = self.components
         memory = memory or Memory(components.mapping, components.embodiment)
-        memory.begin_search(goal)
+        memory.begin_search()
         components.log.drain()
         self._goal, self._memory, self._plan = goal, memory, None
         self._trace, self._steps = None, 0

@@ -54,7 +54,7 @@ def test_another_goal_keeps_map_and_things_and_forgets_the_search():
     memory.search.visits.append((1.0, 2.0))
     memory.floor.sightings = memory.floor.sightings.with_named({7: SeenThing("sofa", (1.0, 2.0))})
     explored = memory.floor.map.grid.explored.sum()
-    memory.begin_search(Goal("sofa"))
+    memory.begin_search()
     assert memory.search.visits == []
     assert memory.search.evidence.target is None
     assert memory.floor.map.grid.explored.sum() == explored

@@ -5,7 +5,6 @@ from exploration_views import exploration_view
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.goal import Goal
 from hypernav.core.overview import BlockChoice
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.config import MappingConfig
@@ -106,7 +105,7 @@ def test_a_new_search_forgets_visits():
     first = certain(next_of(explorer))
     memory = Memory(MappingConfig(), Embodiment())
     memory.search.visits.append(first.xy)
-    memory.begin_search(Goal("bed"))
+    memory.begin_search()
     again = certain(next_of(explorer, memory.search))
     assert again.xy == first.xy
 

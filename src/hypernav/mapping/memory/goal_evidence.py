@@ -1,7 +1,7 @@
 """What speaks for and against places that may be the goal, as values."""
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.memory.goal_area import GoalArea
@@ -62,7 +62,7 @@ class GoalEvidence:
     """
 
     target: Target | None = None
-    rejections: tuple[Rejection, ...] = field(default=())
+    rejections: tuple[Rejection, ...] = ()
     far_position: tuple[float, float] | None = None
     score_now: float = 0.0
     missed_now: bool = False

@@ -15,7 +15,6 @@ from jaxtyping import Bool
 
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.transforms import Transform
-from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.sightings import Sightings
 from hypernav.mapping.config import MappingConfig
@@ -136,7 +135,7 @@ class Memory:
         """What the present search has learned on this floor."""
         return self.floor.search
 
-    def begin_search(self, goal: Goal) -> None:
+    def begin_search(self) -> None:
         """Keep floors, maps and things; what was learned in looking for another goal goes."""
         for floor in self.floors:
             floor.search = SearchMemory()
