@@ -67,9 +67,8 @@ class SearchConfig(RoomConfig):
             camera between there and the target, if a path leads there.
         enter_fully: Whether to take one more step, into the goal area, where the robot would end up
             farther than `stop_distance_m` before it because a step is longer than what is left.
-        second_look_must_see: Whether a second look rejects a target that the image should show and
-            does not, unless what was seen before outweighs it; else only one that looks more like
-            something else.
+        max_steps: Number of steps that a search has; the last of them lead to the likeliest of what
+            was seen and not believed (with `LocalConfig.target` "candidates").
         pursue_far_sightings: Whether to go towards a goal that was seen beyond the range of depth:
             to where that range ended, also through the unknown, before all else that is unexplored.
     """
@@ -97,7 +96,7 @@ class SearchConfig(RoomConfig):
     see_before_stop: bool = True
     enter_in_sight: bool = True
     enter_fully: bool = True
-    second_look_must_see: bool = True
+    max_steps: int = Field(default=500, ge=1, le=MOST_STEPS)
     pursue_far_sightings: bool = True
 
     def paced(self, motion: MotionConfig) -> "SearchConfig":

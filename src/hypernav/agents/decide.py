@@ -11,6 +11,7 @@ from hypernav.agents.phases.verify import verify
 from hypernav.agents.plan import Plan
 from hypernav.agents.step import Decision, Phase, Step
 from hypernav.mapping.memory.memory import Memory
+from hypernav.perception.local.belief import likeliest, reconsidered
 
 _PHASES: Mapping[Phase, Callable[[Step, Memory, Plan], tuple[Decision | Phase, Plan]]] = {
     Phase.LOOK_AROUND: look_around,
@@ -20,6 +21,9 @@ _PHASES: Mapping[Phase, Callable[[Step, Memory, Plan], tuple[Decision | Phase, P
     Phase.SECOND_LOOK: second_look,
     Phase.END: end,
 }
+
+_DETOUR = 2.0
+"""Ways are so much longer than straight lines, turns included."""
 
 
 def decide(step: Step, memory: Memory, plan: Plan) -> tuple[Decision, Plan]:
@@ -36,10 +40,29 @@ def _first_phase(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Pha
     must_finish_look = config.look_around_at_start and config.finish_first_look
     if must_finish_look and step.number < step.motion.turns_of_a_circle:
         return Phase.LOOK_AROUND, plan
-    if step.target(memory) is None:
-        return Phase.LOOK_AROUND, plan.approach(second_look=None).with_new_patience(config)
+    if _must_choose(step, memory):
+        evidence = reconsidered(memory.search.evidence)
+        memory.search.evidence = evidence or memory.search.evidence
+    target = step.target(memory)
+    if target is None or target.number != approaching.candidate:
+        number = None if target is None else target.number
+        plan = plan.approach(second_look=None, candidate=number).with_new_patience(config)
+        approaching = plan.approaching
+    if target is None:
+        return Phase.LOOK_AROUND, plan
     if approaching.rest_steps > 0 and not approaching.as_near_as_possible:
         return Phase.LOOK_AROUND, plan.approach(rest_steps=approaching.rest_steps - 1)
     if approaching.second_look is not None:
         return Phase.SECOND_LOOK, plan
     return Phase.APPROACH, plan
+
+
+def _must_choose(step: Step, memory: Memory) -> bool:
+    """Whether the steps that are left just lead to the likeliest candidate."""
+    evidence, config, motion = memory.search.evidence, step.config, step.motion
+    best = likeliest(evidence)
+    if best is None or (evidence.target is not None and evidence.target.is_last_chance):
+        return False
+    straight = best.distance_to(*step.robot.xy) / motion.forward_m
+    needed = _DETOUR * straight + 2 * motion.turns_of_a_circle
+    return config.max_steps - step.number <= needed

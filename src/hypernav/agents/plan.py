@@ -68,6 +68,7 @@ class Approaching:
     """The part of the plan that leads to the goal.
 
     Attributes:
+        candidate: Number of the candidate that it leads to; None if it leads to none.
         patience: Patience with the target.
         route: Path to the goal area.
         inside: Path of the last step, into the goal area.
@@ -80,6 +81,7 @@ class Approaching:
     """
 
     patience: Progress | Endurance
+    candidate: int | None = None
     route: Route = field(default_factory=Route)
     inside: Route = field(default_factory=Route)
     rest_steps: int = 0

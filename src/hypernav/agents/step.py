@@ -58,7 +58,7 @@ class Step:
 
     def target(self, memory: Memory) -> Target | None:
         """What is taken for the goal."""
-        return self.use.local.target(memory.floor)
+        return memory.search.evidence.target
 
     def view(self, memory: Memory) -> ExplorationView:
         """What explorers may know."""

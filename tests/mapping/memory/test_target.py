@@ -18,9 +18,7 @@ def target_at(thing_m=2.0):
         thing_pixels(observation), observation, min_depth_m=0.5, max_depth_m=5.0
     )
     area = certain(GoalArea.from_points(points, resolution_m=0.05))
-    return Target(
-        area.entered_from(observation, 0.6), observation, best_pixels=1600.0, mean_score=1.0
-    )
+    return Target(area.entered_from(observation, 0.6), observation, best_pixels=1600.0)
 
 
 def test_a_place_that_is_cut_off_is_no_entry_until_none_is_left():
@@ -86,3 +84,24 @@ def test_every_entry_point_knows_the_nearest_position_that_the_target_was_seen_a
     away = np.linalg.norm(area.entry_points[:, None] - area.seen_points[None], axis=2)
     nearest = np.linalg.norm(area.entry_points - area.nearest_seen_points, axis=1)
     np.testing.assert_allclose(nearest, away.min(axis=1), atol=1e-6)
+
+
+def test_images_from_one_position_count_once_and_the_best_of_them():
+    target = target_at()
+    once = target.with_look((0.0, 0.0), 0.5)
+    assert once.with_look((0.1, 0.0), -0.8).log_odds == once.log_odds
+    assert once.with_look((0.1, 0.0), 0.9).log_odds == pytest.approx(target.log_odds + 0.9)
+
+
+def test_other_sides_and_other_distances_count_for_themselves():
+    target = target_at(thing_m=2.0).with_look((0.0, 0.0), 0.5)  # 2 m before it
+    for position in ((1.0, 0.0), (2.0, 2.0), (4.0, 0.0)):
+        assert len(target.with_look(position, 0.5).looks) == 2
+    assert len(target.with_look((0.0, 0.3), 0.5).looks) == 1
+
+
+def test_what_is_refuted_needs_more_than_it_has():
+    target = target_at().with_look((0.0, 0.0), 0.5)
+    refuted = replace(target, needed=target.log_odds + 1.0)
+    assert refuted.is_refuted
+    assert not refuted.with_look((2.0, 2.0), 1.2).is_refuted

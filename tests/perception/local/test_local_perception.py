@@ -13,7 +13,6 @@ from hypernav.mapping.memory.memory import Memory, SearchMemory
 from hypernav.perception.local.belief import (
     confirmed,
     is_convincing,
-    is_missed,
     needs_second_look,
     reconsidered,
     rejected,
@@ -65,7 +64,7 @@ class Perception:
 
     @property
     def target(self):
-        return self._local.target(self.floor)
+        return self.evidence.target
 
     @property
     def evidence(self):
@@ -129,10 +128,11 @@ def test_a_goal_beyond_the_depth_camera_gives_no_area_and_says_why():
     assert local.target is None
 
 
-def test_a_rejected_area_is_remembered():
-    local = Perception()
+@pytest.mark.parametrize("rule", ["latest", "candidates"])
+def test_a_rejected_area_is_remembered(rule):
+    local = Perception(target=rule)
     local.look(thing_before_wall())
-    local.reject()
+    local.reject(for_good=True)
     (record,) = local.look(thing_before_wall(robot=Pose2(0.3, 0.1, 0.0), thing_m=1.7))
     assert local.target is None
     assert record.reason == "rejected before"
@@ -142,7 +142,7 @@ def test_a_rejected_area_is_remembered():
 
 
 def test_a_rejection_may_be_for_now_only():
-    local = Perception(rejected_for_looks=3)
+    local = Perception(target="latest", rejected_for_looks=3)
     local.look(thing_before_wall())
     local.reject()
     for _ in range(3):
@@ -152,78 +152,69 @@ def test_a_rejection_may_be_for_now_only():
     assert record.accepted
 
 
-def looks_until_believed(local, step_m, most=40):
-    """Number of images after a rejection until the goal is believed in again; None: never."""
+def looks_until_believed(local, sides, most=12):
+    """Number of images after a rejection until the goal is gone to again; None: never."""
     for number in range(1, most + 1):
-        shift = step_m * (number % 2)
-        local.look(thing_before_wall(robot=Pose2(shift, 0.0, 0.0), thing_m=2.0 - shift))
+        y = sides[number % len(sides)]
+        local.look(thing_before_wall(robot=Pose2(0.0, y, 0.0), box=shifted(y)))
         if local.target is not None:
             return number
     return None
 
 
-def test_a_rejected_target_comes_back_after_enough_images_and_later_only_after_more():
-    local = Perception(min_verdicts=3)
-    local.look(thing_before_wall())
-    local.reject()
-    assert looks_until_believed(local, 0.5) == 3
-    local.reject()
-    assert looks_until_believed(local, 0.5) == 6
+def shifted(y):
+    """Box of a thing 2 m ahead of the origin, seen from ``(0, y)``."""
+    move = round(y / 2.0 * thing_before_wall().camera.fx)
+    return (60 + move, 40, 100 + move, 80)
 
 
-def test_images_from_one_position_bring_nothing_back():
-    local = Perception(min_verdicts=3)
+def doubtful(score):
+    """A detector that sees what is there, and gives it a score."""
+
+    class Doubtful:
+        def detect(self, observation, goal):
+            found = GroundTruthDetector().detect(observation, goal)
+            return [replace(one, score=score) for one in found]
+
+    return Doubtful()
+
+
+def test_what_was_refuted_comes_back_only_with_new_evidence():
+    local = Perception(doubtful(0.6))
     local.look(thing_before_wall())
     local.reject()
-    assert looks_until_believed(local, 0.0) is None
+    assert looks_until_believed(local, (0.0, 0.1)) is None  # the same view once more
+    assert looks_until_believed(local, (0.9, -0.9)) is not None
 
 
 def test_low_scores_bring_nothing_back():
-    local = Perception(ScriptedDetector([seen()] + [[replace(seen()[0], score=0.4)]] * 40))
+    local = Perception(doubtful(0.2))
     local.look(thing_before_wall())
     local.reject()
-    assert looks_until_believed(local, 0.5) is None
+    assert looks_until_believed(local, (0.0, 0.9, -0.9)) is None
 
 
-@pytest.mark.parametrize("options", [{"for_good": True}, {}])
-def test_what_was_denied_for_good_or_is_not_to_be_believed_again_stays_rejected(options):
-    local = Perception(min_verdicts=3, believe_again=bool(options))
+def test_what_was_denied_for_good_stays_rejected():
+    local = Perception(doubtful(0.9))
     local.look(thing_before_wall())
-    local.reject(**options)
-    assert looks_until_believed(local, 0.5) is None
+    local.reject(for_good=True)
+    assert looks_until_believed(local, (0.0, 0.9, -0.9)) is None
+    assert not local.reconsider()
 
 
-@pytest.mark.parametrize(("score", "missed"), [(0.6, True), (0.9, False)])
-def test_one_image_that_misses_the_target_outweighs_a_doubtful_sighting_only(score, missed):
-    sighting = [replace(seen()[0], score=score)]
-    local = Perception(ScriptedDetector([sighting, [], sighting]))
-    local.look(thing_before_wall())
-    assert not is_missed(local.evidence)
-    local.look(thing_before_wall())
-    assert is_missed(local.evidence) == missed
-    local.look(thing_before_wall())
-    assert not is_missed(local.evidence)
-
-
-def test_every_rejected_target_is_reconsidered_once_the_most_likely_first():
+def test_every_doubtful_candidate_has_a_last_chance_the_likeliest_first():
     views = [thing_before_wall(robot=Pose2(0.0, y, 0.0)) for y in (0.0, 6.0)]
     local = Perception(ScriptedDetector([[replace(seen()[0], score=s)] for s in (0.5, 0.7)]))
     for view in views:
         local.look(view)
         local.reject()
-    for score in (0.7, 0.5):
+    for y in (6.0, 0.0):
         assert local.reconsider()
-        assert certain(local.target).mean_score == score
+        assert certain(local.target).area.centre[1] == pytest.approx(y, abs=0.1)
+        assert local.is_convincing  # nothing better is left
         local.reject()
     assert not local.reconsider()
     assert local.target is None
-
-
-def test_what_was_denied_for_good_is_not_reconsidered():
-    local = Perception()
-    local.look(thing_before_wall())
-    local.reject(for_good=True)
-    assert not local.reconsider()
 
 
 @pytest.mark.parametrize("keeps", [True, False])
@@ -273,23 +264,20 @@ def test_the_latest_detection_wins_in_the_paper_s_way():
     assert certain(local.target).area.centre != here
 
 
-def test_several_sightings_can_be_asked_for():
-    local = Perception(min_sightings=2)
-    local.look(thing_before_wall())
-    assert local.target is None
+def test_a_target_that_should_be_seen_and_is_not_is_left():
+    local = Perception(ScriptedDetector([[replace(seen()[0], score=0.5)], *[[]] * 4]))
     local.look(thing_before_wall())
     assert local.target is not None
+    for x in (0.5, 0.9, -0.9, -1.9):
+        local.look(thing_before_wall(robot=Pose2(x, 0.0, 0.0), thing_m=2.0 - x))
+    assert local.target is None
 
 
-def test_a_target_that_should_be_seen_and_is_not_is_dropped():
-    local = Perception(ScriptedDetector([seen(), *[[]] * 6]), min_verdicts=4, max_missed_share=0.7)
-    dropped_after = None
-    for look in range(7):
+def test_an_image_that_misses_what_an_equal_one_showed_says_nothing():
+    local = Perception(ScriptedDetector([[replace(seen()[0], score=0.5)], *[[]] * 4]))
+    for _ in range(5):
         local.look(thing_before_wall())
-        if look and local.target is None:
-            dropped_after = look
-            break
-    assert dropped_after == 3  # one sighting, three misses
+    assert local.target is not None
 
 
 def test_a_target_out_of_sight_is_not_held_against_it():
@@ -307,7 +295,6 @@ def test_the_best_view_is_the_largest():
     local.look(near)
     local.look(thing_before_wall())
     assert certain(local.target).best_view is near
-    assert certain(local.target).sightings == 3
 
 
 def test_a_goal_beyond_the_depth_camera_lies_at_the_end_of_its_range_or_beyond():
@@ -361,38 +348,64 @@ def test_a_far_sighting_behind_a_rejected_area_is_not_followed():
     assert local.far_position is None
 
 
-def test_uncertain_detections_do_not_convince():
-    faint = [Detection(Box(60.0, 40.0, 100.0, 80.0), 0.31, "bed")]
-    local = Perception(ScriptedDetector([faint, faint, seen()]), min_mean_score=0.45)
-    local.look(thing_before_wall())
-    local.look(thing_before_wall())
+@pytest.mark.parametrize("score", [0.5, 0.7, 0.9])
+def test_no_score_of_one_view_convinces(score):
+    local = Perception(doubtful(score))
+    for _ in range(9):
+        local.look(thing_before_wall())
     assert not local.is_convincing
-    local.look(thing_before_wall())
-    assert certain(local.target).mean_score == pytest.approx((0.31 + 0.31 + 0.9) / 3)
+    assert local.needs_second_look
+
+
+def test_several_sides_convince():
+    local = Perception(doubtful(0.95))
+    for y in (0.0, 0.9, -0.9):
+        local.look(thing_before_wall(robot=Pose2(0.0, y, 0.0), box=shifted(y)))
     assert local.is_convincing
+    assert not local.needs_second_look
+    assert len(local.evidence.candidates) == 1
+
+
+def test_weak_detections_count_when_they_come_back_from_other_sides():
+    local = Perception(doubtful(0.35))
+    local.look(thing_before_wall(thing_m=4.0, wall_m=6.0))
+    weak = local.evidence.candidates[0].log_odds
+    local.look(thing_before_wall(robot=Pose2(2.0, 0.0, 0.0), thing_m=2.0, wall_m=4.0))
+    assert local.evidence.candidates[0].log_odds > weak
+
+
+def test_a_likelier_candidate_is_gone_to_instead():
+    weak, strong = replace(seen()[0], score=0.45), seen((5.0, 40.0, 30.0, 80.0))
+    local = Perception(ScriptedDetector([[weak], strong]))
+    local.look(thing_before_wall())
+    first = certain(local.target).number
+    local.look(thing_before_wall(robot=Pose2(0.0, 0.0, 0.0)))
+    assert certain(local.target).number != first
+    assert len(local.evidence.candidates) == 2
+
+
+def test_what_is_hardly_likely_is_remembered_and_not_gone_to():
+    local = Perception(doubtful(0.1))
+    (record,) = local.look(thing_before_wall())
+    assert record.accepted
+    assert local.target is None
+    assert len(local.evidence.candidates) == 1
 
 
 def rival(score, box=(58.0, 42.0, 102.0, 80.0)):
     return Detection(Box(*box), score, "couch", is_goal=False)
 
 
-def test_a_target_that_looks_more_like_something_else_is_dropped():
-    doubtful = [Detection(Box(60.0, 40.0, 100.0, 80.0), 0.5, "bed"), rival(0.6)]
-    local = Perception(ScriptedDetector([list(doubtful) for _ in range(4)]), min_verdicts=4)
-    for _ in range(3):
-        local.look(thing_before_wall())
-        assert not local.is_convincing
-        assert local.evidence.is_contradicted
-    local.look(thing_before_wall())
-    assert local.target is None
+def odds_beside(*others):
+    detection = Detection(Box(60.0, 40.0, 100.0, 80.0), 0.6, "bed")
+    local = Perception(ScriptedDetector([[detection, *others]]))
+    local.look(thing_before_wall(thing_m=2.0, wall_m=4.0))
+    return local.evidence.candidates[0].log_odds
 
 
-def test_a_weaker_rival_does_no_harm():
-    local = Perception(ScriptedDetector([[*seen(), rival(0.4)] for _ in range(6)]))
-    for _ in range(6):
-        local.look(thing_before_wall())
-    assert local.is_convincing
-    assert not local.evidence.is_contradicted
+def test_another_name_for_the_same_pixels_speaks_against_it():
+    assert odds_beside(rival(0.9)) < odds_beside(rival(0.6)) < odds_beside()
+    assert odds_beside(rival(0.15)) == odds_beside()
 
 
 @pytest.mark.parametrize(
@@ -404,25 +417,19 @@ def test_a_weaker_rival_does_no_harm():
     ],
 )
 def test_what_is_elsewhere_is_no_rival(other):
-    local = Perception(ScriptedDetector([[*seen(), other] for _ in range(5)]))
-    for _ in range(5):
-        local.look(thing_before_wall(thing_m=2.0, wall_m=4.0))
-    assert certain(local.target).rival_score == 0.0
+    assert odds_beside(other) == odds_beside()
 
 
-def test_rivals_are_not_weighed_in_the_paper_s_way():
-    local = Perception(ScriptedDetector([[*seen(), rival(0.95)]] * 5), weigh_rivals=False)
-    for _ in range(5):
-        local.look(thing_before_wall())
+def test_nothing_is_doubted_in_the_paper_s_way():
+    faint = Detection(Box(60.0, 40.0, 100.0, 80.0), 0.05, "bed")
+    local = Perception(ScriptedDetector([[faint, rival(0.95)]]), target="latest")
+    local.look(thing_before_wall())
     assert local.is_convincing
-
-
-def test_only_uncertain_targets_need_a_second_look_and_only_one():
-    local = Perception(sure_score=0.75)
-    local.look(thing_before_wall())  # ground truth is certain
     assert not local.needs_second_look
-    faint = [Detection(Box(60.0, 40.0, 100.0, 80.0), 0.6, "bed")]
-    local = Perception(ScriptedDetector([faint, faint]), sure_score=0.75)
+
+
+def test_a_second_look_is_taken_once():
+    local = Perception(doubtful(0.6))
     local.look(thing_before_wall())
     assert local.needs_second_look
     local.evidence = confirmed(local.evidence)

@@ -8,7 +8,7 @@ from hypernav.agents.step import Decision, Phase, Step, turn_towards
 from hypernav.core.trace import Mode
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.target import Target
-from hypernav.perception.local.belief import confirmed, is_missed, rejected
+from hypernav.perception.local.belief import confirmed, is_convincing, rejected
 
 
 def with_second_look(step: Step, plan: Plan, target: Target) -> Plan:
@@ -50,10 +50,10 @@ def second_look(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phas
         path = plan.approaching.route.remaining(robot)
         return Decision(turn, Mode.VERIFY, reason, path), plan
     plan = plan.approach(second_look=None).with_new_patience(config)
-    evidence = memory.search.evidence
-    if evidence.is_contradicted or (is_missed(evidence) and config.second_look_must_see):
-        step.events.append("goal area rejected")
-        memory.search.evidence = rejected(evidence, step.use.local.config)
-        return Phase.LOOK_AROUND, plan
-    memory.search.evidence = confirmed(evidence)
-    return Phase.APPROACH, plan
+    evidence, local = confirmed(memory.search.evidence), step.use.local.config
+    if is_convincing(evidence, local):
+        memory.search.evidence = evidence
+        return Phase.APPROACH, plan
+    step.events.append("goal area rejected")
+    memory.search.evidence = rejected(evidence, local)
+    return Phase.LOOK_AROUND, plan

@@ -13,39 +13,54 @@ from hypernav.core.observation import Observation
 from hypernav.mapping.memory.goal_area import GoalArea
 from hypernav.mapping.sight_lines import lines_are_clear
 
-_LEAST_LIKELY = 0.05
 _BARRED_M = 0.4
 """Radius around a position that is cut off from the target, within which all others are, too."""
+_PRIOR = -1.4
+"""Log-odds of a thing before any look at it: what a detector reports weakly is seldom right."""
+_SAME_POSITION_M = 0.4
+_ANOTHER_SIDE_DEG = 45.0
+_SAME_VIEW = 0.5
+"""Share of an eighth of a circle, or of half the distance, up to which views share their errors."""
+
+
+@dataclass(frozen=True)
+class Look:
+    """What the images from about one position say of a candidate.
+
+    Attributes:
+        position: Position ``(x, y)`` of the robot, metres.
+        weight: Shift of the log-odds that the candidate is the goal.
+    """
+
+    position: tuple[float, float]
+    weight: float
 
 
 @dataclass(frozen=True, eq=False)
 class Target:
-    """The object that the robot takes for the goal.
+    """A candidate: an object that may be the goal. One of them at a time is gone to.
 
     Attributes:
-        area: Goal area of the target.
-        best_view: Frame that showed the target largest.
+        area: Goal area of the object.
+        best_view: Frame that showed the object largest.
         best_pixels: Area of its box in that frame, square pixels.
-        mean_score: Mean score of its detections.
-        log_odds: Logarithm of the odds that it is the goal, by the scores of its detections.
-        sightings: Number of images that showed it.
-        misses: Number of images that should have shown it and did not.
-        rival_score: Sum of the scores, over all images, by which the detector took it for something
-            else.
+        looks: Looks at it, each from another position.
+        needed: Log-odds from which it is gone to; more than it has if it was refuted.
+        is_last_chance: Whether it is gone to because nothing else is left.
         confirmed: Whether a second look, from another side, was taken.
         barred: Positions ``(x, y)``, metres, that turned out to be cut off from it.
+        number: Number of the candidate in its search.
     """
 
     area: GoalArea
     best_view: Observation
     best_pixels: float
-    mean_score: float
-    log_odds: float = 0.0
-    sightings: int = 1
-    misses: int = 0
-    rival_score: float = 0.0
+    looks: tuple[Look, ...] = ()
+    needed: float = -math.inf
+    is_last_chance: bool = False
     confirmed: bool = False
     barred: tuple[tuple[float, float], ...] = ()
+    number: int = 0
 
     @cached_property
     def entry_points(self) -> Float64[np.ndarray, "n 2"]:
@@ -88,24 +103,19 @@ class Target:
         return replace(self, barred=(*self.barred, position))
 
     @property
-    def is_outdone(self) -> bool:
-        """Whether the target looked more like something else than like the goal."""
-        return self.rival_score > self.mean_score * self.sightings
+    def log_odds(self) -> float:
+        """Logarithm of the odds that it is the goal, by all looks at it."""
+        return _PRIOR + sum(one.weight for one in self.looks)
 
     @property
-    def missed_share(self) -> float:
-        """Share of the images that should have shown the target and did not."""
-        return self.misses / self.verdicts
-
-    @property
-    def verdicts(self) -> int:
-        """Number of images that showed the target or should have."""
-        return self.sightings + self.misses
+    def is_refuted(self) -> bool:
+        """Whether it was looked at and not believed, and nothing new speaks for it since."""
+        return self.log_odds < self.needed
 
     def seen_again(
         self, area: GoalArea, detection: Detection, observation: Observation, *, join: bool
     ) -> "Target":
-        """The target after one more image that shows it.
+        """The candidate after one more image that shows it.
 
         Args:
             area: Goal area in that image.
@@ -113,23 +123,39 @@ class Target:
             observation: Frame of that image.
             join: Whether to keep the areas of earlier images, instead of the latest alone.
         """
-        pixels, score = detection.box.area, float(detection.score)
-        better = pixels > self.best_pixels
+        pixels = detection.box.area
         return replace(
             self,
             area=self.area.joined(area) if join else area,
-            best_view=observation if better else self.best_view,
+            best_view=observation if pixels > self.best_pixels else self.best_view,
             best_pixels=max(pixels, self.best_pixels),
-            mean_score=self.mean_score + (score - self.mean_score) / (self.sightings + 1),
-            log_odds=self.log_odds + log_odds_of(score),
-            sightings=self.sightings + 1,
         )
 
+    def with_look(self, position: tuple[float, float], weight: float) -> "Target":
+        """The candidate after one more look, whether it showed it or should have.
 
-def log_odds_of(score: float) -> float:
-    """What one detection says, its score taken for a probability; none is quite certain."""
-    likely = min(max(score, _LEAST_LIKELY), 1.0 - _LEAST_LIKELY)
-    return math.log(likely / (1.0 - likely))
+        Images from about one position share their errors: the best of them counts alone.
+        """
+        same = [one for one in self.looks if self._is_same_view(one.position, position)]
+        if not same:
+            return replace(self, looks=(*self.looks, Look(position, weight)))
+        nearest = min(same, key=lambda one: math.dist(one.position, position))
+        if weight <= nearest.weight:
+            return self
+        better = replace(nearest, weight=weight)
+        return replace(self, looks=tuple(better if one is nearest else one for one in self.looks))
+
+    def _is_same_view(self, a: tuple[float, float], b: tuple[float, float]) -> bool:
+        if math.dist(a, b) < _SAME_POSITION_M:
+            return True
+        x, y = self.area.centre
+        from_a, from_b = math.dist(a, (x, y)), math.dist(b, (x, y))
+        if min(from_a, from_b) == 0.0:
+            return False
+        towards_a, towards_b = math.atan2(a[1] - y, a[0] - x), math.atan2(b[1] - y, b[0] - x)
+        turn = math.remainder(towards_a - towards_b, math.tau)
+        side = math.degrees(abs(turn)) / _ANOTHER_SIDE_DEG
+        return math.hypot(side, math.log2(from_a / from_b)) < _SAME_VIEW
 
 
 def areas_touch(a: GoalArea, b: GoalArea) -> bool:

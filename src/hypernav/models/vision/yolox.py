@@ -37,7 +37,7 @@ class YoloxConfig(RoomConfig):
         fallback_input_px: Side of the input for an export whose own input size is not fixed.
     """
 
-    score_threshold: float = Field(default=0.3, ge=0.0, le=1.0)
+    score_threshold: float = Field(default=0.1, ge=0.0, le=1.0)
     threads: int = Field(default=2, ge=1, le=MOST_THREADS)
     classes: tuple[str, ...] = COCO_CLASSES
     fallback_input_px: int = Field(default=640, ge=32, le=4096, multiple_of=32)

@@ -1,66 +1,95 @@
-"""Belief in the target: how images change the evidence for and against it."""
+"""Belief in candidates: how images change the evidence for and against them."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
+
+import numpy as np
 
 from hypernav.core.geometry.boxes import Detection
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.observation import Observation
 from hypernav.mapping.memory.goal_area import GoalArea
 from hypernav.mapping.memory.goal_evidence import GoalEvidence, Rejection
-from hypernav.mapping.memory.target import Target, areas_touch, log_odds_of
+from hypernav.mapping.memory.target import Target, areas_touch
 from hypernav.mapping.memory.visibility import is_cut_off, seems_to_hold, should_be_visible
 from hypernav.perception.local.config import LocalConfig
 
-_MISS_LOG_ODDS = 1.0
-"""Weight of an image that misses the target; ours, not measured: as if three in ten images missed a
-true target and eight in ten a false one."""
+_SCORES = (0.0, 0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 0.95, 1.0)
+_WEIGHTS = (-0.8, -0.4, 0.0, 0.2, 1.2, 1.8, 2.3, 2.7, 5.0)
+"""Shift of the log-odds by one look at a score: logarithms of the ratio of how often YOLOX-nano
+gives it to things that are the goal and to things that it takes for it, in further views of both,
+measured in training buildings (docs/results.md). Only what is certain counts more than measured."""
+_MISSED = -0.8
+_RIVAL_SHARE = 0.5
+_SHAPE_SHARE = 0.5
+_BELIEVED = 3.0
+"""Log-odds from which a candidate that was looked at from another side is taken for the goal."""
+_SURE = 4.2
+"""Log-odds from which it needs no look from another side."""
+_LEAST_LOOKS = 2
+_LAST_CHANCE = -1.0
+"""Log-odds that are enough when nothing else is left."""
+_NEW_EVIDENCE = 1.5
+"""Rise of the log-odds that brings a refuted candidate back."""
+_WORTH_M = 10.0
+"""Way that a candidate of even odds is worth."""
+_LEAST = -1.3
+"""Log-odds below which a candidate is not gone to, however near: images may still raise them."""
+_FAITH_M = 2.0
+"""Way by which another one must be better before the robot changes its mind."""
+_SAME_SHARE = 0.5
+"""Share of an area's cells in a rejected one from which on both are the same object's."""
+_MOST_CANDIDATES = 30
+_NEAR_M = 6.0
+"""Distance beyond which no image can be expected to show a candidate."""
 
 
 @dataclass(frozen=True, eq=False)
-class Candidate:
-    """A detection of the goal, and the area on the floor plan that it gave."""
+class Sighting:
+    """A detection of the goal, the area on the floor plan that it gave, and what it says."""
 
     detection: Detection
     area: GoalArea
+    shape: float = 0.0
+
+    @property
+    def weight(self) -> float:
+        """Shift of the log-odds; a form that fits is no proof, since many things have it."""
+        return weight_of(float(self.detection.score)) + _SHAPE_SHARE * min(self.shape, 0.0)
 
 
-def believed(evidence: GoalEvidence, config: LocalConfig) -> Target | None:
-    """The target, once it was seen often enough."""
-    target = evidence.target
-    return target if target is not None and target.sightings >= config.min_sightings else None
+def weight_of(score: float) -> float:
+    """Shift of the log-odds by a detection with a score."""
+    return float(np.interp(score, _SCORES, _WEIGHTS))
 
 
 def is_convincing(evidence: GoalEvidence, config: LocalConfig) -> bool:
-    """Whether the detections of the target were certain enough on average."""
+    """Whether enough speaks for the target that it may be said to be the goal."""
     target = evidence.target
-    return (
-        target is not None and target.mean_score >= config.min_mean_score and not target.is_outdone
-    )
+    if target is None or config.target == "latest":
+        return target is not None
+    return target.log_odds >= (_LAST_CHANCE if target.is_last_chance else _BELIEVED)
 
 
 def needs_second_look(evidence: GoalEvidence, config: LocalConfig) -> bool:
     """Whether the target is too uncertain to be believed from one side."""
     target = evidence.target
-    return target is not None and not target.confirmed and target.mean_score < config.sure_score
-
-
-def is_missed(evidence: GoalEvidence) -> bool:
-    """Whether the latest image lacks the target, and that outweighs all earlier sightings."""
-    target = evidence.target
-    return evidence.missed_now and target is not None and target.log_odds < _MISS_LOG_ODDS
+    if target is None or target.confirmed or config.target == "latest":
+        return False
+    return target.log_odds < _SURE or len(target.looks) < _LEAST_LOOKS
 
 
 def held_area(evidence: GoalEvidence, config: LocalConfig) -> GoalArea | None:
     """Goal area of a held target that needs no second look."""
-    target, holds = believed(evidence, config), config.target == "hold"
+    target, holds = evidence.target, config.target == "candidates"
     return target.area if target and holds and not needs_second_look(evidence, config) else None
 
 
 def confirmed(evidence: GoalEvidence) -> GoalEvidence:
     """The evidence after the target was looked at once more."""
     target = evidence.target
-    return evidence if target is None else replace(evidence, target=replace(target, confirmed=True))
+    return evidence if target is None else evidence.with_target(replace(target, confirmed=True))
 
 
 def with_position_barred(evidence: GoalEvidence, observation: Observation) -> GoalEvidence | None:
@@ -74,53 +103,57 @@ def with_position_barred(evidence: GoalEvidence, observation: Observation) -> Go
         None if the target is not hidden, or if no other position at it is left.
     """
     target = evidence.target
-    is_seen = evidence.score_now > 0.0
-    if target is None or is_seen:
+    if target is None or target.number in evidence.seen:
         return None
     if not is_cut_off(target.area.seen_points, target.area.height_m, observation):
         return None
     barred = target.barred_at(observation.robot.xy)
-    return None if barred is None else replace(evidence, target=barred)
+    return None if barred is None else evidence.with_target(barred)
 
 
 def rejected(
     evidence: GoalEvidence, config: LocalConfig, *, for_good: bool = False
 ) -> GoalEvidence:
-    """The evidence without the target; nothing in its area is taken for the goal.
+    """The evidence after the target was refuted: it comes back only with new evidence.
 
     Args:
         evidence: The evidence.
-        config: How long a rejection lasts, and what brings a target back.
-        for_good: Whether no later image can bring it back (`LocalConfig.believe_again`).
+        config: Whether there are candidates, and how long the paper's rejection lasts.
+        for_good: Whether no later image can bring it back.
     """
     target = evidence.target
     if target is None:
         return evidence
-    before = next((one for one in evidence.rejections if one.covers(target.area)), None)
-    needed = float(config.min_verdicts) if before is None else before.needed
-    if for_good or not config.believe_again:
-        needed = math.inf
-    others = [one for one in evidence.rejections if one is not before]
-    new = Rejection(target, config.rejected_for_looks or math.inf, needed)
-    return replace(evidence, target=None, rejections=(*others, new))
+    if config.target == "latest":
+        new = Rejection(target, config.rejected_for_looks or math.inf)
+        return replace(evidence, candidates=(), chosen=None, rejections=(*evidence.rejections, new))
+    is_over = for_good or target.is_last_chance
+    needed = math.inf if is_over else target.log_odds + _NEW_EVIDENCE
+    refuted = replace(target, needed=needed, confirmed=False, barred=())
+    return replace(evidence.with_target(refuted), chosen=None)
+
+
+def likeliest(evidence: GoalEvidence) -> Target | None:
+    """The likeliest candidate; None if nothing is likely enough, or all had their last chance."""
+    left = [
+        one
+        for one in evidence.candidates
+        if one.log_odds >= _LAST_CHANCE and one.needed < math.inf and not one.is_last_chance
+    ]
+    return max(left, key=lambda one: one.log_odds, default=None)
 
 
 def reconsidered(evidence: GoalEvidence) -> GoalEvidence | None:
-    """The evidence with the most likely of the rejected targets taken for the goal once more.
+    """The evidence with the likeliest candidate taken for the goal, since nothing else is left.
 
     Returns:
-        None if there is none; each comes back in this way once, unless it is rejected for good.
+        None if there is none; each comes back in this way once.
     """
-    soft = [one for one in evidence.rejections if one.holds and one.needed < math.inf]
-    if not soft:
+    best = likeliest(evidence)
+    if best is None:
         return None
-    best = max(soft, key=lambda one: one.target.mean_score)
-    others = [one for one in evidence.rejections if one is not best]
-    return replace(
-        evidence,
-        target=replace(best.target, misses=0, rival_score=0.0, confirmed=False, barred=()),
-        rejections=(*others, replace(best, needed=math.inf, holds=False)),
-    )
+    again = replace(best, needed=-math.inf, is_last_chance=True, confirmed=False, barred=())
+    return replace(evidence.with_target(again), chosen=best.number)
 
 
 def before_a_look(evidence: GoalEvidence) -> GoalEvidence:
@@ -130,105 +163,118 @@ def before_a_look(evidence: GoalEvidence) -> GoalEvidence:
         for one in evidence.rejections
         if one.looks_left > 0
     )
-    return replace(evidence, rejections=rejections, score_now=0.0, missed_now=False)
+    return replace(evidence, rejections=rejections, seen=frozenset())
 
 
-def with_sighting(
-    evidence: GoalEvidence, config: LocalConfig, area: GoalArea, score: float, robot: Pose2
-) -> tuple[GoalEvidence, bool]:
-    """The evidence after a detection in an area, and whether that area stays rejected.
-
-    Args:
-        evidence: The evidence.
-        config: What brings a target back.
-        area: Goal area of the detection.
-        score: Score of the detection.
-        robot: Pose of the robot that took the image.
-    """
-    rejections, is_barred = list(evidence.rejections), False
-    for number, one in enumerate(rejections):
-        if one.holds and one.covers(area):
-            rejections[number] = one.seen_again(score, robot, config.min_mean_score)
-            is_barred |= rejections[number].holds
-    return replace(evidence, rejections=tuple(rejections)), is_barred
+def is_rejected(evidence: GoalEvidence, area: GoalArea) -> bool:
+    """Whether an area lies where nothing is taken for the goal at present."""
+    return any(one.covers(area) > _SAME_SHARE for one in evidence.rejected_areas)
 
 
-def with_candidates(
-    evidence: GoalEvidence,
-    config: LocalConfig,
-    candidates: list[Candidate],
-    observation: Observation,
+def with_latest(
+    evidence: GoalEvidence, config: LocalConfig, sightings: list[Sighting], observation: Observation
 ) -> GoalEvidence:
-    """The evidence after the candidates of an image, or their absence.
+    """The evidence after an image, whose sighting is the target whatever was before (paper).
 
     Args:
         evidence: The evidence before the image.
-        config: Rules for new detections, and the evidence that the target needs.
-        candidates: Candidates of the image, the most certain first.
+        config: Choice among several sightings.
+        sightings: Sightings of the image, the most certain first.
         observation: The image.
     """
+    if not sightings:
+        return evidence
+    one, robot = sightings[0], observation.robot
     if config.pick == "nearest":
-        candidates = sorted(candidates, key=lambda c: c.area.distance_to(*observation.robot.xy))
-    target = evidence.target
-    if target is None or config.target == "latest":
-        same = candidates[0] if candidates else None
+        one = min(sightings, key=lambda s: s.area.distance_to(*robot.xy))
+    old = evidence.target
+    if old is not None and areas_touch(one.area, old.area):
+        target = old.seen_again(one.area, one.detection, observation, join=False)
     else:
-        same = next((c for c in candidates if areas_touch(c.area, target.area)), None)
-    if same is not None:
-        score = float(same.detection.score)
-        target = _merged(target, same, config, observation)
-        return replace(evidence, target=target, score_now=score)
-    evidence = replace(evidence, score_now=0.0)
-    if (
-        target is not None
-        and config.target == "hold"
-        and should_be_visible(target.area.seen_points, target.area.height_m, observation)
-    ):
-        target = replace(target, misses=target.misses + 1)
-        return _unless_refuted(replace(evidence, target=target, missed_now=True), config)
-    return evidence
+        target = Target(one.area, observation, one.detection.box.area)
+    return replace(evidence, candidates=(target,), chosen=0, seen=frozenset({0}))
 
 
-def with_rivals(
-    evidence: GoalEvidence, config: LocalConfig, others: list[Detection], observation: Observation
+def with_sightings(
+    evidence: GoalEvidence,
+    sightings: list[Sighting],
+    others: list[Detection],
+    observation: Observation,
 ) -> GoalEvidence:
-    """The evidence after the score by which the target looks like something else in an image."""
-    target = evidence.target
-    if target is None:
-        return evidence
-    seen = target.area.seen_points
-    scores = [float(one.score) for one in others if seems_to_hold(one.box, seen, observation)]
-    if not scores:
-        return evidence
-    strongest = max(scores)
-    return _unless_refuted(
-        replace(
-            evidence,
-            target=replace(target, rival_score=target.rival_score + strongest),
-            score_now=evidence.score_now - strongest,
-        ),
-        config,
+    """The evidence for every candidate after an image, and the best of them chosen.
+
+    Args:
+        evidence: The evidence before the image.
+        sightings: Sightings of the image, the most certain first.
+        others: What the image shows beside the goal.
+        observation: The image.
+    """
+    known = {one.number: one for one in evidence.candidates}
+    weights, count = dict[int, float](), evidence.count
+    for one in sightings:
+        number = _number_of(one.area, known.values(), evidence.chosen)
+        if number is None:
+            number, count = count, count + 1
+            known[number] = Target(one.area, observation, one.detection.box.area, number=number)
+        else:
+            known[number] = known[number].seen_again(
+                one.area, one.detection, observation, join=True
+            )
+        weights[number] = max(one.weight, weights.get(number, -math.inf))
+    for number, one in known.items():
+        weight = weights.get(number)
+        if weight is None and _is_missed(one, observation):
+            weight = _MISSED
+        if weight is not None:
+            weight -= _rivalry(one, others, observation)
+            known[number] = one.with_look(observation.robot.xy, weight)
+    kept = sorted(known.values(), key=lambda one: (one.number != evidence.chosen, -one.log_odds))
+    after = replace(
+        evidence,
+        candidates=tuple(kept[:_MOST_CANDIDATES]),
+        seen=frozenset(weights),
+        count=count,
     )
+    return replace(after, chosen=_best(after, observation.robot))
 
 
-def _merged(
-    old: Target | None, candidate: Candidate, config: LocalConfig, observation: Observation
-) -> Target:
-    detection = candidate.detection
-    if old is None or not areas_touch(candidate.area, old.area):
-        score = float(detection.score)
-        odds = log_odds_of(score)
-        return Target(candidate.area, observation, detection.box.area, score, odds)
-    hold = config.target == "hold"
-    return old.seen_again(candidate.area, detection, observation, join=hold)
+def _number_of(area: GoalArea, known: Iterable[Target], chosen: int | None) -> int | None:
+    """The number of the candidate that an area is of: the one that is gone to before others."""
+    touching = [one for one in known if areas_touch(area, one.area)]
+    if not touching:
+        return None
+    return max(touching, key=lambda one: (one.number == chosen, one.area.covers(area))).number
 
 
-def _unless_refuted(evidence: GoalEvidence, config: LocalConfig) -> GoalEvidence:
-    """The evidence, with its target rejected if enough images speak against it."""
+def _is_missed(one: Target, observation: Observation) -> bool:
+    """Whether an image should show a candidate."""
+    area = one.area
+    if observation.robot.distance_to(*area.centre) > _NEAR_M:
+        return False
+    return should_be_visible(area.seen_points, area.height_m, observation)
+
+
+def _rivalry(one: Target, others: list[Detection], observation: Observation) -> float:
+    """What the likeliest other name of the same pixels takes away."""
+    seen = one.area.seen_points
+    strongest = max(
+        (float(o.score) for o in others if seems_to_hold(o.box, seen, observation)), default=0.0
+    )
+    return _RIVAL_SHARE * max(weight_of(strongest), 0.0)
+
+
+def _best(evidence: GoalEvidence, robot: Pose2) -> int | None:
+    """The number of the candidate that is worth its way; the present one in doubt."""
+
+    def worth_m(one: Target) -> float:
+        faith_m = _FAITH_M if one.number == evidence.chosen else 0.0
+        return _WORTH_M * math.exp(min(one.log_odds, 5.0)) - one.distance_to(*robot.xy) + faith_m
+
     target = evidence.target
-    if target is None:
-        return evidence
-    is_refuted = target.missed_share > config.max_missed_share or target.is_outdone
-    if is_refuted and target.verdicts >= config.min_verdicts:
-        return rejected(evidence, config)
-    return evidence
+    if target is not None and target.is_last_chance:
+        return target.number
+    left = [
+        one for one in evidence.candidates if not one.is_refuted and one.log_odds >= _LEAST
+    ]
+    best = max(left, key=worth_m, default=None)
+    return None if best is None or worth_m(best) <= 0.0 else best.number

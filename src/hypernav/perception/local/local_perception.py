@@ -19,23 +19,28 @@ from hypernav.core.sightings import Sightings
 from hypernav.core.trace import DetectionRecord
 from hypernav.mapping.memory.goal_area import GoalArea
 from hypernav.mapping.memory.memory import Floor
-from hypernav.mapping.memory.target import Target
 from hypernav.perception.local.attention import Attention
 from hypernav.perception.local.belief import (
-    Candidate,
+    Sighting,
     before_a_look,
-    believed,
     held_area,
-    with_candidates,
-    with_rivals,
-    with_sighting,
+    is_rejected,
+    with_latest,
+    with_sightings,
 )
 from hypernav.perception.local.config import LocalConfig
 from hypernav.perception.local.refinement import eroded, projected
+from hypernav.perception.shape.evidence import shape_evidence
+from hypernav.perception.shape.form import measured_form
+from hypernav.perception.shape.kinds import kind_shape
 
 _NO_DEPTH = "too few points with depth"
 _REJECTED = "rejected before"
 _BESIDE_REJECTED_DEG = 10.0
+_STRONG = 0.3
+"""Score from which one detection alone is worth remembering, or following out of range."""
+_CERTAIN = 0.99
+"""Score from which a detector has no doubts that a form could speak to."""
 
 
 class LocalPerception:
@@ -77,10 +82,6 @@ class LocalPerception:
         self._cell_size_m = cell_size_m
         self._names_things = names_things
 
-    def target(self, floor: Floor) -> Target | None:
-        """What is taken for the goal on a floor, once it was seen often enough."""
-        return believed(floor.search.evidence, self.config)
-
     def look(
         self, observation: Observation, goal: Goal, floor: Floor, *, asks: bool = True
     ) -> list[DetectionRecord]:
@@ -104,34 +105,35 @@ class LocalPerception:
             if not attention.is_worth_a_question(observation, held, search.looks):
                 return []
         detections = self._detector.detect(observation, goal)
-        floor.sightings = self._with_things(floor.sightings, observation, detections)
+        least = 0.0 if config.target == "latest" else _STRONG
+        strong = [one for one in detections if one.score >= least]
+        floor.sightings = self._with_things(floor.sightings, observation, strong)
         evidence, records = search.evidence, list[DetectionRecord]()
-        candidates, far_positions = list[Candidate](), list[tuple[float, float] | None]()
+        sightings, far_positions = list[Sighting](), list[tuple[float, float]]()
         for detection in (one for one in detections if one.is_goal):
-            mask = self._refined_mask(detection, observation)
+            whole = self._mask(detection, observation)
+            mask = whole if config.pixels == "box" else eroded(whole, config)
             area, reason = self._area(mask, observation)
-            if area is not None:
-                score = float(detection.score)
-                evidence, is_barred = with_sighting(
-                    evidence, config, area, score, observation.robot
-                )
-                if is_barred:
-                    area, reason = None, _REJECTED
-            if area is not None:
-                candidates.append(Candidate(detection, area))
-            elif reason == _NO_DEPTH:
+            if area is not None and is_rejected(evidence, area):
+                reason = _REJECTED
+            if area is not None and not (reason and config.target == "latest"):
+                shape = self._shape(detection, whole, observation, goal)
+                sightings.append(Sighting(detection, area, shape))
+            elif reason == _NO_DEPTH and detection.score >= least:
                 areas = evidence.rejected_areas
-                far_positions.append(self._far_position(detection, observation, areas))
-            records.append(_record(detection, mask, accepted=area is not None, reason=reason))
-        evidence = with_candidates(evidence, config, candidates, observation)
-        if config.weigh_rivals:
+                far_position = self._far_position(detection, observation, areas)
+                far_positions += [] if far_position is None else [far_position]
+            records.append(_record(detection, mask, accepted=not reason, reason=reason))
+        if config.target == "latest":
+            evidence = with_latest(evidence, config, sightings, observation)
+        else:
             others = [one for one in detections if not one.is_goal]
-            evidence = with_rivals(evidence, config, others, observation)
+            evidence = with_sightings(evidence, sightings, others, observation)
         far_position = evidence.far_position
         if evidence.target is not None:
             far_position = None
-        elif far_position is None:
-            far_position = next((one for one in far_positions if one is not None), None)
+        elif far_position is None and far_positions:
+            far_position = far_positions[0]
         search.evidence = replace(evidence, far_position=far_position)
         return records
 
@@ -144,16 +146,29 @@ class LocalPerception:
             known = known.with_named(named)
         return known
 
-    def _refined_mask(
+    def _mask(
         self, detection: Detection, observation: Observation
     ) -> Bool[np.ndarray, "height width"]:
         if self.config.pixels == "box":
             height, width = observation.depth.shape
             return detection.box.mask(width, height)
-        mask = detection.mask
-        if mask is None:
-            mask = self._segmenter.segment(observation, detection.box)
-        return eroded(mask, self.config)
+        if detection.mask is not None:
+            return detection.mask
+        return self._segmenter.segment(observation, detection.box)
+
+    def _shape(
+        self,
+        detection: Detection,
+        mask: Bool[np.ndarray, "height width"],
+        observation: Observation,
+        goal: Goal,
+    ) -> float:
+        """What the form of a doubtful detection says; 0 where nothing is known of the goal."""
+        if self.config.target == "latest" or detection.score >= _CERTAIN:
+            return 0.0
+        kind = kind_shape(goal.thing)
+        form = measured_form(observation, mask, detection.box) if kind else None
+        return shape_evidence(form, kind).log_odds if form and kind else 0.0
 
     def _area(
         self, mask: Bool[np.ndarray, "height width"], observation: Observation

@@ -282,7 +282,7 @@ KINDS = _parsed(
       box 0.03-1.2 0.05-1.2
       bag 0.1-1.0 0.1-0.8
     wall
-      tv 0.25-1.3 0.4-2.4 upright
+      tv 0.38-1.3 0.4-2.4 upright
       picture 0.1-2.2 0.1-2.6 upright
       mirror 0.2-2.3 0.15-2.5 upright
       clock 0.05-0.9 0.05-0.8 upright
