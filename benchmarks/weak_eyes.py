@@ -7,7 +7,7 @@ offices with crowded meeting rooms.
 
     python benchmarks/weak_eyes.py run known before.jsonl --detector yolox:yolox_nano.onnx
     python benchmarks/weak_eyes.py run known after.jsonl --detector yolox:yolox_nano.onnx \
-        --set local.weigh_rivals=false
+        --set local.target=latest
     python benchmarks/weak_eyes.py compare before.jsonl after.jsonl
 """
 

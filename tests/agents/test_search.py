@@ -1,5 +1,5 @@
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -236,7 +236,8 @@ def test_a_robot_that_can_go_nowhere_turns_on_until_the_limit(agent):
 
 def test_a_goal_that_is_not_reached_in_time_is_given_up_for_now():
     limits = {"endurance_steps": 2, "give_up_when_stuck": False, "local_first": True}
-    steps, _ = run(search(search=limits, local={"rejected_for_looks": 5}), "bed")
+    local = {"target": "latest", "rejected_for_looks": 5}
+    steps, _ = run(search(search=limits, local=local), "bed")
     given_up = [step.step for step in steps if "goal area given up for now" in step.events]
     assert given_up
     after = steps[given_up[0] + 1 : given_up[0] + 5]
@@ -264,39 +265,59 @@ class DoubtfulDetector:
         ]
 
 
-@pytest.mark.parametrize(("sure_score", "outcome"), [(0.0, "wrong_place"), (0.75, "found")])
-def test_a_second_look_from_another_side_unmasks_a_sofa(sure_score, outcome):
-    agent = search(
-        detector=DoubtfulDetector(),
-        local={"sure_score": sure_score, "min_verdicts": 100},  # nothing drops it on the path
-    )
+def events_of(steps):
+    return [event for step in steps for event in step.events]
+
+
+@pytest.mark.parametrize(
+    ("target", "outcome"), [("latest", "wrong_place"), ("candidates", "found")]
+)
+def test_a_second_look_from_another_side_unmasks_a_sofa(target, outcome):
+    agent = search(detector=DoubtfulDetector(), local={"target": target})
     steps, result = run(agent, "bed")
-    events = [event for step in steps for event in step.events]
     assert result.outcome == outcome
-    assert ("second look wanted" in events) == (sure_score > 0.0)
-    assert ("goal area rejected" in events) == (sure_score > 0.0)
+    assert ("second look wanted" in events_of(steps)) == (target == "candidates")
+    assert ("goal area rejected" in events_of(steps)) == (target == "candidates")
 
 
+@dataclass
 class SeesItFromOneSideOnly:
     """Takes the sofa for a bed from one half of the room, and sees nothing from the other."""
+
+    score: float
 
     def detect(self, observation, goal):
         if goal.text != "bed" or observation.robot.y >= 1.0:
             return []
         sofas = GroundTruthDetector().detect(observation, Goal("sofa"))
-        return [replace(one, score=0.5) for one in sofas]
+        return [replace(one, score=self.score) for one in sofas]
 
 
-@pytest.mark.parametrize(("must_see", "ending"), [(False, Ending.FOUND), (True, Ending.GAVE_UP)])
-def test_what_a_second_look_does_not_show_is_not_believed(must_see, ending):
-    agent = search(
-        detector=SeesItFromOneSideOnly(),
-        local={"min_verdicts": 100, "believe_again": False},
-        search={"second_look_must_see": must_see},
-    )
+@pytest.mark.parametrize("score", [0.5, 0.7, 0.95])
+def test_it_does_not_stop_on_one_view(score):
+    steps, _ = run(search(detector=SeesItFromOneSideOnly(score)), "bed")
+    assert "second look wanted" in events_of(steps)
+
+
+def test_what_a_second_look_does_not_show_is_not_believed():
+    agent = search(detector=SeesItFromOneSideOnly(score=0.3))
     steps, _ = run(agent, "bed")
-    assert "second look wanted" in [event for step in steps for event in step.events]
-    assert steps[-1].ending is ending
+    assert "second look wanted" in events_of(steps)
+    assert steps[-1].ending is Ending.GAVE_UP
+
+
+class FaintDetector:
+    """Sees the bed, but hardly believes it."""
+
+    def detect(self, observation, goal):
+        beds = GroundTruthDetector().detect(observation, goal)
+        return [replace(one, score=0.25) for one in beds]
+
+
+def test_the_last_steps_belong_to_the_likeliest_candidate():
+    agent = search(detector=FaintDetector(), search={"max_steps": 60})
+    steps, _ = run(agent, "bed", max_steps=60)
+    assert steps[-1].ending is Ending.FOUND
 
 
 @pytest.mark.parametrize(("look_again", "circles"), [(True, 2), (False, 1)])

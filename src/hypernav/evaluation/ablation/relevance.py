@@ -19,7 +19,6 @@ _DRAWN = frozenset(
     )
 )
 _ASKED = frozenset(f"block_choice.{key}" for key in ("mode", "facts", "list_excluded"))
-_ABOUT_SCORES = frozenset({"local.min_mean_score", "local.sure_score", "local.weigh_rivals"})
 _ABOUT_EROSION = frozenset({"local.erosion_px", "local.keep_thin_masks"})
 
 
@@ -62,8 +61,6 @@ def why_unread(field: str, method: Method) -> str:
         return "" if answers_at_once(chooses.load()) else f"{chooses.spec} is asked only once"
     if (section == "presence" or field == "search.verify_view") and not chosen.presence:
         return "without a model nobody checks the presence of the goal"
-    if field in _ABOUT_SCORES and chosen.detector and chosen.detector.spec == "ground-truth":
-        return "ground-truth detections are certain, and of nothing but the goal"
     if field in _ABOUT_EROSION and local.pixels == "box":
         return "a box is not eroded"
     if field == "local.keep_thin_masks" and local.erosion_px == 1:

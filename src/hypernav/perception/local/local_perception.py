@@ -39,6 +39,8 @@ _REJECTED = "rejected before"
 _BESIDE_REJECTED_DEG = 10.0
 _STRONG = 0.3
 """Score from which one detection alone is worth remembering, or following out of range."""
+_NEARER = 0.75
+"""Share of the entry reach that is left where the goal's outline was guessed from a box."""
 _CERTAIN = 0.99
 """Score from which a detector has no doubts that a form could speak to."""
 
@@ -113,7 +115,7 @@ class LocalPerception:
         for detection in (one for one in detections if one.is_goal):
             whole = self._mask(detection, observation)
             mask = whole if config.pixels == "box" else eroded(whole, config)
-            area, reason = self._area(mask, observation)
+            area, reason = self._area(mask, observation, is_guessed=detection.mask is None)
             if area is not None and is_rejected(evidence, area):
                 reason = _REJECTED
             if area is not None and not (reason and config.target == "latest"):
@@ -171,7 +173,11 @@ class LocalPerception:
         return shape_evidence(form, kind).log_odds if form and kind else 0.0
 
     def _area(
-        self, mask: Bool[np.ndarray, "height width"], observation: Observation
+        self,
+        mask: Bool[np.ndarray, "height width"],
+        observation: Observation,
+        *,
+        is_guessed: bool,
     ) -> tuple[GoalArea | None, str]:
         area = projected(
             mask, observation, self.config, self._camera, cell_size_m=self._cell_size_m
@@ -179,7 +185,8 @@ class LocalPerception:
         if area is None:
             return None, _NO_DEPTH
         if self.config.entry_reach_m > 0.0:
-            area = area.entered_from(observation, self.config.entry_reach_m)
+            reach_m = self.config.entry_reach_m * (_NEARER if is_guessed else 1.0)
+            area = area.entered_from(observation, reach_m)
         return area, ""
 
     def _far_position(
