@@ -273,8 +273,6 @@ def _best(evidence: GoalEvidence, robot: Pose2) -> int | None:
     target = evidence.target
     if target is not None and target.is_last_chance:
         return target.number
-    left = [
-        one for one in evidence.candidates if not one.is_refuted and one.log_odds >= _LEAST
-    ]
+    left = [one for one in evidence.candidates if not one.is_refuted and one.log_odds >= _LEAST]
     best = max(left, key=worth_m, default=None)
     return None if best is None or worth_m(best) <= 0.0 else best.number
