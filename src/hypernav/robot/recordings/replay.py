@@ -110,7 +110,7 @@ def replayed(
             floor.integrate(seen)
         with clock("local"):
             detections = [] if goal is None else local.look(seen, goal, floor)
-        target = None if goal is None else local.target(floor)
+        target = floor.search.evidence.target
         trace = StepTrace(
             step=number,
             pose=(seen.robot.x, seen.robot.y, seen.robot.yaw),
