@@ -72,6 +72,14 @@ def test_a_leak_to_the_wall_behind_is_cut_off():
     assert whole.seen_points[:, 0].max() > 3.9
 
 
+def test_a_few_points_apart_are_another_thing_s_in_a_guessed_mask():
+    thing = np.tile([[2.0, 0.0, 0.4]], (100, 1))
+    stray = np.tile([[1.7, 0.0, 0.4]], (3, 1))
+    points = np.concatenate([thing, stray])
+    assert area_of(points).seen.sum() == 2
+    assert area_of(points, stray_share=0.05).seen.sum() == 1
+
+
 def test_areas_know_what_they_share():
     here, nearby = area_of([[1.0, 1.0, 0.0]]), area_of([[1.2, 1.0, 0.0]])
     elsewhere = area_of([[9.0, -3.0, 0.0]])
@@ -140,6 +148,15 @@ def test_the_inner_entry_points_are_those_nearest_to_what_was_seen():
     is_inner = (points[:, None] == inner[None]).all(axis=2).any(axis=1)
     assert 0 < len(inner) < len(points)
     assert gaps[is_inner].max() <= gaps[~is_inner].min() + 1e-9
+
+
+def test_one_image_that_takes_more_along_moves_no_inner_entry_point():
+    thing = area_of(np.array([[2.0, 0.0, 0.4]]))
+    leaked = area_of(np.array([[2.0, 0.0, 0.4], [1.7, 0.0, 0.4]]))
+    often = thing.joined(thing).joined(leaked)
+    away_m = np.linalg.norm(often.inner_entry_points - np.array(thing.centre), axis=1)
+    farthest_m = np.linalg.norm(often.entry_points - np.array(thing.centre), axis=1).max()
+    assert away_m.max() <= farthest_m / 2.0 + 1e-9
 
 
 def test_where_the_robot_stands_is_open_though_no_image_shows_it():

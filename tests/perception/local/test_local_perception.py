@@ -254,6 +254,15 @@ def test_a_held_target_is_not_left_for_another():
     assert certain(local.target).area.centre == here
 
 
+def test_a_second_box_of_the_same_thing_in_an_image_says_nothing_new():
+    twice = [*seen(), replace(seen()[0], score=0.4)]
+    once, both = (Perception(ScriptedDetector([boxes])) for boxes in (seen(), twice))
+    for local in (once, both):
+        local.look(thing_before_wall())
+    assert certain(both.target).log_odds == certain(once.target).log_odds
+    assert (certain(both.target).area.views == certain(once.target).area.views).all()
+
+
 def test_the_latest_detection_wins_in_the_paper_s_way():
     local = Perception(
         ScriptedDetector([seen(), seen((5.0, 40.0, 30.0, 80.0))]), target="latest", pick="first"

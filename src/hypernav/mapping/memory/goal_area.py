@@ -6,7 +6,7 @@ from functools import cached_property
 
 import cv2
 import numpy as np
-from jaxtyping import Bool, Float64
+from jaxtyping import Bool, Float64, Int32
 
 from hypernav.core.geometry.bounds import has_cell
 from hypernav.core.geometry.depth import is_measured
@@ -51,7 +51,7 @@ class GoalArea:
 
     Attributes:
         mask: Mask of the dilated cells.
-        seen: Mask of the cells that points of the target fall into.
+        views: Number of images whose points of the target fall into a cell.
         entry: Mask of the cells that the robot may go to.
         before: Mask of those between the target and a camera that saw it.
         origin: Lower left corner of the masks, metres.
@@ -60,7 +60,7 @@ class GoalArea:
     """
 
     mask: Bool[np.ndarray, "rows columns"]
-    seen: Bool[np.ndarray, "rows columns"]
+    views: Int32[np.ndarray, "rows columns"]
     entry: Bool[np.ndarray, "rows columns"]
     before: Bool[np.ndarray, "rows columns"]
     origin: tuple[float, float]
@@ -75,6 +75,7 @@ class GoalArea:
         kernel: int = 5,
         iterations: int = 3,
         largest_cluster_only: bool = True,
+        stray_share: float = 0.0,
     ) -> "GoalArea | None":
         """Project points to cells and dilate them (paper: 5×5 kernel, 3 iterations).
 
@@ -85,6 +86,7 @@ class GoalArea:
             iterations: Number of dilations.
             largest_cluster_only: Whether to keep only the cluster that most points fall into, so
                 that a mask that leaks to the wall behind does not move the goal there.
+            stray_share: Share of the points below which cells that lie apart are another thing's.
 
         Returns:
             The area, or None without points.
@@ -98,6 +100,10 @@ class GoalArea:
         counts = np.zeros(tuple(shape), dtype=np.int64)
         np.add.at(counts, tuple((cells - low).T), 1)
         seen = counts > 0
+        if stray_share > 0.0:
+            _, parts = cv2.connectedComponents(seen.astype(np.uint8), connectivity=8)
+            weights = np.bincount(parts.ravel(), weights=counts.ravel())
+            seen = (weights >= stray_share * weights.max())[parts] & seen
         mask = cv2.dilate(
             seen.astype(np.uint8), np.ones((kernel, kernel), np.uint8), iterations=iterations
         ).astype(bool)
@@ -109,7 +115,8 @@ class GoalArea:
             seen &= mask
         origin = (float(low[1]) * resolution_m, float(low[0]) * resolution_m)
         height_m = float(np.median(points[:, 2]))
-        return GoalArea(mask, seen, mask, np.zeros_like(mask), origin, resolution_m, height_m)
+        views = seen.astype(np.int32)
+        return GoalArea(mask, views, mask, np.zeros_like(mask), origin, resolution_m, height_m)
 
     def joined(self, other: "GoalArea") -> "GoalArea":
         """The cells of both areas, from two looks at the same target."""
@@ -118,17 +125,18 @@ class GoalArea:
         low = np.minimum(*corners)
         ends = [c + a.mask.shape for c, a in zip(corners, (self, other), strict=True)]
         shape = tuple(np.maximum(*ends) - low)
-        mask, seen, entry, before = np.zeros((4, *shape), dtype=bool)
+        mask, entry, before = np.zeros((3, *shape), dtype=bool)
+        views = np.zeros(shape, dtype=np.int32)
         for corner, area in zip(corners, (self, other), strict=True):
             row, column = corner - low
             rows, columns = area.mask.shape
             window = (slice(row, row + rows), slice(column, column + columns))
             mask[window] |= area.mask
-            seen[window] |= area.seen
+            views[window] += area.views
             entry[window] |= area.entry
             before[window] |= area.before
         origin = (float(low[1]) * size, float(low[0]) * size)
-        return GoalArea(mask, seen, entry, before, origin, size, self.height_m)
+        return GoalArea(mask, views, entry, before, origin, size, self.height_m)
 
     def entered_from(self, observation: Observation, reach_m: float) -> "GoalArea":
         """The same area, to be entered near the seen cells, but not behind a wall.
@@ -159,13 +167,18 @@ class GoalArea:
         shift = margin * self.resolution_m
         return GoalArea(
             np.pad(self.mask, margin),
-            np.pad(self.seen, margin),
+            np.pad(self.views, margin),
             np.pad(self.entry, margin),
             np.pad(self.before, margin),
             (self.origin[0] - shift, self.origin[1] - shift),
             self.resolution_m,
             self.height_m,
         )
+
+    @cached_property
+    def seen(self) -> Bool[np.ndarray, "rows columns"]:
+        """Mask of the cells that points of the target fall into."""
+        return self.views > 0
 
     @cached_property
     def points(self) -> Float64[np.ndarray, "n 2"]:
@@ -179,8 +192,13 @@ class GoalArea:
 
     @cached_property
     def inner_entry_points(self) -> Float64[np.ndarray, "n 2"]:
-        """Those of the entry points in the half nearer to the target, ``(x, y)``, metres."""
-        away_m = np.linalg.norm(self.entry_points - self.nearest_seen_points, axis=1)
+        """Those of the entry points in the half nearer to the target, ``(x, y)``, metres.
+
+        The target is where most images have it: one image alone may take a shadow along.
+        """
+        often = 2 * self.views >= self.views.max()
+        away = cv2.distanceTransform((~often).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+        away_m = away[self.entry]
         return self.entry_points[away_m <= (away_m.min() + away_m.max()) / 2.0]
 
     @cached_property

@@ -40,6 +40,8 @@ _FAITH_M = 2.0
 """Way by which another one must be better before the robot changes its mind."""
 _SAME_SHARE = 0.5
 """Share of an area's cells in a rejected one from which on both are the same object's."""
+_SAME_OBJECT = 0.3
+"""Share of the cells of one area in the other from which on both are the same candidate's."""
 _MOST_CANDIDATES = 30
 _NEAR_M = 6.0
 """Distance beyond which no image can be expected to show a candidate."""
@@ -213,6 +215,8 @@ def with_sightings(
     weights, count = dict[int, float](), evidence.count
     for one in sightings:
         number = _number_of(one.area, known.values(), evidence.chosen)
+        if number in weights:
+            continue  # a weaker box of the same thing says nothing new, and more of what is beside
         if number is None:
             number, count = count, count + 1
             known[number] = Target(one.area, observation, one.detection.box.area, number=number)
@@ -220,7 +224,7 @@ def with_sightings(
             known[number] = known[number].seen_again(
                 one.area, one.detection, observation, join=True
             )
-        weights[number] = max(one.weight, weights.get(number, -math.inf))
+        weights[number] = one.weight
     for number, one in known.items():
         weight = weights.get(number)
         if weight is None and _is_missed(one, observation):
@@ -240,10 +244,15 @@ def with_sightings(
 
 def _number_of(area: GoalArea, known: Iterable[Target], chosen: int | None) -> int | None:
     """The number of the candidate that an area is of: the one that is gone to before others."""
-    touching = [one for one in known if areas_touch(area, one.area)]
-    if not touching:
+    same = [one for one in known if _is_same(area, one.area)]
+    if not same:
         return None
-    return max(touching, key=lambda one: (one.number == chosen, one.area.covers(area))).number
+    return max(same, key=lambda one: (one.number == chosen, one.area.covers(area))).number
+
+
+def _is_same(a: GoalArea, b: GoalArea) -> bool:
+    """Whether two areas are one object's: a thing beside it touches it only."""
+    return max(a.covers(b), b.covers(a)) >= _SAME_OBJECT
 
 
 def _is_missed(one: Target, observation: Observation) -> bool:

@@ -180,7 +180,12 @@ class LocalPerception:
         is_guessed: bool,
     ) -> tuple[GoalArea | None, str]:
         area = projected(
-            mask, observation, self.config, self._camera, cell_size_m=self._cell_size_m
+            mask,
+            observation,
+            self.config,
+            self._camera,
+            cell_size_m=self._cell_size_m,
+            is_guessed=is_guessed and self.config.target == "candidates",
         )
         if area is None:
             return None, _NO_DEPTH

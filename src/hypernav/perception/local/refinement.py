@@ -11,6 +11,8 @@ from hypernav.perception.local.config import LocalConfig
 
 _MANY_PIXELS = 4000
 _LEAST_LEFT = 0.25
+_STRAY_SHARE = 0.05
+"""Share of the points below which a part of a guessed mask is another thing's."""
 
 
 def eroded(
@@ -36,6 +38,7 @@ def projected(
     camera: CameraConfig,
     *,
     cell_size_m: float,
+    is_guessed: bool = False,
 ) -> GoalArea | None:
     """The goal area under a mask; None if too few of its pixels have a depth within the range.
 
@@ -45,6 +48,7 @@ def projected(
         config: Least number of points, dilation and choice of the cluster.
         camera: Camera, whose range of depth counts.
         cell_size_m: Side of a map cell, metres.
+        is_guessed: Whether the mask was guessed from a box, so that small parts may be strays.
     """
     points = points_under_mask(
         mask,
@@ -61,4 +65,5 @@ def projected(
         kernel=config.dilation_kernel,
         iterations=config.dilation_iterations,
         largest_cluster_only=config.largest_cluster_only,
+        stray_share=_STRAY_SHARE if is_guessed else 0.0,
     )
