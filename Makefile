@@ -15,13 +15,13 @@ demo: $(VENV)/.installed  ## search for a bed in the built-in house
 	$(BIN)/hypernav find bed --seed 2 --out runs/demo
 
 test: $(VENV)/.installed-dev  ## the tests, in a few minutes
-	$(BIN)/pytest -n auto -m "not slow and not freeze"
+	$(BIN)/pytest -n auto -m "not slow and not freeze" --timeout 300
 
 slow: $(VENV)/.installed-dev  ## the longer checks
-	$(BIN)/pytest -n auto -m slow
+	$(BIN)/pytest -n auto -m slow --timeout 600
 
 test-vlm: $(VLM)/.installed  ## the tests with real, tiny networks; installs the CPU build of torch
-	$(VLM)/bin/pytest tests/local_vlm
+	$(VLM)/bin/pytest tests/local_vlm --timeout 600
 
 lint: $(VENV)/.installed-dev $(VENV)/.installed-docs  ## style, types, and who may import whom
 	$(BIN)/ruff format --check .
