@@ -268,7 +268,7 @@ def preset(name: PresetName) -> HyPerNavConfig:
         ),
         grounding=VlmDetectorConfig(right_articles=False, score_crops=0, min_score=0.0),
         presence=PresenceConfig(right_articles=False, unsure="yes"),
-        yolox=YoloxConfig(score_threshold=0.3),
+        yolox=YoloxConfig(score_threshold=0.3, look_closer_below=0.0),
         block_choice=VlmReasonerConfig(
             mode="paper",
             facts=False,

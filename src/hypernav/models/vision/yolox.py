@@ -4,6 +4,7 @@ Source: Ge et al., "YOLOX: Exceeding YOLO Series in 2021", and the reference cod
 Megvii-BaseDetection/YOLOX (``yolox/data/data_augment.py::preproc``, ``yolox/utils/demo_utils.py``).
 """
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -23,6 +24,14 @@ from hypernav.models.vision.onnx_session import open_session
 _PADDING = 114
 _NMS_IOU = 0.45
 """Of two boxes of one class that overlap more than this, the better one stays (YOLOX's demo)."""
+_CLOSER_TIMES = 2.5
+"""Side of the part of the image that is looked at more closely, in sides of the box."""
+_CLOSER_PX = 96.0
+"""Smallest side of such a part, pixels."""
+_MOST_CLOSER = 3
+"""Largest number of such parts in one image."""
+_SAME_BOX_IOU = 0.3
+"""Overlap from which on a box in such a part is the one that it was made for."""
 _MIN_BOX_PX = 2.0
 """A narrower or lower box is dropped."""
 
@@ -32,12 +41,16 @@ class YoloxConfig(RoomConfig):
 
     Attributes:
         score_threshold: Detections below this are dropped; objectness times class score.
+        look_closer_below: Score of the goal below which the network looks once more, at the part of
+            the image around the box, enlarged; the score is then the mean of both. 0 never looks
+            closer.
         threads: Threads of onnxruntime.
         classes: Names in the order of the network's outputs.
         fallback_input_px: Side of the input for an export whose own input size is not fixed.
     """
 
     score_threshold: float = Field(default=0.1, ge=0.0, le=1.0)
+    look_closer_below: float = Field(default=0.6, ge=0.0, le=1.0)
     threads: int = Field(default=2, ge=1, le=MOST_THREADS)
     classes: tuple[str, ...] = COCO_CLASSES
     fallback_input_px: int = Field(default=640, ge=32, le=4096, multiple_of=32)
@@ -84,10 +97,34 @@ class YoloxDetector:
             GoalError: The network cannot see such a thing.
         """
         wanted = self.check_goal(goal)
-        return [
-            replace(found, is_goal=found.label == wanted)
-            for found in self.detect_all(observation.rgb)
+        found = [
+            replace(one, is_goal=one.label == wanted) for one in self.detect_all(observation.rgb)
         ]
+        weak = [one for one in found if one.is_goal and one.score < self.config.look_closer_below]
+        closer = {id(one): self._looked_closer(one, observation.rgb) for one in weak[:_MOST_CLOSER]}
+        found = [closer.get(id(one), one) for one in found]
+        return sorted(found, key=lambda one: -one.score)
+
+    def _looked_closer(
+        self, weak: Detection, rgb: UInt8[np.ndarray, "height width 3"]
+    ) -> Detection:
+        """A detection with the mean of its score and that in an enlarged part of the image."""
+        height, width = rgb.shape[:2]
+        box = weak.box
+        side = max(_CLOSER_TIMES * max(box.x_max - box.x_min, box.y_max - box.y_min), _CLOSER_PX)
+        x = int(np.clip((box.x_min + box.x_max - side) / 2.0, 0.0, max(width - side, 0.0)))
+        y = int(np.clip((box.y_min + box.y_max - side) / 2.0, 0.0, max(height - side, 0.0)))
+        part = rgb[y : y + math.ceil(side), x : x + math.ceil(side)]
+        inside = Box(box.x_min - x, box.y_min - y, box.x_max - x, box.y_max - y)
+        again = max(
+            (
+                one.score
+                for one in self.detect_all(part)
+                if one.label == weak.label and one.box.iou(inside) >= _SAME_BOX_IOU
+            ),
+            default=0.0,
+        )
+        return replace(weak, score=(weak.score + again) / 2.0)
 
     def detect_all(self, rgb: UInt8[np.ndarray, "height width 3"]) -> list[Detection]:
         """Everything the network sees, of all classes, best first."""
