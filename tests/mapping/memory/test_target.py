@@ -100,6 +100,14 @@ def test_other_sides_and_other_distances_count_for_themselves():
     assert len(target.with_look((0.0, 0.3), 0.5).looks) == 1
 
 
+def test_a_form_that_is_refuted_outweighs_any_number_of_looks():
+    target = target_at()
+    for number in range(12):
+        target = target.with_look((0.0, 3.0 * number), 2.5)
+    assert target.log_odds < 5.0
+    assert replace(target, form=-4.0).log_odds < 1.0
+
+
 def test_what_is_refuted_needs_more_than_it_has():
     target = target_at().with_look((0.0, 0.0), 0.5)
     refuted = replace(target, needed=target.log_odds + 1.0)

@@ -3,11 +3,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import pytest
 
+import images
 from certainty import certain
 from hypernav.core.embodiment import CameraConfig, Embodiment
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
+from hypernav.core.labels import ObjectLabel
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.memory import Memory, SearchMemory
 from hypernav.perception.local.belief import (
@@ -20,9 +22,13 @@ from hypernav.perception.local.belief import (
 from hypernav.perception.local.config import LocalConfig
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.perception.local.local_perception import LocalPerception
-from images import thing_before_wall
 
-BED = Goal("bed")
+GOAL = Goal("thing")  # a kind whose form is not known
+
+
+def thing_before_wall(**view):
+    """An upright plate that is called a thing."""
+    return images.thing_before_wall(label=ObjectLabel("thing"), **view)
 
 
 @dataclass
@@ -60,7 +66,7 @@ class Perception:
         )
 
     def look(self, observation, *, asks=True):
-        return self._local.look(observation, BED, self.floor, asks=asks)
+        return self._local.look(observation, GOAL, self.floor, asks=asks)
 
     @property
     def target(self):

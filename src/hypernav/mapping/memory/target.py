@@ -17,6 +17,9 @@ _BARRED_M = 0.4
 """Radius around a position that is cut off from the target, within which all others are, too."""
 _PRIOR = -1.4
 """Log-odds of a thing before any look at it: what a detector reports weakly is seldom right."""
+_MOST_BY_LOOKS = 6.0
+"""Most that all looks together shift the log-odds: what a detector takes a thing for from one side
+it often takes it for from others, right or wrong, so its form can still refute it."""
 _SAME_POSITION_M = 0.4
 _ANOTHER_SIDE_DEG = 45.0
 _SAME_VIEW = 0.5
@@ -36,6 +39,27 @@ class Look:
     weight: float
 
 
+@dataclass(frozen=True)
+class Measure:
+    """What an image shows of a candidate's form.
+
+    Attributes:
+        towards: Direction from the candidate to the camera, radians.
+        width_m: Its horizontal extent, metres: of a flat upright face along it, else across the
+            line of sight. None where the image doesn't show it whole.
+        is_face: Whether it is a flat upright face, whose extent shows from any side.
+        level_share: Share of its surface that is level and looks up; None where it is too far away
+            to be told.
+        is_below_eye: Whether its top is so far below the camera that a level one would show.
+    """
+
+    towards: float
+    width_m: float | None
+    is_face: bool
+    level_share: float | None
+    is_below_eye: bool
+
+
 @dataclass(frozen=True, eq=False)
 class Target:
     """A candidate: an object that may be the goal. One of them at a time is gone to.
@@ -45,6 +69,10 @@ class Target:
         best_view: Frame that showed the object largest.
         best_pixels: Area of its box in that frame, square pixels.
         looks: Looks at it, each from another position.
+        measures: What the images that show it say of its form.
+        form: Shift of the log-odds by all of these together.
+        is_form_doubtful: Whether its form would speak against it if it were the same from another
+            side.
         needed: Log-odds from which it is gone to; more than it has if it was refuted.
         is_last_chance: Whether it is gone to because nothing else is left.
         confirmed: Whether a second look, from another side, was taken.
@@ -56,6 +84,9 @@ class Target:
     best_view: Observation
     best_pixels: float
     looks: tuple[Look, ...] = ()
+    measures: tuple[Measure, ...] = ()
+    form: float = 0.0
+    is_form_doubtful: bool = False
     needed: float = -math.inf
     is_last_chance: bool = False
     confirmed: bool = False
@@ -104,8 +135,9 @@ class Target:
 
     @property
     def log_odds(self) -> float:
-        """Logarithm of the odds that it is the goal, by all looks at it."""
-        return _PRIOR + sum(one.weight for one in self.looks)
+        """Logarithm of the odds that it is the goal, by all looks at it and its form."""
+        by_looks = min(sum(one.weight for one in self.looks), _MOST_BY_LOOKS)
+        return _PRIOR + by_looks + self.form
 
     @property
     def is_refuted(self) -> bool:

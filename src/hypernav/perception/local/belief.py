@@ -11,9 +11,11 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.observation import Observation
 from hypernav.mapping.memory.goal_area import GoalArea
 from hypernav.mapping.memory.goal_evidence import GoalEvidence, Rejection
-from hypernav.mapping.memory.target import Target, areas_touch
+from hypernav.mapping.memory.target import Measure, Target, areas_touch
 from hypernav.mapping.memory.visibility import is_cut_off, seems_to_hold, should_be_visible
 from hypernav.perception.local.config import LocalConfig
+from hypernav.perception.shape.all_sides import form_evidence
+from hypernav.perception.shape.kinds import KindShape
 
 _SCORES = (0.0, 0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 0.95, 1.0)
 _WEIGHTS = (-0.8, -0.4, 0.0, 0.2, 1.2, 1.8, 2.3, 2.7, 5.0)
@@ -49,11 +51,19 @@ _NEAR_M = 6.0
 
 @dataclass(frozen=True, eq=False)
 class Sighting:
-    """A detection of the goal, the area on the floor plan that it gave, and what it says."""
+    """A detection of the goal, the area on the floor plan that it gave, and what it says.
+
+    Attributes:
+        detection: The detection.
+        area: Its goal area.
+        shape: Shift of the log-odds by its form.
+        measure: What the image shows of its form, for all images together.
+    """
 
     detection: Detection
     area: GoalArea
     shape: float = 0.0
+    measure: Measure | None = None
 
     @property
     def weight(self) -> float:
@@ -79,7 +89,8 @@ def needs_second_look(evidence: GoalEvidence, config: LocalConfig) -> bool:
     target = evidence.target
     if target is None or target.confirmed or config.target == "latest":
         return False
-    return target.log_odds < _SURE or len(target.looks) < _LEAST_LOOKS
+    is_sure = target.log_odds >= _SURE and not target.is_form_doubtful
+    return not is_sure or len(target.looks) < _LEAST_LOOKS
 
 
 def held_area(evidence: GoalEvidence, config: LocalConfig) -> GoalArea | None:
@@ -202,6 +213,7 @@ def with_sightings(
     sightings: list[Sighting],
     others: list[Detection],
     observation: Observation,
+    kind: KindShape | None = None,
 ) -> GoalEvidence:
     """The evidence for every candidate after an image, and the best of them chosen.
 
@@ -210,6 +222,7 @@ def with_sightings(
         sightings: Sightings of the image, the most certain first.
         others: What the image shows beside the goal.
         observation: The image.
+        kind: What things of the goal's kind are like; None if nothing is known of them.
     """
     known = {one.number: one for one in evidence.candidates}
     weights, count = dict[int, float](), evidence.count
@@ -224,6 +237,8 @@ def with_sightings(
             known[number] = known[number].seen_again(
                 one.area, one.detection, observation, join=True
             )
+        if one.measure is not None and kind is not None:
+            known[number] = _measured(known[number], one.measure, kind)
         weights[number] = one.weight
     for number, one in known.items():
         weight = weights.get(number)
@@ -240,6 +255,13 @@ def with_sightings(
         count=count,
     )
     return replace(after, chosen=_best(after, observation.robot))
+
+
+def _measured(one: Target, measure: Measure, kind: KindShape) -> Target:
+    """A candidate after one more image of its form."""
+    measures = (*one.measures, measure)
+    form = form_evidence(measures, kind)
+    return replace(one, measures=measures, form=form.log_odds, is_form_doubtful=form.is_doubtful)
 
 
 def _number_of(area: GoalArea, known: Iterable[Target], chosen: int | None) -> int | None:

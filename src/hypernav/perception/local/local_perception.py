@@ -30,9 +30,10 @@ from hypernav.perception.local.belief import (
 )
 from hypernav.perception.local.config import LocalConfig
 from hypernav.perception.local.refinement import eroded, projected
+from hypernav.perception.shape.all_sides import measure_of
 from hypernav.perception.shape.evidence import shape_evidence
-from hypernav.perception.shape.form import measured_form
-from hypernav.perception.shape.kinds import kind_shape
+from hypernav.perception.shape.form import Form, measured_form
+from hypernav.perception.shape.kinds import KindShape, kind_shape
 
 _NO_DEPTH = "too few points with depth"
 _REJECTED = "rejected before"
@@ -110,6 +111,7 @@ class LocalPerception:
         least = 0.0 if config.target == "latest" else _STRONG
         strong = [one for one in detections if one.score >= least]
         floor.sightings = self._with_things(floor.sightings, observation, strong)
+        kind = kind_shape(goal.thing)
         evidence, records = search.evidence, list[DetectionRecord]()
         sightings, far_positions = list[Sighting](), list[tuple[float, float]]()
         for detection in (one for one in detections if one.is_goal):
@@ -119,8 +121,13 @@ class LocalPerception:
             if area is not None and is_rejected(evidence, area):
                 reason = _REJECTED
             if area is not None and not (reason and config.target == "latest"):
-                shape = self._shape(detection, whole, observation, goal)
-                sightings.append(Sighting(detection, area, shape))
+                form = self._form(detection, whole, observation, kind)
+                if form is None or kind is None:
+                    sightings.append(Sighting(detection, area))
+                else:
+                    shape = shape_evidence(form, kind).log_odds
+                    measure = measure_of(form, area.centre, observation)
+                    sightings.append(Sighting(detection, area, shape, measure))
             elif reason == _NO_DEPTH and detection.score >= least:
                 areas = evidence.rejected_areas
                 far_position = self._far_position(detection, observation, areas)
@@ -130,7 +137,7 @@ class LocalPerception:
             evidence = with_latest(evidence, config, sightings, observation)
         else:
             others = [one for one in detections if not one.is_goal]
-            evidence = with_sightings(evidence, sightings, others, observation)
+            evidence = with_sightings(evidence, sightings, others, observation, kind)
         far_position = evidence.far_position
         if evidence.target is not None:
             far_position = None
@@ -158,19 +165,17 @@ class LocalPerception:
             return detection.mask
         return self._segmenter.segment(observation, detection.box)
 
-    def _shape(
+    def _form(
         self,
         detection: Detection,
         mask: Bool[np.ndarray, "height width"],
         observation: Observation,
-        goal: Goal,
-    ) -> float:
-        """What the form of a doubtful detection says; 0 where nothing is known of the goal."""
-        if self.config.target == "latest" or detection.score >= _CERTAIN:
-            return 0.0
-        kind = kind_shape(goal.thing)
-        form = measured_form(observation, mask, detection.box) if kind else None
-        return shape_evidence(form, kind).log_odds if form and kind else 0.0
+        kind: KindShape | None,
+    ) -> Form | None:
+        """The form of a doubtful detection; None where nothing is known of the goal's kind."""
+        if kind is None or self.config.target == "latest" or detection.score >= _CERTAIN:
+            return None
+        return measured_form(observation, mask, detection.box)
 
     def _area(
         self,

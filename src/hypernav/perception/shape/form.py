@@ -35,14 +35,15 @@ class Form:
     Attributes:
         bottom_m: Height of its lowest part in view.
         top_m: Height of its highest part in view.
-        long_m: Horizontal extent across the line of sight of what is in view.
+        long_m: Horizontal extent in view: along a flat upright face, else across the line of
+            sight.
         is_bottom_seen: Whether it ends there; else the image's edge or something nearer hides more.
         is_top_seen: The same for the top.
         is_long_seen: The same for its left and right sides.
         level_share: Share of its surface in view that is level and looks up.
         goes_on: Share of the surroundings in the image that lie in the plane of a flat thing; 0 if
             it is not flat.
-        is_plane_upright: Whether that plane is a wall's; else a floor's or a table's.
+        is_plane_upright: Whether it is a flat upright face, as of a screen or a door.
     """
 
     bottom_m: float
@@ -62,8 +63,8 @@ def measured_form(
     """The form of what a mask shows; None where too few of its pixels have depth.
 
     Masks that are cut out by depth often lack legs and edges, and hold some of what is behind. So
-    an end counts as seen only where the mask reaches the detector's box, and the extent is measured
-    across the line of sight.
+    an end counts as seen only where the mask reaches the detector's box, and the extent of what is
+    not flat is measured across the line of sight.
 
     Args:
         observation: A frame whose map has its floor at height 0.
@@ -75,10 +76,15 @@ def measured_form(
         return None
     step = -(-len(rows) // _MOST_POINTS)
     points = _points(observation, rows[::step], columns[::step])
+    normal = _normal_of_flat(points)
+    is_upright = normal is not None and abs(float(normal[2])) < _UPRIGHT
+    across = observation.camera_to_map.rotation[:, 0]
+    if normal is not None and is_upright:
+        across = np.array([-normal[1], normal[0], 0.0]) / np.hypot(normal[0], normal[1])
     bottom, top = np.percentile(points[:, 2], _TRIM)
-    left, right = np.percentile(points @ observation.camera_to_map.rotation[:, 0], _TRIM)
+    left, right = np.percentile(points @ across, _TRIM)
     is_bottom_seen, is_top_seen, is_long_seen = _ends_seen(observation, mask, box)
-    goes_on, is_upright = _plane_beyond(observation, mask, points)
+    goes_on = 0.0 if normal is None else _plane_beyond(observation, mask, points, normal)
     return Form(
         float(bottom),
         float(top),
@@ -156,16 +162,20 @@ def _level_share(observation: Observation, mask: Bool[np.ndarray, "height width"
     return float((np.abs(normals[valid][:, 2]) > _LEVEL * length[valid]).mean())
 
 
+def _normal_of_flat(points: Float64[np.ndarray, "n 3"]) -> Float64[np.ndarray, "3"] | None:
+    """The normal of the plane that most points lie in; None if they lie in none."""
+    normal = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2][2]
+    away = np.abs((points - np.median(points, axis=0)) @ normal)
+    return normal if (away < _PLANE_M).mean() >= _ON_PLANE else None
+
+
 def _plane_beyond(
     observation: Observation,
     mask: Bool[np.ndarray, "height width"],
     points: Float64[np.ndarray, "n 3"],
-) -> tuple[float, bool]:
-    """How much of what surrounds a flat thing lies in its plane, and whether that is upright."""
-    centre = np.median(points, axis=0)
-    normal = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2][2]
-    if (np.abs((points - centre) @ normal) < _PLANE_M).mean() < _ON_PLANE:
-        return 0.0, False
+    normal: Float64[np.ndarray, "3"],
+) -> float:
+    """How much of what surrounds a flat thing lies in its plane."""
     rows, columns = np.nonzero(mask)
     across = min(int(np.ptp(rows)), int(np.ptp(columns))) // 3 + 1
     width = 2 * min(max(across, 8), 40) + 1
@@ -173,6 +183,6 @@ def _plane_beyond(
     slim = cv2.dilate(mask.astype(np.uint8), np.ones((7, 7), np.uint8)).astype(bool)
     around = np.nonzero(wide & ~slim & is_measured(observation.depth))
     if len(around[0]) < _LEAST_POINTS:
-        return 0.0, False
-    beyond = np.abs((_points(observation, *around) - centre) @ normal) < _PLANE_M
-    return float(beyond.mean()), bool(abs(normal[2]) < _UPRIGHT)
+        return 0.0
+    away = np.abs((_points(observation, *around) - np.median(points, axis=0)) @ normal)
+    return float((away < _PLANE_M).mean())

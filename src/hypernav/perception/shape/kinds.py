@@ -70,18 +70,18 @@ def _range(text: str) -> tuple[float, float]:
 KINDS = _parsed(
     """
     floor
-      bed 0.35-1.6 0.9-2.6 level
+      bed 0.35-1.6 1.4-2.6 level
       crib 0.6-1.3 0.6-1.5
-      sofa 0.55-1.25 1.1-3.6 level
-      armchair 0.6-1.3 0.5-1.2
-      chair 0.65-1.35 0.35-1.0
-      rocking chair 0.7-1.3 0.5-1.2
-      office chair 0.75-1.4 0.45-0.9
+      sofa 0.55-1.25 1.25-3.6 level
+      armchair 0.6-1.3 0.5-1.2 level
+      chair 0.65-1.35 0.35-1.0 level
+      rocking chair 0.7-1.3 0.5-1.2 level
+      office chair 0.75-1.4 0.45-0.9 level
       stool 0.3-0.95 0.25-0.7
       step stool 0.15-0.7 0.25-0.6
       bean bag 0.4-1.1 0.6-1.3
       ottoman 0.3-0.6 0.3-1.3 level
-      bench 0.35-1.1 0.6-2.4
+      bench 0.35-1.1 0.6-2.4 level
       piano 0.8-1.5 1.1-2.0
       dining table 0.6-0.95 0.7-3.2 level
       coffee table 0.25-0.6 0.4-1.5 level
@@ -124,7 +124,7 @@ KINDS = _parsed(
       copier 0.7-1.6 0.5-1.5 upright
       server rack 0.9-2.3 0.5-1.3 upright
       paper shredder 0.3-0.9 0.25-0.6
-      toilet 0.35-1.1 0.35-0.9
+      toilet 0.35-1.1 0.5-0.9 level
       bidet 0.3-0.6 0.3-0.8
       bathtub 0.35-0.85 1.1-2.2
       shower 1.6-2.4 0.6-2.0 upright
@@ -282,7 +282,7 @@ KINDS = _parsed(
       box 0.03-1.2 0.05-1.2
       bag 0.1-1.0 0.1-0.8
     wall
-      tv 0.38-1.3 0.4-2.4 upright
+      tv 0.38-1.3 0.7-2.4 upright
       picture 0.1-2.2 0.1-2.6 upright
       mirror 0.2-2.3 0.15-2.5 upright
       clock 0.05-0.9 0.05-0.8 upright
