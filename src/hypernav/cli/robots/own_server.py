@@ -20,9 +20,6 @@ def server_at(url: str | None, options: Sequence[str] = ()) -> Iterator[str]:
     Args:
         url: The given address.
         options: Options of ``hypernav serve`` for a server that is started here.
-
-        Raises:
-            RobotLinkError: The server did not start.
     """
     if url is not None:
         yield url
