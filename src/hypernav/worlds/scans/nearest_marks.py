@@ -69,7 +69,7 @@ def spread_points(path: Path, corners: Float64[np.ndarray, "faces 3 3"], most: i
         corners: Corners of the triangles, metres; those with non-finite corners get no point.
         most: Largest number of points.
 
-        Raises:
+    Raises:
             SceneError: The triangles would need more points.
     """
     whole = np.flatnonzero(np.isfinite(corners).all(axis=(1, 2)))

@@ -69,7 +69,7 @@ def assemble(
         materials: Materials that `MeshPart.material` indexes.
         smooth: Whether to use normals; False shades every face flat.
 
-        Raises:
+    Raises:
             SceneError: No triangle is left.
     """
     owner = {node: number for number, item in enumerate(objects) for node in item.nodes}

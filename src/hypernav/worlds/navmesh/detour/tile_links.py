@@ -20,7 +20,7 @@ _MOST_BORDER_EDGES = 20_000
 """Largest number of border edges; the time grows with its square. Buildings have some hundred."""
 _MOST_CONNECTIONS = 4
 _APART_M = np.float32(0.01)
-"""Largest distance between the borders of two tiles; edges that only touch at an end aren't joined."""
+"""Largest distance between borders of two tiles. Edges that only touch at an end are not joined."""
 
 
 class Links(NamedTuple):
