@@ -172,7 +172,7 @@ class ScriptedServer:
 
     def start(self) -> "ScriptedServer":
         """Open the socket and serve in a thread."""
-        # Named as TCP, so that asyncio switches off Nagle's algorithm, which delays answers by 40 ms.
+        # Named as TCP, so that asyncio switches off Nagle's algorithm: it delays answers by 40 ms.
         listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         listener.bind(("127.0.0.1", self._wanted_port))

@@ -43,7 +43,7 @@ class Sighting:
 
 @dataclass(frozen=True, eq=False)
 class Panorama:
-    """Slices of a circle side by side: images of a pinhole camera, each turned further to the right.
+    """Slices of a circle side by side: images of a pinhole camera, each turned further right.
 
     The first slice begins at a yaw of 180°. Drawn on the faces of a prism, the panorama gives the
     camera's perspective without kinks at the seams.
