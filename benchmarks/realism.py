@@ -215,7 +215,7 @@ def look_around(
 def table(views: list[View], houses: int) -> str:
     """Recall per kind, as Markdown."""
     lines = [
-        "| kind | objects | views | recall | said instead |",
+        "| kind | objects | views | recall | named instead |",
         "| --- | ---: | ---: | ---: | --- |",
     ]
     recalls = []

@@ -49,7 +49,7 @@ class MyRobot:
         return Sensed(seen.rgb, seen.depth, seen.robot, time.monotonic(), truth=seen.truth)
 
     def execute(self, action: Action) -> Executed:
-        # Drive one step or turn, and come back when it is made.
+        # Drive one step or turn, and return when it is done.
         self._hardware.step(action)
         return Executed.DONE
 

@@ -80,9 +80,12 @@ def test_what_is_out_of_bounds_or_no_number_is_refused(name):
         ("embodiment.camera.width=1000000", "equal to 8192, got 1000000 .images must fit"),
         ("mapping.cell_size_m=0.0001", r"equal to 0.01, got 0.0001 .maps must fit"),
         ("overview.image_px=1000000", "equal to 4096, got 1000000 .images must fit"),
-        ("embodiment.motion.forward_m=1e9", "less than or equal to 5, .* .metres, as a robot"),
+        (
+            "embodiment.motion.forward_m=1e9",
+            "less than or equal to 5, .* .metres, within the sizes",
+        ),
         ("embodiment.motion.turn_angle_deg=.nan", "finite number, got nan .degrees, at most"),
-        ("embodiment.camera.max_depth_m=.inf", "finite number, got inf .metres, as a robot"),
+        ("embodiment.camera.max_depth_m=.inf", "finite number, got inf .metres, within the sizes"),
         ("world.cell_m=1e-6", "equal to 0.01, got .* .maps must fit"),
     ],
 )

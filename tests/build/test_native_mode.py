@@ -63,7 +63,7 @@ def test_native_agents_are_refused_on_the_robot_of_common_mode():
 
 
 def test_a_recording_has_no_native_mode(tmp_path):
-    with pytest.raises(ConfigError, match="the camera that it was made with"):
+    with pytest.raises(ConfigError, match="a recording has its own camera"):
         run_command(["robot", "replay", str(tmp_path), "--agent", "vlmnav", "--native"])
 
 

@@ -61,7 +61,7 @@ def test_a_noisy_detector_is_refused_before_a_folder_is_made(room, tmp_path, cap
     detector = ("--detector", "noisy:poor", "--out", tmp_path / "out")
     assert ablate(f"scene:{room}#1", *detector) == 2
     said = capsys.readouterr().err
-    assert "--detector noisy:poor doesn't go with --study refinement" in said
+    assert "--detector noisy:poor doesn't work with --study refinement" in said
     assert not (tmp_path / "out").exists()
 
 

@@ -255,7 +255,7 @@ def test_habitats_identity_looks_along_minus_z():
 def test_a_rotation_without_a_heading_is_refused():
     up = [math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5)]
     for rotation in (up, [0, 0, 0, 0]):
-        with pytest.raises(EpisodeError, match="along the floor"):
+        with pytest.raises(EpisodeError, match="straight up or down"):
             pose_from_habitat([0, 0, 0], rotation)
 
 
@@ -263,7 +263,7 @@ def test_millions_of_wrong_values_are_counted_not_listed(tmp_path):
     goals = {str(number): 1 for number in range(20_000)}
     path = tmp_path / "wrong.json"
     path.write_text(json.dumps({"episodes": [], "goals_by_category": goals}))
-    with pytest.raises(EpisodeError, match=r"wrong.json: 20,000 values are not what Habitat's"):
+    with pytest.raises(EpisodeError, match=r"wrong.json: 20,000 values do not fit Habitat's"):
         read_episodes(path)
 
 

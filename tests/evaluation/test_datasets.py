@@ -101,7 +101,7 @@ def test_choosing_episodes(chosen, ids):
         ({"goals": "piano"}, "no episode asks for 'piano'"),
         ({"goals": " ,"}, "--goals ' ,': names nothing"),
         ({"scenes": ","}, "--scenes ',': names nothing"),
-        ({"part": "0:1", "scenes": "9"}, "is left"),
+        ({"part": "0:1", "scenes": "9"}, "the selection leaves none"),
     ],
 )
 def test_choosing_what_is_not_there_is_an_error(chosen, words):

@@ -1,4 +1,4 @@
-"""The real SDK talks to a real server with a real, tiny Qwen2.5-VL."""
+"""The package's own HTTP client against ``transformers serve`` with a tiny Qwen2.5-VL."""
 
 from collections.abc import Callable
 from pathlib import Path

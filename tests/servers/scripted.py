@@ -1,8 +1,8 @@
 """An OpenAI-compatible server whose every word and every failure is scripted.
 
-It speaks HTTP over a real socket (FastAPI, uvicorn), so the real SDK is tested against it. What it
-says comes from a brain, a function of the request; how it says it from a personality (which server
-it pretends to be); how it fails from a plan of failures or from seeded rates.
+It speaks HTTP over a real socket (FastAPI, uvicorn), so the package's own HTTP client is tested
+against it. Its answers come from a brain, a function of the request; their form from a personality
+(which server it imitates); its failures from a plan of failures or from seeded rates.
 """
 
 import asyncio
@@ -172,7 +172,7 @@ class ScriptedServer:
 
     def start(self) -> "ScriptedServer":
         """Open the socket and serve in a thread."""
-        # Named as TCP, so that asyncio switches Nagle's algorithm off: it costs 40 ms an answer.
+        # Named as TCP, so that asyncio switches off Nagle's algorithm: it delays answers by 40 ms.
         listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         listener.bind(("127.0.0.1", self._wanted_port))

@@ -1,1 +1,1 @@
-"""Construction: the one place where a configuration becomes objects."""
+"""Builds objects from a configuration; only this room does."""

@@ -1,4 +1,4 @@
-"""Construction of agents: here alone a configuration becomes objects."""
+"""Builds agents from a configuration."""
 
 from pathlib import Path
 from typing import Any
@@ -50,14 +50,14 @@ def build_agent(
         config: Configuration of everything.
         specs: Specifications of the components; without a model by default.
         record: File for every exchange with the chat model; None records nothing.
-        resume: Whether questions that this file holds already are answered from it.
+        resume: Whether to answer recorded questions from that file.
 
     Raises:
-        ConfigError: Components that do not exist, or do not go together; native mode on the robot
-            of common mode.
-        ContractError: A component of another package does not do what its protocol says.
+        ConfigError: Components do not exist or do not fit together, or native mode is combined
+            with the robot of common mode.
+        ContractError: A component of another package breaks its protocol.
         ModelError: A model's file cannot be used.
-        RecordingError: A recording is missing, broken or in the way.
+        RecordingError: A recording is missing or broken, or a file with its name exists.
         MissingExtraError: A component needs a package that is not installed.
     """
     chosen = choose_components(specs or ComponentSpecs(), presence=config.presence.enabled)
@@ -74,7 +74,7 @@ def build_agent(
         built[role] = _made(choice, role, config, offers)
     detector, agent = built.get("detector"), built["agent"]
     if chosen.vlm is not None and is_named(chosen.vlm) and isinstance(detector, ChecksModel):
-        detector.check_model()  # better refused now than at the first step
+        detector.check_model()  # refuse it now, not at the first step
     presence = VlmPresenceCheck(chat, log, config.presence) if chat and chosen.presence else None
     if not chosen.is_whole_agent:
         agent = _search(
@@ -113,16 +113,16 @@ def build_search(
     reasoner: object | None = None,
     presence: PresenceCheck | None = None,
 ) -> SearchAgent:
-    """An agent around components that exist already, for example a detector of your own.
+    """Build an agent around existing components, for example a detector of your own.
 
     Args:
         config: Configuration of everything.
         detector: Detector of the goal.
         log: Log of the questions to detector and reasoner, if they keep one.
         agent: Name of an explorer.
-        segmenter: Segmenter of the pixels in a box; cuts by depth unless given.
-        reasoner: Reasoner that the explorer asks; the one that needs no model unless given.
-        presence: Presence check before STOP; None trusts the goal area.
+        segmenter: Segmenter of the pixels in a box; by default the cut by depth.
+        reasoner: Reasoner that the explorer asks; by default the one that needs no model.
+        presence: Presence check before STOP; None makes no check.
     """
     log = log or ExchangeLog()
     explorer = build_explorer(config, log, agent, reasoner=reasoner)
@@ -143,13 +143,13 @@ def build_explorer(
     *,
     reasoner: object | None = None,
 ) -> Explorer:
-    """An explorer alone.
+    """Build only an explorer.
 
     Args:
         config: Configuration of everything.
         log: Log of its questions.
         agent: Name of the explorer.
-        reasoner: Reasoner that it asks; the one that needs no model unless given.
+        reasoner: Reasoner that it asks; by default the one that needs no model.
     """
     offers = _offers(config, log)
     choice = AGENTS.find(agent)
@@ -192,7 +192,7 @@ def _search(
 
 
 def _offers(config: HyPerNavConfig, log: ExchangeLog) -> dict[str, Any]:
-    """Arguments that the constructor of any component may ask for."""
+    """Arguments for the constructors of all components."""
     return {
         "log": log,
         "embodiment": config.embodiment,
@@ -206,7 +206,7 @@ def _offers(config: HyPerNavConfig, log: ExchangeLog) -> dict[str, Any]:
 def _made(
     choice: Choice[Factory], role: str, config: HyPerNavConfig, offers: dict[str, Any]
 ) -> Any:
-    """A component that keeps the protocol of its role, which is its kind unless it reasons."""
+    """Build a component and check the protocol of its role (of its kind, unless a reasoner)."""
     kind = "reasoner" if role in ROLES else role
     section = section_of(choice, kind, config)
     component = make(choice, offers if section is None else offers | {"config": section})

@@ -1,4 +1,4 @@
-"""An agent that was put together, with all that it is made of."""
+"""An agent together with its components."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -29,13 +29,13 @@ class BuiltAgent:
         chosen: Choices that it was built from.
         detector_words: Name of the detector for people.
         reasoner_words: Name of the reasoner or explorer for people.
-        segmenter: Name of the segmenter for people, and what it stands in for.
+        segmenter: Name of the segmenter for people, and the published one that it replaces.
         components: All components, for their optional abilities.
         files: Files that components were given, such as weights.
         ledger: Ledger of the questions to the chat model; empty without one.
         price: Price of the chat model's tokens.
-        truth: Truth that stand-ins for models wait to be told, see
-            `hypernav.worlds.episode_run.EpisodeRun`; nobody else asks for it.
+        truth: Ground truth for stand-ins only, set by
+            `hypernav.worlds.episode_run.EpisodeRun`.
     """
 
     agent: Agent
@@ -61,13 +61,13 @@ class BuiltAgent:
 
     @property
     def warnings(self) -> list[str]:
-        """Sentences to show before a search: what stands in for something, and the remedy."""
+        """Sentences to show before a search: which components are stand-ins, and the remedy."""
         told = (self.segmenter.warning, reasoner_warning(self.chosen), warning_of(self.agent))
         return [warning for warning in told if warning]
 
     @property
     def looks_at_colours(self) -> bool:
-        """Whether a chat model, or a component that is given images, looks at their colours."""
+        """Whether a chat model, or a component that is given images, uses their colours."""
         given_images = [
             one
             for one in self.components
@@ -80,8 +80,8 @@ class BuiltAgent:
 
         Returns:
             Under ``ledger`` calls, tokens, seconds and retries per kind of question, and the cost
-            if a price is configured; only with a chat model. Under ``fallbacks`` what components
-            counted, for example what was done in place of answers that could not be used.
+            if a price is configured; only with a chat model. Under ``fallbacks`` the components'
+            counts, for example of replacements for unusable answers.
         """
         report: dict[str, Any] = {}
         if self.chosen.vlm is not None:
@@ -98,7 +98,7 @@ class BuiltAgent:
         return report
 
     def close(self) -> None:
-        """Close whatever holds a thread, a process or a file; a recording is on disk already."""
+        """Close all components that hold a thread, a process or a file."""
         for component in self.components:
             if isinstance(component, Closes):
                 component.close()

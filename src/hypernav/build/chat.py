@@ -23,16 +23,16 @@ def wrap_chat(
     """The chat model with its ledger, and the recording if there is one.
 
     Args:
-        vlm: Specification of the model; None has none.
+        vlm: Specification of the model; None for no model.
         config: Connection, retries and sampling.
         ledger: Ledger of the questions.
         record: File of the recording; None records nothing.
-        resume: Whether to answer from that file what it holds already.
+        resume: Whether to answer recorded questions from that file.
 
     Raises:
         ConfigError: There is nothing to record.
         ModelError: A model in this process has no weights here.
-        RecordingError: A recording is missing, broken or in the way.
+        RecordingError: A recording is missing or broken, or a file with its name exists.
         MissingExtraError: The model needs packages that are not installed.
     """
     if vlm is None:

@@ -1,4 +1,4 @@
-"""Choice of the components: gaps are filled in, and contradictions refused."""
+"""Chooses the components: completes the user's choice, and refuses contradictions."""
 
 from collections.abc import Collection
 from dataclasses import dataclass
@@ -26,14 +26,14 @@ _EXAMPLE = "--vlm openai:http://localhost:8000/v1"
 
 @dataclass(frozen=True)
 class ChosenComponents:
-    """`ComponentSpecs` with nothing left open. Components that are None are not asked.
+    """The complete choice of components. Those that are None are not used.
 
     Attributes:
         agent: Agent, or explorer of the search.
         vlm: Specification of the chat model.
         detector: Detector of the goal.
         reasoner: Reasoner that the agent asks where to go, or what a view is worth.
-        segmenter: Segmenter of the pixels in a box; None where detections carry their masks.
+        segmenter: Segmenter of the pixels in a box; None if detections carry their masks.
         presence: Whether the chat model checks the presence of the goal before STOP.
         native: Whether the agent has its own stop and moves.
     """
@@ -48,7 +48,7 @@ class ChosenComponents:
 
     @property
     def by_kind(self) -> dict[str, Choice[Factory]]:
-        """All components that are asked, each after those that it is made of."""
+        """All components in use, each after those that it is made of."""
         return {
             kind: choice
             for kind in ("detector", "segmenter", "reasoner", "agent")
@@ -67,7 +67,7 @@ class ChosenComponents:
 
     @property
     def is_whole_agent(self) -> bool:
-        """Whether the agent acts itself, so that the search of this package isn't needed."""
+        """Whether it is a whole agent, not an explorer for the search of this package."""
         return hasattr(self.agent.load(), "act")
 
     def as_dict(self) -> dict[str, str | None]:
@@ -85,10 +85,10 @@ class ChosenComponents:
 
 
 def choose_components(specs: ComponentSpecs, *, presence: bool = True) -> ChosenComponents:
-    """Fill in what was left open and refuse what contradicts itself.
+    """Complete the user's choice, and refuse contradictions.
 
-    With a chat model it detects, chooses blocks and checks the presence of the goal, unless
-    another component was named for one of these.
+    A chat model, if there is one, detects, chooses blocks and checks the presence of the goal,
+    unless another component is named for one of these.
 
     Args:
         specs: Specifications of the user.
@@ -96,7 +96,7 @@ def choose_components(specs: ComponentSpecs, *, presence: bool = True) -> Chosen
             STOP.
 
     Raises:
-        ConfigError: Components do not go together, or do not exist; the message says which do.
+        ConfigError: Components do not fit together, or do not exist; the message lists which do.
         ContractError: A component of another package can't be built.
     """
     if specs.native:
@@ -112,7 +112,7 @@ def choose_components(specs: ComponentSpecs, *, presence: bool = True) -> Chosen
     detector = _choice(DETECTORS, specs.detector, by_model or "ground-truth", agent, asked)
     reasoner = _reasoner(ROLES.get(role_in(asked)), specs.reasoner, by_model, agent)
     segmenter = _choice(SEGMENTERS, specs.segmenter, "depth-cut", agent, asked)
-    # A whole agent gets the segmenter that it asks for, whatever it asks it for.
+    # A whole agent gets the segmenter that it asks for, whatever it uses it for.
     if not drives_itself and detector and segmenter and gives_masks(detector.load()):
         if segmenter.spec != "depth-cut":
             raise ConfigError(
@@ -129,12 +129,12 @@ def choose_components(specs: ComponentSpecs, *, presence: bool = True) -> Chosen
 
 
 def role_in(asked: Collection[str]) -> str:
-    """Name of the one role of a reasoner among what is asked for; empty if there is none."""
+    """The role of a reasoner among the parameters; empty if there is none."""
     return next((name for name in ROLES if name in asked), "")
 
 
 def with_own_sections(config: HyPerNavConfig, chosen: ChosenComponents) -> HyPerNavConfig:
-    """The configuration with the whole sections of components from other packages in it.
+    """The configuration with the complete sections of components from other packages.
 
     Raises:
         ConfigError: ``own`` holds values for no component in use, or impossible ones.
@@ -170,7 +170,7 @@ def _choice(
 def _reasoner(
     role: Role | None, spec: str | None, by_model: str | None, agent: Choice[Factory]
 ) -> Choice[Factory] | None:
-    """The reasoner in the role that the agent has for one."""
+    """The reasoner for the agent's role."""
     if role is not None:
         return role.registry.find(spec or by_model or role.without_model)
     if spec is not None:
@@ -186,7 +186,7 @@ def _needless(kind: str, spec: str, agent: Choice[Factory]) -> str:
 
 
 def _check_model(chosen: ChosenComponents) -> None:
-    """Make sure that no component lacks a chat model, and that no chat model goes unasked."""
+    """Make sure that no component lacks a chat model, and that a chat model is used."""
     asking = {kind: asked_by(choice) for kind, choice in chosen.by_kind.items()}
     for kind, choice in chosen.by_kind.items():
         if chosen.vlm is None and asking[kind].get("chat", False):

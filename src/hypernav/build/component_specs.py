@@ -1,4 +1,4 @@
-"""Specifications of components, as people write them."""
+"""Specifications of components, as written in options."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -19,7 +19,7 @@ BenchmarkName = Literal["hm3d", "mp3d", "ovon", "hypernav-paper-hm3d", "hypernav
 """Benchmarks whose published robot and limits a run can take (`hypernav.datasets.benchmarks`)."""
 
 WorldName = Literal["native", "habitat"]
-"""Simulators: our own, and habitat-sim for those who have it."""
+"""Simulators: our own, and habitat-sim if it is installed."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class ComponentSpecs:
         detector: Detector of the goal.
         reasoner: Reasoner that the agent asks where to go, or what a view is worth.
         segmenter: Segmenter of the pixels in a box.
-        native: Whether the agent has its own stop and moves, as published, where it has any; its
+        native: Whether the agent has its own published stop and moves, if it has any; its
             configuration is then that of `hypernav.native_config`.
     """
 
@@ -47,5 +47,5 @@ class ComponentSpecs:
 
     @property
     def name(self) -> str:
-        """Name of the agent for people, which says if it is in native mode."""
+        """Name of the agent for people; it says whether the mode is native."""
         return f"{self.agent} (native)" if self.native else self.agent

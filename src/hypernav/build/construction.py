@@ -1,7 +1,7 @@
-"""Construction of a component from what its parameters ask for by their names.
+"""Builds a component; the names of its constructor's parameters select the arguments.
 
 Arguments after the component's name on the command line come first, by position: ``yolox:net.onnx``
-makes ``YoloxDetector("net.onnx", ...)``. Everything else is optional and given by name:
+makes ``YoloxDetector("net.onnx", ...)``. All others are optional and passed by name:
 
 ==============  ==================================================================================
 name            what
@@ -23,8 +23,8 @@ detector        for agents: the `Detector` of ``--detector``
 segmenter       for agents: the `Segmenter` of ``--segmenter``
 ==============  ==================================================================================
 
-The section of a component of another package is described by the pydantic model that annotates
-its parameter ``config``; values are set under ``own``: ``--set own.detector.threshold=0.3``.
+The section of a component of another package is the pydantic model that annotates its parameter
+``config``; values are set under ``own``: ``--set own.detector.threshold=0.3``.
 """
 
 import inspect
@@ -41,7 +41,7 @@ from hypernav.core.errors import ConfigError, ContractError
 
 
 def asked_by(choice: Choice[Factory]) -> dict[str, bool]:
-    """Names that a component's constructor asks for, and whether each is required.
+    """Names of the parameters of a component's constructor, and whether each is required.
 
     Raises:
         ConfigError: The specification has more arguments than the constructor takes.
@@ -70,10 +70,10 @@ def make(choice: Choice[Factory], offers: Mapping[str, Any]) -> Any:
 
     Args:
         choice: Component and its arguments.
-        offers: Arguments that its constructor may ask for.
+        offers: Arguments that its constructor may take.
 
     Raises:
-        ContractError: The constructor asks for something else.
+        ContractError: The constructor has another parameter without a default.
         ImportTargetError: It cannot be imported.
     """
     asked = asked_by(choice)

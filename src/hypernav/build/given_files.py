@@ -1,4 +1,4 @@
-"""The files that components are given, such as weights, on which results depend like on code."""
+"""Files given to components, such as weights; results depend on them as on code."""
 
 import hashlib
 import os
@@ -13,7 +13,7 @@ _DIGITS = 16
 
 
 def given_files(chosen: ChosenComponents, config: HyPerNavConfig) -> tuple[Path, ...]:
-    """The files that components are given by their specifications or by the configuration.
+    """The files given to components by specifications or by the configuration.
 
     Args:
         chosen: Components in use.

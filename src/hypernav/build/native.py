@@ -1,7 +1,7 @@
 """Native mode: a published method with its own camera, step and stop, as far as they are known.
 
-The episodes and the referee are those of common mode; what a difference between the two modes means
-nobody can tell, so they never share a table.
+The episodes and the referee are those of common mode. A difference between the two modes could not
+be interpreted, so they never share a table.
 """
 
 from collections.abc import Callable
@@ -66,7 +66,7 @@ def _rim_m(config: HyPerNavConfig) -> float:
 
 @dataclass(frozen=True)
 class _NativeMethod:
-    """What was published of a method.
+    """The published values of a method.
 
     Attributes:
         step_limit: Number of steps after which its searches end.
@@ -83,8 +83,8 @@ _METHODS = {
     "vlmnav": _NativeMethod(2000, lambda _: _LOOKING_DOWN | {"arrows": ARROWS_AS_RELEASED}),
     "pivot": _NativeMethod(2000, lambda _: _LOOKING_DOWN | {"arrows": ARROWS_AS_RELEASED}),
 }
-"""Methods that have a native mode. Limits of the last two are in short steps, so that
-`PromptedConfig` ends their searches: no 40 moves take more."""
+"""Methods that have a native mode. Limits of the last two are in short steps and large enough that
+`PromptedConfig` ends their searches first."""
 
 
 def step_limit_of(agent: str) -> int:
@@ -119,12 +119,12 @@ def native_config(agent: str, base: HyPerNavConfig) -> HyPerNavConfig:
 
 
 def check_native_robot(config: HyPerNavConfig) -> None:
-    """Refuse an agent in native mode on the robot of common mode, which would be neither mode.
+    """Refuse an agent in native mode with the robot of common mode, which would be neither mode.
 
     Raises:
         ConfigError: The configuration was not made by `native_config`.
     """
-    # `native_config` sets this; a configuration in which it was set by hand passes as well.
+    # `native_config` sets this; setting it by hand is accepted as well.
     if config.world.judge_eye_m is None:
         raise ConfigError(
             "native=True needs the robot that was published with the agent, and this configuration "

@@ -179,11 +179,11 @@ _AS_RELEASED: dict[str, dict[str, Any]] = {
         "arrows": {**ARROWS_AS_RELEASED, **_ANSWERS_AS_RELEASED, "zero_is_last": True},
     },
 }
-"""What the released code of published methods does otherwise than it means to, or than we do."""
+"""Where the released code of published methods differs from its own intention or from ours."""
 
 
 def with_changes(base: HyPerNavConfig, changes: dict[str, Any]) -> HyPerNavConfig:
-    """A configuration with some values changed, given section by section."""
+    """A configuration with changed values, given by section."""
     return HyPerNavConfig.model_validate(_merged(base, changes))
 
 
@@ -200,7 +200,7 @@ def preset(name: PresetName) -> HyPerNavConfig:
 
     ``…-as-released`` is ``default`` with the mistakes of a published method's released code.
 
-    Which sentence of the paper each value comes from, and which values are ours: docs/method.md.
+    docs/method.md says which sentence of the paper each value comes from, and which are ours.
     """
     if name == "default":
         return HyPerNavConfig()

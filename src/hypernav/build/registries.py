@@ -1,6 +1,6 @@
-"""The registries of all components that are found by name. One of this package is one entry.
+"""The registries of all components that are found by name, with those of this package.
 
-Other packages register theirs as entry points of the group that each registry names.
+Other packages register theirs as entry points of each registry's group.
 """
 
 from collections.abc import Callable
@@ -186,13 +186,13 @@ GUIDES: Registry[Factory] = Registry(
 
 @dataclass(frozen=True)
 class Role:
-    """The part of ``--reasoner`` in an agent, which says by its parameter's name what it asks.
+    """A role of ``--reasoner`` in an agent, whose parameter's name says which role it uses.
 
     Attributes:
-        registry: Registry of those who can play it.
-        protocol: Protocol that they keep.
-        without_model: Name of the one who plays it unless named, where there is no chat model;
-            with one it is ``vlm``.
+        registry: Registry of the components for the role.
+        protocol: Protocol of these components.
+        without_model: Name of the default component without a chat model; with one the default is
+            ``vlm``.
     """
 
     registry: Registry[Factory]
@@ -206,7 +206,7 @@ ROLES = {
     "arrow_reasoner": Role(ARROW_REASONERS, ArrowReasoner, "geometric"),
     "guide": Role(GUIDES, Guide, "truth"),
 }
-"""Roles by the names of the parameters of agents and explorers; each asks for one at most."""
+"""Roles by the names of the parameters of agents and explorers; each has one at most."""
 
 AGENTS: Registry[Factory] = Registry(
     "agent",

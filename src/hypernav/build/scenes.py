@@ -1,4 +1,4 @@
-"""Construction of scenes by name."""
+"""Loads scenes by name."""
 
 import difflib
 from collections.abc import Callable
@@ -24,7 +24,7 @@ SCENES: Registry[Callable[..., Scene]] = Registry(
         Entry("crowded", "hypernav.build.scenes:numbered_crowded_office", form="crowded:N"),
     ],
 )
-"""Scenes that are no files: functions of the text after the name."""
+"""Scenes that are not files: functions of the text after the name."""
 
 
 def load_scene(spec: str) -> Scene:
@@ -33,7 +33,7 @@ def load_scene(spec: str) -> Scene:
     Args:
         spec: Name of the scene: ``builtin``, ``houses:N``, ``offices:N``, ``shops:N`` or
             ``crowded:N`` for the generated building of number N, a name that an installed package
-            brings, or the path of a GLB.
+            provides, or the path of a GLB.
 
     Raises:
         SceneError: The file cannot be used, or there is no such building.
@@ -78,7 +78,7 @@ numbered_crowded_office = partial(numbered_building, "crowded")
 
 
 def building_of(scene: str) -> Building:
-    """The generated building of a scene's name, as people write it.
+    """The generated building that a scene's name means.
 
     Args:
         scene: For example ``offices:7``; a number alone, such as ``7``, is that of a house.

@@ -1,4 +1,4 @@
-"""A search of one call: an agent looks for a goal in a simulated building."""
+"""A search in one call: an agent looks for a goal in a simulated building."""
 
 import numpy as np
 
@@ -26,7 +26,7 @@ def find(
     seed: int = 0,
     max_steps: int = MAX_STEPS,
 ) -> EpisodeRun:
-    """Begin a search, as ``hypernav find`` does; iterating over it makes the steps.
+    """Begin a search, like ``hypernav find``; iterating over it runs the steps.
 
     Args:
         goal: What to find.

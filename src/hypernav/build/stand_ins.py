@@ -1,4 +1,4 @@
-"""Words for what stands in for a network that the published method names."""
+"""Names and warnings for components that replace a network of the published method."""
 
 from dataclasses import dataclass
 
@@ -7,11 +7,11 @@ from hypernav.build.choosing import ChosenComponents
 
 @dataclass(frozen=True)
 class SegmenterWords:
-    """The segmenter in words, and whether it only stands in for the published one.
+    """The segmenter's name, and a warning if it only replaces the published one.
 
     Attributes:
         words: Name of the segmenter for people.
-        warning: Sentence to show before a search; empty if nothing stands in.
+        warning: Sentence to show before a search; empty if nothing is replaced.
     """
 
     words: str
@@ -21,7 +21,7 @@ class SegmenterWords:
 def segmenter_words(
     chosen: ChosenComponents, published: str, *, detector_words: str, model: str
 ) -> SegmenterWords:
-    """Name what segments.
+    """Name the segmenter.
 
     Args:
         chosen: Components in use. A segmenter is the published one if its specification says so:
@@ -44,7 +44,7 @@ def segmenter_words(
 
 
 def reasoner_warning(chosen: ChosenComponents) -> str:
-    """Sentence to show before a search whose reasoner only stands in for a model; else empty."""
+    """Sentence to show before a search whose reasoner only replaces a model; else empty."""
     if chosen.reasoner is None:
         return ""
     stands_in_for = getattr(chosen.reasoner.load(), "stands_in_for", "")

@@ -1,4 +1,4 @@
-"""Construction of worlds: our own simulator, or habitat-sim."""
+"""Opens worlds: our own simulator, or habitat-sim."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -29,7 +29,7 @@ class OpenedWorld:
 def open_world(
     scene: Scene, scene_id: str, config: HyPerNavConfig, name: WorldName = "native"
 ) -> OpenedWorld:
-    """Open a scene in a world; drawing takes one thread.
+    """Open a scene in a world; drawing uses one thread.
 
     Args:
         scene: The scene.

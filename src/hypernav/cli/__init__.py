@@ -1,1 +1,1 @@
-"""The commands of `hypernav`: options, progress on the screen, exit statuses."""
+"""The commands of `hypernav`: options, progress on the terminal, exit statuses."""

@@ -30,7 +30,7 @@ def run(options: Options) -> int:
         The status of success: every episode of every variant is done.
 
     Raises:
-        HyPerNavError: A run cannot be begun, or stopped before its end.
+        HyPerNavError: A run cannot be started, or stopped before its end.
         ReportedCrashError: The program failed in some of the episodes.
     """
     check(options)
@@ -43,7 +43,7 @@ def _run_variants(options: Options) -> ExitStatus:
     study = STUDIES[options.study](Method(who.preset, config_of(options), who.specs))
     study = replace(study, variants=_chosen(study, options.only))
     if options.list:
-        who.build(config_of(options)).close()  # what cannot be built cannot be varied
+        who.build(config_of(options)).close()  # raises if the method cannot be built
         _show(study, with_left_out=options.only is None)
         return ExitStatus.SUCCESS
     name = f"{options.dataset}-{who.name}-{who.preset}-{options.study}"
@@ -55,7 +55,7 @@ def _run_variants(options: Options) -> ExitStatus:
             for place, variant in enumerate(study.variants, start=1):
                 heading = f"variant {place} of {len(study.variants)}: {variant.name}"
                 _run(variant, options, folder, console, heading)
-        finally:  # whatever happened: what there is can be read
+        finally:  # after errors, too, write the results so far
             page = write_ablation(folder, study)
             if page is not None:
                 console.print(f"open {page}", soft_wrap=True, markup=False)
@@ -63,7 +63,7 @@ def _run_variants(options: Options) -> ExitStatus:
 
 
 def _configuration(options: Options, console: Terminal) -> dict[str, Any]:
-    """What a folder belongs to: the configuration of the unchanged method, and the study of it."""
+    """What a folder is for: the configuration of the unchanged method, and the study."""
     plan, episodes = planned(options, console)
     return plan.configuration(episodes) | {"study": options.study}
 

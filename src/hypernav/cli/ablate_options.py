@@ -14,7 +14,7 @@ from hypernav.evaluation.ablation.study_name import StudyName
 
 @dataclass(frozen=True)
 class _VariedAgent(AgentOptions):
-    """The agent, whose preset is called by what it is varied from."""
+    """The agent; its preset is described as the one that is varied."""
 
     preset: Annotated[PresetName, tyro.conf.arg(name="of")] = "default"
     """Preset that is varied: with default, also every value that differs from the paper's."""
@@ -22,15 +22,15 @@ class _VariedAgent(AgentOptions):
 
 @dataclass(frozen=True)
 class Options(eval_options.Options):
-    """The episodes, the method and its variants; all else is as in hypernav eval."""
+    """The episodes, the method and its variants; other options are as in hypernav eval."""
 
     who: Annotated[_VariedAgent, tyro.conf.arg(name="")] = field(default_factory=_VariedAgent)
     """The options that configure the agent, in all variants."""
     out: Path | None = None
     """Folder of the page, with a folder for every variant; runs/<…>-ablation by default."""
     study: StudyName = "switches"
-    """What is studied: the switches of the method, the quality of the model, or what becomes of a
-    box of the goal (refinement)."""
+    """What is studied: the switches of the method, the quality of the model, or the step from a box
+    to the goal area (refinement)."""
     only: str | None = None
     """Only these variants, separated by commas, and the unchanged method; --list names them."""
     list: bool = False

@@ -26,7 +26,7 @@ def run_refinement(options: Options) -> ExitStatus:
 
     Raises:
         ConfigError: An option has no meaning here.
-        HyPerNavError: The study can't be begun, or stopped before its end.
+        HyPerNavError: The study can't be started, or stopped before its end.
     """
     _check(options)
     who, config = options.who, config_of(options)
@@ -60,7 +60,7 @@ def run_refinement(options: Options) -> ExitStatus:
 
 
 def _check(options: Options) -> None:
-    """Refuse what only variants and their workers have, and what needs more than the image."""
+    """Refuse options of variants and workers, and components that need more than the image."""
     given = {
         "--only": options.only is not None,
         "--list": options.list,
@@ -81,6 +81,6 @@ def _check(options: Options) -> None:
         asked = {} if spec is None else asked_by(registry.find(spec))
         if wanted := [name for name, is_needed in asked.items() if is_needed and name != "config"]:
             raise ConfigError(
-                f"--{kind} {spec} doesn't go with --study refinement, which tells a {kind} nothing "
-                f"but the image, and it needs more ({wanted[0]}); choose another or leave it out"
+                f"--{kind} {spec} doesn't work with --study refinement, which gives a {kind} only "
+                f"the image, and it needs more ({wanted[0]}); choose another or leave it out"
             )

@@ -29,17 +29,17 @@ class AgentOptions:
     """Values of the method: the published ones, those that measured better, or those of a
     published method's released code, with its mistakes."""
     native: bool = False
-    """A published method's own camera, step and stop, not those that all agents share."""
+    """A published method's own camera, step and stop, not those common to all agents."""
     vlm: str | None = None
     """Vision-language model: openai:URL[#MODEL], local:PATH_OR_ID or replay:FILE."""
     detector: str | None = None
-    """Detector of the goal, if not --vlm: ground-truth, yolox:PATH.onnx, vlm, zero-shot:ID, …"""
+    """Detector of the goal, in place of --vlm: ground-truth, yolox:PATH.onnx, zero-shot:ID, …"""
     reasoner: str | None = None
-    """What the agent asks where to go, if not --vlm: geometric, …; for vlfm similarity:ID, …"""
+    """What says where to go, in place of --vlm: geometric, …; for vlfm similarity:ID, …"""
     segmenter: str | None = None
     """Segmenter of the pixels in a box: depth-cut, sam:ID or onnx-sam:ENC.onnx,DEC.onnx."""
     record: Path | None = None
-    """File to record every exchange with the model of --vlm in, for --vlm replay:FILE."""
+    """File that records every exchange with the model of --vlm, for --vlm replay:FILE."""
     config: Path | None = None
     """YAML file with sections like those of result.json's config; only values that differ."""
     set: Annotated[tuple[str, ...], tyro.conf.arg(metavar="SECTION.KEY=VALUE")] = field(
@@ -56,7 +56,7 @@ class AgentOptions:
 
     @property
     def name(self) -> str:
-        """Name of the agent on screens and in results, which says if it is in native mode."""
+        """Name of the agent for terminals and results; it says whether the mode is native."""
         return self.specs.name
 
     def step_limit(self, default: int) -> int:
@@ -92,7 +92,7 @@ class AgentOptions:
         return with_own_sections(config, chosen)
 
     def _check_preset(self) -> None:
-        """Refuse the mistakes of another method's code, which would change nothing."""
+        """Refuse the preset of another method, which would have no effect."""
         method, _, rest = self.preset.partition("-")
         if rest and method != self.agent:
             raise ConfigError(
@@ -109,7 +109,7 @@ class AgentOptions:
         Raises:
             ConfigError: Options that do not exist or contradict each other.
             ModelError: A model's file cannot be used.
-            RecordingError: A recording is missing, broken or in the way.
+            RecordingError: A recording is missing or broken, or a file with its name exists.
             MissingExtraError: A part needs a package that is not installed.
         """
         from hypernav.build.agents import build_agent
@@ -117,9 +117,9 @@ class AgentOptions:
         return build_agent(config or self.resolve(), self.specs, record=self.record)
 
     def describe(self, parts: "BuiltAgent") -> dict[str, Any]:
-        """Description for ``result.json``: words for people, specifications for repeating a run.
+        """Description for ``result.json``: texts for people, specifications for repeating a run.
 
-        Files that components were given, such as weights, are told by their content as well.
+        Files given to components, such as weights, are identified by a hash of their content, too.
 
         Raises:
             ModelError: Such a file can't be read.
@@ -142,7 +142,7 @@ def check_steps_and_seed(max_steps: int | None, seed: int) -> None:
     """Refuse numbers of steps and seeds that are out of bounds, in all commands that search.
 
     Raises:
-        ConfigError: One of them is.
+        ConfigError: A number is out of bounds.
     """
     from hypernav.core.config import MOST_SEED, MOST_STEPS, check_option
 

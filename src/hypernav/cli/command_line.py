@@ -1,8 +1,8 @@
-"""The words of a command line: which command is meant, and its options.
+"""Reads a command line: the command and its options.
 
-A fast start: help and mistakes are answered from the options alone. For a command NAME, the module
-``NAME_options`` holds the class ``Options`` and imports next to nothing; the module ``NAME`` holds
-the function ``run``, imports all that it needs, and is loaded only to be called.
+The start is fast because help and errors need only the options. For a command NAME, the module
+``NAME_options`` holds the class ``Options`` and imports very little; the module ``NAME`` holds the
+function ``run``, imports all that it needs, and is loaded only to be called.
 """
 
 import contextlib
@@ -23,7 +23,7 @@ from hypernav.core.errors import ConfigError
 
 COMMANDS = {
     "find": "Search for an object in a simulated building and leave a page about it.",
-    "eval": "Run the episodes of a benchmark; the same command goes on where it was interrupted.",
+    "eval": "Run the episodes of a benchmark; the same command resumes an interrupted run.",
     "ablate": "Run variants of the method on the same episodes, and say what each part is worth.",
     "report": "Write a page, a CSV file and LaTeX tables about one or more evaluations.",
     "doctor": "Examine a vision-language model, or the data of benchmarks, and say what to change.",
@@ -50,14 +50,14 @@ def run_command(arguments: Sequence[str]) -> int:
     """Run the command that a command line asks for.
 
     Args:
-        arguments: The words after the name of the program.
+        arguments: The arguments after the name of the program.
 
     Returns:
         Its exit status.
 
     Raises:
         ConfigError: The command line cannot be understood.
-        HyPerNavError: The command failed for a reason that its message gives.
+        HyPerNavError: The command failed; the message gives the reason.
         SystemExit: The command line asks for help, which has been printed.
     """
     name, *rest = list(arguments) or [""]
@@ -102,7 +102,7 @@ def _plain(said: str) -> str:
 
 
 def _help() -> NoReturn:
-    """Print the list of commands, by means of empty dataclasses in place of their options."""
+    """Print the list of commands; empty dataclasses take the place of their options."""
     commands = {
         name: make_dataclass(name, [], namespace={"__doc__": words})
         for name, words in COMMANDS.items()
@@ -121,7 +121,7 @@ def _completion(arguments: Sequence[str]) -> NoReturn:
     """Print what a shell needs to complete commands and options.
 
     Raises:
-        ConfigError: The shell is not one of those there are.
+        ConfigError: The shell is unknown.
     """
     if len(arguments) != 1 or arguments[0] not in _SHELLS:
         raise ConfigError(f"--completion takes one shell: {', '.join(_SHELLS)}")
@@ -160,10 +160,10 @@ def _with_one_set(arguments: list[str]) -> list[str]:
 
 
 def _refuse_empty(arguments: Sequence[str]) -> None:
-    """Refuse options with an empty value, such as that of an unset variable of a shell.
+    """Refuse options with an empty value, for example from an unset shell variable.
 
     Raises:
-        ConfigError: There is one.
+        ConfigError: An option has an empty value.
     """
     for before, argument in itertools.pairwise(["", *arguments]):
         option, equals, value = argument.partition("=")
@@ -174,5 +174,5 @@ def _refuse_empty(arguments: Sequence[str]) -> None:
 
 
 def _help_on_terminal() -> contextlib.redirect_stdout[Any]:
-    """Let help be cut off by its reader, as in ``--help | head``, as other output may be."""
+    """Let a reader close the output of help early, as in ``--help | head``."""
     return contextlib.redirect_stdout(Terminal(stderr=False).file)

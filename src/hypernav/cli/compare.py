@@ -43,15 +43,15 @@ def run(options: Options) -> int:
     with console.status("opening the scene in both simulators …"):
         scene = load_scene(scene_id)
         navmesh = navmesh_of(scene, options.scene)
-        # A house that was exported is walked on our own surface elsewhere: the same is compared.
+        # Elsewhere an exported house uses our own walkable surface; here both use the same one.
         scene = replace(scene, navmesh=navmesh)
         native = open_world(scene, scene_id, config)
         habitat = open_world(scene, scene_id, config, "habitat")
     surface = (
         f"both walk on {navmesh.name}"
         if navmesh is not None
-        else "there is no navigation mesh beside the scene: habitat-sim walks on the one that it "
-        "computed, and we on the surface that we do, so steps and paths may differ"
+        else "there is no navigation mesh beside the scene: habitat-sim uses the one that it "
+        "computed, and hypernav its own surface, so steps and paths may differ"
     )
     console.print(surface, markup=False)
     rng = np.random.default_rng(options.seed)

@@ -1,4 +1,4 @@
-"""`hypernav doctor`: examine a vision-language model, or data, before relying on it."""
+"""The command `hypernav doctor`: examine a vision-language model, or data."""
 
 from collections.abc import Iterator
 
@@ -28,7 +28,7 @@ def run(options: Options) -> int:
         0 if all is well, 1 if there is a fault.
 
     Raises:
-        ConfigError: Nothing is named that could be examined, or a recording is.
+        ConfigError: Nothing to examine is named, or the model is a recording.
     """
     if options.vlm is None and options.data is None:
         raise ConfigError(
@@ -57,7 +57,7 @@ def _check_model(vlm: str, options: Options) -> Iterator[Finding]:
     if spec.kind == "replay":
         raise ConfigError(f"--vlm {vlm}: a recording cannot be examined, only a model")
     config = layered(preset("default"), file=options.config, assignments=options.set)
-    # A fault shall show now, not after two minutes of retries.
+    # Report a fault at once, not after two minutes of retries.
     chat = open_chat(spec, config.chat.model_copy(update={"patience_s": 0.0}))
     return check_up(chat, config.grounding, config.overview, config.block_choice, config.presence)
 

@@ -14,7 +14,7 @@ class Options:
     vlm: str | None = None
     """Model to examine: openai:URL[#MODEL] or local:PATH_OR_ID."""
     data: Path | None = None
-    """Data folder to examine, as in hm3d:DIR: what of the benchmarks is there, and what isn't."""
+    """Data folder to examine, as in hm3d:DIR: which parts of the benchmarks are there?"""
     config: Path | None = None
     """YAML file with sections like those of result.json's config; only values that differ."""
     set: Annotated[tuple[str, ...], tyro.conf.arg(metavar="SECTION.KEY=VALUE")] = field(

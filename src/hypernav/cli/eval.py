@@ -47,7 +47,7 @@ def run(options: Options) -> int:
         The status of success: every episode is done.
 
     Raises:
-        HyPerNavError: The run cannot be begun, stopped before its end, or has no result.
+        HyPerNavError: The run cannot be started, stopped before its end, or has no result.
         ReportedCrashError: The program failed in some of the episodes.
     """
     check(options)
@@ -70,7 +70,7 @@ def evaluate(
     """Load the episodes, and run those that aren't done.
 
     Args:
-        options: The whole command but for the folder.
+        options: All options but the folder.
         folder: Folder of the run.
         console: Terminal that shows the progress.
         heading: Line to print when the run begins; empty for none.
@@ -79,7 +79,7 @@ def evaluate(
         The state of the run at its end.
 
     Raises:
-        HyPerNavError: The run cannot be begun, or stopped before its end.
+        HyPerNavError: The run cannot be started, or stopped before its end.
     """
     with warnings_on(console):
         plan, episodes = planned(options, console)
@@ -111,17 +111,17 @@ def evaluate(
 
 
 def worker_count(options: Options) -> int:
-    """Number of workers; if none is given, one where each would load a model, else one a core."""
+    """Number of workers; by default one if each would load a model, else one per core."""
     vlm = options.who.vlm
     loads_model = vlm is not None and parse_vlm_spec(vlm).kind == "local"
     return options.workers or (1 if loads_model else available_cores())
 
 
 def check(options: Options) -> None:
-    """Refuse options that no run can have.
+    """Refuse options that are impossible in any run.
 
     Raises:
-        ConfigError: There is one.
+        ConfigError: An option is impossible.
         MissingExtraError: The world needs a program that is not installed.
     """
     check_steps_and_seed(options.max_steps, options.seed)
@@ -137,8 +137,8 @@ def check(options: Options) -> None:
     if benchmark is not None and benchmark.segmenter and options.who.segmenter is None:
         raise ConfigError(
             f"{benchmark.name} is run with {benchmark.segmenter}: name its files, --segmenter "
-            "onnx-sam:mobile_sam_encoder.onnx,mobile_sam_decoder.onnx, or what stands in for it, "
-            "such as --segmenter depth-cut, which results and reports then say"
+            "onnx-sam:mobile_sam_encoder.onnx,mobile_sam_decoder.onnx, or a substitute, such as "
+            "--segmenter depth-cut, which results and reports then name"
         )
     if options.who.record is not None:
         raise ConfigError(
@@ -151,7 +151,7 @@ def planned(options: Options, console: Console) -> tuple[RunPlan, list[Episode]]
     """The run and its episodes, after checking that the agent can be built and can see the goals.
 
     Raises:
-        HyPerNavError: The run cannot be begun.
+        HyPerNavError: The run cannot be started.
     """
     config = config_of(options)
     with console.status("loading the episodes …") as status:
@@ -171,7 +171,7 @@ def config_of(options: Options) -> HyPerNavConfig:
     if benchmark is None:
         return options.who.resolve()
     config = options.who.resolve(benchmark.embodiment)
-    # Whatever the preset misses: what stands in for the stated segmenter is told everywhere.
+    # The plan and all reports name the segmenter that replaces the benchmark's.
     local = config.local.model_copy(
         update={"published_segmenter": config.local.published_segmenter or benchmark.segmenter}
     )
@@ -179,7 +179,7 @@ def config_of(options: Options) -> HyPerNavConfig:
 
 
 def plan_of(options: Options, config: HyPerNavConfig) -> RunPlan:
-    """The run that the options ask for, without words for its agent."""
+    """The run that the options ask for, without the description of its agent."""
     benchmark = benchmark_of(options.dataset, options.benchmark)
     steps, distance_m = (
         (MAX_STEPS, SUCCESS_DISTANCE_M)

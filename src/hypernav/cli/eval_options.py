@@ -23,7 +23,7 @@ class Options:
     """Folder of the run; runs/<dataset>-<agent> by default."""
     benchmark: BenchmarkName | None = None
     """Published robot, step limit and success distance; hm3d:, mp3d: and ovon: have their own.
-    hypernav-paper-hm3d and -ovon also ask for goals in the words of the files."""
+    hypernav-paper-hm3d and -ovon also name goals as the files do."""
     episodes: str | None = None
     """Only these episodes, by position in the data set: FIRST:END (END is not included)."""
     scenes: str | None = None
@@ -35,8 +35,8 @@ class Options:
     world: WorldName = "native"
     """Simulator: our own, or habitat-sim if it is installed."""
     workers: int | None = None
-    """Number of processes, one core each; by default as many as there are cores, but one with
-    --vlm local:…, which each of them loads."""
+    """Number of processes, one core each; by default the number of cores, but one with
+    --vlm local:…, which every process loads."""
     ray: str | None = None
     """Address of a Ray cluster, or auto, to run the workers there instead."""
     save: SaveChoice = "none"

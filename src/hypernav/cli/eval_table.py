@@ -15,7 +15,7 @@ from hypernav.evaluation.summary import counted, failure_counts, summarise
 
 _LIVE_DRAWS = 1000
 _MOST_REASONS = 3
-"""The most reasons that are printed for episodes that don't count, or that didn't run."""
+"""Largest number of reasons that are printed for episodes that don't count or didn't run."""
 
 
 def progress_table(progress: RunProgress, seconds: float) -> Table:
@@ -61,7 +61,7 @@ def _rates(progress: RunProgress) -> str:
 
 
 def outcome_lines(progress: RunProgress, folder: Path) -> Iterator[str]:
-    """The lines that sum up a run at its end."""
+    """The summary of a run, in lines."""
     yield f"{len(progress.records)} of {progress.total} episodes done"
     if progress.records:
         for name, value, remark in _numbers(progress):

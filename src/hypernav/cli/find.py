@@ -60,7 +60,7 @@ def run(options: Options) -> int:
 
     Raises:
         ModelSetupError: URL, key or name of the model are wrong; what was done is on disk.
-        OutputError: Nothing can be written, or the disk is full; what fitted is on disk.
+        OutputError: Nothing can be written, or the disk is full; earlier output is on disk.
         KeyboardInterrupt: Ctrl-C or SIGTERM; what was done is on disk.
     """
     check_steps_and_seed(options.max_steps, options.seed)
@@ -74,7 +74,7 @@ def run(options: Options) -> int:
 
 
 def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
-    """Load the building, search, and write the page, however the search ended."""
+    """Load the building, search, and write the page, even if the search fails."""
     config = options.who.resolve()
     parts = options.who.build(config)
     parts.check_goal(goal)
@@ -144,7 +144,7 @@ def check_start(start: tuple[float, ...] | None) -> None:
     """Refuse a ``--start`` that is no pose in a building.
 
     Raises:
-        ConfigError: It is none.
+        ConfigError: It is not.
     """
     if start is not None and len(start) != 3:
         raise ConfigError(
@@ -168,13 +168,13 @@ def start_pose(
 def _search(
     search: EpisodeRun, views: Views, console: Terminal, status: Status, goal: str
 ) -> KeyboardInterrupt | ModelSetupError | OutputError | None:
-    """Run the search to its end; what stopped it before, if anything."""
+    """Run the search to its end; returns the error that stopped it, if any."""
     try:
         views.await_watchers(status)
         status.update("the first step …")
         with interruptions_of_kernels():
             for step in search:
-                with interruptions_put_off():  # half a frame would spoil the video
+                with interruptions_put_off():  # an incomplete frame would break the video
                     views.add(step.trace, step.grid, step.observation)
                 status.update(escape(_live_line(step, goal)))
                 views.keep_pace()
@@ -184,7 +184,7 @@ def _search(
 
 
 def _finish(views: Views, result: dict[str, Any], console: Console) -> OutputError | None:
-    """Write the page and all other files; the error, which is told, if some could not be."""
+    """Write all files; prints and returns the error if some could not be written."""
     try:
         views.finish(result)
     except OutputError as error:
@@ -194,7 +194,7 @@ def _finish(views: Views, result: dict[str, Any], console: Console) -> OutputErr
 
 
 def _warn(console: Console, result: EpisodeResult, recorder: EpisodeRecorder) -> None:
-    """Say so if no answer of the model could be used."""
+    """Print a warning if no answer of the model could be used."""
     if line := unusable_answers_line(result.model_calls, recorder.unusable_answers):
         console.print(line, soft_wrap=True)
 

@@ -173,7 +173,7 @@ def _range_of(text: str) -> range:
 
 
 def _check_writable(path: Path) -> None:
-    """Refuse a place that cannot be written, before the buildings are measured."""
+    """Refuse a path that cannot be written, before the buildings are measured."""
     if is_file_name(path) and path.is_dir():
         raise EpisodeError(f"{path}: is a folder, expected the name of a file")
     if not is_file_name(path) and path.suffix:
@@ -184,7 +184,7 @@ def _check_writable(path: Path) -> None:
 
 
 def _progress(console: Console) -> Progress:
-    """A progress bar on a terminal; log files get none, and no empty line in its place."""
+    """A progress bar on a terminal; nothing in log files."""
     return Progress(
         TextColumn("{task.description}"),
         BarColumn(),

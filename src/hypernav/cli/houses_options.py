@@ -33,7 +33,7 @@ class Splits:
 class Export:
     """Write a building as GLB with the files that Habitat needs, or a split as Habitat's data.
 
-    A split is written with its episodes, as one folder that Habitat takes as it is.
+    A split is written with its episodes, as one folder that Habitat can use unchanged.
     """
 
     what: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="ID|SPLIT")]

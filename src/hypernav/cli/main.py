@@ -1,7 +1,7 @@
-"""The `hypernav` command: how it begins, and how it ends whatever happens.
+"""The `hypernav` command: its start, and its exit status in all cases.
 
-Signals are minded first. Everything else is imported after that, so that Ctrl-C in the first second
-ends the program as it does later.
+Signal handlers are installed first and everything else is imported after that, so that Ctrl-C in
+the first second ends the program as it does later.
 """
 
 import re
@@ -20,7 +20,7 @@ _LONG_WORD = re.compile(r"\S{300,}")
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
-    """Run a command and leave with its exit status, see `ExitStatus`."""
+    """Run a command and exit with its status, see `ExitStatus`."""
     sys.exit(_flushed(_status(sys.argv[1:] if arguments is None else arguments)))
 
 
@@ -43,19 +43,19 @@ def _status(arguments: Sequence[str]) -> int:
 
 
 def _flushed(status: int) -> int:
-    """The status, or that of an output that cannot be written: Python itself would say 120."""
+    """The status, or that of unwritable output, for which Python itself would return 120."""
     try:
         if sys.stdout is not None:
             sys.stdout.flush()
     except OSError as error:
-        sys.stdout = None  # Python would flush it again when it ends.
+        sys.stdout = None  # so that Python does not flush it again at its end
         return _say(f"standard output cannot be written ({error.strerror})", ExitStatus.USAGE)
     return status
 
 
 def _say(message: str, status: ExitStatus) -> ExitStatus:
-    """Print a message; words that only a program would write are shortened."""
+    """Print a message; very long words are shortened."""
     text = _LONG_WORD.sub(lambda word: f"{word[0][:80]}…{word[0][-40:]}", message)
-    with suppress(OSError):  # A terminal that is gone changes no status.
+    with suppress(OSError):  # a lost terminal does not change the status
         print(f"hypernav: {visible(text)}", file=sys.stderr)
     return status

@@ -13,7 +13,7 @@ from hypernav.cli.views.options import FlatRobotViewOptions, RobotViewOptions
 
 @dataclass(frozen=True)
 class Simulate:
-    """Let a simulated robot search over the network, by the answers of `hypernav serve`."""
+    """Let a simulated robot search over the network, with the answers of `hypernav serve`."""
 
     goal: tyro.conf.Positional[str]
     """The object to find: bed, "L-shaped sofa", …"""
@@ -25,7 +25,7 @@ class Simulate:
     token_file: Path | None = None
     """File with the server's secret."""
     link: Literal["http", "websocket"] = "http"
-    """Carrier of the observations: one HTTP request each, or one WebSocket for all."""
+    """Transport of the observations: one HTTP request each, or one WebSocket for all."""
     motion: Literal["steps", "continuous"] = "steps"
     """Steps and turns one by one, or smooth driving along the path."""
     agent: str | None = None
@@ -41,11 +41,11 @@ class Simulate:
     noise: bool = False
     """Noise of a real depth camera, of wheels and of odometry that drifts."""
     localisation: float | None = None
-    """Error of a localisation that jumps at every observation, metres, in place of drift."""
+    """Error of a localisation that jumps at every observation, metres, instead of drift."""
     stuck: float = 0.0
     """Share of the motions during which the wheels don't turn."""
     person: bool = False
-    """Whether a person steps into the way now and then."""
+    """Whether a person steps into the robot's way from time to time."""
     loss: float = 0.0
     """Share of the messages that get lost."""
     jitter: float = 0.0
@@ -59,7 +59,7 @@ class Simulate:
     set: Annotated[tuple[str, ...], tyro.conf.arg(metavar="SECTION.KEY=VALUE")] = field(
         default_factory=tuple
     )
-    """Single values of these, for example embodiment.camera.width=320."""
+    """Single values of these sections, for example embodiment.camera.width=320."""
     out: Path | None = None
     """Folder of the page about the search; none by default."""
     views: FlatRobotViewOptions = field(default_factory=RobotViewOptions)
@@ -93,7 +93,7 @@ class Wait:
     set: Annotated[tuple[str, ...], tyro.conf.arg(metavar="SECTION.KEY=VALUE")] = field(
         default_factory=tuple
     )
-    """Single values of these, for example embodiment.camera.width=320."""
+    """Single values of these sections, for example embodiment.camera.width=320."""
     quiet: bool = False
     """Print errors only."""
 
@@ -117,11 +117,11 @@ class Ros2:
     vlm: str | None = None
     """Model of the server that is started, as for hypernav serve."""
     detector: str | None = None
-    """Its detector, if not --vlm: yolox:PATH.onnx, zero-shot:ID, …"""
+    """Its detector, instead of --vlm: yolox:PATH.onnx, zero-shot:ID, …"""
     reasoner: str | None = None
-    """What it asks where to go, if not --vlm: geometric, …"""
+    """Its component that says where to go, instead of --vlm: geometric, …"""
     drive: Literal["cmd_vel", "nav2"] = "cmd_vel"
-    """Who drives: hypernav by velocities, or a running Nav2 by goals."""
+    """What drives the robot: hypernav by velocities, or a running Nav2 by goals."""
     motion: Literal["steps", "continuous"] | None = None
     """Steps and turns one by one, or smooth driving along the path; steps by default, continuous
     with --drive nav2."""
@@ -152,7 +152,7 @@ class Ros2:
 
 @dataclass(frozen=True)
 class Replay:
-    """Look at recorded RGB-D frames as the robot would: draw the map, look for the goal."""
+    """Process recorded RGB-D frames as on a robot: draw the map, look for the goal."""
 
     recording: tyro.conf.Positional[Path]
     """A bag of ROS 1 or ROS 2, or a folder in the format of 3DMatch, 7-Scenes or TUM RGB-D."""
@@ -181,7 +181,7 @@ class Report:
     """Success and SPL of finished searches, per goal and method, as in the paper's last table."""
 
     searches: tyro.conf.Positional[tuple[Path, ...]]
-    """Folders of finished searches, each with a file trial.yaml about what was measured by hand."""
+    """Folders of finished searches, each with a file trial.yaml of hand measurements."""
     csv: Path | None = None
     """File for the table as CSV."""
     quiet: bool = False

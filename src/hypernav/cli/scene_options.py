@@ -9,7 +9,7 @@ import tyro
 
 @dataclass(frozen=True)
 class Options:
-    """What to make of a scene: `mesh`, the navigation mesh that habitat-sim computes of it."""
+    """What to make from a scene: `mesh`, the navigation mesh that habitat-sim would compute."""
 
     what: tyro.conf.Positional[Literal["mesh"]]
     """mesh"""

@@ -1,4 +1,4 @@
-"""The command `hypernav serve`: take the observations of robots, and say where to go."""
+"""The command `hypernav serve`: receive the observations of robots, and say where to go."""
 
 import dataclasses
 import logging
@@ -39,11 +39,11 @@ def run(options: Options) -> int:
 
     check_option("--port", options.port, (0, 65_535), "ports are whole numbers")
     check_option("--max-searches", options.max_searches, (1, 1000), "each takes a thread")
-    check_option("--idle-minutes", options.idle_minutes, (0.0, 1e6), "a year has half a million")
+    check_option("--idle-minutes", options.idle_minutes, (0.0, 1e6), "minutes, at most two years")
     if options.who.record is not None:
         raise ConfigError("--record: a server records the exchanges of every search in --state")
     if options.who.native:
-        raise ConfigError("--native: a real robot has a camera and a step of its own; drop it")
+        raise ConfigError("--native: a real robot has its own camera and step; leave it out")
     token = None if options.token_file is None else read_token(options.token_file)
     access = Access(options.host, token)
     check_access(access)
@@ -56,7 +56,7 @@ def run(options: Options) -> int:
             agent=request.agent or options.who.agent,
         )
         config = who.resolve(request.robot)
-        # What a robot is, the robot itself knows best.
+        # The robot's own description replaces that of the configuration.
         values = config.model_dump() | {"embodiment": request.robot.model_dump()}
         return AgentPlan(HyPerNavConfig.model_validate(values), who.specs)
 
@@ -69,7 +69,7 @@ def run(options: Options) -> int:
     def say(url: str) -> None:
         console.print(
             f"serving at {escape(url)}, detector {escape(detector)}, searches in "
-            f"{escape(str(options.state))}; Ctrl-C ends it, and searches go on at the next start",
+            f"{escape(str(options.state))}; Ctrl-C ends it; the next start continues the searches",
             soft_wrap=True,
         )
 

@@ -1,4 +1,4 @@
-"""The terminal, on which no text from a stranger can do more than be read."""
+"""The terminal, on which text from outside cannot act as control characters."""
 
 import os
 from collections.abc import Iterable
@@ -31,7 +31,7 @@ class Terminal(Console):
 
     @property
     def file(self) -> Any:
-        """The stream, whose loss ends no search."""
+        """The stream; losing it does not end a search."""
         return _Stream(super().file, is_result=not self.stderr)
 
     @file.setter
@@ -41,7 +41,7 @@ class Terminal(Console):
     def render(
         self, renderable: RenderableType, options: ConsoleOptions | None = None
     ) -> Iterable[Segment]:
-        """The parts of whatever is printed; rich adds its own colours after this."""
+        """The segments of what is printed, made visible; rich adds its colours afterwards."""
         for segment in super().render(renderable, options):
             if segment.control:
                 yield segment
@@ -50,9 +50,9 @@ class Terminal(Console):
 
 
 class _Stream:
-    """A stream of the terminal. Once nobody reads it any more, what is written is dropped.
+    """A stream of the terminal. Once its reader is gone, output is dropped.
 
-    Messages that cannot be written are dropped as well: their loss is no reason to lose a search. A
+    Messages that cannot be written are dropped as well, because they matter less than the search. A
     result that cannot be written is an error.
     """
 
@@ -68,7 +68,7 @@ class _Stream:
             self._stream.write(text)
             self._stream.flush()
         except OSError as error:
-            # What the stream still holds is written when Python ends, and must go somewhere.
+            # Python writes the stream's buffer at its end, so it needs a destination that works.
             with open(os.devnull, "w") as nowhere:
                 os.dup2(nowhere.fileno(), self._stream.fileno())
             if self._is_result and not isinstance(error, BrokenPipeError):

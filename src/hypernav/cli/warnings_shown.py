@@ -13,7 +13,7 @@ from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel, normalise
 
 _MOST_KINDS = 8
-"""Number of kinds of objects that a line names."""
+"""Largest number of kinds of objects that a line names."""
 
 
 @contextmanager
@@ -38,7 +38,7 @@ def unusable_answers_line(calls: int, unusable: Mapping[str, int]) -> str:
 
     Args:
         calls: Number of questions that the model answered.
-        unusable: Number of answers of no use, by reason.
+        unusable: Number of unusable answers, by reason.
     """
     if not calls or sum(unusable.values()) < calls:
         return ""
@@ -69,5 +69,5 @@ def no_such_object_line(goal: Goal, labels: Iterable[ObjectLabel]) -> str:
         hint = "no object in it has a name; an objects.json beside its file gives them names"
     return (
         f"[yellow]nothing in this building answers to '{escape(goal.text)}'[/]; {escape(hint)}. "
-        "Searching all the same."
+        "The search runs anyway."
     )

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import UInt8
 
 TURN_AROUND = 0
-"""The number that turns the robot around, where it may be answered."""
+"""The number that stands for turning around, where that answer is allowed."""
 
 
 @dataclass(frozen=True)
@@ -21,7 +21,7 @@ class Arrow:
         length_m: Length of the move, metres.
         end: Position ``(x, y)`` of its end, ``map`` frame, metres.
         pixel: Image coordinates ``(u, v)`` of its mark.
-        free_m: How far the floor is free that way, metres; what the depth image shows.
+        free_m: Length of the free floor in that direction by the depth image, metres.
         is_explored: Whether the robot has looked there before.
     """
 
@@ -39,12 +39,12 @@ class ArrowView:
     """Everything that a reasoner may know when it chooses an arrow.
 
     Attributes:
-        draw: Function that draws the arrows into the camera image; not every reasoner looks at it.
+        draw: Function that draws the arrows into the camera image; not every reasoner calls it.
         arrows: Arrows in the order of their numbers.
         may_turn: Whether `TURN_AROUND` may be answered.
         wanted: Number of arrows to name at most, the best first.
         asked: Number of questions in this search before this one.
-        facts: What is remembered of things seen before, a sentence each.
+        facts: Sentences about things seen before.
     """
 
     draw: Callable[[], UInt8[np.ndarray, "height width 3"]]

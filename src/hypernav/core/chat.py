@@ -28,7 +28,7 @@ class Question:
         kind: Purpose of the question ("ground", "choose block", "verify", …); the ledger counts by
             it.
         text: Text of the prompt.
-        images: Images that the text refers to, in order. They are sent pixel for pixel.
+        images: Images that the text refers to, in order. They are sent without loss.
         allowed: The only possible answers; empty for an open question.
         form: Form of a JSON answer, as a pydantic model; None for an open question.
         max_tokens: Limit on the length of the answer, tokens.
@@ -53,7 +53,7 @@ class Question:
 
 @dataclass(frozen=True)
 class Usage:
-    """Tokens of one exchange, as the server counts them; 0 where it does not say.
+    """Tokens of one exchange, as counted by the server; 0 if it does not say.
 
     Attributes:
         tokens_in: Tokens of the prompt, images included.
@@ -84,13 +84,13 @@ class Answer:
     """The answer of a chat model.
 
     Attributes:
-        text: Text of the answer, untouched.
+        text: Text of the answer, unchanged.
         model: Name of the model.
         value: One of the allowed answers, or an instance of the form, or the text of an open
             question; None if there is a fault.
         usage: Tokens of the exchange.
         seconds: Time from the question to the answer, waits between attempts included.
-        probabilities: Probability of each allowed answer, where the model tells it; sums to 1.
+        probabilities: Probability of each allowed answer, if the model gives it; sums to 1.
         lost: Number of earlier attempts without an answer, by reason: "transport" or "timeout".
         fault: Reason why the text cannot be used; None if it can.
         detail: Description of the fault in words.

@@ -1,4 +1,4 @@
-"""What an examination of a model or of data found."""
+"""Findings of an examination of a model or of data."""
 
 from dataclasses import dataclass
 from enum import StrEnum

@@ -19,17 +19,17 @@ MOST_STEPS = 1_000_000
 """The longest search, and the upper bound of all numbers of steps."""
 MOST_THREADS = 256
 MOST_SEED = 2**63 - 1
-"""The largest seed that chat servers take."""
+"""The largest seed that chat servers accept."""
 
 _REASONS = {
     ("width", "height", "_px", "_pixels", "_mb"): "images must fit into memory",
     ("cell_m", "cell_size_m", "voxel_height_m"): "maps must fit into memory",
-    ("_m", "_m2"): "metres, as a robot and the rooms of a building have them",
+    ("_m", "_m2"): "metres, within the sizes of robots and rooms",
     ("_deg",): "degrees, at most a turn",
     ("_s",): "seconds, at most a day",
     ("_steps",): "steps of a search",
 }
-"""Reasons of the bounds, by the endings of the names of fields."""
+"""Reasons for the bounds, by suffixes of field names."""
 _OUT_OF_BOUNDS = frozenset(
     {
         "finite_number",
@@ -39,14 +39,13 @@ _OUT_OF_BOUNDS = frozenset(
         "less_than_equal",
     }
 )
-"""Pydantic's names of the errors that have these reasons."""
+"""Pydantic's error types to which these reasons apply."""
 
 
 class RoomConfig(BaseModel):
     """Base of every room's configuration: frozen; unknown keys, NaN and infinity are errors.
 
-    Every number has a lower and an upper bound, so that no configuration asks for more memory or
-    time than there is.
+    Every number has a lower and an upper bound, so that no configuration exhausts memory or time.
     """
 
     model_config: ClassVar[ConfigDict] = ConfigDict(
@@ -55,7 +54,7 @@ class RoomConfig(BaseModel):
 
 
 def check_option(name: str, value: float, bounds: tuple[float, float], why: str) -> None:
-    """Refuse a number of the command line that is out of bounds, or no number at all.
+    """Refuse a command-line value that is out of bounds or not a number.
 
     Args:
         name: Name of the option.
@@ -111,7 +110,7 @@ def layered(
 
 
 def read_section(model: type[ConfigT], values: dict[str, Any], *, section: str) -> ConfigT:
-    """Values of a section whose model a package outside hypernav defines.
+    """Values of a section whose model is defined by a package outside hypernav.
 
     Args:
         model: Model of the section.
@@ -202,6 +201,6 @@ def _merge(
 
 
 def _shown(value: Any) -> str:
-    """A value in a message, which a long one must not fill."""
+    """A value for a message, shortened if it is long."""
     text = repr(value)
     return text if len(text) <= 80 else f"{text[:79]}…"

@@ -10,18 +10,18 @@ from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Transform
 
 _BYTES_PER_PIXEL = 200
-"""Memory for the rays behind a pixel, their colours, depth and instances, and its points."""
+"""Memory per pixel: its ray, colours, depth, instance and point, bytes."""
 _MOST_BYTES = 1_000_000_000
-"""The limit on all of these, bytes: images of five million pixels."""
+"""The limit for an image, bytes: five million pixels."""
 
 
 class BodyConfig(RoomConfig):
     """The robot's body: a cylinder.
 
-    The defaults are those of Habitat's HM3D robot as its navigation mesh really treats it: Recast
-    rounds the height of 0.88 m up to its voxels of 0.2 m. The step is half of Habitat's 0.2 m, what
-    a wheeled robot can take; stairs (0.17 m and more a step) are therefore not walkable, and one
-    storey is all that a robot can reach.
+    The defaults are those of Habitat's HM3D robot, with the height that its navigation mesh really
+    uses: Recast rounds 0.88 m up to its voxels of 0.2 m. The step is half of Habitat's 0.2 m, which
+    a wheeled robot can take; stairs (0.17 m and more a step) are therefore not walkable, and a
+    robot can reach only one storey.
 
     Attributes:
         radius_m: Radius of the cylinder, metres.
@@ -45,11 +45,11 @@ class BodyConfig(RoomConfig):
 
 
 class CameraConfig(RoomConfig):
-    """The RGB-D camera. The paper names none, so the default is ours: Habitat's HM3D camera.
+    """The RGB-D camera. The paper specifies none, so the default is ours: Habitat's HM3D camera.
 
-    Depth outside the sensor's range is 0, no return, on both sides of it, as real depth cameras
-    report it. (Habitat clips it to the range instead, so that a far wall looks like one at the
-    maximum; a mapper that trusts every positive depth would draw that wall.)
+    Depth outside the sensor's range is 0 (no return), below as well as above it, as in real depth
+    cameras. (Habitat clips it to the range instead, so that a far wall appears at the maximum; a
+    mapper that trusts every positive depth would draw that wall.)
 
     Attributes:
         width: Columns of the image, pixels.
@@ -123,17 +123,17 @@ class MotionConfig(RoomConfig):
         return self
 
     def actions_for(self, paper_actions: int) -> int:
-        """Number of actions that equals so many of the paper's, steps of 0.5 m and turns of 30°."""
+        """Number of actions that equals a number of the paper's (steps of 0.5 m, turns of 30°)."""
         return math.ceil(paper_actions * max(0.5 / self.forward_m, 30.0 / self.turn_angle_deg))
 
     @property
     def turns_of_a_circle(self) -> int:
-        """Number of turns that bring the robot around once."""
+        """Number of turns that make a full circle."""
         return round(360.0 / self.turn_angle_deg)
 
 
 class Embodiment(RoomConfig):
-    """The robot, as worlds, mapping, perception, planning and agents know it.
+    """The description of the robot for worlds, mapping, perception, planning and agents.
 
     Attributes:
         body: Size of the robot, and the ground that it drives over.

@@ -40,19 +40,19 @@ class Episode:
         episode_id: Name that is unique within the scene.
         goal: Target of the search.
         start: Start pose, scene frame.
-        start_z: Height of the floor at the start, metres, which tells the storeys of a building
-            apart; None leaves the storey to the world.
+        start_z: Height of the floor at the start, metres, which identifies the storey of a
+            building; None leaves the storey to the world.
         group: Part of the data set ("unseen"); empty if there is none.
         max_steps: Step limit; STOP counts as a step.
         success_distance_m: Geodesic distance to a view point within which a STOP counts, metres.
-        view_points: Points on the floor where the goal counts as reached, metres, scene frame, as
-            the data set brings them; None leaves them to the scene. Equality leaves them out.
-        objects: Objects that satisfy the goal, as the data set names them besides those that are
-            called so in the scene. Equality leaves them out.
-        object_category: Category of the goal as the data set calls it, such as ``tv_monitor``;
-            empty if it has none. Equality leaves it out.
-        category_ids: Numbers of all categories of the data set, by which Habitat's sensor
-            ``objectgoal`` tells them. Equality leaves them out.
+        view_points: Points of the data set on the floor where the goal counts as reached, metres,
+            scene frame; None computes them from the scene. Equality ignores them.
+        objects: Objects that satisfy the goal by the data set, besides those with that name in the
+            scene. Equality ignores them.
+        object_category: The data set's category of the goal, such as ``tv_monitor``; empty if it
+            has none. Equality ignores it.
+        category_ids: Numbers of all categories of the data set, for Habitat's sensor
+            ``objectgoal``. Equality ignores them.
     """
 
     scene_id: str
@@ -76,7 +76,7 @@ class Episode:
     def seed(self, run_seed: int) -> int:
         """Seed of all noise in this episode, independent of the episodes that ran before it.
 
-        The folder of a scene's file does not matter.
+        It does not depend on the folder of a scene's file.
         """
         text = json.dumps([run_seed, Path(self.scene_id).name, self.episode_id]).encode()
         return int.from_bytes(hashlib.sha256(text).digest()[:8], "big")
@@ -99,6 +99,6 @@ class Outcome(StrEnum):
     MODEL_UNAVAILABLE = "model_unavailable"
     """A model did not answer within the configured patience."""
     SIMULATOR_ERROR = "simulator_error"
-    """The world failed, or the process that ran it was lost again and again."""
+    """The world failed, or the process that ran it was lost repeatedly."""
     INTERRUPTED = "interrupted"
     """Somebody stopped the program."""

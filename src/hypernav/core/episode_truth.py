@@ -12,35 +12,35 @@ goal; infinite if none leads there."""
 
 
 class EpisodeTruth:
-    """What stand-ins for models are told of the running episode, and what no model ever gets.
+    """The truth about the running episode for stand-ins, which no real model ever gets.
 
-    A component asks for it in its constructor, by the name ``truth``; whoever runs an episode tells
-    it anew (`hypernav.worlds.episode_run.EpisodeRun`). On a robot nobody does, so a stand-in can't
-    work there.
+    A component asks for it by a constructor parameter ``truth``; the code that runs an episode sets
+    it (`hypernav.worlds.episode_run.EpisodeRun`). On a robot nothing does, so a stand-in can't work
+    there.
     """
 
     def __init__(self) -> None:
-        """Begin without any truth."""
+        """Create it without any truth."""
         self.tell()
 
     def tell(
         self, *, rng: np.random.Generator | None = None, path_left_m: PathLeft | None = None
     ) -> None:
-        """Replace all that was told by what is known of the next episode.
+        """Replace everything by the truth about the next episode.
 
         Args:
-            rng: Generator of this episode, which nobody else draws from; None if there is none.
-            path_left_m: Lengths of true paths to the goal; None where nobody knows them.
+            rng: Generator of this episode, not shared; None if there is none.
+            path_left_m: Lengths of true paths to the goal; None if they are unknown.
         """
         self._rng = rng
         self._path_left_m = path_left_m
 
     @property
     def rng(self) -> np.random.Generator:
-        """Generator of everything that is drawn in this episode.
+        """Generator for all random numbers of this episode.
 
         Raises:
-            TruthMissingError: Nobody told one.
+            TruthMissingError: None was set.
         """
         if self._rng is None:
             raise TruthMissingError(_missing("a generator of random numbers"))
@@ -54,7 +54,7 @@ class EpisodeTruth:
             y: y of the same position.
 
         Raises:
-            TruthMissingError: Nobody told it.
+            TruthMissingError: It was not set.
         """
         if self._path_left_m is None:
             raise TruthMissingError(_missing("true paths to the goal"))
@@ -64,6 +64,6 @@ class EpisodeTruth:
 def _missing(what: str) -> str:
     return (
         "a stand-in for a model (noisy, random) works only in a simulated world with ground truth: "
-        f"it expected {what} for the episode and was told none; choose a real model, or run the "
+        f"it expected {what} for the episode and got none; choose a real model, or run the "
         "episode with `hypernav find`, `hypernav eval` or EpisodeRun(…, told=parts.truth, rng=…)"
     )

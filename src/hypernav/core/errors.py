@@ -53,7 +53,7 @@ class LabelsMissingError(HyPerNavError):
 
 
 class TruthMissingError(HyPerNavError):
-    """A stand-in for a model was asked in an episode that nobody told it the truth about."""
+    """A stand-in for a model was asked in an episode without the truth that it needs."""
 
 
 class ModelError(HyPerNavError):
@@ -61,11 +61,11 @@ class ModelError(HyPerNavError):
 
 
 class ContractError(HyPerNavError):
-    """A component, agent or world from outside does not do what its contract says."""
+    """A user's component, agent or world breaks its contract."""
 
 
 class WorldError(HyPerNavError):
-    """A world was used against its contract, for example stepped before a reset."""
+    """A world was used in a wrong way, for example stepped before a reset."""
 
 
 class ChatError(HyPerNavError):
@@ -136,7 +136,7 @@ class RunFolderError(HyPerNavError):
 
 
 class RecordingError(HyPerNavError):
-    """A recording, of a chat model or of a camera, is broken or lacks what is asked of it."""
+    """A recording, of a chat model or of a camera, is broken or lacks what is requested."""
 
 
 class WireError(HyPerNavError):
@@ -152,7 +152,7 @@ class TransformMissingError(HyPerNavError):
 
 
 class RosNetworkError(HyPerNavError):
-    """A ROS 2 network can't be joined, what a robot must send doesn't come, or it doesn't stand."""
+    """A ROS 2 network can't be joined, a robot's data doesn't arrive, or it doesn't stand still."""
 
 
 class Nav2Error(HyPerNavError):
@@ -187,11 +187,11 @@ class RobotLinkError(HyPerNavError):
 
 
 class LinkLostError(RobotLinkError):
-    """A request of a robot or its answer got lost; nobody knows which."""
+    """A request of a robot, or the answer to it, got lost."""
 
 
 class SensorError(HyPerNavError):
-    """What a robot senses can't be true: the camera hangs, odometry has wrong signs or units."""
+    """What a robot senses can't be right: a frozen camera, odometry with wrong signs or units."""
 
 
 class ServerUnreachableError(RobotLinkError):

@@ -27,10 +27,10 @@ class ExplorationView:
             for this goal, the oldest first; metres. A turn on the spot is no visit.
         things: Things that were seen on this floor, other than the goal.
         floor: Number of the floor, in the order in which the robot came to know them.
-        notes: What explorers have noted on this floor for this goal, by a key of their own; the
-            one thing here that they may change. The memory keeps it, so it holds plain values,
-            arrays or generators that can be copied, and no component.
-        may_be_here: Whether the goal was just said to be where the robot is.
+        notes: Explorers' own notes on this floor for this goal, each under a key of its own; the
+            only part of the view that they may change. The memory keeps them, so they hold plain
+            values, arrays or generators that can be copied, and no component.
+        may_be_here: Whether a component has just said that the goal is where the robot is.
     """
 
     goal: Goal
@@ -60,13 +60,13 @@ class Destination:
         blocks: Blocks that were offered, for the trace; empty for explorers without blocks.
         insight: What the explorer looked at when it chose, for videos and pages.
         floor: Number of the floor that it lies on; None for the floor that the robot is on.
-        is_sighting: Whether the goal is in sight in this direction, so that no explorer chose it.
-        holds: Whether nothing that the map shows on the way ends it: a move chosen from an image is
-            made to its end.
+        is_sighting: Whether the goal is in sight in this direction; then no explorer chose it.
+        holds: Whether it stays valid whatever the map shows on the way: a move chosen from an
+            image is made to its end.
         arrival_m: Distance within which it counts as reached, metres; None leaves it to the search.
         face: Heading to turn to on arrival, ``map`` frame, radians; None keeps the heading.
-        most_steps: Number of steps after which the explorer is asked again; None leaves the
-            destination standing. The same answer again is the same destination.
+        most_steps: Number of steps after which the explorer is asked again; None sets no limit.
+            The same answer again is the same destination.
     """
 
     x: float

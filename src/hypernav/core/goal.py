@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from hypernav.core.errors import GoalError
 
 MAX_GOAL_LENGTH = 500
-"""Maximum length of a goal, characters: several sentences, and small enough for every prompt."""
+"""Maximum length of a goal, characters: several sentences, short enough for every prompt."""
 
 _ARTICLE = re.compile(r"^(the|an?) ", re.IGNORECASE)
 _VOWEL = re.compile(
@@ -16,17 +16,17 @@ _VOWEL = re.compile(
 _WITHOUT_ARTICLE = re.compile(r"(?:equipment|furniture|clothes|food|water|[^su]s)$", re.IGNORECASE)
 _VISIBLE = set("LNS")
 """Unicode's letters, numbers and symbols: a goal without any of them names nothing."""
-_UNPRINTABLE = {"Cc": "a control character", "Cs": "half a character, it is no valid UTF-8"}
+_UNPRINTABLE = {"Cc": "a control character", "Cs": "half a character, which is no valid UTF-8"}
 
 
 @dataclass(frozen=True)
 class Goal:
-    """A target, named as a person would: "bed", "L-shaped sofa", "the chair in the office"."""
+    """A target in a person's words: "bed", "L-shaped sofa", "the chair in the office"."""
 
     text: str
 
     def __post_init__(self) -> None:
-        """Reject a goal that names nothing, or that nobody could read.
+        """Reject a goal that names nothing or cannot be read.
 
         Raises:
             GoalError: The text is empty, too long, or holds control characters or broken UTF-8.

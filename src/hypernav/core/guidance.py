@@ -12,7 +12,7 @@ from hypernav.core.observation import Observation
 
 
 class Direction(StrEnum):
-    """Directions that an image can be said to lead to the goal in."""
+    """Directions in an image that may lead to the goal."""
 
     LEFT = "left"
     RIGHT = "right"
@@ -28,8 +28,8 @@ class GuideView:
     Attributes:
         observation: Present frame.
         windows: Columns of the image that each direction but `Direction.EXPLORE` stands for.
-        draw_past: Function that draws the view of the choice before beside the map with the path
-            since; None at the first choice.
+        draw_past: Function that draws the image of the previous choice beside the map with the path
+            since then; None at the first choice.
     """
 
     observation: Observation
@@ -38,7 +38,7 @@ class GuideView:
 
     @cached_property
     def images(self) -> tuple[UInt8[np.ndarray, "_ _ 3"], ...]:
-        """The camera image, and after the first choice the past."""
+        """The camera image and, after the first choice, the image of the past."""
         past = () if self.draw_past is None else (self.draw_past(),)
         return (self.observation.rgb, *past)
 

@@ -77,7 +77,7 @@ class ValueImage(_Part):
 
 
 class RememberedThing(_Part):
-    """A thing on the map, metres, and whether the reasoner is told of it."""
+    """A thing on the map, metres, and whether the reasoner is told about it."""
 
     label: str
     position: tuple[float, float]

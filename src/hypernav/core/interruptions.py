@@ -6,10 +6,10 @@ from contextlib import contextmanager
 
 @contextmanager
 def interruptions_of_kernels() -> Iterator[None]:
-    """Raise an interruption in the block as what it is, also where a compiled function ran.
+    """Raise an interruption in the block unchanged, even if a compiled function was running.
 
-    If the handler of a signal raises while a function of numba's returns, Python finds a result and
-    an error at once, and raises `SystemError` with the interruption as its cause.
+    If a signal handler raises while a numba function returns, Python finds both a result and an
+    error, and raises `SystemError` with the interruption as its cause.
 
     Raises:
         KeyboardInterrupt: Ctrl-C or SIGTERM came.

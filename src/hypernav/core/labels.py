@@ -1,7 +1,7 @@
 """Names of objects, and whether an object is what a goal asks for.
 
-The matching is a small, predictable grammar, not a language model: it decides what counts as
-reached, so it must be the same on every machine and easy to read.
+Names are matched by a small, predictable grammar, not by a language model: the match decides what
+counts as reached, so it must be the same on every machine and easy to read.
 """
 
 import re
@@ -57,7 +57,7 @@ def normalise(name: str) -> str:
 def canonical(name: str) -> str:
     """One name for all names that mean the same: "couch" and "settee" give "sofa".
 
-    A plural is read as its singular where that singular is the known name.
+    A plural is read as its singular if the singular is a known name.
     """
     name = normalise(name)
     if name in _CANONICAL:
@@ -109,7 +109,7 @@ class ObjectLabel:
     def satisfies(self, goal: Goal) -> bool:
         """Whether this object is what the goal asks for.
 
-        Reads "ATTRIBUTE… NAME [in the ROOM] [beside the THING]". Every part that is said must be
+        Reads "ATTRIBUTE… NAME [in the ROOM] [beside the THING]". Every part of the text must be
         true of the object.
         """
         text = normalise(goal.text)

@@ -8,7 +8,7 @@ import math
 from dataclasses import dataclass
 
 SUCCESS_DISTANCE_M = 0.1
-"""Habitat's success distance, geodesic: a STOP this near to a view point is a success."""
+"""Habitat's success distance, geodesic: a STOP within it of a view point is a success."""
 
 
 @dataclass(frozen=True)
@@ -43,8 +43,8 @@ def measure(
 ) -> EpisodeMetrics:
     """Compute the measures of an episode from its lengths, all geodesic metres.
 
-    Guards where the definitions divide: a start on the goal counts as an efficient path, and a
-    goal that no path leads to (infinite distance) can be neither reached nor approached.
+    Special cases of the divisions: a start at the goal counts as an efficient path, and a goal
+    that no path leads to (infinite distance) can be neither reached nor approached.
     """
     reachable = math.isfinite(shortest_path_m)
     success = stopped and reachable and distance_to_goal_m < success_distance_m

@@ -21,7 +21,7 @@ class Block:
         y_min: Lower left corner in the ``map`` frame, metres.
         size_m: Side length, metres.
         free_cells: Number of free cells in the block.
-        frontier_cells: Number of free cells in the block that touch the unknown.
+        frontier_cells: Number of free cells in the block that touch unknown cells.
         destination: Position ``(x, y)`` in the block that the robot would go to, metres; the middle
             of a free cell.
         travel_m: Length of the path there over the known map, metres; infinite if there is none.
@@ -44,12 +44,12 @@ class Block:
 
 @dataclass(frozen=True, eq=False)
 class Prospects:
-    """What blocks would show of the unknown.
+    """The unknown areas that visits to blocks would show.
 
     Attributes:
         areas_m2: Parts of the unknown floor, square metres.
         shows: Whether a block shows a part.
-        positions: Middles ``(x, y)`` of the parts, ``map`` frame, metres.
+        positions: Centres ``(x, y)`` of the parts, ``map`` frame, metres.
     """
 
     areas_m2: Float64[np.ndarray, "areas"]
@@ -58,18 +58,18 @@ class Prospects:
 
     @property
     def gains_m2(self) -> Float64[np.ndarray, "blocks"]:
-        """Area that each of the blocks would show, square metres."""
+        """Area that each block would show, square metres."""
         return self.shows @ self.areas_m2
 
 
 def prospects_of_boundaries(blocks: Sequence[Block]) -> Prospects:
-    """Prospects by what blocks alone tell: each shows its own boundary."""
+    """Prospects from the blocks alone: each block shows its own boundary."""
     boundaries = np.array([block.frontier_cells for block in blocks], dtype=np.float64)
     return Prospects(boundaries, np.eye(len(blocks), dtype=bool), _destinations(blocks))
 
 
 def straight_legs_m(blocks: Sequence[Block]) -> Float64[np.ndarray, "blocks blocks"]:
-    """Distances between blocks as the crow flies, metres."""
+    """Straight-line distances between blocks, metres."""
     positions = _destinations(blocks)
     return np.linalg.norm(positions[:, None] - positions, axis=2)
 
@@ -83,16 +83,16 @@ class Overview:
     """Everything that a reasoner may know when it chooses a block.
 
     Attributes:
-        draw: Function that draws the image of the blocks with the first numbers, and hatches those
-            with the second; not every reasoner looks at it.
+        draw: Function that draws the blocks with the first numbers and hatches those with the
+            second; not every reasoner calls it.
         blocks: Blocks in the order of their numbers.
         robot: Pose of the robot, ``map`` frame.
         legend: Sentences that say what the colours and marks of the image mean.
         trajectory: Positions of the robot so far, ``map`` frame, metres.
         things: Things that were seen, other than the goal.
-        camera_image: What the robot's camera sees, RGB; None where nobody keeps it.
-        prospects: Function that tells what some of the blocks would show; not every reasoner asks.
-        legs_m: Function that tells the lengths of the paths between some of the blocks, metres.
+        camera_image: Camera image of the robot, RGB; None if it is not kept.
+        prospects: Function that computes what given blocks would show; not every reasoner calls it.
+        legs_m: Function that computes the lengths of the paths between given blocks, metres.
     """
 
     draw: Callable[[Collection[int], Collection[int]], UInt8[np.ndarray, "height width 3"]]
@@ -122,7 +122,7 @@ class BlockChoice:
     Attributes:
         number: Number of the chosen block; None if no block is worth a visit.
         reason: Reason for the choice in words, for the trace.
-        probabilities: Probability of each block, where the reasoner tells it.
+        probabilities: Probability of each block, if the reasoner gives it.
     """
 
     number: int | None

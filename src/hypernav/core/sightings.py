@@ -33,7 +33,7 @@ class Sightings:
 
     Attributes:
         things: Things in the order of their first sighting.
-        named: Numbers of the things that a detector which tells them apart has named.
+        named: Numbers of the things named by a detector that numbers them.
     """
 
     things: tuple[SeenThing, ...] = ()
@@ -42,7 +42,7 @@ class Sightings:
     def with_detections(
         self, observation: Observation, detections: Iterable[Detection]
     ) -> "Sightings":
-        """These and what was detected in an image beside the goal; without depth it is left out."""
+        """Add the objects detected beside the goal in an image; those without depth are skipped."""
         things = [
             SeenThing(one.label, position)
             for one in detections
@@ -51,12 +51,12 @@ class Sightings:
         return replace(self, things=_joined(self.things, things))
 
     def with_named(self, things: Mapping[int, SeenThing]) -> "Sightings":
-        """These and things that have numbers of their own."""
+        """Add things that have numbers."""
         return Sightings(_joined(self.things, things.values()), self.named.union(things))
 
 
 def _joined(known: tuple[SeenThing, ...], things: Iterable[SeenThing]) -> tuple[SeenThing, ...]:
-    """Known things and new ones; a thing of the same name nearby is the same."""
+    """Known and new things; a new thing near a known one of the same name is the same."""
     for new in things:
         is_known = any(
             one.label == new.label and math.dist(one.position, new.position) < _SAME_THING_M
@@ -68,7 +68,7 @@ def _joined(known: tuple[SeenThing, ...], things: Iterable[SeenThing]) -> tuple[
 
 
 def _position(detection: Detection, observation: Observation) -> tuple[float, float] | None:
-    """Position of what fills the middle of a box, by its median depth."""
+    """Position of the object in a box, by the median depth of the box's middle."""
     height, width = observation.depth.shape
     box = detection.box.clipped(width, height)
     dx, dy = (box.x_max - box.x_min) / 4.0, (box.y_max - box.y_min) / 4.0

@@ -1,4 +1,4 @@
-"""The one record of what an agent did and why, a `StepTrace` a step.
+"""The record of what an agent did and why: one `StepTrace` per step.
 
 Videos, pages, logs, failure analysis and the operator's screen all read this stream.
 """
@@ -29,12 +29,12 @@ class Mode(StrEnum):
 
 
 class Ending(StrEnum):
-    """Endings of a search, as the agent claims them."""
+    """Endings of a search, by the agent's claim."""
 
     FOUND = "found"
     """The agent says that the goal is here."""
     GAVE_UP = "gave up"
-    """The agent knows of nothing left to try."""
+    """The agent has nothing left to try."""
 
     @staticmethod
     def of(action: Action | None) -> "Ending | None":
@@ -47,7 +47,7 @@ class _Record(BaseModel):
 
 
 class DetectionRecord(_Record):
-    """One detection and what became of it.
+    """One detection, and whether it was accepted.
 
     Attributes:
         box: Bounding box ``(x_min, y_min, x_max, y_max)``, pixels.
@@ -67,7 +67,7 @@ class DetectionRecord(_Record):
 
 
 class BlockRecord(_Record):
-    """A block as it was drawn: number and square in the ``map`` frame, metres."""
+    """A block on the drawn map: number and square in the ``map`` frame, metres."""
 
     number: int
     x_min: float
@@ -80,18 +80,18 @@ class Exchange(_Record):
 
     Attributes:
         kind: "ground", "choose block" or "verify".
-        asked: Name of the one that was asked: a model's name, "geometric", "ground truth".
+        asked: Name of the component that was asked: a model's name, "geometric", "ground truth".
         by_model: Whether a chat model answered.
         question: Text of the question.
         answer: Text of the answer.
         chosen: Number of the chosen block, for a map question.
-        excluded: Numbers of the blocks that were ruled out beforehand.
-        probabilities: Probabilities of the allowed answers, where the model tells them.
+        excluded: Numbers of the blocks that were excluded beforehand.
+        probabilities: Probabilities of the allowed answers, if the model gives them.
         tokens_in: Number of prompt tokens; 0 where there is no model.
         tokens_out: Number of answer tokens.
         seconds: Time from the question to the answer.
         fault: Reason why the answer could not be used: "refused", "unparsable" or "invalid", or
-            "unavailable" where there was none; empty if it could.
+            "unavailable" if there was no answer; empty if it could.
         remarks: Oddities of the answer ("1 box inverted", "fell back to geometric").
     """
 
@@ -120,13 +120,13 @@ class StepTrace(_Record):
         mode: Mode of the agent.
         reason: Reason for the action, in one short sentence for people.
         destination: Position ``(x, y)`` that the robot is going to.
-        path: Rest of the path there.
+        path: Remaining path there.
         goal_area: Polygons around the goal area.
         detections: Detections of this step.
         blocks: Blocks as drawn in this step's map question; empty if none was asked.
         exchanges: Questions and answers of this step.
         events: Events worth finding again ("destination reached", "goal area rejected", …).
-        insight: What the explorer looked at when it chose in this step; left out of the JSON where
+        insight: What the explorer looked at when it chose in this step; left out of the JSON if
             there is none.
         ending: End of the search, in its last step; None as long as it goes on.
         seconds: Time per module, seconds.

@@ -1,7 +1,7 @@
-"""The contract of whatever shows a search: page and video, rerun, Foxglove, a page in the browser.
+"""The contract of views of a search: page and video, rerun, Foxglove, a page in the browser.
 
-The loop of a search tells each of its views the same: every step as it was taken, and the result. A
-view changes nothing; agents and worlds know of none.
+The loop of a search gives the same to each of its views: every step when it is taken, and the
+result. A view changes nothing, and agents and worlds do not know of views.
 """
 
 import math
@@ -25,7 +25,7 @@ class View(Protocol):
         Args:
             step: Trace of the step.
             grid: The agent's map, which changes with the next step; None if it has none.
-            observation: What the agent was given; None if nobody kept it.
+            observation: What the agent was given; None if it was not kept.
 
         Raises:
             OutputError: It cannot be written; what was shown before is kept.
@@ -44,17 +44,17 @@ class View(Protocol):
         ...
 
     def close(self) -> None:
-        """Let go of files and connections, however the search ended; files can be read then."""
+        """Close files and connections, however the search ended; then the files can be read."""
         ...
 
 
 @runtime_checkable
 class WatchedView(View, Protocol):
-    """A view that others connect to, and that is there as long as this program runs."""
+    """A view that others connect to while this program runs."""
 
     @property
     def address(self) -> str:
-        """What to open, in words that follow on "open"."""
+        """What to open, in words that can follow "open"."""
         ...
 
     def has_watcher(self) -> bool:

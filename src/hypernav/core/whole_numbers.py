@@ -1,4 +1,4 @@
-"""Whole numbers and ranges of them, as people write them in options."""
+"""Whole numbers and ranges of them in options."""
 
 _MOST_DIGITS = 9
 

@@ -1,7 +1,7 @@
-"""The contract of a world in which episodes run, and of the truth that measures may ask for.
+"""The contract of a world in which episodes run, and of the ground truth for measures.
 
-A simulated scene, Habitat and a robot are each one class that keeps the contract of `World`. Agents
-see none of this: they get observations.
+A simulated scene, Habitat and a robot are each one class that implements `World`. Agents see none
+of this: they get observations.
 """
 
 from dataclasses import dataclass
@@ -45,10 +45,10 @@ Position = tuple[float, float, float]
 
 @runtime_checkable
 class Walkable(Protocol):
-    """The true walkable surface, in the scene's frame, metres.
+    """The true walkable surface, scene frame, metres.
 
-    One floor may lie over another: ``z`` is the height near which a floor is meant. Without it, the
-    main storey's is; a surface of one storey has no use for it.
+    One floor may lie above another: ``z`` is the approximate height of the floor that is meant;
+    without it, that of the main storey. A surface of one storey ignores it.
     """
 
     def height_at(self, x: float, y: float, z: float | None = None) -> float:
@@ -79,7 +79,7 @@ class Walkable(Protocol):
         ...
 
     def centres(self, component: int = 0) -> Float64[np.ndarray, "n 2"]:
-        """Points spread evenly over one connected part."""
+        """Evenly spaced points of one connected part."""
         ...
 
     def random_point(self, rng: np.random.Generator) -> tuple[float, float]:
@@ -117,7 +117,7 @@ class SceneTruth(Protocol):
 
     @property
     def instances(self) -> tuple[Instance, ...]:
-        """All instances that the scene consists of, with labels."""
+        """All instances of the scene, with labels."""
         ...
 
     @property
@@ -153,12 +153,12 @@ class World(Protocol):
 
     @property
     def embodiment(self) -> Embodiment:
-        """What the robot is; an agent that was built for another one is refused."""
+        """The robot; an agent that was built for another one is refused."""
         ...
 
     @property
     def is_over(self) -> bool:
-        """Whether no further action is taken: after STOP, or when the world ended by itself."""
+        """Whether no further action is possible: after STOP, or when the world ended by itself."""
         ...
 
     @property
@@ -168,7 +168,7 @@ class World(Protocol):
 
     @property
     def truth(self) -> SceneTruth | None:
-        """The truth about the scene; None where nobody knows it."""
+        """The truth about the scene; None if it is unknown."""
         ...
 
     def reset(self, episode: Episode, rng: np.random.Generator | None = None) -> Observation:
@@ -201,8 +201,8 @@ class RenderedView:
 
     Attributes:
         rgb: Colour image.
-        depth: Depth image, metres along the optical axis; 0 where nothing was hit. Not cut to a
-            sensor's range.
+        depth: Depth image, metres along the optical axis; 0 where nothing was hit. Not clipped to
+            a sensor's range.
         instance_ids: Instance of every pixel, -1 where nothing was hit.
     """
 

@@ -12,7 +12,7 @@ from hypernav.datasets.habitat_files import episode_files
 SCENES_FOLDER = "scene_datasets"
 """Folder of all scenes below Habitat's folder of data."""
 _HABITAT_PREFIX = ("data", SCENES_FOLDER)
-"""What habitat-lab takes away from a scene id (its ``DEFAULT_SCENE_PATH_PREFIX``)."""
+"""Prefix that habitat-lab removes from a scene id (its ``DEFAULT_SCENE_PATH_PREFIX``)."""
 _SCENE_SUFFIXES = (".basis.glb", ".glb")
 """Suffixes of a scene in the order of preference; Habitat draws the compressed file."""
 
@@ -37,7 +37,7 @@ def found_splits(benchmark: Benchmark, folder: Path) -> list[SplitFolder]:
 
     Args:
         benchmark: The benchmark.
-        folder: Data folder, as in ``hm3d:DIR``: what habitat-lab calls ``data``.
+        folder: Data folder, as in ``hm3d:DIR``; habitat-lab's ``data``.
     """
     found: dict[Path, SplitFolder] = {}
     for pattern in benchmark.episodes:
@@ -72,13 +72,13 @@ def split_of(benchmark: Benchmark, folder: Path, wanted: str = "") -> SplitFolde
         )
     there = f"there are {names}" if splits else f"expected {folder / benchmark.episodes[0]}/{name}"
     raise EpisodeError(
-        f"{benchmark.name}:{folder}: found no episodes of the split '{name}'; {there}. What is "
-        f"missing says hypernav doctor --data {folder}"
+        f"{benchmark.name}:{folder}: found no episodes of the split '{name}'; {there}. To see "
+        f"what is missing: hypernav doctor --data {folder}"
     )
 
 
 def scene_folders(benchmark: Benchmark, folder: Path) -> list[Path]:
-    """The folders of a benchmark's scenes that are there, the preferred one first."""
+    """The existing folders of a benchmark's scenes, the preferred one first."""
     return [
         base / name
         for base in _bases(folder)
@@ -88,9 +88,9 @@ def scene_folders(benchmark: Benchmark, folder: Path) -> list[Path]:
 
 
 def scene_below(benchmark: Benchmark, folder: Path, scene_id: str) -> Path | None:
-    """The file of a benchmark's scene; None if it is nowhere.
+    """The file of a benchmark's scene; None if there is none.
 
-    The episodes of one scene are used with any release of it: ``hm3d/val/…`` and
+    The episodes of a scene are used with any release of it: ``hm3d/val/…`` and
     ``hm3d_v0.2/val/…`` are the same houses, the latter with semantic annotations.
 
     Args:
@@ -107,13 +107,13 @@ def scene_below(benchmark: Benchmark, folder: Path, scene_id: str) -> Path | Non
 def scene_in(folders: Sequence[Path], scene_id: str, releases: Sequence[str] = ()) -> Path | None:
     """The file of a scene in the first folder that has it; None if none has it.
 
-    As in habitat-lab, a scene id may begin with ``data/scene_datasets/``. A scene whose very file
-    is missing is taken with other textures: ``X.glb`` for ``X.basis.glb``, and the reverse.
+    As in habitat-lab, a scene id may begin with ``data/scene_datasets/``. If its file is missing,
+    the file with other textures is used: ``X.glb`` for ``X.basis.glb``, and the reverse.
 
     Args:
         folders: Folders that scene ids are paths below.
         scene_id: Path of the scene as the episodes give it, with ``/``.
-        releases: Folders that may take the place of the id's first one.
+        releases: Folders that may replace the id's first one.
     """
     parts = PurePosixPath(scene_id).parts
     named = PurePosixPath(*(parts[2:] if parts[:2] == _HABITAT_PREFIX else parts))
@@ -123,7 +123,7 @@ def scene_in(folders: Sequence[Path], scene_id: str, releases: Sequence[str] = (
     for place in (folder / path for path in paths for folder in folders):
         stem = place.name.removesuffix(".glb").removesuffix(".basis")
         for name in (place.name, *(stem + suffix for suffix in _SCENE_SUFFIXES)):
-            # Unlike Path.is_file, this takes a name of any length.
+            # Unlike Path.is_file, this accepts a name of any length.
             if os.path.isfile(file := place.with_name(name)):
                 return file
     return None

@@ -1,4 +1,4 @@
-"""The benchmarks of this field, as published: robot, limits, success distance and query words."""
+"""The published benchmarks of this field: robot, limits, success distance and names of goals."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -14,7 +14,7 @@ _HABITAT_STEP_M = 0.2
 
 @dataclass(frozen=True)
 class Benchmark:
-    """What a benchmark prescribes, and where its files lie.
+    """What a benchmark specifies, and where its files are.
 
     Attributes:
         name: Name of the data source, as in ``hm3d:DIR``.
@@ -24,15 +24,15 @@ class Benchmark:
         episodes: Folders of its episodes below the data folder, with ``*`` for the version.
         splits: Published splits that are evaluated; the first is the default.
         scenes: Folders of its scenes below the folder of all scenes, the preferred one first.
-        where: Where episodes and scenes are to be had, for people.
+        where: Where to get episodes and scenes, for people.
         max_steps: Step limit.
         success_distance_m: Geodesic distance to a view point within which a STOP counts, metres.
-        words: Words by which a category of the files is asked for, where they differ from it.
-        asks_as_in_files: Whether categories are asked for as the files have them, also where the
-            data set has words of its own.
-        segmenter: Segmenter that the publication states; a run has to name the one that it takes.
-        caveats: What the publication leaves open or is not known here, in sentences. They are shown
-            before a run and in its reports.
+        words: Names of the goals by category of the files, where the two differ.
+        asks_as_in_files: Whether goals are named as in the files, even if the data set has names of
+            its own.
+        segmenter: Segmenter that the publication states; a run has to name the one that it uses.
+        caveats: Sentences about what the publication leaves open or is not known here. They are
+            shown before a run and in its reports.
     """
 
     name: str
@@ -104,7 +104,7 @@ _MP3D = Benchmark(
         "episodes: objectnav_mp3d_v1.zip of habitat-lab's DATASETS.md; scenes: with a licence "
         "from https://niessner.github.io/Matterport (download_mp.py --task habitat)"
     ),
-    # VLFM's words, but where these name other things (a nightstand for a chest of drawers) or
+    # VLFM's words, except where they name other things (a nightstand for a chest of drawers) or
     # several at once (table, dining table, …).
     words={
         "plant": "potted plant",
@@ -141,14 +141,14 @@ _OVON = Benchmark(
 
 _PAPER_CAVEATS = (
     "The HyPerNav paper states steps of 0.5 m, turns of 30° and 500 steps; its success distance "
-    "and its camera are not stated, so this run has those of the data set, which is our choice.",
-    "The paper reports 961 episodes in scenes of its choice; which of its two data sets that "
-    "number is of, and the names of the scenes, are not known here: --scenes takes them.",
+    "and its camera are not stated, so this run uses those of the data set, which is our choice.",
+    "The paper reports 961 episodes in selected scenes; it is not known here which of its two "
+    "data sets that number belongs to, nor which scenes they were: --scenes selects scenes.",
 )
 
 
 def _as_in_the_paper(benchmark: Benchmark, scenes: str, splits: tuple[str, ...]) -> Benchmark:
-    """A data set by the protocol of the HyPerNav paper, as far as it is known.
+    """A data set with the protocol of the HyPerNav paper, as far as it is known.
 
     Args:
         benchmark: The data set with its own protocol.
@@ -197,7 +197,7 @@ GENERATED = Benchmark(
     scenes=("hypernav",),
     where="hypernav houses export houses-val --out DIR",
 )
-"""What `hypernav houses export` writes. Its splits are whatever is there."""
+"""What `hypernav houses export` writes; all splits that exist."""
 
 
 def benchmark_of(dataset: str, name: str | None = None) -> Benchmark | None:
@@ -208,7 +208,7 @@ def benchmark_of(dataset: str, name: str | None = None) -> Benchmark | None:
         name: Benchmark that was asked for by name; None takes the data set's own.
 
     Returns:
-        None if nobody named one and the data set has none: houses, scenes, files.
+        None if none was named and the data set has none: houses, scenes, files.
 
     Raises:
         ConfigError: There is no benchmark of this name.

@@ -22,13 +22,13 @@ def episodes_of(
 ) -> list[Episode]:
     """The episodes of a file, in its order.
 
-    Their view points are those of the file's goals. A file whose goals bring none leaves them to
+    Their view points are those of the file's goals; if the goals have none, they are computed from
     the scene.
 
     Args:
         dataset: What the file holds.
         scene_of: Finds the scene that a ``scene_id`` of the file means.
-        words: Words by which a category is asked for, where they differ from its name.
+        words: Names of the goals by category, where the two differ.
 
     Raises:
         EpisodeError: Goals are missing, a start looks up or down, or two episodes have one name.
@@ -70,8 +70,8 @@ def read_split(
     Args:
         path: Folder of the split, or one file, as for `episode_files`.
         scene_of: Finds the scene that a ``scene_id`` of the files means.
-        words: Words by which a category is asked for, where they differ from its name.
-        progress: Is told how many files of how many are read.
+        words: Names of the goals by category, where the two differ.
+        progress: Function that is called with the numbers of files read so far and of all.
 
     Raises:
         EpisodeError: A file is missing or broken, two episodes have one name, or there are none.
@@ -114,7 +114,7 @@ def _repeated(episode: Episode) -> str:
 
 
 def _nothing_in(path: Path, files: Sequence[Path]) -> str:
-    """What is missing where the files of a split are there, but no episode is in them."""
+    """The error for a split whose files hold no episode."""
     first = files[0]
     if first.parent.name == CONTENT:
         return (
@@ -130,7 +130,7 @@ def _nothing_in(path: Path, files: Sequence[Path]) -> str:
 
 
 class _Goals(NamedTuple):
-    """What the goals of an episode say; many episodes share it."""
+    """Data of the goals of an episode, shared by many episodes."""
 
     view_points: Float64[np.ndarray, "n 3"] | None
     objects: tuple[ObjectName, ...]

@@ -17,9 +17,9 @@ from hypernav.core.files.reading import read_file
 from hypernav.datasets.habitat_format import EpisodeDataset
 
 _MOST_BYTES = 500_000_000
-"""The largest text; the one file of all of MP3D's validation episodes has a third of it."""
+"""The largest text; the file with all of MP3D's validation episodes has a third of it."""
 _MOST_ERRORS = 10_000
-"""The most errors of which the first is described: pydantic writes all of them out at once."""
+"""Largest number of errors for which the first is described: pydantic formats all at once."""
 _GZIP_MAGIC = b"\x1f\x8b"
 _SUFFIXES = (".json.gz", ".json")
 CONTENT = "content"
@@ -129,16 +129,16 @@ def _unpacked(path: Path) -> bytes:
         raise EpisodeError(f"{path}: broken gzip data ({error}); download it again") from error
     if len(text) > _MOST_BYTES:
         raise EpisodeError(
-            f"{path}: unpacks to more than {megabytes(_MOST_BYTES)}, which are the most that are "
-            "read; give each scene a file of its own"
+            f"{path}: unpacks to more than {megabytes(_MOST_BYTES)}, the most that is read; "
+            "give each scene a file of its own"
         )
     return text
 
 
 def _description(error: ValidationError, text: bytes) -> str:
-    """First error, with the name of the episode or goal that has it."""
+    """The first error, with the name of its episode or goal."""
     if error.error_count() > _MOST_ERRORS:
-        return f"{error.error_count():,} values are not what Habitat's format has; is it another?"
+        return f"{error.error_count():,} values do not fit Habitat's format; is it another format?"
     first = error.errors(include_url=False)[0]
     location = first["loc"]
     if first["type"] == "json_invalid":
@@ -175,7 +175,7 @@ def _episode_id(content: Any, number: int | str) -> str:
 
 
 def _field(location: tuple[int | str, ...]) -> str:
-    """A field's name as people write it; without pydantic's names of the types that it tried."""
+    """A field's name, without pydantic's names of the types that it tried."""
     name = ""
     for part in location:
         if isinstance(part, int):

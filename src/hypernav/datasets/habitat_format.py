@@ -1,9 +1,9 @@
 """Episodes in Habitat's ObjectNav format, as data.
 
-The models hold a file's values exactly: numbers stay integers or floats, fields that the format
-doesn't know are kept, absent fields stay absent. So a file that is read and written again holds the
-same JSON values. OVON's files are the same format with ``children_object_categories``, textual
-object ids and no ``iou``.
+The models hold a file's values exactly: numbers stay integers or floats, unknown fields are kept,
+absent fields stay absent. So a file that is read and written again holds the same JSON values.
+OVON's files have the same format with ``children_object_categories``, textual object ids and no
+``iou``.
 
 Positions and rotations are Habitat's (y up, quaternions ``[x, y, z, w]``); see
 `hypernav.datasets.habitat_frames` for ours.
@@ -24,7 +24,7 @@ from hypernav.core.whole_numbers import is_whole_number
 from hypernav.datasets.habitat_frames import positions_from_habitat
 
 Number = StrictInt | Annotated[StrictFloat, AllowInfNan(False)]
-"""A finite JSON number; 0 and 0.0 are told apart."""
+"""A finite JSON number; 0 and 0.0 stay distinct."""
 
 Position = tuple[Number, Number, Number]
 Quaternion = tuple[Number, Number, Number, Number]
@@ -77,7 +77,7 @@ class ObjectGoal(_Entry):
 
     @property
     def in_scene(self) -> ObjectName:
-        """The object as its scene names it; OVON has the name in place of the number."""
+        """The object's name in its scene; OVON has the name in place of the number."""
         if isinstance(self.object_id, int):
             return ObjectName(self.object_name, self.object_id)
         number = self.object_id.rpartition("_")[2]
@@ -116,7 +116,7 @@ class ObjectNavEpisode(_Entry):
         return Goal(self.object_category.replace("_", " "))
 
     def goals_key(self, category: str | None = None) -> str:
-        """Where the goals of this scene's category are found in `goals_by_category`."""
+        """Key of this scene's goals of the category in `goals_by_category`."""
         return f"{PurePosixPath(self.scene_id).name}_{category or self.object_category}"
 
 

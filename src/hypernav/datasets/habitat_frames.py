@@ -1,6 +1,6 @@
 """Conversions between Habitat's frame (y up, agents look along -z) and the z-up scene frame.
 
-Yaw is counted from the x axis.
+Yaw is measured from the x axis.
 
 A position ``(x, y, z)`` of Habitat is ``(x, -z, y)`` here, as for glTF files.
 """
@@ -43,12 +43,12 @@ def pose_from_habitat(position: Sequence[float], rotation: Sequence[float]) -> t
         EpisodeError: The rotation is zero or looks straight up or down.
     """
     x, y, z, w = rotation
-    # Where the quaternion turns the viewing direction (0, 0, -1), times its squared length.
+    # The viewing direction (0, 0, -1) rotated by the quaternion, times its squared length.
     forward_x = -2.0 * (x * z + w * y)
     forward_z = -(w * w - x * x - y * y + z * z)
     if math.hypot(forward_x, forward_z) < 1e-6:
         raise EpisodeError(
-            f"a rotation must look somewhere along the floor, got the quaternion {list(rotation)}"
+            f"a rotation must not look straight up or down, got the quaternion {list(rotation)}"
         )
     yaw = wrap_angle(math.atan2(-forward_z, forward_x))
     return Pose2(float(position[0]), -float(position[2]), yaw), float(position[1])

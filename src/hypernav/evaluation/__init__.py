@@ -1,1 +1,1 @@
-"""Running of episodes, and how well they went."""
+"""Runs episodes and measures the results."""

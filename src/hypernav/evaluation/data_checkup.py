@@ -1,4 +1,4 @@
-"""Examination of a data folder before a long run: what of each benchmark is there, what isn't."""
+"""Examines a data folder before a long run: what of each benchmark is there, what is missing."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -21,14 +21,14 @@ from hypernav.worlds.scans.layout import ScanFiles
 from hypernav.worlds.scenes.gltf_file import check_glb
 
 _NAMED = 4
-"""The most missing scenes and broken files that are named."""
+"""Largest number of missing scenes or broken files that are named."""
 _BASIS = ".basis.glb"
 _PARTS = (SCENES_FOLDER, "datasets")
-"""Folders of Habitat's data that hold one part of them each."""
+"""Folders of Habitat's data, each of which holds only one part."""
 
 
 def check_data(folder: Path) -> Iterator[Finding]:
-    """Examine a data folder, one finding after another; every episode file is read.
+    """Examine a data folder and yield findings; every episode file is read.
 
     Args:
         folder: Data folder, as in ``hm3d:DIR``.
@@ -71,7 +71,7 @@ class _SplitContent:
         count: Number of episodes.
         goals: Categories of their goals.
         files: Meshes of their scenes by the scenes' ids; None where one is missing.
-        fault: What is wrong with a file; empty if nothing is.
+        fault: Description of a broken file; empty if there is none.
     """
 
     split: SplitFolder
@@ -143,7 +143,7 @@ def _check_scenes(
 
 
 def _check_files(used: Mapping[Path, Benchmark]) -> Iterator[Finding]:
-    """Findings about files that are cut off or of another kind; splits share their scenes."""
+    """Findings about files that are truncated or of another kind; splits share their scenes."""
     broken = [(error, benchmark) for mesh, benchmark in used.items() for error in _faults_of(mesh)]
     said = broken[:_NAMED]
     if len(broken) > _NAMED:
@@ -154,7 +154,7 @@ def _check_files(used: Mapping[Path, Benchmark]) -> Iterator[Finding]:
 
 
 def _faults_of(mesh: Path) -> Iterator[str]:
-    """What is wrong with the files of a scene, by their first bytes and sizes; navmeshes whole."""
+    """Faults of a scene's files, judged by first bytes and sizes; navmeshes are read completely."""
     scan = ScanFiles.of(mesh) or ScanFiles(mesh, navmesh=mesh.with_suffix(".navmesh"))
     for file in (scan.mesh, scan.semantic_mesh, scan.navmesh):
         try:
@@ -167,7 +167,7 @@ def _faults_of(mesh: Path) -> Iterator[str]:
 
 
 def _check_scans(check: str, scans: list[ScanFiles]) -> Iterator[Finding]:
-    """Findings about what lies beside the meshes."""
+    """Findings about the files that come with the meshes."""
     meshes = sum(scan.navmesh is not None for scan in scans)
     if scans and meshes == len(scans):
         yield Finding(f"{check} navmeshes", State.GOOD, f"all {meshes}")

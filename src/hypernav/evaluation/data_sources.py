@@ -30,12 +30,12 @@ from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
 
 STARTS_PER_GOAL = 5
-"""Number of starts per goal of ``scene:`` data sets that name none."""
+"""Default number of starts per goal of ``scene:`` data sets."""
 
 _MOST_STARTS = 10_000
 
 Progress = Callable[[int, int], None]
-"""A function that is called with the number of finished parts, and of all."""
+"""A function that is called with the numbers of finished parts and of all parts."""
 
 
 @dataclass(frozen=True)
@@ -48,8 +48,8 @@ class DatasetRequest:
         simulation: How the robot is simulated, for data sets that draw starts.
         embodiment: Body, camera and motion of the robot, for data sets that draw starts.
         scenes_dir: Folder of scene files; None takes that of the episode file.
-        as_in_files: Whether goals are asked for by the words of the episode files, also where the
-            data set has words of its own.
+        as_in_files: Whether goals are named as in the episode files, even if the data set has names
+            of its own.
         progress: Function that is called with the progress of loading.
     """
 
@@ -116,8 +116,8 @@ def habitat_episodes(request: DatasetRequest) -> list[Episode]:
     """The episodes of a file in Habitat's ObjectNav format, or of a split's folder.
 
     A scene id is a path below the folder of scenes, or a name that ``hypernav find --scene`` knows.
-    Unless somebody names this folder, it is that of the file, or ``scene_datasets`` somewhere above
-    it, where Habitat's data lie.
+    By default this folder is that of the file, or ``scene_datasets`` somewhere above it, where
+    Habitat's data are.
     """
     path = Path(request.argument)
     if request.part:
@@ -144,7 +144,7 @@ def benchmark_episodes(name: str, request: DatasetRequest) -> list[Episode]:
 
 
 def _scene_of(benchmark: Benchmark, folder: Path, scene_id: str) -> str:
-    """The file of a benchmark's scene, or where it is missing: few need all of them."""
+    """The path of a benchmark's scene, even if it is missing: few users need all scenes."""
     return str(scene_below(benchmark, folder, scene_id) or folder / SCENES_FOLDER / scene_id)
 
 
@@ -162,7 +162,7 @@ def _named_scene(folders: Sequence[Path], scene_id: str) -> str:
 
 
 def _releases_of(scene_id: str) -> tuple[str, ...]:
-    """The releases of the scenes that a scene id is about; none if no benchmark knows them."""
+    """The scene releases that a scene id may belong to; none if no benchmark knows them."""
     parts = scene_id.split("/")
     known = (one.scenes for one in BENCHMARKS.values() if not set(parts).isdisjoint(one.scenes))
     return next(known, ())

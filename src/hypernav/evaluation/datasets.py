@@ -37,8 +37,8 @@ def load_episodes(
         simulation: How the robot is simulated, for data sets that draw starts.
         embodiment: Body, camera and motion of the robot, for data sets that draw starts.
         scenes_dir: Folder of the scenes that an episode file names; by default the file's own.
-        as_in_files: Whether goals are asked for by the words of the episode files, also where the
-            data set has words of its own.
+        as_in_files: Whether goals are named as in the episode files, even if the data set has names
+            of its own.
         progress: Function that is called with the progress of loading.
 
     Raises:
@@ -64,7 +64,7 @@ def load_episodes(
 
 
 def canonical_name(dataset: str) -> str:
-    """A data set's name without slashes that say nothing: ``hm3d:DIR/#val`` is ``hm3d:DIR#val``."""
+    """A data set's name without trailing slashes: ``hm3d:DIR/#val`` becomes ``hm3d:DIR#val``."""
     name, hash_sign, part = dataset.partition("#")
     shorter = name.rstrip("/")
     return f"{name if shorter.endswith(':') else shorter}{hash_sign}{part.rstrip('/')}"
@@ -86,9 +86,9 @@ def select(
         scenes: Scenes with commas between them: the name (``houses:1003``), its last part
             (``1003``), the number or name of an HM3D scene (``802``, ``00802-wcojb4TFT35``), or
             the scene's position in the data set (``3``, from 0).
-        goals: Goals with commas between them, as they are asked for, or as the files of a benchmark
-            call them.
-        words: Words by which categories of the files are asked for, where they differ from them.
+        goals: Goals with commas between them, by the names of the episodes or of the benchmark's
+            files.
+        words: Names of the goals by category of the files, where the two differ.
 
     Raises:
         EpisodeError: The text is not understood, a scene doesn't exist, or nothing is left.
@@ -116,12 +116,12 @@ def select(
             )
         chosen = [episode for episode in chosen if episode.goal.text in names]
     if not chosen:
-        raise EpisodeError(f"none of the {len(episodes)} episodes is left by what was chosen")
+        raise EpisodeError(f"the selection leaves none of the {len(episodes)} episodes")
     return chosen
 
 
 def _listed(option: str, text: str) -> list[str]:
-    """The parts of a list with commas; empty ones, as after a last comma, are left out."""
+    """The parts of a list with commas, without empty ones."""
     parts = [part.strip() for part in text.split(",") if part.strip()]
     if not parts:
         raise EpisodeError(f"{option} '{text:.40}': names nothing")
@@ -129,7 +129,7 @@ def _listed(option: str, text: str) -> list[str]:
 
 
 def check_scenes(episodes: Sequence[Episode]) -> None:
-    """Make sure that the scenes of chosen episodes are there, before a long run begins.
+    """Make sure that the scenes of the selected episodes exist, before a long run begins.
 
     Raises:
         EpisodeError: A scene's file is missing.
@@ -149,7 +149,7 @@ def check_scenes(episodes: Sequence[Episode]) -> None:
 
 
 def fingerprint(episodes: Sequence[Episode]) -> str:
-    """Hash that tells two sequences of episodes apart."""
+    """Hash of a sequence of episodes."""
     text = json.dumps([_identity(episode) for episode in episodes], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 

@@ -1,4 +1,4 @@
-"""The evaluation of an agent of your own from a program, as `hypernav eval` does by command."""
+"""Evaluates an agent of your own from a Python program, like the command `hypernav eval`."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -30,7 +30,7 @@ def evaluate(
     the factory must be a function or class that they can import.
 
     Args:
-        plan: Data set, robot and protocol. What `RunPlan.who` leaves open is filled in.
+        plan: Data set, robot and protocol. Missing entries of `RunPlan.who` are filled in.
         folder: Folder of the run; `hypernav.load_runs` reads it for `hypernav.write_report`.
         make_agent: Factory of the agent, called once in every worker.
         workers: Number of processes.
@@ -43,7 +43,7 @@ def evaluate(
     Raises:
         RunFolderError: The folder can't be used.
         RunHaltedError: The run stopped before its end.
-        EpisodeError: There is no such data set, or nothing in it is chosen.
+        EpisodeError: There is no such data set, or the selection is empty.
         SceneError: A scene cannot be used.
     """
     name = getattr(make_agent, "__name__", type(make_agent).__name__)

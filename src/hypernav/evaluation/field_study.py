@@ -1,4 +1,4 @@
-"""The table of a field study: success and SPL per goal and method, as the paper's last table."""
+"""The table of a field study: success and SPL by goal and method, like the paper's last table."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -55,9 +55,9 @@ class StudyRow:
 
 
 def study_rows(results: Sequence[TrialResult]) -> list[StudyRow]:
-    """The table: methods within goals in the order in which they come, then all goals together.
+    """The table: methods within goals, in the order of their first trial, then all goals together.
 
-    Intervals are of trials; there is one building.
+    Intervals are over trials, because there is only one building.
     """
     goals, methods = (
         list(dict.fromkeys(names))

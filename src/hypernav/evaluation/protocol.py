@@ -1,9 +1,9 @@
 """The protocols under which an episode is scored.
 
-Publications differ in three things. The success distance runs from 0.1 m (Habitat's challenges) to
-1.0 m. It is measured from a view point or, by some, from the object itself. And some count a robot
-that runs out of steps beside the goal without STOP. A record keeps the lengths that all of them
-need, so no episode has to be run again.
+Publications differ in three ways. The success distance is between 0.1 m (Habitat's challenges) and
+1.0 m. It is measured from a view point or, in some, from the object itself. And some count it as a
+success if the robot runs out of steps near the goal, without STOP. A record keeps the lengths that
+all of them need, so no episode has to be run again.
 """
 
 import math
@@ -15,9 +15,9 @@ from hypernav.core.metrics import SUCCESS_DISTANCE_M, EpisodeMetrics, measure
 from hypernav.evaluation.record import EpisodeRecord
 
 SUCCESS_DISTANCES_M = (0.1, 0.2, 0.25, 0.3, 1.0)
-"""All success distances from view points that results are scored under."""
+"""All success distances from view points that results are scored with."""
 OBJECT_DISTANCE_M = 1.0
-"""The distance from the object that results are scored under, besides."""
+"""The success distance from the object that results are also scored with."""
 
 
 class StopRule(StrEnum):
@@ -35,7 +35,7 @@ class Reference(StrEnum):
     VIEW_POINT = "view point"
     """The nearest view point, geodesic (Habitat)."""
     OBJECT = "object"
-    """The surface of the nearest goal object, straight and in the plane, also through a wall."""
+    """The surface of the nearest goal object, straight in the plane, through walls too."""
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ class EvaluationProtocol:
         )
 
     def can_score(self, records: Sequence[EpisodeRecord]) -> bool:
-        """Whether records hold what the protocol asks for; earlier versions lack the object's."""
+        """Whether records have the distance that this protocol needs; old ones may lack it."""
         return self.reference is Reference.VIEW_POINT or any(
             record.distance_to_object_m is not None for record in records
         )

@@ -25,7 +25,7 @@ EpisodeKey = tuple[str, str]
 
 
 class EpisodeLine(BaseModel):
-    """What is kept of one episode in a line of ``episodes.jsonl``, whatever was measured.
+    """Base of all records of one episode, a line of ``episodes.jsonl``.
 
     Attributes:
         scene_id: Name of the scene.
@@ -70,7 +70,7 @@ class EpisodeRecord(EpisodeLine):
         steps: Number of actions.
         model_calls: Number of questions that a model was asked.
         questions: Number of questions by kind, those included that needed no model.
-        unusable_answers: Number of the model's answers that were of no use, by reason.
+        unusable_answers: Number of the model's unusable answers, by reason.
         tokens_in: Number of prompt tokens.
         tokens_out: Number of answer tokens.
         saved: Folder of page and video, relative to the run's; empty if they are not kept.

@@ -77,7 +77,7 @@ class EpisodeRecorder:
         self._grid: OccupancyGrid | None = None
         with _written_to(folder):
             folder.mkdir(parents=True, exist_ok=True)
-            # Space for result and page, held without a name and given back when they are written.
+            # An unnamed file reserves disk space for result and page until they are written.
             self._reserve = tempfile.TemporaryFile(dir=folder, buffering=0)  # noqa: SIM115
             self._reserve.write(bytes(_RESERVE_BYTES))
             self._trace = AppendOnlyFile(folder / "trace.jsonl")
@@ -115,7 +115,7 @@ class EpisodeRecorder:
 
     @property
     def unusable_answers(self) -> Counter[str]:
-        """Number of a model's answers so far that were of no use, by reason."""
+        """Number of a model's unusable answers so far, by reason."""
         return sum(map(unusable_answers, self.steps), Counter[str]())
 
     def add(
@@ -135,7 +135,7 @@ class EpisodeRecorder:
         Args:
             step: Trace of the step.
             grid: The agent's map; None if it has none.
-            image: Camera image, RGB; None if the video passes over the step.
+            image: Camera image, RGB; None if the video skips the step.
 
         Raises:
             OutputError: The disk is full; what was recorded before is kept.
@@ -181,7 +181,7 @@ class EpisodeRecorder:
             )
 
     def _attempt(self, name: str, write: Callable[[], object]) -> bool:
-        """Whether a file could be written; what was written of one that could not is removed."""
+        """Whether a file could be written; an incomplete file is removed."""
         try:
             write()
         except OSError:
@@ -222,16 +222,16 @@ class EpisodeRecorder:
         )
         try:
             page()
-        except OSError:  # There may be space for a page that links to the video.
+        except OSError:  # There may be space for a page that only links to the video.
             page(embed_limit_bytes=0)
 
 
 @contextmanager
 def _written_to(folder: Path) -> Iterator[None]:
-    """Name the folder in the error where the block cannot write.
+    """Turn errors of writing in the block into one that names the folder.
 
     Raises:
-        OutputError: It cannot.
+        OutputError: The block cannot write.
     """
     try:
         yield

@@ -1,4 +1,4 @@
-"""The configuration of a run, as it is kept beside the results."""
+"""The configuration of a run, which is kept beside the results."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field, replace
@@ -26,7 +26,7 @@ from hypernav.worlds.scans.layout import ScanFiles
 
 @dataclass(frozen=True)
 class Selection:
-    """A selection of a data set's episodes. What is None selects all.
+    """A selection of a data set's episodes. None selects all.
 
     Attributes:
         episodes: Positions in the data set's order, ``FIRST:END``.
@@ -74,7 +74,7 @@ class RunPlan:
             progress: Function that is called with the progress of loading.
 
         Raises:
-            EpisodeError: There is no such data set, nothing in it is chosen, or a scene is missing.
+            EpisodeError: There is no such data set, the selection is empty, or a scene is missing.
             SceneError: A scene cannot be used.
         """
         own, followed = benchmark_of(self.dataset), benchmark_of(self.dataset, self.benchmark)
@@ -131,9 +131,9 @@ class RunPlan:
         )
 
     def _navmeshes(self, episodes: Sequence[Episode]) -> dict[str, Any]:
-        """In how many scans the robot walks on the file's mesh, and on one computed for it.
+        """Number of scans with the file's own navmesh, and with one computed for the robot.
 
-        Nothing where none is computed.
+        Empty if no navmesh is computed.
 
         Raises:
             NavmeshError: A scan's mesh can't be used.

@@ -1,4 +1,4 @@
-"""The book-keeping of one start of a run, from its first moment to its end."""
+"""Records one session of a run, from its start to its end."""
 
 import logging
 import os
@@ -24,7 +24,7 @@ class RunSession:
     """
 
     def __init__(self, store: RunStore, workers: int) -> None:
-        """Take the store of the run, which must be open in the block."""
+        """Create it; the store of the run must be open in the block."""
         self.workers = workers
         self.progress: RunProgress | None = None
         self._store = store

@@ -1,4 +1,4 @@
-"""The run of all episodes: hands them to workers and alone writes their records."""
+"""Runs all episodes: gives them to workers, and is the only writer of their records."""
 
 import logging
 from collections.abc import Callable, Mapping, Sequence
@@ -22,7 +22,7 @@ from hypernav.evaluation.workers.worker_pool import (
 )
 
 POLL_S = 0.5
-"""Period of the calls to ``watch`` while nothing happens, so that clocks on screens go on."""
+"""Period of the calls to ``watch`` while nothing happens, so that clocks on screens advance."""
 
 _CRASHES_IN_A_ROW = 3
 _OUTAGES_IN_A_ROW = 3
@@ -81,9 +81,9 @@ def run_episodes(
         The state of the run at its end.
 
     Raises:
-        ModelUnavailableError: The model is unavailable in one episode after the other.
-        RunHaltedError: Workers are lost again and again, or one reports that the run can't go on.
-        CrashError: The program fails again and again.
+        ModelUnavailableError: The model is unavailable in several episodes in a row.
+        RunHaltedError: Workers are lost repeatedly, or one reports that the run can't go on.
+        CrashError: The program fails repeatedly.
         RunFolderError: The disk is full.
     """
     waiting = [episode for episode in episodes if episode.key not in store.records]
@@ -208,8 +208,8 @@ def check_scored(progress: RunProgress) -> None:
     """Make sure that a run has a result: at least one of its episodes counts.
 
     Raises:
-        ModelUnavailableError: None does, for want of the model.
-        NothingScoredError: None does, for other reasons.
+        ModelUnavailableError: None counts, because the model was unavailable.
+        NothingScoredError: None counts, for other reasons.
     """
     records = progress.records
     if not records or any(record.counts for record in records):

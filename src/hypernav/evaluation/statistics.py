@@ -155,8 +155,8 @@ def compare(
 def holm(p_values: Sequence[float]) -> list[float]:
     """P-values corrected for their number by Holm's method, in the given order.
 
-    Of all tests whose corrected p-value is below a limit, the chance that even one of them shows a
-    difference that isn't there is below that limit.
+    If all tests with a corrected p-value below a limit are called significant, the probability of
+    one or more false positives is at most that limit.
     """
     values = np.asarray(p_values, dtype=np.float64)
     order = np.argsort(values, kind="stable")
@@ -192,5 +192,5 @@ def _flip_p_value(
         return float((totals >= observed - 1e-9).mean())
     signs = rng.choice((-1.0, 1.0), size=(draws, sums.size))
     totals = np.abs(signs @ sums)
-    # The observed labelling is one of the possible ones, so p is never 0.
+    # The observed signs are one of the possible draws, so p is never 0.
     return float((1 + (totals >= observed - 1e-9).sum()) / (draws + 1))

@@ -1,4 +1,4 @@
-"""The steps of an episode and a few of its images, kept until it is known who looks at them."""
+"""Keeps the steps of an episode and a few of its images until it is known whether to save them."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -29,10 +29,10 @@ class _Frame:
 class Storyboard:
     """Keeps all steps of an episode, and frames of a few that are spread evenly over it.
 
-    Whether an episode fails is known only at its end, and drawing colours for all of them is most
-    of the work of an evaluation. So only what it takes to show a limited number of frames is kept:
-    whenever there are too many, every second one is dropped. Memory stays bounded, whatever the
-    length of the episode.
+    Whether an episode fails is known only at its end, and drawing all colour images would be most
+    of the work of an evaluation. So only what is needed to show a limited number of frames is kept:
+    whenever there are too many, every second one is dropped. Memory stays bounded for any length
+    of the episode.
     """
 
     def __init__(self, camera_to_scene: Transform, max_frames: int = MAX_FRAMES) -> None:

@@ -1,4 +1,4 @@
-"""Comparison of our simulator with habitat-sim, pose by pose, for those who have both."""
+"""Compares our simulator with habitat-sim at random poses; needs both."""
 
 import itertools
 import math
@@ -24,7 +24,7 @@ class PoseComparison:
     Attributes:
         position: Position of the robot, scene frame, metres.
         yaw: Its heading, radians.
-        color_difference: Mean difference of the colour images, of 255.
+        color_difference: Mean difference of the colour images, 0 to 255.
         depth_share: Share of the pixels whose depths differ by less than 5 cm.
         label_share: Share of the pixels that show the same instance.
         step_m: Distance between the ends of a step forward, metres; the larger one of the steps

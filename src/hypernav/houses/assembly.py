@@ -1,7 +1,7 @@
-"""Assembly of placed models into a scene, by way of a compact form that files can hold.
+"""Assembles placed models into a scene, through a compact form for files.
 
 Every number is quantised (positions to a tenth of a millimetre), so that the last bits of sines and
-sums, which differ between machines, never reach the scene.
+sums, which differ between machines, do not affect the scene.
 """
 
 from collections.abc import Sequence
@@ -20,7 +20,7 @@ from hypernav.worlds.scenes.scene import Material, Scene, Wrap
 _STEPS_PER_M = 10_000
 _NORMAL_STEPS = 32_000
 _UV_STEPS = 8_192
-# Values that are exactly half a step in theory must not depend on the last bit.
+# Rounding of values that are in theory exactly half a step must not depend on the last bit.
 _TIE_OFFSET = 0.0137
 
 
@@ -166,7 +166,7 @@ def _material(number: int, finish: Finish) -> Material:
 def _instances(
     house: CompactScene, vertices: Float32[np.ndarray, "vertices 3"]
 ) -> tuple[Instance, ...]:
-    # Faces come instance by instance, and so do vertices: boxes are reductions over runs.
+    # Faces and vertices are ordered by instance, so boxes are reductions over runs.
     first_face = np.searchsorted(house.face_instance, np.arange(len(house.names)))
     lowest = np.minimum.reduceat(house.faces.min(axis=1), first_face)
     low = np.minimum.reduceat(vertices, lowest, axis=0)

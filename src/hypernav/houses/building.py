@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 VERSION = 1
-"""Version of the generator; rises whenever a number gives another building than before."""
+"""Version of the generator; increased whenever a number gives another building than before."""
 
 NOUNS = {"houses": "house", "offices": "office", "shops": "shop", "crowded": "crowded-office"}
 """Word for one building of every kind."""
@@ -14,7 +14,7 @@ BUILTIN_HOUSE = 0
 
 @dataclass(frozen=True)
 class Building:
-    """Name of a generated building, which is all that it is made from.
+    """Name of a generated building; it determines the building completely.
 
     Attributes:
         kind: Kind of the building: "houses", "offices", "shops" or "crowded" (offices whose meeting
@@ -36,7 +36,7 @@ class Building:
 
     @staticmethod
     def named(scene: str) -> "Building":
-        """Building of a scene's name, such as ``offices:7``."""
+        """Building with a scene's name, such as ``offices:7``."""
         kind, _, number = scene.partition(":")
         return Building(kind, int(number))
 
@@ -59,11 +59,12 @@ class Building:
     def key(self) -> tuple[int | str, ...]:
         """Seed of its random streams.
 
-        Houses were frozen before there were other kinds, so their key doesn't hold their kind.
+        The key of houses doesn't contain their kind, because houses must stay the same and are
+        older than the other kinds.
         """
         return (self.number,) if self.kind == "houses" else (self.number, self.kind)
 
 
 def house(number: int) -> Building:
-    """House of a number."""
+    """House with a number."""
     return Building("houses", number)

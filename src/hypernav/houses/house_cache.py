@@ -1,8 +1,8 @@
 """Cache of buildings on disk, so that each is generated only once.
 
-A building's file holds its triangles; the images of the texture library, which all share, lie
-beside it. Everything is written to a temporary file first and then renamed, so that no reader ever
-sees an incomplete file. A broken file is replaced; without a writable folder nothing is cached.
+A building's file holds its triangles; the shared images of the texture library are beside it.
+Everything is written to a temporary file first and then renamed, so that no reader ever sees an
+incomplete file. A broken file is replaced; without a writable folder nothing is cached.
 """
 
 import hashlib
@@ -35,8 +35,8 @@ _LOGGER = logging.getLogger(__name__)
 def generator_version() -> str:
     """Version of the generator together with a digest of its sources.
 
-    The digest is for those who work on the generator: without it, a forgotten version number would
-    bring back outdated buildings.
+    The digest is for developers of the generator: without it, if they forgot to increase the
+    version, outdated buildings would be used.
     """
     digest = hashlib.sha256()
     here = Path(__file__).parent
@@ -65,7 +65,7 @@ def cached_building(building: Building, folder: Path | None = None) -> Scene:
         _LOGGER.warning("%s is broken (%s) and is built again", path, error)
         stored = None
     if stored is None:
-        # The generator is loaded only to build: a cached building comes without it.
+        # Imported here, because a cached building does not need the generator.
         from hypernav.houses.generator import build_compact
 
         stored = fresh = build_compact(building)

@@ -36,10 +36,10 @@ _ALIKE: tuple[frozenset[str], ...] = tuple(
 def near_misses(instances: Sequence[Instance], goal: Goal) -> tuple[Instance, ...]:
     """Instances that do not satisfy a goal but come close.
 
-    An instance comes close if it has the goal's name but not its looks or position ("the red
+    An instance comes close if it has the goal's name but not its appearance or position ("the red
     armchair" and a blue one), if the last words of the names are the same (window curtain and
-    shower curtain), or if its category looks alike or serves the same purpose (washing machine and
-    clothes dryer).
+    shower curtain), or if its category looks similar or serves the same purpose (washing machine
+    and clothes dryer).
 
     Args:
         instances: All instances of the scene, with labels.
@@ -56,7 +56,7 @@ def near_misses(instances: Sequence[Instance], goal: Goal) -> tuple[Instance, ..
 
 
 def _names_in(goal: Goal) -> Iterator[str]:
-    """Name of the goal with ever fewer attributes: "red dining chair", "dining chair", "chair"."""
+    """Names of the goal with fewer attributes each: "red dining chair", "dining chair", "chair"."""
     words = _PREPOSITION.split(normalise(goal.text), maxsplit=1)[0].split()
     for first in range(len(words)):
         yield " ".join(words[first:])

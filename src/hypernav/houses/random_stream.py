@@ -1,8 +1,8 @@
 """Random numbers that are the same on every machine and with every version of NumPy.
 
-NumPy promises that the bit stream of a bit generator never changes, but not what
-``Generator.choice`` and the other methods make of it. Houses must stay the same for years, so every
-draw here is made from the raw stream with arithmetic that IEEE 754 fixes.
+NumPy guarantees that the bit stream of a bit generator never changes, but not the results of
+``Generator.choice`` and the other methods. Houses must stay the same for years, so every draw here
+is computed from the raw stream with arithmetic that IEEE 754 defines exactly.
 """
 
 from collections.abc import Sequence
@@ -31,7 +31,7 @@ class RandomStream:
         self._bits = np.random.PCG64(np.random.SeedSequence(words))
 
     def fork(self, *name: int | str) -> "RandomStream":
-        """Independent stream, seeded by this stream's key and a name, whatever was drawn before."""
+        """Independent stream, seeded by this stream's key and a name, not by its earlier draws."""
         return RandomStream(*self._key, *name)
 
     def unit(self) -> float:
@@ -39,7 +39,7 @@ class RandomStream:
         return int(self._bits.random_raw() >> 11) * _TO_UNIT
 
     def uniform(self, low: float, high: float, step: float = 0.0) -> float:
-        """Uniform number between two bounds, whole steps above ``low`` if a step is given."""
+        """Uniform number between two bounds; with a step, whole steps above ``low``."""
         value = low + (high - low) * self.unit()
         return low + round((value - low) / step) * step if step else value
 

@@ -1,1 +1,1 @@
-"""Neural networks, each behind a small protocol and an optional extra."""
+"""Neural networks, each with a small protocol and an optional extra."""

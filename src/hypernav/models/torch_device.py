@@ -10,7 +10,7 @@ EXTRA = "local-vlm"
 
 
 def choose_device(wanted: str = "auto") -> Any:
-    """A ``torch.device``: the named one, or the best that there is.
+    """A ``torch.device``: the named one, or the best available.
 
     Raises:
         ConfigError: There is no such device.
@@ -108,7 +108,8 @@ def load_network(auto_class: str, path: str, device: Any, dtype: Any) -> Any:
 def moved_to_device(inputs: Any, device: Any, dtype: Any) -> dict[str, Any]:
     """A processor's tensors on the device; images also in the model's dtype.
 
-    Coordinates of boxes keep their own: between 512 and 1024, bfloat16 has every fourth pixel only.
+    Coordinates of boxes keep their dtype: between 512 and 1024, bfloat16 has only every fourth
+    pixel.
     """
     return {
         key: value.to(device, dtype if key == "pixel_values" else value.dtype)

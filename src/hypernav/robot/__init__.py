@@ -1,1 +1,1 @@
-"""The same agents on a real machine."""
+"""Real robots: the same agents behind a server, with clients, drivers and recordings."""

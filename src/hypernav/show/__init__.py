@@ -1,1 +1,1 @@
-"""Videos, images and pages out of a trace."""
+"""Videos, images and pages made from a trace."""

@@ -20,18 +20,18 @@ MODES: dict[Mode, str] = {
 MODES_EXPLAINED: dict[Mode, str] = {
     Mode.LOOK_AROUND: "It turns on the spot to see what is near.",
     Mode.EXPLORE: "It has not seen the goal and drives to a promising part of the map.",
-    Mode.APPROACH: "It believes to see the goal and drives there.",
-    Mode.VERIFY: "It stands before the goal and looks once more.",
+    Mode.APPROACH: "It believes that it sees the goal and drives there.",
+    Mode.VERIFY: "It stands in front of the goal and looks once more.",
     Mode.STOP: "It has ended its search.",
 }
 
 ITS_OWN = "its own"
-"""Name of detector, reasoner and preset of an agent that does all itself."""
+"""Name of detector, reasoner and preset for an agent that has none of these components."""
 
 QUESTIONS: dict[str, str] = {
     "ground": "Is it in the image?",
     "choose block": "Where to look next?",
-    "crop": "Is it that, seen closer?",
+    "crop": "Is it that, seen from nearby?",
     "verify": "Is it really there?",
     "summarise": "Which number was meant?",
     "attention": "Is there anything new to see?",
@@ -66,7 +66,7 @@ _PARTS_WITHOUT_MODEL: dict[str, str] = {
 
 
 def component_caption(name: str) -> str:
-    """Name of a detector or reasoner for people, with ground truth told apart from models."""
+    """Name of a detector or reasoner for people; it distinguishes ground truth from models."""
     return _PARTS_WITHOUT_MODEL.get(_spaced(name), name)
 
 
@@ -163,7 +163,7 @@ _ENDINGS: dict[str, tuple[str, str]] = {
         "Did not find {goal}",
         "It was not where the robot looked, or the robot did not recognise it.",
     ),
-    "wrong_place": ("Stopped, but not at {goal}", "The robot believed to be there."),
+    "wrong_place": ("Stopped, but not at {goal}", "The robot believed that it had arrived."),
     "unreachable": ("No path to {goal}", "No path leads to where the goal is."),
     "model_unavailable": (
         "Stopped: the model did not answer",
@@ -225,7 +225,7 @@ def _times(length_m: float, shortest: object) -> str:
 
 
 def number(value: object, digits: int = 2, unit: str = "") -> str:
-    """A number for people; a dash for what is missing, an infinity sign for what has no end."""
+    """A number for people; a dash if it is missing, a sign if it is infinite."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     if not isinstance(value, int | float) or math.isnan(value):

@@ -1,1 +1,1 @@
-"""Whatever yields observations and takes actions."""
+"""Worlds: they give observations and take actions."""

@@ -7,8 +7,8 @@ from pydantic import Field
 from hypernav.core.config import RoomConfig
 
 NavmeshChoice = Literal["auto", "file", "robot"]
-"""Which navigation mesh a robot walks on: the file's where it was made for such a robot, else one
-that is computed as habitat-sim does; always the file's; or always a computed one."""
+"""Navigation mesh that a robot walks on: "auto", the file's if it was made for such a robot, else
+one computed as by habitat-sim; "file", always the file's; or "robot", always a computed one."""
 
 CELL_M = 0.05
 """Default side of the walkable surface's cells, metres, as in Habitat's navigation meshes."""
@@ -23,7 +23,7 @@ class NoiseConfig(RoomConfig):
 
     Attributes:
         depth_sigma_m: Standard deviation of depth at 1 m; it grows with the square of the distance,
-            as for every sensor that triangulates.
+            as for every triangulating sensor.
         depth_edge_px: Pixels without a return on either side of a depth edge.
         forward_sigma: Standard deviation of a forward step, as a share of its length.
         turn_sigma_deg: Standard deviation of a turn, degrees.
@@ -61,11 +61,11 @@ class SimulationConfig(RoomConfig):
         noise: Noise of sensors and motion; none by default.
         labels: Whether observations carry ground-truth labels.
         navmesh: Mesh of a scan: the file's if it was made for such a robot, else one computed as
-            habitat-sim does ("auto"); always the file's ("file"); always computed, also where a
+            by habitat-sim ("auto"); always the file's ("file"); always computed, even if the
             scene has no file ("robot").
         cell_m: Side of the walkable surface's cells, metres; a navigation mesh has none.
-        judge_eye_m: Height above the floor from which a goal must be visible for a view point of
-            it, metres; None takes the camera's. It stays when only the camera is another.
+        judge_eye_m: Height above the floor from which a goal must be visible at its view points,
+            metres; None takes the camera's. Set it to compare different cameras.
         floor_z: Height of the storey's floor in the scene frame, metres; None takes the largest
             storey. A navigation mesh has all storeys.
     """

@@ -47,7 +47,7 @@ class ObjectNavConfig(RoomConfig):
         simulation: How the robot is simulated.
         max_steps: Number of actions after which an episode is truncated.
         success_distance_m: Greatest geodesic distance to a view point at which STOP is a success.
-        nearest_start_m: Least geodesic distance of a random start to the goal.
+        nearest_start_m: Smallest geodesic distance of a random start to the goal.
         farthest_start_m: Greatest geodesic distance of a random start to the goal.
     """
 
@@ -212,7 +212,7 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
         return self.observation.rgb if self.render_mode == "rgb_array" else None
 
     def close(self) -> None:
-        """Close the world, unless it was passed ready."""
+        """Close the world, unless the caller passed it in."""
         if self._owns_world:
             self.world.close()
 

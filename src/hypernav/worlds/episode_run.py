@@ -1,4 +1,4 @@
-"""The loop of one episode: an agent, a world, and a referee who knows the truth."""
+"""The loop of one episode: an agent, a world, and a referee with the ground truth."""
 
 import time
 from collections.abc import Iterator
@@ -26,11 +26,11 @@ from hypernav.worlds.true_paths import true_paths
 
 @dataclass(frozen=True, eq=False)
 class EpisodeStep:
-    """One step, for whoever watches or records the episode.
+    """One step, for views and recorders of the episode.
 
     Attributes:
         observation: The observation that the agent was given.
-        trace: The action, with its reason if the agent explains itself.
+        trace: The action, with its reason if the agent gives one.
         grid: The agent's map; None if it has none.
         goal_in_view: Whether the observation shows the goal, as far as the truth is known.
     """
@@ -104,7 +104,7 @@ class EpisodeRun:
             world: The world that the agent acts in.
             episode: Goal, start and limits.
             rng: Generator of the world's noise.
-            told: What stand-ins for models in the agent are told of the truth, if it has any
+            told: Holder of the truth for stand-ins in the agent, if it has any
                 (`hypernav.BuiltAgent.truth`); their generator is spawned from ``rng``.
 
         Raises:

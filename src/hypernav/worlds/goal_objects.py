@@ -1,4 +1,4 @@
-"""The objects that an episode's file names as its goals, among the instances of a scene."""
+"""Finds the objects that an episode's file names as its goals among a scene's instances."""
 
 import re
 from collections.abc import Sequence
@@ -10,11 +10,11 @@ from hypernav.core.world import Instance
 
 
 def named_as_goals(instances: Sequence[Instance], episode: Episode) -> tuple[Instance, ...]:
-    """The instances, of which those that the episode names as goals are called by its goal, too.
+    """The instances; those that the episode names as goals get its goal as a further name.
 
     A data set's categories are not always the annotators' words: HM3D's "tv" may be a "flat screen"
-    in the scene. An object is known by its name in the scene, ``chair_123``; where the scene has
-    none of this name, by the number at its end, which is that of the annotation.
+    in the scene. An object is found by its name in the scene, ``chair_123``, or, if the scene does
+    not have that name, by the number at its end, which is that of the annotation.
 
     Args:
         instances: All instances of the scene; an instance's id is its index.

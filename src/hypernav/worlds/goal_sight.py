@@ -9,7 +9,7 @@ from hypernav.core.observation import LabelledPixels
 from hypernav.worlds.referee import Referee
 
 MIN_VISIBLE_SHARE = 0.0005
-"""Least share of the image that counts as seen: 12×12 pixels of 640×480."""
+"""Smallest share of the image that counts as seen: 12×12 pixels of 640×480."""
 
 _STRIDE = 2
 
@@ -37,7 +37,7 @@ class GoalSight:
         """Begin an episode.
 
         Args:
-            referee: Referee of the episode, who knows the goal's instances and measures the path.
+            referee: Referee of the episode, which knows the goal's instances and measures the path.
         """
         self._referee = referee
         self._ids: Int64[np.ndarray, " n"] = np.array(

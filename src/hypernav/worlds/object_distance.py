@@ -17,7 +17,7 @@ ABOVE_M = 2.5
 def object_distance(scene: Scene, goals: Sequence[Instance], robot: Position) -> float | None:
     """Distance in the plane from the robot's middle to the nearest surface of a goal, metres.
 
-    It is straight, also through a wall, and 0 where the robot stands below or in something of the
+    It is a straight line, through walls too, and 0 if the robot is below or inside a part of the
     object. Objects of other storeys don't count.
 
     Args:
@@ -26,7 +26,7 @@ def object_distance(scene: Scene, goals: Sequence[Instance], robot: Position) ->
         robot: Position of the robot on its floor, scene frame, metres.
 
     Returns:
-        The distance; None where nothing of a goal is on the robot's storey.
+        The distance; None if no part of a goal is on the robot's storey.
     """
     x, y, z = robot
     near = [

@@ -1,4 +1,4 @@
-"""The measurement of an episode against ground truth that no agent ever gets."""
+"""Measures an episode by ground truth, which agents never get."""
 
 import math
 
@@ -30,7 +30,7 @@ class Referee:
         self._position = start
 
     def watch(self, position: Position) -> None:
-        """Enter the position of the robot after an action, scene frame, metres."""
+        """Note the position of the robot after an action, scene frame, metres."""
         if position == self._position:
             return
         self.path_length_m += math.dist(self._position, position)
@@ -44,9 +44,9 @@ class Referee:
 
         Args:
             stopped: Whether the agent took STOP. Some publications also count a time-out near the
-                goal as a success; for their rule pass True at the end in any case.
-            success_distance_m: Greatest distance that counts as success; call again with another
-                one to score another protocol.
+                goal as a success; for their rule always pass True at the end.
+            success_distance_m: Largest distance that counts as success; call again with another
+                value to score another protocol.
         """
         return measure(
             stopped=stopped,

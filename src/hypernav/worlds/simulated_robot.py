@@ -1,4 +1,4 @@
-"""The body of a simulated robot: where it truly is, and where odometry says that it is."""
+"""The body of a simulated robot, with its true pose and its pose by odometry."""
 
 import math
 
@@ -17,14 +17,14 @@ _ROUNDING_M = 1e-5
 
 
 class SimulatedRobot:
-    """A robot on a floor, from one reset to the next.
+    """A robot on a floor, for one episode.
 
     Attributes:
         pose: True pose, scene frame.
         floor_z: Height of the floor under it, scene frame, metres.
         reported: Pose as odometry reports it, in the frame of the start pose.
         collided: Whether an obstacle stopped the latest action.
-        path_length_m: Sum of the true displacements in space, as Habitat counts it.
+        path_length_m: Sum of the true displacements in space, as in Habitat.
     """
 
     def __init__(
@@ -47,7 +47,7 @@ class SimulatedRobot:
             motion: Lengths of its actions.
             noise: Noise of its motion and of its odometry.
             sliding: Whether it slides along obstacles instead of stopping at them.
-            rng: Generator of this noise.
+            rng: Generator of the noise.
         """
         self.pose = start
         self.floor_z = floor_z
@@ -92,7 +92,7 @@ def check_start(walkable: WalkableSurface, start: Pose2, z: float | None = None)
     """Make sure that the robot can stand at a pose.
 
     Raises:
-        StartError: It can't; the message names the nearest position where it can.
+        StartError: It can't; the message gives the nearest position where it can.
     """
     if not walkable.is_standable(start.x, start.y, z):
         x, y, _ = walkable.nearest_standable(start.x, start.y, z)

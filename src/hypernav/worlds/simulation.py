@@ -1,4 +1,4 @@
-"""A simulated robot in a scene: takes actions, yields observations."""
+"""A simulated robot in a scene: takes actions, gives observations."""
 
 import math
 
@@ -83,7 +83,7 @@ class SimulatedWorld:
         self._tilt_deg = 0.0
         self._instances = scene.instances
         self._labels: dict[int, ObjectLabel] = {}
-        # One that is never used where all noise is off.
+        # never used if all noise is off
         self._rng = np.random.default_rng(0)
         self._robot = self._robot_at(Pose2(0.0, 0.0, 0.0), math.nan)
         self._start: Transform | None = None
@@ -91,7 +91,7 @@ class SimulatedWorld:
         self._stopped = False
 
     def close(self) -> None:
-        """Close the renderer, if it holds threads; the world isn't used again."""
+        """Close the renderer, if it holds threads; the world is not used afterwards."""
         if isinstance(self._renderer, Closes):
             self._renderer.close()
 
@@ -188,7 +188,7 @@ class SimulatedWorld:
 
     @property
     def path_length_m(self) -> float:
-        """Sum of the true displacements in space since the reset, as Habitat counts it."""
+        """Sum of the true displacements in space since the reset, as in Habitat."""
         return self._robot.path_length_m
 
     @property
@@ -209,14 +209,14 @@ class SimulatedWorld:
         return robot.pose.to_transform(robot.floor_z) @ self._camera_to_base
 
     def view_from(self, camera_to_scene: Transform) -> RenderedView:
-        """What the camera sees from a pose of its own, scene frame, without noise."""
+        """What the camera sees from a given pose, scene frame, without noise."""
         return self._renderer.render(self._camera, camera_to_scene)
 
     @property
     def instances(self) -> tuple[Instance, ...]:
         """All instances of the scene; an instance's id is its index.
 
-        Those that the episode names as goals are called by its goal, too.
+        Those that the episode names as goals have its goal as a further name.
         """
         return self._instances
 

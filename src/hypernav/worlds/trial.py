@@ -1,4 +1,4 @@
-"""The state of one episode while it runs, whoever chooses the actions."""
+"""The state of one episode while it runs, independent of who chooses the actions."""
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from hypernav.worlds.referee import Referee
 
 
 class Trial:
-    """The state of one episode: its steps, its ending, and its measures where the truth is known.
+    """The state of one episode: its steps, its ending, and its measures if the truth is known.
 
     Attributes:
         world: The world that the episode takes place in.
@@ -86,8 +86,8 @@ class Trial:
         """
         if self.referee is None:
             raise WorldError(
-                "nothing can be measured: this world has no ground truth about its scene; read "
-                "ending instead, the claim of the agent"
+                "nothing can be measured: this world has no ground truth about its scene; use "
+                "ending instead, the agent's claim"
             )
         return self.referee.measure(
             stopped=self.ending is Ending.FOUND,

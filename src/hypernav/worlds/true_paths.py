@@ -1,4 +1,4 @@
-"""The lengths of true paths to the goal, asked for in the frame that the robot knows."""
+"""Lengths of true paths to the goal from positions in the robot's ``map`` frame."""
 
 import math
 
@@ -9,11 +9,11 @@ from hypernav.worlds.trial import Trial
 
 
 def true_paths(trial: Trial) -> PathLeft | None:
-    """The function that gives these lengths in an episode; None in a world without ground truth.
+    """The function that computes these lengths in an episode; None in a world without ground truth.
 
-    A position where the robot can't stand counts as the nearest where it can, and the gap is part
-    of the path. Odometry is taken at its word: where it drifts, so do the positions. Of floors one
-    over the other, the one that the robot is on is meant.
+    A position where the robot can't stand is replaced by the nearest where it can, and the gap is
+    added to the path. Positions are by odometry, so they drift with it. If floors lie above each
+    other, the robot's present floor is meant.
     """
     referee, truth = trial.referee, trial.world.truth
     if referee is None or truth is None:

@@ -102,12 +102,12 @@ def test_a_thing_of_ones_own_is_named_by_where_it_is(shapes: Registry, own_modul
 @pytest.mark.parametrize(
     ("spec", "words"),
     [
-        ("nowhere.at_all:Star", "there is no module 'nowhere'; run where it lies"),
+        ("nowhere.at_all:Star", "there is no module 'nowhere'; run this in its folder"),
         ("odd_shapes.inner:Star", "there is no module 'odd_shapes.inner'"),
         ("odd_shapes:Stra", "has no 'Stra', but 'Star'"),
         ("broken_shapes:Star", "needs the module 'no_such_package_at_all', which is not installed"),
         ("older_shapes:Star", "older_shapes cannot be imported: cannot import name"),
-        ("circlee:Star", "there is no module 'circlee'; run where it lies"),
+        ("circlee:Star", "there is no module 'circlee'; run this in its folder"),
         ("circlee:Star", "did you mean 'circle'?"),
     ],
 )

@@ -22,7 +22,7 @@ WHO = {
     "parts": {"detector": "ground-truth"},
 }
 UNCHANGED = Variant("unchanged", "The method.")
-WORSE = Variant("no <erosion>", "The mask keeps its edge.", ("local.erosion_px=1",))
+WORSE = Variant("no <erosion>", "The mask is not eroded.", ("local.erosion_px=1",))
 BETTER = Variant("bump sensor: on", "Feels walls.", ("planning.bump_sensor=true",))
 LATER = Variant("later", "Not run yet.")
 STUDY = Study(

@@ -86,7 +86,7 @@ def test_differences_name_what_was_added_and_removed():
 def test_results_of_unknown_origin_are_refused(tmp_path):
     filled(tmp_path)
     (tmp_path / "run.json").unlink()
-    with pytest.raises(RunFolderError, match="nobody knows how"), store(tmp_path):
+    with pytest.raises(RunFolderError, match="it is unknown how"), store(tmp_path):
         pass
 
 

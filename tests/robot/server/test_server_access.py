@@ -225,7 +225,7 @@ def test_a_search_of_which_nothing_is_heard_gives_its_slot_to_one_that_needs_it(
         assert link.call("GET", forgotten).json["ending"] is None
         link.open("quick")
         assert link.call("GET", forgotten).json["ending"] == "closed"
-        assert "not heard of" in link.observe(forgotten, body_of(0)).json["reason"]
+        assert "was silent" in link.observe(forgotten, body_of(0)).json["reason"]
         assert link.call("GET", heard).json["ending"] is None
 
 

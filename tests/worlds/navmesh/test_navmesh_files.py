@@ -125,7 +125,7 @@ def _stacked_tile(parts: FileParts) -> None:
         (_of_array("polygons", "area_and_type", 0x40), "no ground to walk on"),
         (_of_array("polygons", "vertices", 16), "a vertex of a number beyond 16"),
         (_of_array("polygons", "neighbours", 6), "a polygon of a number beyond 5"),
-        (_of_array("polygons", "neighbours", EXTERNAL | 3), "no direction that there is"),
+        (_of_array("polygons", "neighbours", EXTERNAL | 3), "in an unknown direction"),
         (_of_array("details", "triangle_base", 2**32 - 1), "triangles of numbers beyond"),
         (_of_array("details", "triangle_count", 200), "triangles of numbers beyond"),
         (_of_array("detail_triangles", None, 250), "a vertex of a number beyond 0"),

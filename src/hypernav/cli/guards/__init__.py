@@ -1,1 +1,1 @@
-"""What stands around every command: exit statuses, interruptions, crashes, outputs."""
+"""Common to all commands: exit statuses, interruptions, crash reports, checks of outputs."""

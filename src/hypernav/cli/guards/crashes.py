@@ -1,6 +1,6 @@
-"""Errors that nobody expected: a line for people, and a file with the traceback.
+"""Unexpected errors: a line for people, and a file with the traceback.
 
-What only a crash needs is imported then: every command is loaded through this module.
+Every command imports this module, so what only a crash needs is imported when one happens.
 """
 
 import sys
@@ -20,14 +20,14 @@ class ReportedCrashError(HyPerNavError):
 
 @contextmanager
 def crash_report(folder: Path | None = None) -> Iterator[None]:
-    """Write the traceback of an error that nobody expected in the block to a file.
+    """Write the traceback of an unexpected error in the block to a file.
 
     Args:
-        folder: Folder of the file ``crash.txt``; where it cannot be written, and for None, a
-            temporary file takes its place.
+        folder: Folder of the file ``crash.txt``; if it cannot be written, or for None, a
+            temporary file is used.
 
     Raises:
-        ReportedCrashError: The block failed that way; the message names the file.
+        ReportedCrashError: The block raised an unexpected error; the message names the file.
     """
     try:
         with interruptions_of_kernels():
@@ -36,7 +36,7 @@ def crash_report(folder: Path | None = None) -> Iterator[None]:
         raise ReportedCrashError(_told(str(error), error.details, folder)) from error
     except HyPerNavError:
         raise
-    except Exception as error:  # This alone is broad: whatever it catches is our fault.
+    except Exception as error:  # The only broad except: whatever it catches is a bug of ours.
         import traceback
 
         last = traceback.format_exception_only(error)[-1].strip()
@@ -44,7 +44,7 @@ def crash_report(folder: Path | None = None) -> Iterator[None]:
 
 
 def _told(what: str, details: str, folder: Path | None) -> str:
-    """The message about a crash, after writing down its details."""
+    """Write the details of a crash to a file; returns the message for people."""
     line = " ".join(what.split())
     line = line if len(line) <= 300 else f"{line[:300]} …"
     return f"this should not have happened: {line}; {_write(_page(details), folder)}"
@@ -61,7 +61,7 @@ def _page(details: str) -> str:
 
 
 def _write(page: str, folder: Path | None) -> str:
-    """Write a crash's page; where it is, in words."""
+    """Write a crash's details; returns a sentence that says where they are."""
     import tempfile
 
     data = page.encode(errors="backslashreplace")

@@ -1,4 +1,4 @@
-"""Ctrl-C, SIGTERM and a lost terminal: one kind of interruption, which a block can put off."""
+"""Ctrl-C, SIGTERM and a lost terminal, treated as one interruption that a block can delay."""
 
 import os
 import signal
@@ -10,12 +10,12 @@ from typing import NoReturn, TypeVar
 
 _EnteredT = TypeVar("_EnteredT")
 _ENDINGS = tuple(one for one in signal.Signals if one.name in ("SIGTERM", "SIGHUP"))
-"""Signals to end; SIGHUP, which Windows doesn't have, comes when the terminal is gone, as an SSH
-connection over Wi-Fi is."""
+"""Signals that end a command. SIGHUP, which Windows doesn't have, comes when the terminal is lost,
+for example with an SSH connection."""
 
 
 class Terminated(KeyboardInterrupt):
-    """SIGTERM or SIGHUP came: it ends whatever Ctrl-C ends, and by the same path."""
+    """SIGTERM or SIGHUP came; handled like Ctrl-C."""
 
 
 @contextmanager
@@ -27,17 +27,17 @@ def sigterm_as_interruption() -> Iterator[None]:
 
 @contextmanager
 def interruptions_put_off(notice: str | None = None) -> Iterator[None]:
-    """Let the block finish: an interruption that comes meanwhile is raised at its end.
+    """Let the block finish: an interruption during it is raised at its end.
 
     Args:
-        notice: What to tell people when one comes, on standard error.
+        notice: Text for standard error when one comes.
     """
     came: list[int] = []
 
     def note(number: int, _frame: FrameType | None) -> None:
         came.append(number)
         if notice is not None:
-            with suppress(OSError):  # Past `sys.stderr`, in the midst of whose writing it may be.
+            with suppress(OSError):  # Not by `sys.stderr`, which may be in the middle of a write.
                 os.write(2, f"\nhypernav: {notice}\n".encode())
 
     with _handled((signal.SIGINT, *_ENDINGS), note):
@@ -47,16 +47,16 @@ def interruptions_put_off(notice: str | None = None) -> Iterator[None]:
 
 
 class UninterruptedEnd(AbstractContextManager[_EnteredT, bool | None]):
-    """A context whose end no interruption cuts short, such as that of a robot that must stand."""
+    """A context whose end is never interrupted, for example that of a robot that must stop."""
 
     def __init__(
         self, context: AbstractContextManager[_EnteredT, bool | None], notice: str | None = None
     ) -> None:
-        """Wrap a context that nobody has entered yet.
+        """Wrap a context that has not been entered yet.
 
         Args:
             context: The context.
-            notice: What to tell people when an interruption has to wait for its end.
+            notice: Text for standard error when an interruption has to wait for its end.
         """
         self._context, self._notice = context, notice
 
@@ -70,7 +70,7 @@ class UninterruptedEnd(AbstractContextManager[_EnteredT, bool | None]):
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> bool | None:
-        """Leave it; an interruption that comes meanwhile is raised then."""
+        """Leave it; an interruption during that is raised afterwards."""
         with interruptions_put_off(self._notice):
             return self._context.__exit__(kind, error, traceback)
 
@@ -84,7 +84,7 @@ def interrupt() -> None:
 def _handled(
     numbers: tuple[signal.Signals, ...], handler: Callable[[int, FrameType | None], None]
 ) -> Iterator[None]:
-    """Handle signals in the block, but for SIGHUP where it is ignored, as ``nohup`` has it."""
+    """Handle signals in the block, except SIGHUP if it is ignored, as with ``nohup``."""
     before = {
         number: signal.signal(number, handler)
         for number in numbers

@@ -1,4 +1,4 @@
-"""The check of outputs before the work begins: no search shall be lost for want of a folder."""
+"""Checks outputs before the work begins, so that no search is lost because of a folder."""
 
 import tempfile
 from contextlib import suppress
@@ -8,12 +8,12 @@ from hypernav.core.errors import OutputError
 
 
 def check_folder(folder: Path) -> None:
-    """Make sure that files can be written to a folder, by doing it.
+    """Make sure that files can be written to a folder, by writing one.
 
-    A folder that is missing is made and removed again: nothing is left of a command that fails.
+    A missing folder is created and removed again, so that a command that fails leaves nothing.
 
     Raises:
-        OutputError: They cannot; the message names the folder and the reason.
+        OutputError: They cannot be written; the message names the folder and the reason.
     """
     try:
         if folder.exists() and not folder.is_dir():
@@ -36,10 +36,10 @@ def check_folder(folder: Path) -> None:
 
 
 def check_file(path: Path) -> None:
-    """Make sure that a file can be made, or replaced.
+    """Make sure that a file can be created or replaced.
 
     Raises:
-        OutputError: It cannot; the message names the file and the reason.
+        OutputError: It cannot be; the message names the file and the reason.
     """
     if path.is_dir():
         raise OutputError(f"{path} is a folder; name a file in it")

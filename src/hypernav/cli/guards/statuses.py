@@ -13,8 +13,8 @@ class ExitStatus(IntEnum):
     USAGE = 2
     """An option, a file or another input cannot be used, or a result cannot be written.
 
-    Also that of an evaluation of which no episode could be scored, and of a robot that doesn't
-    stand at the end.
+    Also used for an evaluation without any scored episode, and for a robot that doesn't stand
+    still at the end.
     """
     MODEL_UNAVAILABLE = 3
     """A model was unavailable for longer than the patience."""

@@ -1,4 +1,4 @@
-"""A server of the command's own, for a robot, simulated or on ROS 2, that is given none."""
+"""Starts a server for a robot, simulated or on ROS 2, if the command names none."""
 
 import re
 import subprocess
@@ -15,14 +15,11 @@ _MAIN = "from hypernav.cli.main import main; main()"
 
 @contextmanager
 def server_at(url: str | None, options: Sequence[str] = ()) -> Iterator[str]:
-    """The address of a server: the given one, or one that is started here and ended again.
+    """The address of a server: the given one, or one that runs only during the block.
 
     Args:
         url: The given address.
-        options: Options of ``hypernav serve`` for one that is started here.
-
-    Raises:
-        RobotLinkError: It did not start.
+        options: Options of ``hypernav serve`` for a server that is started here.
     """
     if url is not None:
         yield url
@@ -36,7 +33,7 @@ def server_at(url: str | None, options: Sequence[str] = ()) -> Iterator[str]:
             for line in server.stderr:
                 said += line
                 if match := re.search(r"serving at (http://[^,\s]+)", line):
-                    # What else it says must go somewhere, or it would wait for ever to say it.
+                    # Read its other output, too: a full pipe would block it.
                     drain.start()
                     yield match[1]
                     return

@@ -13,7 +13,7 @@ from hypernav.show.video.frame import EpisodeInfo
 
 @contextmanager
 def recording(options: Simulate | Ros2, opened: SearchOpened) -> Iterator[Views]:
-    """All on which a search is shown: its page where a folder is named, and the views asked for.
+    """All outputs of a search: its page if a folder is named, and the views asked for.
 
     Raises:
         OutputError: A file cannot be written.

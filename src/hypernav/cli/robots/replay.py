@@ -35,11 +35,11 @@ def run(options: Replay) -> int:
     Raises:
         RecordingError: The recording cannot be read.
         TopicChoiceError: No topic of a bag fits, or several do.
-        ConfigError: There is a goal and nothing that looks for it, or the other way round; or
-            native mode is asked for.
+        ConfigError: There is a goal but no detector, or a detector but no goal; or native mode
+            is asked for.
     """
     if options.who.native:
-        raise ConfigError("--native: a recording has the camera that it was made with; drop it")
+        raise ConfigError("--native: a recording has its own camera; leave the option out")
     check_option("--every", options.every, (1, 100_000), "every frame, or fewer")
     sees = options.who.detector is not None or options.who.vlm is not None
     if sees != (options.goal is not None):

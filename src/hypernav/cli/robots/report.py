@@ -41,7 +41,7 @@ def run(options: Report) -> int:
     console.print(_table(rows))
     if len(counted) < len(trials):
         console.print(
-            f"{len(trials) - len(counted)} trials ended by an outage and are in no rate",
+            f"{len(trials) - len(counted)} trials ended by an outage and count in no rate",
             markup=False,
         )
     if options.csv is not None:

@@ -47,7 +47,7 @@ _OUTCOMES: dict[SearchEnding | None, Outcome] = {
     SearchEnding.GAVE_UP: Outcome.NOT_FOUND,
     SearchEnding.MODEL_UNAVAILABLE: Outcome.MODEL_UNAVAILABLE,
 }
-"""Outcomes as the agent claims them: nobody measures here."""
+"""Outcomes by the agent's claim; they cannot be measured here."""
 
 
 def run(options: Ros2) -> int:
@@ -61,8 +61,8 @@ def run(options: Ros2) -> int:
         MissingExtraError: The package that speaks DDS is not installed.
         ConfigError: An option or the configuration is wrong.
         TopicChoiceError: No topic of the camera fits, or several do.
-        RosNetworkError: There is no network, data doesn't come, or the robot doesn't stand at the
-            end.
+        RosNetworkError: There is no network, data doesn't arrive, or the robot doesn't stand still
+            at the end.
         Nav2Error: Nav2 takes no goals, or never moves the robot.
         OutputError: A file cannot be written.
         ViewError: A viewer does not start.
@@ -97,14 +97,14 @@ def run(options: Ros2) -> int:
 def _searched(
     options: Ros2, goal: Goal, config: "Ros2Config", console: Terminal, shown: ExitStack
 ) -> tuple[SearchEnding | None, Views]:
-    """Take the robot over, search, and give it back.
+    """Take control of the robot, search, and release it.
 
     Args:
         options: The options.
         goal: The object to find.
-        config: The configuration, which has been checked.
-        console: Where to tell people.
-        shown: What the views are left to, which are there for longer than the robot is needed.
+        config: The configuration, already checked.
+        console: Terminal for messages.
+        shown: Exit stack for the views, which stay open longer than the robot is needed.
 
     Returns:
         Ending, and the views.
@@ -198,12 +198,12 @@ def _search(
         length_m += before.distance_to(*sensed.odometry.xy)
         before = sensed.odometry
         status.update(escape(f"step {reply.sequence + 1} · {reply.mode} · {reply.reason}"))
-        # What people see must not end the search; the next step catches up.
+        # An error of the display must not end the search; the next step catches up.
         try:
             for trace in server.trace(opened.id, since=known):
                 grid = server.grid(opened.id)
                 is_present = trace.step == reply.sequence
-                # The images of steps before are gone.
+                # The images of earlier steps are no longer available.
                 views.add(trace, grid, senses.observation(sensed) if is_present else None)
                 known = trace.step + 1
                 if is_present:

@@ -46,7 +46,7 @@ from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.simulation import SimulatedWorld
 
 _PACE = 5.0
-"""Simulated seconds per real one of a robot that drives on while it waits for answers."""
+"""Simulated seconds per real second, for a robot that drives on while it waits for answers."""
 _NOISE = NoiseConfig(
     depth_sigma_m=0.002,
     depth_edge_px=1,
@@ -230,7 +230,7 @@ def _outcome(ending: SearchEnding | None, metrics: EpisodeMetrics) -> str:
 def _mishap_numbers(
     base: SimulatedBase, client: RobotClient, link: FaultyLink
 ) -> dict[str, float | int | None]:
-    """What went wrong, and what the robot made of it."""
+    """Counts of the mishaps, and of the robot's reactions."""
     return {
         "odometry_length_m": base.odometry_length_m,
         "robot_seconds": base.now_s,

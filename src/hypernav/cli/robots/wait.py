@@ -32,7 +32,7 @@ from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
 
 _PACE = 2.0
-"""Simulated seconds per real one, so that people can follow, and stop it on the way."""
+"""Simulated seconds per real second, slow enough for people to follow and to stop it."""
 _PAUSE_S = 1.0
 
 
@@ -96,7 +96,7 @@ def _search(
     given: GivenGoal,
     status: Status,
 ) -> SearchEnding | None:
-    """Search until the end; None if a stop came before the next answer."""
+    """Run a search to its end; returns None if a stop came before the next answer."""
     opened = server.open(
         OpenSearch(
             goal=given.goal or "",

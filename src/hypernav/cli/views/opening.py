@@ -1,6 +1,6 @@
-"""The views of a search: opened by their options, told everything together, left when all is seen.
+"""Opens the views of a search, gives every step to all of them, and closes them at the end.
 
-The packages behind them are imported only where they are asked for.
+The packages that they need are imported only if a view is asked for.
 """
 
 import time
@@ -56,16 +56,16 @@ class Views:
     """All views of one search as one `hypernav.core.view.View`, at a pace that people can follow.
 
     Attributes:
-        watched: Those of them that somebody connects to.
-        are_open: Whether there are any.
+        watched: The views that people connect to.
+        are_open: Whether there are any views.
     """
 
     def __init__(self, views: Sequence[View], pace: float | None) -> None:
-        """Take views that are open.
+        """Create it with open views.
 
         Args:
-            views: The views, closed by whoever opened them.
-            pace: Largest number of steps a second; None chooses one for whoever watches.
+            views: The views; the caller closes them.
+            pace: Largest number of steps a second; None chooses one by the kinds of views.
         """
         self._views = views
         self.are_open = bool(views)
@@ -85,7 +85,7 @@ class Views:
         """Show the result on all of them.
 
         Raises:
-            OutputError: Some could not be written; all others are.
+            OutputError: Some could not be written; all others were.
         """
         errors = []
         for view in self._views:
@@ -102,16 +102,16 @@ class Views:
         self._next_s = time.monotonic() + self._step_s
 
     def await_watchers(self, status: Status) -> None:
-        """Wait until somebody looks: a simulated search would be over before that."""
+        """Wait until somebody watches, because a simulated search would be over before that."""
         for view in self.watched:
-            # Also with --quiet: without the address nobody could look, and the search would wait.
+            # Also with --quiet: nobody could connect without the address, and the search waits.
             Terminal().print(f"open {escape(view.address)}", soft_wrap=True)
             status.update("waiting; the search begins when it is opened …")
             while not view.has_watcher():
                 time.sleep(_LOOK_S)
 
     def stay(self, console: Terminal) -> None:
-        """Let those who watch look on until Ctrl-C."""
+        """Keep the views open until Ctrl-C."""
         if any(view.has_watcher() for view in self.watched):
             console.print("  it can be looked at until Ctrl-C", soft_wrap=True)
             try:
@@ -128,10 +128,10 @@ def opened_views(options: ViewOptions, info: EpisodeInfo, recorder: View | None)
     """Open the views that the options ask for, and close them at the end of the block.
 
     Args:
-        options: The options, which `check_views` has looked at.
+        options: The options, already checked by `check_views`.
         info: Goal and components of the search.
-        recorder: The view that a search has anyway, its page and video, which the caller closes;
-            None for one without.
+        recorder: The view that writes page and video, which the caller closes; None for a search
+            without.
     """
     with ExitStack() as opened:
         views = [] if recorder is None else [recorder]

@@ -9,15 +9,15 @@ import tyro
 
 @dataclass(frozen=True)
 class ViewOptions:
-    """Where to show the search beside its own page and video."""
+    """Where to show the search besides its own page and video."""
 
     view: Literal["page", "rerun", "foxglove"] | None = None
-    """Watch the search as it goes: page, in a browser, with a STOP; rerun, in its viewer; foxglove,
+    """Watch the search live: page, in a browser, with a STOP; rerun, in its viewer; foxglove,
     at a WebSocket."""
     rrd: Path | None = None
-    """File to record the search in for rerun."""
+    """File to record the search for rerun."""
     mcap: Path | None = None
-    """File to record the search in for Foxglove and other readers of MCAP."""
+    """File to record the search for Foxglove and other readers of MCAP."""
     pace: float | None = None
     """Largest number of steps a second, to watch them; 5 with --view page or foxglove, else no
     limit."""
@@ -25,21 +25,21 @@ class ViewOptions:
 
 @dataclass(frozen=True)
 class RobotViewOptions:
-    """Where to show what a robot does beside its page and video; the server's page is there anyway.
+    """Where to show what a robot does besides its page and video, and the server's page.
 
-    They are those of `ViewOptions` that say nothing about the pace, which is the robot's own.
+    The options of `ViewOptions` except those for the pace, which is the robot's own.
     """
 
     view: Literal["rerun", "foxglove"] | None = None
-    """Watch it as it goes: rerun, in its viewer; foxglove, at a WebSocket."""
+    """Watch it live: rerun, in its viewer; foxglove, at a WebSocket."""
     rrd: Path | None = None
-    """File to record it in for rerun."""
+    """File to record it for rerun."""
     mcap: Path | None = None
-    """File to record it in for Foxglove and other readers of MCAP."""
+    """File to record it for Foxglove and other readers of MCAP."""
 
     @property
     def chosen(self) -> ViewOptions:
-        """The same among the options of all views."""
+        """The same as options of all views."""
         return ViewOptions(view=self.view, rrd=self.rrd, mcap=self.mcap)
 
 

@@ -1,1 +1,1 @@
-"""What a component is: its protocol, its optional abilities, how it is found by name."""
+"""Components: their protocols, their optional abilities, and the registry of names."""

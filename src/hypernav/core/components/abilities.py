@@ -1,4 +1,4 @@
-"""Optional abilities of components beside their protocol: asked for, never demanded."""
+"""Optional abilities of components, besides their protocols."""
 
 from collections.abc import Collection, Mapping
 from typing import Any, Protocol, runtime_checkable
@@ -48,10 +48,10 @@ class ChecksModel(Protocol):
 
 @runtime_checkable
 class Reports(Protocol):
-    """A component that keeps counts for the results."""
+    """A component that counts something for the results."""
 
     def take_report(self) -> dict[str, Any]:
-        """Counts since the last call, as JSON values; counting begins anew."""
+        """Counts since the last call, as JSON values; all counts are reset."""
         ...
 
 
@@ -60,7 +60,7 @@ class Closes(Protocol):
     """A component that holds a thread, a process or a file."""
 
     def close(self) -> None:
-        """Release it; the component isn't used again."""
+        """Release it; the component is not used afterwards."""
         ...
 
 
@@ -80,20 +80,20 @@ class NamesThings(Protocol):
     def name_things(
         self, observation: Observation, *, besides: Collection[int]
     ) -> Mapping[int, SeenThing]:
-        """Things with their positions, by numbers that stay theirs; only those not yet named."""
+        """Things with their positions, by permanent numbers; only those not yet named."""
         ...
 
 
 def looks_at_colours(component: object) -> bool:
-    """Whether a component uses the colours of an image; one that doesn't says so.
+    """Whether a component uses the colours of an image; True unless it says otherwise.
 
-    A simulated world need not draw colours that nobody looks at: drawing is most of its work.
+    A simulated world need not draw colours that nothing uses: drawing is most of its work.
     """
     return bool(getattr(component, "looks_at_colours", True))
 
 
 def warning_of(component: object) -> str:
-    """What a component says of itself that people must know before a search; empty if nothing."""
+    """A component's warning for people before a search; empty if there is none."""
     return str(getattr(component, "warning", ""))
 
 
@@ -108,8 +108,8 @@ def gives_masks(detector: object) -> bool:
 
 
 def answers_at_once(component: object) -> bool:
-    """Whether a component says that a question costs it a few milliseconds, and no money.
+    """Whether a component says that a question takes only milliseconds and costs nothing.
 
-    It may then be asked again and again on the way, as new things come into view.
+    It may then be asked repeatedly on the way, as new things come into view.
     """
     return bool(getattr(component, "answers_at_once", False))

@@ -1,4 +1,4 @@
-"""Optional packages that announce themselves."""
+"""Optional packages."""
 
 import importlib
 from types import ModuleType
@@ -7,7 +7,7 @@ from hypernav.core.errors import MissingExtraError
 
 
 def require(module: str, *, extra: str) -> ModuleType:
-    """Import an optional module, or say how to install it.
+    """Import an optional module; if it is missing, raise an error that says how to install it.
 
     Args:
         module: Import name, for example ``"onnxruntime"``.

@@ -1,4 +1,4 @@
-"""The protocols between the rooms of this package, and for code of your own."""
+"""The protocols between the rooms of this package, and for your own code."""
 
 from typing import Protocol, runtime_checkable
 
@@ -30,8 +30,8 @@ class Agent(Protocol):
         """Look, decide, and say what to do next.
 
         Returns:
-            The action. STOP ends the search and says "here it is". None ends it without that
-            claim: the agent gives up.
+            The action. STOP ends the search with the claim that the goal is here. None ends it
+            without that claim: the agent gives up.
         """
         ...
 
@@ -56,7 +56,7 @@ class Detector(Protocol):
     """Finds the goal in an image."""
 
     def detect(self, observation: Observation, goal: Goal) -> list[Detection]:
-        """All candidates, best first; an empty list where the goal is not seen."""
+        """All candidates, best first; an empty list if the goal is not seen."""
         ...
 
 
@@ -98,7 +98,7 @@ class Guide(Protocol):
 
 @runtime_checkable
 class SceneScorer(Protocol):
-    """Tells how much what the camera sees looks like a place where the goal is near."""
+    """Scores how likely it is, by the camera image, that the goal is near."""
 
     def score(self, observation: Observation, goal: Goal) -> float:
         """Score from 0 (not at all) to 1; comparable only between answers of one scorer."""
@@ -109,7 +109,7 @@ class SceneScorer(Protocol):
 class Explorer(Protocol):
     """Chooses where to go while the goal is out of sight.
 
-    It sees one view and keeps nothing that the memory has. What it has to note for itself goes into
+    It is given one view and keeps nothing that the memory has. It keeps its own notes in
     `ExplorationView.notes`.
     """
 
@@ -132,15 +132,15 @@ class ChatModel(Protocol):
     """A model that looks at images and answers in words. Safe to share between threads."""
 
     def identify(self) -> str:
-        """The model's name, asked of the server if necessary. Holds no secret.
+        """The model's name, requested from the server if necessary; it contains no secret.
 
         Raises:
-            ModelUnavailableError: The name cannot be found out within the configured patience.
+            ModelUnavailableError: The server does not give the name within the configured patience.
         """
         ...
 
     def ask(self, question: Question) -> Answer:
-        """The answer, read and checked; ``fault`` tells whether it cannot be used.
+        """The answer, parsed and checked; ``fault`` says why it cannot be used, if so.
 
         Raises:
             ModelUnavailableError: The model did not answer within the configured patience.

@@ -1,7 +1,7 @@
 """Components found by name: built in, from an installed package, or ``package.module:Name``.
 
-Nothing is imported before it is wanted: a built-in entry says where its target is, an installed
-package says it in an entry point, and ``package.module:Name`` on the command line says it itself.
+Nothing is imported before it is needed: a built-in entry names the module of its target, an
+installed package names it in an entry point, and ``package.module:Name`` names it directly.
 """
 
 import difflib
@@ -27,12 +27,12 @@ class Entry(Generic[T]):
     """One named component.
 
     Attributes:
-        name: Name that people write.
+        name: Name for options.
         target: The component itself, or where it is imported from: ``package.module:name``.
-        form: Full form of a specification: ``yolox:PATH.onnx``, ``mine[:ARGUMENT]``. The bare name
-            unless given. As many arguments are expected as have commas between them here.
-        words: Description for people. ``{files}`` stands for the file names that follow the name;
-            other fields are filled in by the caller of `Choice.words`. The name unless given.
+        form: Full form of a specification: ``yolox:PATH.onnx``, ``mine[:ARGUMENT]``; by default
+            the name alone. Its commas give the number of arguments.
+        words: Description for people; by default the name. ``{files}`` stands for the file names
+            after the name; other fields are filled in by the caller of `Choice.words`.
         section: Section of the configuration; empty for none, and for components of other packages.
         is_foreign: Whether the component comes from another package.
     """
@@ -62,7 +62,7 @@ class Entry(Generic[T]):
 
 @dataclass(frozen=True)
 class Choice(Generic[T]):
-    """An entry as a specification names it.
+    """An entry with the arguments of a specification.
 
     Attributes:
         entry: Entry of the name.
@@ -73,12 +73,12 @@ class Choice(Generic[T]):
     arguments: tuple[str, ...] = ()
 
     def load(self) -> T:
-        """The named component, as `Entry.load` gives it."""
+        """The named component, imported by `Entry.load`."""
         return self.entry.load()
 
     @property
     def spec(self) -> str:
-        """Specification that names the choice."""
+        """The specification of the choice."""
         name = self.entry.name
         return f"{name}:{','.join(self.arguments)}" if self.arguments else name
 
@@ -86,7 +86,7 @@ class Choice(Generic[T]):
         """Description for people.
 
         Args:
-            **fields: Further fields besides ``files`` that the entry's words may contain.
+            **fields: Values of fields other than ``files`` that the entry's words may contain.
         """
         files = " + ".join(Path(argument).name for argument in self.arguments)
         words = self.entry.words or f"{self.entry.name} {{files}}"
@@ -107,8 +107,8 @@ class Registry(Generic[T]):
 
         Args:
             kind: Name of the kind, in the singular.
-            group: Group of entry points; those of any installed package are found as well. Empty
-                where other packages add none.
+            group: Group of entry points, by which components of installed packages are found; empty
+                if other packages cannot add any.
             entries: Built-in components.
         """
         self.kind = kind
@@ -137,7 +137,7 @@ class Registry(Generic[T]):
 
     @property
     def sections(self) -> set[str]:
-        """Sections of the configuration that are for components built in."""
+        """Sections of the configuration for built-in components."""
         return {entry.section for entry in self._entries.values() if entry.section}
 
     def knows(self, name: str) -> bool:
@@ -189,7 +189,7 @@ class Registry(Generic[T]):
         )
 
     def _arguments(self, entry: Entry[T], spec: str, text: str) -> tuple[str, ...]:
-        """Arguments after the name, as many as the form asks for."""
+        """Arguments after the name; checks their number."""
         form = entry.full_form
         if not text and not form.startswith(f"{entry.name}:"):
             return ()
@@ -224,8 +224,8 @@ def import_target(target: str) -> Any:
         missing = error.name or module_name
         if module_name == missing or module_name.startswith(f"{missing}."):
             raise ImportTargetError(
-                f"there is no module '{missing}'; run where it lies, install its package or name "
-                "its folder in PYTHONPATH"
+                f"there is no module '{missing}'; run this in its folder, install its package or "
+                "name its folder in PYTHONPATH"
             ) from error
         raise ImportTargetError(
             f"{module_name} needs the module '{missing}', which is not installed"
@@ -241,10 +241,10 @@ def import_target(target: str) -> Any:
 
 
 def check_protocol(thing: object, protocol: type, *, name: str) -> None:
-    """Make sure that an object has the methods that a protocol asks for.
+    """Make sure that an object has the methods of a protocol.
 
     Args:
-        thing: Object made by code from outside.
+        thing: Object made by a user's code.
         protocol: Protocol, such as those of `hypernav.core.components.protocols`.
         name: Name of the object, as the user wrote it.
 
@@ -261,9 +261,9 @@ def check_protocol(thing: object, protocol: type, *, name: str) -> None:
 
 
 def _make_current_folder_importable() -> None:
-    """Import from the current folder, as ``python file.py`` does: a file need not be installed.
+    """Allow imports from the current folder, so that a user's file need not be installed.
 
-    The folder comes last, so that no file in it replaces an installed package by chance.
+    The folder comes last, so that no file in it accidentally replaces an installed package.
     """
     folder = os.getcwd()
     if folder not in sys.path and "" not in sys.path:

@@ -1,1 +1,1 @@
-"""Files from outside: how much of them is believed, and how much memory they may take."""
+"""Reads files from outside with limits, and writes files safely."""

@@ -1,4 +1,4 @@
-"""The one limit on the memory that a file, or a configuration, may make this program allocate."""
+"""The limit on the memory that a file or a configuration may make this program allocate."""
 
 import errno
 
@@ -10,7 +10,7 @@ class Allowance:
     """The memory that one file may still make this program allocate."""
 
     def __init__(self) -> None:
-        """Begin with all of `MOST_BYTES`."""
+        """Create it with the whole of `MOST_BYTES`."""
         self._left = MOST_BYTES
 
     def take(self, size: int, what: str) -> None:

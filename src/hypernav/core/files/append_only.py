@@ -1,25 +1,25 @@
-"""A file that only grows, by whole pieces, whatever kills the program or fills the disk."""
+"""A file that only grows, by complete pieces."""
 
 import os
 from pathlib import Path
 
 
 class AppendOnlyFile:
-    """Bytes that are with the operating system at once, as a whole or not at all.
+    """Appends bytes completely or not at all, and passes them to the operating system at once.
 
-    Not thread-safe. A process that is killed may leave half of its last piece behind.
+    Not thread-safe. A process that is killed may leave an incomplete last piece.
 
     Attributes:
         size: Number of bytes.
     """
 
     def __init__(self, path: Path, *, mode: int = 0o644, to_read: bool = False) -> None:
-        """Open the file, or make it, and go on behind what it holds.
+        """Open or create the file, and continue at its end.
 
         Args:
             path: Path of the file.
-            mode: Rights of a new file.
-            to_read: Whether to leave the file as it is, since somebody else may be writing it.
+            mode: Permissions of a new file.
+            to_read: Whether to open it for reading only, since somebody else may be writing it.
 
         Raises:
             OSError: It cannot be opened.
@@ -36,10 +36,10 @@ class AppendOnlyFile:
         Args:
             data: The bytes.
             sync: Whether to wait until they, and all before them, are on the disk. Without that
-                they survive the end of this program, but not of the power.
+                they survive a crash of this program, but not a loss of power.
 
         Raises:
-            OSError: The disk is full, or the file can't be written. It is as before.
+            OSError: The disk is full, or the file can't be written. It is unchanged.
         """
         view = memoryview(data)
         try:
@@ -48,7 +48,7 @@ class AppendOnlyFile:
             if sync:
                 self.sync()
         except OSError:
-            self._file.truncate(self.size)  # needs no space on the disk
+            self._file.truncate(self.size)  # shrinking needs no free space
             raise
         self.size += len(data)
 

@@ -1,4 +1,4 @@
-"""The folder of everything that is kept from one run to the next to save time."""
+"""The cache folder, for data that saves time in later runs."""
 
 import os
 import sys

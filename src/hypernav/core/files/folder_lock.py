@@ -1,4 +1,4 @@
-"""A lock that lets one process at a time write a folder, kept by the operating system.
+"""A lock of the operating system that lets one process at a time write a folder.
 
 The system releases the lock of a killed process at once, so no stale lock is ever left.
 """
@@ -14,7 +14,7 @@ from filelock import FileLock, Timeout
 from hypernav.core.errors import RunFolderError
 
 LOCK_NAME = ".lock"
-_OWNER_NAME = ".lock.owner"  # not in the lock itself, which Windows lets nobody else read
+_OWNER_NAME = ".lock.owner"  # not in the lock file, which others can't read on Windows
 
 
 @contextmanager
@@ -23,12 +23,12 @@ def folder_lock(folder: Path, *, option: str = "--out") -> Iterator[None]:
 
     Args:
         folder: The folder.
-        option: Option that chooses another one, for the message.
+        option: Option that chooses another folder, for the message.
 
     Raises:
         RunFolderError: Another process holds it, or the folder can't be written.
     """
-    # Where a file system has no locks, a mere file in their place would outlive a killed process.
+    # No fallback for file systems without locks: a plain file would outlive a killed process.
     lock = FileLock(folder / LOCK_NAME, timeout=0, thread_local=False, fallback_to_soft=False)
     owner = folder / _OWNER_NAME
     try:

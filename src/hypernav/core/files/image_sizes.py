@@ -8,7 +8,7 @@ MOST_PIXELS = 8192 * 4096
 _PNG, _JPEG, _RIFF, _WEBP = b"\x89PNG\r\n\x1a\n", b"\xff\xd8", b"RIFF", b"WEBP"
 _START_OF_SCAN = b"\xff\xda"
 _MOST_SCANS = 100
-"""Scans of a JPEG. Each is decoded over the whole image and may take only a few bytes of file."""
+"""Largest number of scans of a JPEG: each costs a pass over the image, but few bytes of file."""
 _FRAME_HEADERS = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
 _WITHOUT_LENGTH = frozenset({0x01, *range(0xD0, 0xD9)})
 
@@ -20,7 +20,7 @@ def image_size(data: bytes) -> tuple[int, int] | None:
         data: The encoded image.
 
     Returns:
-        None if it is none of these, or its header is broken.
+        None if it has another format, or its header is broken.
     """
     try:
         if data.startswith(_PNG):

@@ -1,4 +1,4 @@
-"""JSON from outside: without NaN, not too deep, and not too much of it."""
+"""Parses JSON from outside: no NaN, limited depth, limited size."""
 
 import json
 from typing import Annotated, Any, NoReturn, TypeVar
@@ -9,10 +9,10 @@ from hypernav.core.files.allowance import Allowance
 
 _Item = TypeVar("_Item")
 Items = Annotated[list[_Item], FailFast()]
-"""A list of which only the first wrong item is reported: a file may hold millions of them."""
+"""A list that reports only its first wrong item, because a file may hold millions."""
 
 _MEMORY = {b"{": 400, b"[": 200, b",": 50, b":": 50}
-"""Memory, bytes, that goes with each of these marks once a text is read."""
+"""Memory that a parsed text takes for each of these characters, bytes."""
 
 
 def parse_json(text: bytes, allowance: Allowance | None = None) -> Any:
@@ -23,8 +23,8 @@ def parse_json(text: bytes, allowance: Allowance | None = None) -> Any:
         allowance: Memory that the file may still take; by default that of a file of its own.
 
     Raises:
-        ValueError: The text is no JSON (NaN and infinity are none), is nested too deeply, or holds
-            half a character.
+        ValueError: The text is no JSON (NaN and infinity are not allowed), is nested too deeply, or
+            holds half of a surrogate pair.
         OSError: Its values would take too much memory.
     """
     check_json_size(text, allowance or Allowance())
@@ -32,7 +32,7 @@ def parse_json(text: bytes, allowance: Allowance | None = None) -> Any:
         value = json.loads(text, parse_constant=_refuse_constant)
     except RecursionError as error:
         raise ValueError("it is nested too deeply") from error
-    if b"\\ud" in text or b"\\uD" in text:  # half a surrogate pair can be written nowhere
+    if b"\\ud" in text or b"\\uD" in text:  # half of a surrogate pair cannot be encoded
         json.dumps(value, ensure_ascii=False).encode("utf-8")
     return value
 
@@ -41,7 +41,7 @@ def check_json_size(text: bytes, allowance: Allowance) -> None:
     """Refuse a text whose values would take too much memory, before it is parsed.
 
     Raises:
-        OSError: They would.
+        OSError: They would take too much.
     """
     size = 2 * len(text) + sum(text.count(mark) * memory for mark, memory in _MEMORY.items())
     allowance.take(size, "what its JSON says")

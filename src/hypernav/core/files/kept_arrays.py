@@ -1,8 +1,8 @@
 """Arrays that are computed once and kept in the cache, mapped into memory when they are needed.
 
-They lie in a folder of their own, which is written beside its place and then renamed, so that
-nobody ever sees an incomplete one. What is broken is computed and written again; without a
-writable cache nothing is kept.
+They are in a folder of their own, which is written under another name and then renamed, so that
+it is never seen incomplete. Broken arrays are computed and written again; without a writable
+cache nothing is kept.
 """
 
 import hashlib
@@ -20,13 +20,13 @@ _LOGGER = logging.getLogger(__name__)
 def kept_arrays(
     folder: Path | None, name: str, compute: Callable[[], Mapping[str, np.ndarray]]
 ) -> Mapping[str, np.ndarray]:
-    """Arrays from the cache if they are there; otherwise computed and kept.
+    """Arrays from the cache; if they are not there, they are computed and kept.
 
     Args:
-        folder: Folder of what they are computed from; None keeps nothing.
-        name: Name of the arrays. It has to change with everything that they depend on and that the
-            folder does not stand for, such as the code that computes them (`digest_of`).
-        compute: Function that computes them; always the same names.
+        folder: Cache folder of the source that they are computed from; None keeps nothing.
+        name: Name of the arrays. It has to change with everything that they depend on besides the
+            source, such as the code that computes them (`digest_of`).
+        compute: Function that computes them; it must always return the same names.
     """
     if folder is None:
         return compute()
@@ -61,7 +61,7 @@ def keep(home: Path, write: Callable[[Path], object]) -> None:
 
 
 def mapped_array(path: Path) -> np.ndarray:
-    """An array whose bytes stay on the disk until they are looked at; changes stay in memory.
+    """An array whose bytes stay on the disk until they are used; changes stay in memory.
 
     Raises:
         OSError: The file cannot be read.

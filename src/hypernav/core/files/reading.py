@@ -1,4 +1,4 @@
-"""Reading of files from outside: regular ones, of limited size, in the folder where they belong."""
+"""Reads files from outside: only regular files, of limited size, within their folder."""
 
 import errno
 import os
@@ -24,9 +24,9 @@ def read_file(path: Path, *, most: int = MOST_BYTES) -> bytes:
         most: Largest size that is read, bytes.
 
     Raises:
-        OSError: It cannot be read, is no regular file (a device never ends), or is too large.
+        OSError: It cannot be read, is no regular file (a device may never end), or is too large.
     """
-    # A pipe that nobody writes to would block an ordinary open.
+    # An ordinary open would block on a pipe without a writer.
     with open(path, "rb", opener=_open_at_once) as file:
         size = _checked_size(os.fstat(file.fileno()), most)
         return file.read(size)
@@ -42,7 +42,7 @@ def check_file(path: Path, *, most: int = MOST_BYTES) -> None:
 
 
 def path_below(folder: Path, reference: str) -> Path:
-    """The file that a relative reference names. Links in the folder may lead out of it.
+    """The file that a relative reference names. Symbolic links in the folder may lead out of it.
 
     Args:
         folder: Folder that the reference must not leave.

@@ -1,11 +1,11 @@
-"""Files that are replaced in one step, so that nobody reads half of one."""
+"""Files that are replaced in one step, so that they are never read half-written."""
 
 import os
 from pathlib import Path
 
 
 def write_whole(path: Path, content: str | bytes) -> None:
-    """Replace a file in one step, and wait for the disk. If that fails, the file is as before.
+    """Replace a file in one step, and wait for the disk. If that fails, the file is unchanged.
 
     Args:
         path: The file.

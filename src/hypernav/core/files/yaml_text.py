@@ -1,4 +1,4 @@
-"""YAML from outside: plain values, nothing twice, not too deep, and not too much of it."""
+"""Parses YAML from outside: plain values, no repeated keys, limited depth, limited size."""
 
 from typing import Any
 
@@ -7,7 +7,7 @@ from yaml.composer import ComposerError
 from yaml.constructor import ConstructorError
 
 MOST_CHARACTERS = 200_000
-"""PyYAML takes up to three seconds for so much."""
+"""Largest length of a text; PyYAML takes up to three seconds for it."""
 MOST_LEVELS = 32
 _MOST_DIGITS = 40
 
@@ -15,11 +15,11 @@ _MOST_DIGITS = 40
 def parse_yaml(text: str) -> Any:
     """The value of a YAML text.
 
-    Aliases are refused, since a few lines of them can mean more than any memory holds, and so are
-    tags, since values have the types that they look like.
+    Aliases are refused, since a few lines of them can expand to more than memory holds, and so are
+    tags, since a value's type follows from its form.
 
     Raises:
-        yaml.YAMLError: The text is too long, nested too deeply, not valid, or says a key twice.
+        yaml.YAMLError: The text is too long, nested too deeply, not valid, or repeats a key.
     """
     if len(text) > MOST_CHARACTERS:
         raise yaml.YAMLError(

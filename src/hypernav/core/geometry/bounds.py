@@ -1,4 +1,4 @@
-"""Bounds of images and grids: the one rule for pixels and cells."""
+"""The rule for bounds of images and grids, for pixels and cells."""
 
 from typing import overload
 

@@ -67,8 +67,8 @@ class Detection:
         label: The detector's word for the object.
         mask: Mask of the object's pixels, from detectors that segment as well; else a segmenter is
             asked.
-        is_goal: Whether the object satisfies the goal. A detector that knows other labels too may
-            return objects of these: evidence that the goal is not there.
+        is_goal: Whether the object satisfies the goal. A detector that knows other labels may
+            return such objects, too, as evidence that the goal is not there.
     """
 
     box: Box

@@ -11,15 +11,15 @@ from hypernav.core.geometry.bounds import is_within
 from hypernav.core.geometry.transforms import Transform
 
 _CENTRE = 0.5
-"""Offset from the number of a pixel to the coordinate of its centre."""
+"""Offset from the index of a pixel to the coordinate of its centre."""
 
 
 @dataclass(frozen=True)
 class PinholeCamera:
-    """Intrinsics of an undistorted camera: how pixels become points, and points pixels.
+    """Intrinsics of an undistorted camera: projects points to pixels, and pixels to points.
 
-    Pixels have numbers (row and column); positions in the image have coordinates (u to the right, v
-    down). The centre of a pixel lies at its numbers plus one half, and the image spans
+    Pixels have indices (row and column); positions in the image have coordinates (u to the right, v
+    down). The centre of a pixel has its indices plus one half as coordinates, and the image spans
     ``[0, width)``.
 
     Attributes:
@@ -81,7 +81,7 @@ class PinholeCamera:
         v: Float[np.ndarray, "*#n"],
         depth: Float[np.ndarray, "*#n"] | float,
     ) -> Float64[np.ndarray, "*m 3"]:
-        """Points in the optical frame, metres; undoes `project`.
+        """Points in the optical frame, metres; the inverse of `project`.
 
         Args:
             u: Image coordinates to the right.
@@ -118,7 +118,7 @@ class PinholeCamera:
         return is_within(pixels[:, 0], self.width) & is_within(pixels[:, 1], self.height)
 
     def contains_columns(self, u: Float64[np.ndarray, " n"]) -> Bool[np.ndarray, " n"]:
-        """Which image coordinates u lie between the left and the right side of the image."""
+        """Which image coordinates u lie between the left and right edges of the image."""
         return is_within(u, self.width)
 
     def _slopes(

@@ -1,4 +1,4 @@
-"""Validity of depths: the one rule for worlds, mapping and perception."""
+"""The rule for valid depths, for worlds, mapping and perception."""
 
 import math
 from typing import overload
@@ -16,10 +16,10 @@ def is_measured(
 def is_measured(depth, nearest_m=0.0, farthest_m=math.inf):
     """Whether a depth is a measured distance.
 
-    0 (no return), NaN and infinities are none, and neither is a limit of the sensor's range: a
-    sensor that clamps, such as Habitat's, reports its limits for all that lies beyond them.
+    0 (no return), NaN and infinities are not, and neither are the limits of the sensor's range: a
+    sensor that clips, such as Habitat's, reports its limits for everything beyond them.
 
-    Works on a number and on an array. Compiled kernels compile this very function.
+    Works on numbers and arrays. Compiled kernels use this same function.
 
     Args:
         depth: Depth along the optical axis, metres.

@@ -21,7 +21,7 @@ class Cell(IntEnum):
 class OccupancyGrid:
     """The map at one moment.
 
-    Cells move when the map grows, so whatever is kept from one step to the next is kept in metres.
+    Cell indices change when the map grows, so positions kept between steps are in metres.
 
     Attributes:
         cells: States of the cells, values of `Cell`.
@@ -34,7 +34,7 @@ class OccupancyGrid:
     origin: tuple[float, float]
 
     def copy(self) -> "OccupancyGrid":
-        """A grid that stays as it is when the map behind this one changes."""
+        """A copy that does not change with the map."""
         return replace(self, cells=self.cells.copy())
 
     @property
@@ -90,7 +90,7 @@ class OccupancyGrid:
 
     def cropped(self, margin_m: float = 0.5) -> "OccupancyGrid":
         """The explored part with a margin around it; at least one cell."""
-        # Unknown is 0, so a maximum tells; it is many times faster than building a mask.
+        # Unknown is 0, so a maximum is enough; it is many times faster than building a mask.
         rows = np.flatnonzero(self.cells.max(axis=1, initial=Cell.UNKNOWN))
         columns = np.flatnonzero(self.cells.max(axis=0, initial=Cell.UNKNOWN))
         if rows.size == 0:

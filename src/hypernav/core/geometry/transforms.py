@@ -60,7 +60,7 @@ class Transform:
 
     @staticmethod
     def identity() -> "Transform":
-        """The transform that changes nothing."""
+        """The identity transform."""
         return Transform(np.eye(3), np.zeros(3))
 
     @staticmethod
@@ -87,7 +87,7 @@ class Transform:
         return points @ self.rotation.T + self.translation
 
     def inverse(self) -> "Transform":
-        """The transform that undoes this one."""
+        """The inverse transform."""
         return Transform(self.rotation.T.copy(), -self.rotation.T @ self.translation)
 
     def __matmul__(self, other: "Transform") -> "Transform":

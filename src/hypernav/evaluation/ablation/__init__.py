@@ -1,1 +1,1 @@
-"""Ablation: one data set, many variants of a method, each compared with the unchanged one."""
+"""Ablation: runs variants of a method on one data set, and compares each with the original."""

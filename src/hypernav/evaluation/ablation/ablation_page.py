@@ -1,4 +1,4 @@
-"""The page of a study: what each part of the method is worth, at a glance and in full."""
+"""The page of a study: what each part of the method is worth, as a figure and in tables."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -19,7 +19,7 @@ _MOST_NAMED = 5
 
 
 def write_ablation(folder: Path, study: Study) -> Path | None:
-    """Write the page, the figure, ``ablation.csv`` and ``ablation.tex``, of what there is.
+    """Write the page, the figure, ``ablation.csv`` and ``ablation.tex`` of the results so far.
 
     Args:
         folder: Folder of the study, with a folder for every variant.
@@ -87,7 +87,7 @@ def _lead(results: StudyResults) -> str:
 
 
 def _verdicts(results: StudyResults) -> list[str]:
-    """What can be said of SPL, in sentences: what loses, what gains, and what cannot be told."""
+    """Sentences about SPL: which variants lose, which gain, and which show no difference."""
     lost, gained, others = [], [], 0
     for result in results.worst_first:
         assert result.pair is not None
@@ -138,7 +138,7 @@ def _warnings(results: StudyResults) -> list[str]:
         found.append(f"Without results so far: {_listed(names)}.")
     apart = [one for one in results.variants if len(one.run.counted) < len(one.run.records)]
     if apart:
-        found.append(f"Outages, which are in no rate, ended episodes of {_listed(_names(apart))}.")
+        found.append(f"Outages, which are in no rates, ended episodes of {_listed(_names(apart))}.")
     return found
 
 

@@ -1,6 +1,6 @@
-"""The fields of a configuration as switches: their values, names and words.
+"""The fields of a configuration as switches: their values, names and descriptions.
 
-The words are those of the docstrings, so that nothing is explained twice.
+The descriptions are read from the docstrings, so that nothing is explained twice.
 """
 
 import inspect

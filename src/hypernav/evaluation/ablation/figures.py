@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 PNG, SVG = "figure.png", "figure.svg"
 
 _STYLE: dict[Any, Any] = {
-    "svg.hashsalt": "hypernav",  # the same results give the same bytes
+    "svg.hashsalt": "hypernav",  # so that the same results give the same bytes
     "font.family": "DejaVu Sans",
     "axes.edgecolor": palette.css(palette.FAINT),
     "axes.labelcolor": palette.css(palette.INK),

@@ -17,10 +17,10 @@ _BEST = ("reasoner", "noisy:1")
 
 
 def model_quality(method: Method) -> Study:
-    """Reasoners that name the truly best block ever more often, and ever better detectors.
+    """Variants with increasingly reliable reasoners, and with increasingly good detectors.
 
     Raises:
-        ConfigError: The agent asks no reasoner, so none can be better.
+        ConfigError: The agent does not use both a reasoner and a detector.
     """
     chosen = method.chosen
     if chosen.reasoner is None or chosen.detector is None or not chosen.chooses_blocks:
@@ -81,9 +81,9 @@ def model_quality(method: Method) -> Study:
 def _distinct(
     variants: Sequence[Variant], method: Method
 ) -> tuple[tuple[Variant, ...], tuple[LeftOut, ...]]:
-    """Variants that can be run, each once, and the others with the reason.
+    """The distinct variants, and those left out, with the reason.
 
-    Where the user's own method, which comes first, is a point of a curve, it takes that place.
+    If the user's own method, which comes first, is a point of a curve, it takes that place.
     """
     kept: dict[tuple[tuple[str, str | None], ...], Variant] = {}
     left_out = []

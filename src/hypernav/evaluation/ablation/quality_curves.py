@@ -16,7 +16,7 @@ _STYLES = ("--", ":", "-.")
 
 
 def drawn_axes(results: StudyResults) -> tuple[Axis, ...]:
-    """The axes that something can be drawn over: a variant on a curve of theirs is done."""
+    """The axes with data: at least one variant on one of their curves is done."""
     curves = {result.variant.curve for result in results.all if result.is_whole}
     return tuple(axis for axis in results.study.axes if curves & set(axis.curves))
 
@@ -24,7 +24,7 @@ def drawn_axes(results: StudyResults) -> tuple[Axis, ...]:
 def quality_curves(results: StudyResults) -> "Figure":
     """A row for every axis with a curve, at least one: success on the left, SPL on the right.
 
-    Variants that aren't done are left out: their means are those of other episodes.
+    Unfinished variants are left out: their means are of other episodes.
     """
     from matplotlib.figure import Figure
 
@@ -44,7 +44,7 @@ def quality_curves(results: StudyResults) -> "Figure":
 
 
 def _panel(axes: "Axes", axis: Axis, results: StudyResults, *, is_success: bool) -> None:
-    """One measure over one axis; 0 to 1 in full, so that no difference looks larger than it is."""
+    """One measure over one axis; always 0 to 1, so that no difference looks larger than it is."""
     factor = 100.0 if is_success else 1.0
     axes.grid(color=palette.css(palette.FAINT), linewidth=0.6)
     axes.set_axisbelow(True)

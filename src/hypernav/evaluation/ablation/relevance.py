@@ -49,7 +49,7 @@ def why_unread(field: str, method: Method) -> str:
     section = field.partition(".")[0]
     asks_model = chosen.reasoner is not None and "chat" in asked_by(chosen.reasoner)
     if field == "local.published_segmenter":
-        return "it changes only what screens and reports say about the segmenter"
+        return "it changes only how screens and reports name the segmenter"
     if section in _sections_of_components() - _sections_in_use(method):
         return f"no component in use reads the section '{section}'"
     if field in _DRAWN | _ASKED and not asks_model:

@@ -18,8 +18,8 @@ class CorrectedP:
     """P-values of one comparison, corrected by Holm's method for all comparisons of the study.
 
     Attributes:
-        success: That of the difference of success rates.
-        spl: That of the difference of SPL.
+        success: P-value of the difference of success rates.
+        spl: P-value of the difference of SPL.
     """
 
     success: float
@@ -52,7 +52,7 @@ class VariantResult:
 
     @property
     def label(self) -> str:
-        """Name of the variant, with how much of it is done unless all is."""
+        """Name of the variant, with its progress if it is not finished."""
         if self.is_whole:
             return self.variant.name
         done = report_text.number_of(self.run.wanted, "episode")
@@ -88,7 +88,7 @@ class StudyResults:
 
     @property
     def worst_first(self) -> tuple[VariantResult, ...]:
-        """The variants, that with the greatest loss of SPL first."""
+        """The variants, greatest loss of SPL first."""
 
         def gain(result: VariantResult) -> tuple[float, float]:
             assert result.pair is not None
@@ -99,7 +99,7 @@ class StudyResults:
 
 
 def read_results(folder: Path, study: Study) -> StudyResults | None:
-    """Read what there is of a study.
+    """Read the results of a study so far.
 
     Args:
         folder: Folder of the study, with a folder for every variant.

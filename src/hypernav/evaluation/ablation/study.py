@@ -1,4 +1,4 @@
-"""What a study is: a list of variants of a method, the first of which is the method itself."""
+"""A study: a list of variants of a method, the first of which is the method itself."""
 
 import re
 from dataclasses import dataclass, replace
@@ -48,11 +48,11 @@ class Variant:
 
     Attributes:
         name: Short name for people, unique in a study.
-        words: What is different, in a sentence; it says where the reading of the paper is ours.
+        words: The difference, in a sentence; it says where the paper leaves it open.
         assignments: Values that it sets, as ``--set`` takes them.
-        components: Components that it exchanges, as kind ("reasoner") and specification; None
-            takes back what the user named.
-        quality: Position on the axis of its curve; None for variants that are on none.
+        components: Components that it replaces, as kind ("reasoner") and specification; None
+            removes the user's choice.
+        quality: Position on the axis of its curve; None for variants that are on no curve.
         curve: Name of the curve that it belongs to, in a study of quality.
     """
 
@@ -65,7 +65,7 @@ class Variant:
 
     @property
     def slug(self) -> str:
-        """Name of its folder, and a name without blanks for the command line."""
+        """Name without blanks, for its folder and the command line."""
         return slug(self.name)
 
     @property

@@ -17,7 +17,7 @@ _PARTS = ("", "_low", "_high")
 def write_csv(path: Path, results: StudyResults) -> None:
     """One line for every variant: means, differences from the unchanged method, failures.
 
-    A variant that isn't done has no means: they would be those of other episodes.
+    An unfinished variant has no means: they would be of other episodes.
     """
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)

@@ -17,14 +17,14 @@ from hypernav.evaluation.ablation.study import LeftOut, Method, Study, Variant
 ABLATIONS = (
     Variant(
         "local only",
-        "Nobody reads the map: where the goal is out of sight the robot goes to a block by chance. "
+        "The map is not read: while the goal is out of sight the robot goes to a random block. "
         "The block is one of those that a model would be offered: in the preset default a block at "
         "random among those with something new (at most 20), in paper any.",
         components=(("reasoner", "random"),),
     ),
     Variant(
         "global only",
-        "The camera is asked for the goal only while the robot turns once around, which it does "
+        "Images are searched for the goal only while the robot turns once around, which it does "
         "before every question about the map.",
         ("search.looks=at-destinations",),
     ),
@@ -33,7 +33,7 @@ ABLATIONS = (
         "All pixels of a detection's box count, and nothing is eroded.",
         ("local.pixels=box",),
     ),
-    Variant("no erosion", "The mask keeps its edge.", ("local.erosion_px=1",)),
+    Variant("no erosion", "The mask is not eroded.", ("local.erosion_px=1",)),
     Variant(
         "no dilation",
         "The goal area is the cells that the goal was seen in.",
@@ -41,7 +41,7 @@ ABLATIONS = (
     ),
     Variant(
         "no visited memory",
-        "Blocks may be named again and again; nothing is ruled out.",
+        "Blocks may be named repeatedly; none is excluded.",
         ("overview.visited=none",),
     ),
     Variant(
@@ -56,14 +56,14 @@ ABLATIONS = (
         ("planning.replan_every_steps=null", "planning.replan_when_moved=false"),
     ),
 )
-"""Our ablations of the parts that the paper describes; it has none of them itself."""
+"""Ablations of the parts that the paper describes; they are ours, the paper has none."""
 
 
 def switches(method: Method) -> Study:
-    """Our ablations of the paper's parts and, of ``default``, every switch turned back alone.
+    """Ablations of the paper's parts; for ``default`` also every switch, turned back one at a time.
 
     Raises:
-        ConfigError: The agent is a whole one, which has none of these switches.
+        ConfigError: The agent is not an explorer, so it has none of these switches.
     """
     if method.chosen.is_whole_agent:
         raise ConfigError(

@@ -1,1 +1,1 @@
-"""Checkers of the contracts of agents and worlds, for those of your own."""
+"""Checkers of the contracts of agents and worlds, for your own implementations."""

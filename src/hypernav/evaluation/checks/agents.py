@@ -23,8 +23,8 @@ def check_agent(agent: Any, *, goal: str = DOOR, steps: int = 30, repeatable: bo
     """Check an agent against its contract, and list in words what breaks it.
 
     The agent searches an empty room with a door, which needs no simulator. It must answer every
-    observation with an `Action`, leave observations as they are, live with an image without any
-    depth, forget everything at `reset`, and, if it explains itself, do so consistently.
+    observation with an `Action`, not change observations, accept an image without any depth, forget
+    everything at `reset`, and, if it has a trace and a map, keep them consistent.
 
     Args:
         agent: The agent, with ``reset(goal)`` and ``act(observation)``.
@@ -61,12 +61,12 @@ def check_agent(agent: Any, *, goal: str = DOOR, steps: int = 30, repeatable: bo
 
 
 def _room_for(agent: Any) -> BoxRoom:
-    """The room with the robot that the agent was built for, if it was built for one."""
+    """The room with the agent's own robot, if the agent was built for one."""
     return BoxRoom(embodiment=agent.embodiment) if isinstance(agent, BuiltForRobot) else BoxRoom()
 
 
 def _search(agent: Any, goal: str, steps: int, faults: Faults) -> list[Action | None]:
-    """One search; returns the actions up to the first that is none."""
+    """One search; returns the actions up to the first result that is not an action."""
     room, actions = _room_for(agent), list[Action | None]()
     with While("called reset(goal)"):
         agent.reset(Goal(goal))
@@ -106,7 +106,7 @@ def _act(agent: Any, observation: Observation, faults: Faults) -> Action | None:
 
 
 def _see_nothing(agent: Any, goal: str, faults: Faults) -> None:
-    """Check that the agent lives with an image without depth, and with one without labels."""
+    """Check that the agent accepts an image without depth, and one without labels."""
     seen = replace(_room_for(agent), labels=False).observe()
     with While("called reset(goal)"):
         agent.reset(Goal(goal))
@@ -114,7 +114,7 @@ def _see_nothing(agent: Any, goal: str, faults: Faults) -> None:
         with While("called act with an observation that has no labels and no depth at all"):
             _act(agent, replace(seen, depth=np.zeros_like(seen.depth)), faults)
     except LabelsMissingError:
-        return  # This is how an agent for simulated worlds alone refuses.
+        return  # An agent that works only in simulated worlds refuses in this way.
 
 
 def _check_explanation(

@@ -8,11 +8,11 @@ of `RULES`, and the first that holds decides:
 model unavailable   A model was unavailable for longer than the patience. Not counted in rates.
 simulator error     The world, or the process that ran it, failed. Not counted in rates.
 unreachable         The scene holds the goal, but no path leads there from the start.
-language            What the robot took for the goal comes near it by name: a shower curtain for a
+language            What the robot took for the goal has a similar name: a shower curtain for a
                     window curtain.
-false detection     What it took for the goal is neither the goal nor near it by name.
+false detection     What it took for the goal is neither the goal nor similar to it by name.
 map quality         It believed in the right object, but its map is wrong: the goal area lies more
-                    than `MISPLACED_M` beside the object; or the map closes off what is open.
+                    than `MISPLACED_M` beside the object; or the map blocks a way that is open.
 target surrounded   It believed in the right object, but around the goal area there is no position
                     where a robot could stand within its stop distance.
 stopped too far     It believed in the right object and stopped, but beyond the success distance.
@@ -53,7 +53,7 @@ class Failure(StrEnum):
 
     @property
     def is_apart(self) -> bool:
-        """Whether the class says nothing about navigation and is left out of all rates."""
+        """Whether the class says nothing about navigation and is excluded from all rates."""
         return self in (Failure.MODEL_UNAVAILABLE, Failure.SIMULATOR_ERROR)
 
     @property

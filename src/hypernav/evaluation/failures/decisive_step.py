@@ -18,9 +18,9 @@ _WRONG_BELIEFS = frozenset(
 def decisive_step(failure: Failure, steps: Sequence[StepTrace]) -> int:
     """Index of the step that decided a failed episode.
 
-    Where the robot took something wrong for the goal, or placed it wrongly, that is the step in
-    which it began to believe in it; where it saw the goal and missed it, the first step with a
-    detection; else the last step.
+    If the robot took a wrong object for the goal, or placed the goal wrongly, that is the step at
+    which it first did so; if it saw the goal and missed it, the first step with a detection; else
+    the last step.
 
     Args:
         failure: Class of the failure.

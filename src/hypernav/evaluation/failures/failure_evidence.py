@@ -24,7 +24,7 @@ from hypernav.worlds.episode_run import EpisodeResult, EpisodeStep
 
 _SPACING_M = 0.05
 _BESIDE_M = 1.5
-"""Distance within which a robot without a trace is assumed to mean an object by STOP, metres."""
+"""Distance within which a robot without a trace that stops is assumed to mean an object, metres."""
 
 
 class FailureEvidence:
@@ -112,9 +112,8 @@ class FailureEvidence:
     def _object_of(self, area: Float64[np.ndarray, "n 2"]) -> Instance | None:
         """The object that the goal area stands for; None if that is part of the building.
 
-        It is one whose pixels were accepted while there was a goal area. There may be several, and
-        the goal area belongs to one: of those at the goal area that with most sightings, else the
-        nearest.
+        Candidates are the objects whose pixels were accepted while there was a goal area. Of those
+        at the goal area the one with most sightings is taken; if none is there, the nearest.
         """
         middle = (area.min(axis=0) + area.max(axis=0)) / 2.0
         if not self._votes:
@@ -131,7 +130,7 @@ class FailureEvidence:
     def _object_beside_robot(self) -> BelievedTarget:
         """The object that a robot without a trace means by STOP: a goal nearby, else the nearest.
 
-        A goal nearby is what a STOP most likely means, so this errs on the lenient side.
+        A STOP most likely means a goal nearby, so this errs on the lenient side.
         """
         here = np.array(self._truth.position[:2])
         goals = [self._truth.instances[int(n)] for n in self._goal_ids]

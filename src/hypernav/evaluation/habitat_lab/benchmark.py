@@ -15,7 +15,7 @@ from hypernav.evaluation.run_plan import RunPlan
 
 @runtime_checkable
 class HabitatAgent(Protocol):
-    """An agent as habitat-lab has it, ``habitat.Agent``."""
+    """The interface of habitat-lab's agents, ``habitat.Agent``."""
 
     def reset(self) -> None:
         """Begin an episode."""
@@ -53,7 +53,7 @@ class HabitatBenchmark:
             num_episodes: Number of episodes; None takes all.
 
         Raises:
-            EpisodeError: There are not so many episodes.
+            EpisodeError: There are fewer episodes.
         """
         env = self._env
         count = env.number_of_episodes if num_episodes is None else num_episodes

@@ -1,4 +1,4 @@
-"""habitat-lab's configuration of an ObjectNav task as a plan of ours.
+"""Translates habitat-lab's configuration of an ObjectNav task into our plan of a run.
 
 Only what changes observations, actions, episodes or measures is read. What has no counterpart here
 is refused, so that no environment differs from what its configuration says. Values that are absent
@@ -58,7 +58,7 @@ class _Camera(_Part):
 
     @property
     def view(self) -> tuple[Any, ...]:
-        """What all cameras of one robot have in common here."""
+        """The values that all cameras of a robot must share."""
         return (self.width, self.height, self.hfov, self.position, self.orientation)
 
 
@@ -94,7 +94,7 @@ class _Environment(_Part):
 
 
 class _Entity(_Part):
-    """An action, a sensor or a measure; each has some of the values."""
+    """An action, a sensor or a measure; each uses some of the values."""
 
     type: str
     tilt_angle: float = 15.0
@@ -256,7 +256,7 @@ def _check(what: str, found: Iterable[str], known: Iterable[str]) -> None:
     """Refuse what has no counterpart here.
 
     Raises:
-        ConfigError: Something was found that isn't known.
+        ConfigError: A name is unknown.
     """
     known = tuple(known)
     for name in found:

@@ -30,7 +30,7 @@ from hypernav.worlds.simulation import SimulatedWorld
 class HabitatEnv:
     """A data set's episodes with observations, actions and measures of habitat-lab's ObjectNav.
 
-    Stands in for ``habitat.Env``. An observation is a dictionary of ``rgb`` (uint8), ``depth``
+    Replaces ``habitat.Env``. An observation is a dictionary of ``rgb`` (uint8), ``depth``
     (float32, height × width × 1, 0 to 1 from the nearest to the farthest depth of the sensor),
     ``semantic`` (int32, where it is asked for), ``objectgoal`` (int64, number of the category),
     ``gps`` (float32, metres forward and to the right of the start) and ``compass`` (float32,
@@ -85,7 +85,7 @@ class HabitatEnv:
 
     @property
     def episodes(self) -> list[Episode]:
-        """All episodes, those of a scene one after the other. Others may be set."""
+        """All episodes, grouped by scene. Other episodes may be assigned."""
         return self._episodes
 
     @episodes.setter
@@ -105,7 +105,7 @@ class HabitatEnv:
     def current_episode(self) -> Episode:
         """The episode that is running; before the first `reset`, the first one.
 
-        One that is set is the next to run.
+        An episode that is assigned is the next to run.
         """
         if self._current is None:
             self.current_episode = next(self._order)
@@ -119,7 +119,7 @@ class HabitatEnv:
         self._referee = None
 
     def seed(self, seed: int) -> None:
-        """Begin again with the first episode.
+        """Start again with the first episode.
 
         Args:
             seed: Seed of all noise, and of the order if episodes are shuffled.
@@ -174,7 +174,7 @@ class HabitatEnv:
             self._collided = world.collided
         referee.watch(world.position)
         after_m = referee.distance_to_goal_m
-        # Equal ones may both be infinite.
+        # Equal distances may both be infinite.
         self._approached_m = 0.0 if after_m == before_m else before_m - after_m
         self._steps += 1
         self._collisions += self._collided
@@ -238,7 +238,7 @@ class HabitatEnv:
             return self._world
         self.close()
         config = self._plan.config
-        # Depth is cut here, as habitat-lab does it, where 0 would mean both too near and too far.
+        # Depth is clipped later, as in habitat-lab: a 0 here could mean too near or too far.
         camera = config.embodiment.camera.model_copy(
             update={"min_depth_m": 0.0, "max_depth_m": math.inf}
         )

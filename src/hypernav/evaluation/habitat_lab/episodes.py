@@ -10,14 +10,14 @@ from hypernav.core.episode import Episode
 
 
 def passes(episodes: Iterable[Episode], *, shuffle: bool, seed: int) -> Iterator[list[Episode]]:
-    """The order of each pass through all episodes, without end; those of a scene stay together.
+    """The orders of endless passes through all episodes; those of a scene stay together.
 
     Args:
         episodes: The episodes in the data set's order.
         shuffle: Whether each pass has an order of its own.
         seed: Seed of these orders.
     """
-    # Python's generator, as habitat-lab shuffles with it: the same seed gives the same order.
+    # habitat-lab shuffles with Python's generator too, so the same seed gives the same order.
     rng = random.Random(seed)
     order = list(episodes)
     while True:
@@ -36,7 +36,7 @@ def category_of(episode: Episode) -> str:
 
 
 def category_numbers(episodes: Iterable[Episode]) -> dict[str, int]:
-    """The data set's numbers; where it has none, those of the categories in alphabetical order.
+    """The data set's numbers of categories; without any, their numbers in alphabetical order.
 
     Args:
         episodes: All episodes of the environment.

@@ -1,4 +1,4 @@
-"""ObjectNav as habitat-lab has it, as a Gymnasium environment, ``hypernav/HabitatObjectNav-v0``.
+"""habitat-lab's ObjectNav as a Gymnasium environment, ``hypernav/HabitatObjectNav-v0``.
 
 Importing this module registers it, so ``gymnasium.make`` finds it as
 ``hypernav.evaluation.habitat_lab.gym_env:hypernav/HabitatObjectNav-v0``.
@@ -22,10 +22,10 @@ ENV_ID = "hypernav/HabitatObjectNav-v0"
 class HabitatGymEnv(gymnasium.Env[dict[str, Any], Any]):
     """`hypernav.HabitatEnv` for Gymnasium.
 
-    Stands in for habitat-lab's ``RLTaskEnv`` and ``make_gym_from_config``, with Gymnasium's results
-    of `reset` and `step`. STOP terminates an episode, the step limit truncates it. The reward is
-    habitat-lab's: what the robot came nearer to the goal, metres, with `HabitatTask.slack_reward`
-    and, where SPL is not 0, `HabitatTask.success_reward`. ``info`` holds the measures.
+    Replaces habitat-lab's ``RLTaskEnv`` and ``make_gym_from_config``, with Gymnasium's results of
+    `reset` and `step`. STOP terminates an episode, the step limit truncates it. The reward is
+    habitat-lab's: the decrease of the distance to the goal, metres, plus `HabitatTask.slack_reward`
+    and, if SPL is not 0, `HabitatTask.success_reward`. ``info`` holds the measures.
 
     `reset` begins the next episode, and with a seed the first one again.
     """

@@ -58,7 +58,7 @@ def observed(
     """What habitat-lab's sensors show.
 
     Args:
-        seen: Our observation of it, its depth not cut to the sensor's range.
+        seen: Our observation, its depth not clipped to the sensor's range.
         camera: The camera with the range of its depth.
         task: Sensors of the task.
         goal: Number of the goal's category.
@@ -83,11 +83,11 @@ def observed(
 def semantic_ids_of(
     instances: Sequence[Instance], scene_id: str
 ) -> Int32[np.ndarray, "instances_and_nothing"]:
-    """The number by which habitat-sim marks each instance; the last is that of no instance at all.
+    """habitat-sim's number for each instance; the last one is for pixels without an instance.
 
-    In a file it is the number at the end of the object's name, which is that of the annotation, and
-    0 where there is none. In generated buildings, exported or not, it is the number of the
-    instance, counted from 1.
+    In a file it is the number at the end of the object's name, which the annotation gives, and 0 if
+    there is none. In generated buildings, exported or not, it is the number of the instance,
+    counted from 1.
 
     Args:
         instances: All instances of the scene; an instance's id is its index.

@@ -1,4 +1,4 @@
-"""The parts of habitat-lab's ObjectNav task that a plan of a run doesn't say."""
+"""The parts of habitat-lab's ObjectNav task that a plan of a run doesn't have."""
 
 from typing import Literal
 
@@ -16,8 +16,8 @@ class HabitatTask(RoomConfig):
 
     Attributes:
         sensors: Cameras of the robot. GPS, compass and the number of the goal are always there.
-        actions: Actions by name; an action's number is its place.
-        normalize_depth: Whether depth is scaled from the sensor's range to 0 to 1.
+        actions: Names of the actions; an action's number is its index.
+        normalize_depth: Whether depth is scaled from the sensor's range to the range 0 to 1.
         tilt_deg: Angle of ``look_up`` and ``look_down``, degrees.
         shuffle: Whether episodes come in an order drawn from the seed; those of one scene always
             come one after the other.

@@ -1,1 +1,1 @@
-"""The study of goal refinement: how many cells lie off the goal, and whether areas lead to it."""
+"""The study of goal refinement: how many cells are off the goal, and whether areas lead to it."""

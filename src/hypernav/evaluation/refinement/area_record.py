@@ -21,16 +21,16 @@ class BoxSource(StrEnum):
 
 
 class MaskSource(StrEnum):
-    """What becomes of a box: which of its pixels are projected, and what of their cells."""
+    """What is done with a box: which pixels are projected, and whether their cells are dilated."""
 
     RAW = "raw box"
     """All of its pixels, neither eroded nor dilated (paper: without refinement)."""
     BOX = "dilated box"
-    """All of its pixels, dilated: what the mask alone is worth."""
+    """All of its pixels, dilated: shows what the mask alone is worth."""
     SEGMENTED = "refined"
     """The eroded mask of the segmenter, dilated (paper: refinement)."""
     TRUE = "true mask"
-    """The eroded true mask, dilated: the bound that no segmenter exceeds."""
+    """The eroded true mask, dilated: an upper bound for segmenters."""
 
 
 @dataclass(frozen=True)
@@ -42,12 +42,12 @@ class AreaRecord:
         episode_id: Name of the episode within the scene.
         goal: Text of the goal.
         box: Source of the boxes.
-        mask: What became of them.
+        mask: What was done with them.
         position: Position that the first goal area sends the robot to; None without an area.
         frames: Number of frames that had such a box.
         empty: Number of frames in which too little was left for a goal area.
         seen: Number of the cells that the pixels fall into, before dilation, in all frames.
-        seen_off: Number of those off the footprint.
+        seen_off: Number of these cells that are off the footprint.
     """
 
     scene_id: str
@@ -67,7 +67,7 @@ class AreaRecord:
         return AreaRecord(episode.scene_id, episode.episode_id, episode.goal.text, box, mask)
 
     def after(self, cells: OffTarget | None) -> "AreaRecord":
-        """The record with one more frame; None where it gave no goal area."""
+        """The record with one more frame; None stands for a frame without a goal area."""
         if cells is None:
             return replace(self, frames=self.frames + 1, empty=self.empty + 1)
         return replace(
@@ -79,11 +79,11 @@ class AreaRecord:
 
 
 class EpisodeAreas(EpisodeLine):
-    """What an episode gave: one line of the study's file.
+    """The results of an episode: one line of the study's file.
 
     Attributes:
-        areas: A record for every kind of box and mask; none where the goal was never within the
-            range of depth.
+        areas: A record for every kind of box and mask; empty if the goal was never within the range
+            of depth.
     """
 
     areas: tuple[AreaRecord, ...]

@@ -9,9 +9,9 @@ from hypernav.core.geometry.boxes import Box, Detection
 JITTER_SHARE = 0.10
 """Standard deviation of a jittered edge, as a share of the box's side."""
 MATCHING_IOU = 0.5
-"""Overlap over union above which a detector's box belongs to the true one."""
+"""Intersection over union above which a detector's box belongs to the true one."""
 LEAST_SIDE_PX = 10.0
-"""Side below which a box is left out: a line holds nothing that a segmenter could cut."""
+"""Side below which a box is left out: it is too thin for a segmenter."""
 
 
 def jittered(box: Box, rng: np.random.Generator, *, width: int, height: int) -> Box:
@@ -31,10 +31,9 @@ def jittered(box: Box, rng: np.random.Generator, *, width: int, height: int) -> 
 
 
 def matching(box: Box, detections: Sequence[Detection]) -> Box | None:
-    """The detector's box that overlaps most with the true one; None if none does enough.
+    """The detector's box that overlaps most with the true one; None if none overlaps enough.
 
-    Boxes of other kinds of things are passed over, so that what is judged is what becomes of a
-    detection, and not whether there is one.
+    Other boxes are skipped: the study judges what is made of a detection, not the detector.
     """
     boxes = [one.box for one in detections if one.is_goal]
     best = max(boxes, key=box.iou, default=None)

@@ -1,6 +1,6 @@
-"""The goal areas of one episode: what every kind of box and of mask would have made of its frames.
+"""The goal areas of one episode that every kind of box and mask gives for its frames.
 
-The robot is driven by ground truth detection, so every box source sees the same frames.
+Ground-truth detection drives the robot, so all box sources see the same frames.
 """
 
 from collections.abc import Iterator
@@ -46,7 +46,7 @@ class Frame:
 
 
 class EpisodeStudy:
-    """Runs episodes and tallies their goal areas."""
+    """Runs episodes and counts their goal areas."""
 
     def __init__(
         self,
@@ -123,7 +123,7 @@ class EpisodeStudy:
         return list(records.values())
 
     def areas(self, frame: Frame, box: Box) -> dict[MaskSource, GoalArea | None]:
-        """The goal areas that come of a box; None where nothing is left to project."""
+        """The goal areas made from a box; None if nothing is left to project."""
         observation, local = frame.observation, self._config.local
         height, width = observation.depth.shape
         pixels = np.zeros((height, width), dtype=bool)
@@ -181,7 +181,7 @@ class EpisodeStudy:
 
 @dataclass(frozen=True, eq=False)
 class _Truth:
-    """What is true of an episode's goal.
+    """The ground truth about an episode's goal.
 
     Attributes:
         goal: Instances that satisfy it, and their view points.

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def shares_figure(rows: Sequence[Row]) -> "Figure":
-    """What was counted of every kind of box and area: a panel for each measure."""
+    """A panel for each measure, with the shares of every kind of box and area."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(12.0, 1.2 + 0.27 * len(rows)), layout="constrained")

@@ -1,4 +1,4 @@
-"""The true footprint of a goal on the floor plan, and the share of a goal area that lies off it."""
+"""The true footprint of a goal on the floor plan, and the share of a goal area outside it."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ _SUBCELL_BITS = 8
 
 @dataclass(frozen=True, eq=False)
 class Footprint:
-    """The cells above or below which something of a goal is.
+    """The cells that the goal covers, seen from above.
 
     Attributes:
         cells: Mask of the cells.
@@ -52,7 +52,7 @@ class Footprint:
         column, row = np.floor(triangles.min(axis=(0, 1))).astype(int) - 1
         columns, rows = np.floor(triangles.max(axis=(0, 1))).astype(int) + 2 - (column, row)
         cells = np.zeros((rows, columns), dtype=np.uint8)
-        # OpenCV counts from the middle of the first pixel.
+        # OpenCV measures from the centre of the first pixel.
         scaled = (triangles - (column, row) - 0.5) * (1 << _SUBCELL_BITS)
         for corners in np.rint(scaled).astype(np.int32):
             cv2.fillConvexPoly(cells, corners, (1,), shift=_SUBCELL_BITS)
@@ -65,7 +65,7 @@ class Footprint:
     def holds(
         self, points: Float64[np.ndarray, "n 2"], *, within_cells: int
     ) -> Bool[np.ndarray, " n"]:
-        """Which points lie on the footprint, or at most so many cells beside it.
+        """Which points lie on the footprint, or within a tolerance beside it.
 
         Args:
             points: Points ``(x, y)``, ``map`` frame, metres.
@@ -81,7 +81,7 @@ class Footprint:
 
 
 SEEN_TOLERANCE_CELLS = 1
-"""Distance from the footprint within which a seen cell is on it: half a cell's rounding, twice."""
+"""Distance from the footprint within which a seen cell counts as on it: twice half a cell."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ class OffTarget:
 
     Attributes:
         seen: Number of the cells that the area's points fall into, before dilation.
-        seen_off: Number of those that lie off the footprint.
+        seen_off: Number of these that lie off the footprint.
     """
 
     seen: int

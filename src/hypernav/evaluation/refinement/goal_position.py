@@ -1,4 +1,4 @@
-"""The position that a goal area sends the robot to, and whether it is of any use in truth."""
+"""The position that a goal area sends the robot to, and whether it is really useful."""
 
 import math
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ from hypernav.worlds.simulation import SimulatedWorld
 
 @dataclass(frozen=True)
 class GoalPosition:
-    """What is true of the position that a goal area sends the robot to; each by itself.
+    """Facts about the position that a goal area sends the robot to; each is independent.
 
     Attributes:
         in_obstacle: The area's cell that the robot goes to is no position to stand at: an obstacle
@@ -43,16 +43,16 @@ def judge_position(
     goal: GoalTruth,
     config: HyPerNavConfig,
 ) -> GoalPosition:
-    """What the position is that a robot would take from a goal area.
+    """Judge the position that a robot would go to for a goal area.
 
-    Of the area's cells the one that is closest to the robot is where it goes (paper; with
-    ``planning.targets=nearest-by-path`` whichever it gets to first, and all of them have to be
-    obstacles for the goal to be in one). It stops as soon as it is within
+    It goes to the area's cell that is closest to the robot (paper; with
+    ``planning.targets=nearest-by-path`` to the one that it reaches first, and the goal is in an
+    obstacle only if all of them are). It stops as soon as it is within
     ``search.stop_distance_m``: of all true positions within that distance, at the one with the
-    shortest true path. Without any the area is unreachable, and the robot ends at the free position
-    nearest to the cell (paper: a destination inside an obstacle moves there). The goal is occluded
-    where a camera over the end, turned and tilted towards the middle of the area, shows less of it
-    than counts as seen. How the paper counts is not known here; these rules are ours.
+    shortest true path. If there is none, the area is unreachable, and the robot ends at the free
+    position nearest to the cell (paper: a destination inside an obstacle moves there). The goal is
+    occluded if a camera above the end, turned and tilted towards the middle of the area, shows less
+    of it than counts as seen. The paper does not say how it counts; these rules are ours.
 
     Args:
         area: Goal area.

@@ -40,23 +40,23 @@ def run_refinement_study(
         watch: Function that is called with the numbers of finished and of all episodes.
 
     Returns:
-        The records of all episodes, in the order of scenes and episodes.
+        The records of all episodes, ordered by scene and episode.
 
     Raises:
         HyPerNavError: A component can't be built, a scene can't be opened, or the disk is full.
     """
-    study, place = _study(config, specs, seed), _Place(config)
+    study, opened = _study(config, specs, seed), _OpenScene(config)
     for episode in episodes:
         if watch is not None:
             watch(len(file.records), len(episodes))
         if episode.key not in file.records:
-            areas = study.run(episode, *place.of(episode.scene_id))
+            areas = study.run(episode, *opened.of(episode.scene_id))
             scene_id, episode_id = episode.key
             file.add(EpisodeAreas(scene_id=scene_id, episode_id=episode_id, areas=tuple(areas)))
     return [area for _, one in sorted(file.records.items()) for area in one.areas]
 
 
-class _Place:
+class _OpenScene:
     """The world and the renderer of one scene, which stay open until another is needed."""
 
     def __init__(self, config: HyPerNavConfig) -> None:
@@ -75,7 +75,7 @@ class _Place:
 
 
 def _study(config: HyPerNavConfig, specs: ComponentSpecs, seed: int) -> EpisodeStudy:
-    """The driving agent and the parts that are studied."""
+    """Build the driving agent and the components that are studied."""
     driver = build_agent(config, replace(specs, detector=None, segmenter=None)).agent
     segmenter = SEGMENTERS.find(specs.segmenter or "depth-cut")
     detector = None if specs.detector is None else DETECTORS.find(specs.detector)

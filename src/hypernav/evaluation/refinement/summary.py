@@ -13,7 +13,7 @@ def off_target_share(record: AreaRecord) -> float:
 
 
 def _of_position(name: str) -> Callable[[AreaRecord], float]:
-    """1 if a fact of `GoalPosition` holds of the position of a record, else 0."""
+    """1 if a fact of `GoalPosition` holds for the position of a record, else 0."""
     return lambda record: float(getattr(record.position, name))
 
 
@@ -24,7 +24,7 @@ MEASURES: dict[str, Callable[[AreaRecord], float]] = {
     "unreachable": _of_position("unreachable"),
     "a STOP there fails": _of_position("fails"),
 }
-"""What is counted of a record with an area, each by itself; shares, lower is better."""
+"""The measures of a record with an area, as shares; lower is better."""
 
 
 @dataclass(frozen=True)
@@ -33,8 +33,8 @@ class Measure:
 
     Attributes:
         share: Mean over episodes.
-        drop: Share of the raw box's mean by which it is lower, on the same episodes; None for the
-            raw box itself, and where the raw box leaves nothing to drop.
+        drop: Relative decrease from the raw box's mean on the same episodes; None for the raw box
+            itself, and if its mean is 0.
     """
 
     share: Estimate
@@ -47,10 +47,10 @@ class Row:
 
     Attributes:
         box: Source of the boxes.
-        mask: What became of them.
-        episodes: Number of episodes with a goal area of this box by every mask.
+        mask: What was done with them.
+        episodes: Number of episodes in which every mask gave a goal area from this box.
         frames: Number of their frames.
-        measures: What was counted, by the names of `MEASURES`.
+        measures: The measures, by the names of `MEASURES`.
     """
 
     box: BoxSource

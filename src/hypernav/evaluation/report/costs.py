@@ -1,4 +1,4 @@
-"""What the episodes of a run cost, and what was got for it."""
+"""The cost of a run's episodes, beside their results."""
 
 import math
 from collections.abc import Sequence
@@ -35,11 +35,11 @@ class CostRow:
 
 @dataclass(frozen=True)
 class CallAxis:
-    """An axis of calls an episode that has room for 0 and for thousands.
+    """An axis for the number of calls per episode, from 0 to thousands.
 
     Attributes:
-        ticks: Numbers of calls with their places on the axis, 0 to 1.
-        places: Places of the runs on the axis, in their order.
+        ticks: Numbers of calls with their positions on the axis, 0 to 1.
+        places: Positions of the runs on the axis, in the order of the runs.
     """
 
     ticks: tuple[tuple[int, float], ...]

@@ -1,9 +1,8 @@
 """Published results of other methods, with the differences of their protocols.
 
-They are there for orientation: data sets, success distances, stop rules and step sizes differ, so
-no number here can be set against another row without reading all columns, and none is a target.
-Many are quoted from tables of others, and say so; where a publication doesn't state something, so
-does the row.
+They are for orientation only: data sets, success distances, stop rules and step sizes differ, so
+two rows can be compared only after reading all columns, and none is a target. Rows quoted from
+another publication's table say so, and so do rows whose publication leaves something unstated.
 """
 
 from dataclasses import dataclass
@@ -250,4 +249,4 @@ PUBLISHED: tuple[Published, ...] = (
         "HyPerNav, experiments with a robot",
     ),
 )
-"""In the order in which they are shown, which is no ranking."""
+"""In the order in which they are shown; it is not a ranking."""

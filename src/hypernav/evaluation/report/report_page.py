@@ -27,7 +27,7 @@ def write_report(folder: Path, runs: Sequence[RunData], *, compare: bool = False
     """Write ``report.html``, ``report.csv`` and ``report.tex``.
 
     Args:
-        folder: Folder of the report; made if missing.
+        folder: Folder of the report; created if missing.
         runs: Runs to report, at least one.
         compare: Whether to compare every run with the first one, episode by episode.
 

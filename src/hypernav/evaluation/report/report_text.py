@@ -18,21 +18,21 @@ RULES_IN_WORDS: dict[Failure, str] = {
     Failure.MODEL_UNAVAILABLE: "A model gave no answer within its patience. Not counted.",
     Failure.SIMULATOR_ERROR: "The world, or the process that ran it, failed. Not counted.",
     Failure.UNREACHABLE: "The scene holds the goal, but no path leads there from the start.",
-    Failure.LANGUAGE: "What the robot took for the goal comes near it by name only.",
-    Failure.FALSE_DETECTION: "What it took for the goal is neither the goal nor near it by name.",
+    Failure.LANGUAGE: "What the robot took for the goal only has a similar name.",
+    Failure.FALSE_DETECTION: "What it took for the goal is neither the goal nor similar by name.",
     Failure.MAP_QUALITY: (
-        f"It held the right object, but the goal area lay more than {MISPLACED_M:g} m beside it, "
-        "or its map closed off what is open in truth."
+        f"It took the right object for the goal, but the area lay more than {MISPLACED_M:g} m off, "
+        "or its map blocked a way that is really open."
     ),
     Failure.TARGET_SURROUNDED: (
-        "It held the right object, but in truth there is no position to stand within the stop "
-        "distance of the goal area."
+        "It took the right object for the goal, but nobody could stand within the stop distance of "
+        "the goal area."
     ),
     Failure.STOPPED_TOO_FAR: (
-        "It held the right object and stopped, but beyond the success distance."
+        "It took the right object for the goal and stopped, but beyond the success distance."
     ),
     Failure.PATH_PLANNING: (
-        "It held the right object, its map has a path there, but it didn't arrive in time."
+        "It took the right object for the goal and its map has a path there, but it didn't arrive."
     ),
     Failure.SEEN_BUT_MISSED: (
         f"The goal filled at least {100 * MIN_VISIBLE_SHARE:g} % of some image, but the robot "
@@ -64,7 +64,7 @@ def lead(runs: Sequence[RunData], summaries: Sequence[Summary]) -> str:
 
 
 _STAND_IN = "stand-in"
-"""What the words for people of every reasoner say that stands in for a model."""
+"""Text in the description of every reasoner that replaces a model."""
 
 
 def warnings(runs: Sequence[RunData]) -> list[str]:
@@ -85,13 +85,13 @@ def warnings(runs: Sequence[RunData]) -> list[str]:
     ]
     found += [
         f"{run.name} has the camera, step and stop of its publication (native mode): its numbers "
-        "belong beside no run of common mode."
+        "cannot be compared with runs of common mode."
         for run in runs
         if run.is_native
     ]
     found += [
-        f"{run.name} makes the mistakes of its method's released code: beside other runs it tells "
-        "what that code achieves, not what the method would."
+        f"{run.name} makes the mistakes of its method's released code: its numbers are those of "
+        "that code, not of the method."
         for run in runs
         if run.errs_as_released
     ]
@@ -109,7 +109,7 @@ def warnings(runs: Sequence[RunData]) -> list[str]:
         if apart:
             found.append(
                 f"{run.name}: {apart} episodes ended by a model or simulator outage are counted "
-                "apart and are in no rate. Running the command again repeats them."
+                "apart and excluded from all rates. Running the command again repeats them."
             )
         if len({record.scene_id for record in run.counted}) == 1:
             found.append(
@@ -117,7 +117,7 @@ def warnings(runs: Sequence[RunData]) -> list[str]:
             )
     fingerprints = {run.configuration["episodes"]["fingerprint"] for run in runs}
     if len(fingerprints) > 1:
-        found.append("The runs are not of the same episodes; only --compare pairs them up.")
+        found.append("The runs have different episodes; only --compare pairs them.")
     return found
 
 
@@ -202,7 +202,7 @@ def other_protocol_lines(run: RunData, first: RunData) -> list[tuple[str, str]]:
 
 
 def setting(run: RunData) -> str:
-    """Protocol in a line, to be set beside published ones."""
+    """Protocol in a line, for comparison with published ones."""
     kind, count = run.dataset.partition("-")[0], run.configuration["episodes"]["scenes"]
     scenes = f"generated {kind}" if kind in NOUNS else number_of(count, "scene")
     sees = "ground-truth detection" if run.is_told_truth else f"sees with {run.who['detector']}"
@@ -270,5 +270,5 @@ def interval(estimate: Estimate, factor: float = 1.0) -> str:
 
 
 def p_value(value: float) -> str:
-    """A p value as papers write it."""
+    """A p-value in the notation of papers."""
     return "< 0.001" if value < 0.001 else f"= {value:.3f}"

@@ -67,7 +67,7 @@ class RunData:
 
     @property
     def is_native(self) -> bool:
-        """Whether the method had its own camera, step and stop, not those that all share."""
+        """Whether the method used its own camera, step and stop, not the common ones."""
         return is_native(self.configuration)
 
     @property
@@ -82,7 +82,7 @@ class RunData:
 
 
 def is_native(configuration: dict[str, Any]) -> bool:
-    """Whether the configuration of a run is one of native mode."""
+    """Whether the configuration of a run is of native mode."""
     return configuration["who"].get("parts", {}).get("mode") == "native"
 
 
@@ -102,7 +102,7 @@ def load_runs(folders: Sequence[Path]) -> list[RunData]:
     for folder, name, configuration in zip(
         folders, _names(folders, configurations), configurations, strict=True
     ):
-        # Intervals depend on the order, and which worker was done first must not matter.
+        # Intervals depend on the order, so it must not depend on which worker was done first.
         records = sorted(read_records(folder), key=lambda record: record.key)
         if not any(record.counts for record in records):
             raise RunFolderError(f"{folder} holds no episode that counts yet; run it first")
@@ -111,12 +111,12 @@ def load_runs(folders: Sequence[Path]) -> list[RunData]:
 
 
 def _check_modes(folders: Sequence[Path], configurations: Sequence[dict[str, Any]]) -> None:
-    """Refuse to set robots of different kinds beside each other."""
+    """Refuse to compare robots of different kinds."""
     by_mode = {is_native(one): folder for folder, one in zip(folders, configurations, strict=True)}
     if len(by_mode) > 1:
         raise RunFolderError(
             f"{by_mode[True]} is of native mode and {by_mode[False]} of common mode: their robots, "
-            "steps and stops differ, so nobody could tell what a difference between them means; "
+            "steps and stops differ, so a difference between them would mean nothing; "
             "make a report of each mode"
         )
 
@@ -129,7 +129,7 @@ def _check_sections(folder: Path, configuration: dict[str, Any]) -> None:
 
 
 def _check_version(folder: Path, configuration: dict[str, Any]) -> None:
-    """Refuse a run of a version that described the robot elsewhere."""
+    """Refuse a run of an older version, whose configuration describes the robot elsewhere."""
     if "embodiment" not in configuration.get("config", {}):
         raise RunFolderError(
             f"{folder} is of an older version of hypernav: its configuration has no section "
@@ -138,7 +138,7 @@ def _check_version(folder: Path, configuration: dict[str, Any]) -> None:
 
 
 def _names(folders: Sequence[Path], configurations: Sequence[dict[str, Any]]) -> list[str]:
-    """Shortest unique names of runs: by agent and unusual preset, by any preset, else by folder."""
+    """Shortest unique names of runs: agent with unusual preset, agent with preset, or folder."""
     agents = [str(c["who"]["agent"]) for c in configurations]
     presets = [f"{c['who']['agent']} ({c['who']['preset']})" for c in configurations]
     short = [

@@ -72,7 +72,7 @@ def write_tex(path: Path, runs: Sequence[RunData]) -> None:
 
 
 def tex(text: str) -> str:
-    """Text as LaTeX takes it."""
+    """Text escaped for LaTeX."""
     return text.translate(_TEX_SPECIAL)
 
 

@@ -59,13 +59,13 @@ class FailureRow:
 
 @dataclass(frozen=True)
 class MetresRow:
-    """Where a run drove its metres, before and after the goal was first in the image.
+    """How far a run drove before and after the goal was first in the image.
 
     Attributes:
-        explored: Path until the goal was first in the image, over the shortest path from the
-            start; of all counted episodes in which it was, and whose goal can be reached.
-        approached: Path from then to STOP, over the shortest path from there; of successes only,
-            because other episodes never arrive.
+        explored: Path until the goal was first in the image, divided by the shortest path from the
+            start; over all counted episodes in which it was, and whose goal can be reached.
+        approached: Path from then to STOP, divided by the shortest path from there; over successes
+            only, because other episodes never arrive.
         unseen: Share of the counted episodes in which the goal was never in the image.
     """
 
@@ -128,7 +128,7 @@ def own_protocol(run: RunData) -> EvaluationProtocol:
 def protocol_matrix(
     run: RunData,
 ) -> dict[StopRule, list[tuple[EvaluationProtocol, Summary | None]]]:
-    """A run under every protocol, by stop rule; None where its records can't be scored so."""
+    """A run under every protocol, by stop rule; None if its records can't be scored like that."""
     matrix: dict[StopRule, list[tuple[EvaluationProtocol, Summary | None]]] = {}
     for protocol in PROTOCOLS:
         summary = summarise(run.records, protocol) if protocol.can_score(run.counted) else None
@@ -185,7 +185,7 @@ def failures(runs: Sequence[RunData]) -> list[FailureRow]:
 
 
 def metres(runs: Sequence[RunData]) -> list[MetresRow]:
-    """Where every run drove its metres."""
+    """How far every run drove before and after it first saw the goal."""
     return [_metres(run.counted) for run in runs]
 
 
@@ -214,7 +214,7 @@ def _ratio(parts: Sequence[tuple[float, float, str]]) -> Estimate:
 
 
 def module_times(runs: Sequence[RunData]) -> list[ModuleRow]:
-    """Time per module, longest first; what no module claims is "everything else"."""
+    """Time per module, longest first; the remainder is "everything else"."""
     means = [_milliseconds_a_step(run.records) for run in runs]
     names = sorted(
         {name for mean in means for name in mean if name != "total"},

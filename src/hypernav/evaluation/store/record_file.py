@@ -1,4 +1,4 @@
-"""A file of records, one line for every episode that is done, which any kind of study keeps."""
+"""A file of records for any kind of study, with one line for every finished episode."""
 
 import logging
 from pathlib import Path
@@ -18,16 +18,16 @@ Record = TypeVar("Record", bound=EpisodeLine)
 
 
 class RecordFile(Generic[Record]):
-    """The records of a folder that its only writer holds.
+    """The records of a folder, for its only writer.
 
-    A line is on the disk before the next one counts, so a crash loses only episodes in flight.
+    A line is on the disk before the next one is written, so a crash loses only running episodes.
 
     Attributes:
         records: Records of the finished episodes, by key, in the order in which they were done.
     """
 
     def __init__(self, path: Path, kind: type[Record]) -> None:
-        """Read the finished episodes; a last line that was cut off is moved aside.
+        """Read the finished episodes; a truncated last line is moved to another file.
 
         Args:
             path: The file; it need not be there.
@@ -97,7 +97,7 @@ def file_content(path: Path) -> bytes:
 
 
 def _repair_last_line(path: Path, kind: type[Record]) -> None:
-    """Move a last line that was not written to its end into a file of its own."""
+    """Move a truncated last line to a file of its own."""
     if not path.exists():
         return
     content = file_content(path)

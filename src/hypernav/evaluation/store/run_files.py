@@ -9,10 +9,10 @@ from hypernav.core.files.append_only import AppendOnlyFile
 
 
 def append_line(path: Path, line: str) -> None:
-    """Append a line to a file, all of it or nothing, and wait until it is on the disk.
+    """Append a line to a file, completely or not at all, and wait until it is on the disk.
 
     Raises:
-        RunFolderError: The disk is full, or the file can't be written. The file is as before.
+        RunFolderError: The disk is full, or the file can't be written. The file is unchanged.
     """
     try:
         with closing(AppendOnlyFile(path)) as file:
@@ -25,7 +25,7 @@ def write_whole(path: Path, content: str | bytes) -> None:
     """Replace a file of a run's folder in one step, and wait for the disk.
 
     Raises:
-        RunFolderError: The disk is full, or the file can't be written. The file is as before.
+        RunFolderError: The disk is full, or the file can't be written. The file is unchanged.
     """
     try:
         whole_files.write_whole(path, content)

@@ -47,7 +47,7 @@ class RunStore:
     """
 
     def __init__(self, folder: Path, configuration: Mapping[str, Any]) -> None:
-        """Name the folder.
+        """Create it; the ``with`` block opens the folder.
 
         Args:
             folder: Folder of the run; created if missing.
@@ -111,10 +111,10 @@ class RunStore:
         return len(out)
 
     def write_session(self, session: Session) -> None:
-        """Write the figures of this start of the program, in place of those written before.
+        """Write the figures of this session, replacing those written before.
 
         Raises:
-            RunFolderError: The disk is full; the file is as before.
+            RunFolderError: The disk is full; the file is unchanged.
         """
         line = session.model_dump_json().encode() + b"\n"
         write_whole(self.folder / SESSIONS_FILE, self._earlier_sessions + line)
@@ -122,7 +122,7 @@ class RunStore:
     def _check_configuration(self) -> None:
         if not (self.folder / RUN_FILE).exists() and (self.folder / EPISODES_FILE).exists():
             raise RunFolderError(
-                f"{self.folder} holds {EPISODES_FILE} but no {RUN_FILE}, so nobody knows how "
+                f"{self.folder} holds {EPISODES_FILE} but no {RUN_FILE}, so it is unknown how "
                 "its episodes were made; choose another --out"
             )
         keep_configuration(self.folder, self._configuration)
@@ -151,8 +151,8 @@ def keep_configuration(folder: Path, configuration: Mapping[str, Any]) -> None:
     if found:
         shown = "; ".join(found[:8]) + ("; …" if len(found) > 8 else "")
         raise RunFolderError(
-            f"{folder} was begun with another configuration: {shown}. Say the same again, "
-            "or choose another --out"
+            f"{folder} was begun with another configuration: {shown}. Use the same options "
+            "again, or choose another --out"
         )
 
 
@@ -186,7 +186,7 @@ def read_records(folder: Path) -> list[EpisodeRecord]:
 
 
 def read_sessions(folder: Path) -> list[Session]:
-    """The figures of every start of the program; unreadable lines are left out."""
+    """The figures of all sessions; unreadable lines are left out."""
     path = folder / SESSIONS_FILE
     sessions = []
     for line in _whole_lines(path).splitlines():
@@ -222,6 +222,6 @@ def _shown(values: Mapping[str, Any], key: str) -> str:
 
 
 def _whole_lines(path: Path) -> bytes:
-    """The content of a file of lines, with an end to the last one; empty if there is no file."""
+    """The content of a file of lines, its last line terminated; empty if there is no file."""
     content = file_content(path) if path.exists() else b""
     return content if content.endswith(b"\n") or not content else content + b"\n"

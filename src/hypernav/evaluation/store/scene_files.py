@@ -1,8 +1,8 @@
-"""The files of scenes, as the folder of a run remembers them (``scenes.json``).
+"""Hashes of the scenes' files, kept in the folder of a run (``scenes.json``).
 
-What is done in a scene stays comparable only as long as its files are the same. A scene in which
-nothing is done yet may be mended, and folders of earlier versions, which remember none, go on.
-Files are read once: while sizes and times stay the same, so does the content.
+Episodes of a scene are comparable only as long as its files are the same. The files may still be
+repaired while no episode of the scene is done, and folders of earlier versions, without hashes,
+can be continued. Files are read again only if their sizes or times have changed.
 """
 
 import hashlib
@@ -29,11 +29,11 @@ _DIGITS = 16
 
 @dataclass(frozen=True)
 class _SceneFiles:
-    """What is remembered of a scene's files.
+    """Hash and stamp of a scene's files.
 
     Attributes:
         hash: Hash of their content.
-        stamp: Their sizes and times when that was made; empty in folders of earlier versions.
+        stamp: Their sizes and times when hashed; empty in folders of earlier versions.
     """
 
     hash: str
@@ -41,7 +41,7 @@ class _SceneFiles:
 
     @staticmethod
     def of(mesh: Path, known: "_SceneFiles | None") -> "_SceneFiles":
-        """The files of a scene now, which are read only if they may have changed.
+        """The hash of a scene's present files, which are read only if they may have changed.
 
         Raises:
             SceneError: A file cannot be read.
@@ -54,12 +54,12 @@ class _SceneFiles:
 def keep_scenes(
     store: RunStore, episodes: Iterable[Episode], progress: Progress | None = None
 ) -> None:
-    """Remember the files of a run's scenes, or compare them with those that it began with.
+    """Write down the hashes of a run's scenes, or compare them with those at its beginning.
 
     Args:
         store: Store of the run, open.
-        episodes: All episodes of the run; scenes that are no files, such as houses, are left out.
-        progress: Function that is called with the numbers of scenes that are read, and of all.
+        episodes: All episodes of the run; scenes without files, such as houses, are left out.
+        progress: Function that is called with the numbers of scenes read so far and of all.
 
     Raises:
         RunFolderError: A scene in which an episode is done has other files now.
@@ -108,7 +108,7 @@ def _remembered(files: Any) -> _SceneFiles:
 
 
 def _files_of(mesh: Path) -> list[Path]:
-    """The files of a scene that are there, its mesh first."""
+    """The existing files of a scene, its mesh first."""
     scan = ScanFiles.of(mesh)
     beside = (
         (mesh.with_name(OBJECTS_FILE),)

@@ -3,7 +3,7 @@
 from pydantic import BaseModel, ConfigDict, Field
 
 UNENDED = "killed, or still running"
-"""What a session's line says until the session ends."""
+"""Value of ``ended`` until the session ends."""
 
 
 class Session(BaseModel):

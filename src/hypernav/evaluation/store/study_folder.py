@@ -1,4 +1,4 @@
-"""The folder of a study: one study has it at a time, and always the same one."""
+"""The folder of a study, locked for one process, and for one configuration only."""
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -11,7 +11,7 @@ from hypernav.evaluation.store.run_store import keep_configuration
 
 @contextmanager
 def held_folder(folder: Path, configuration: Mapping[str, Any]) -> Iterator[None]:
-    """Lock a folder while the ``with`` block runs, and keep in it what it was begun with.
+    """Lock a folder while the ``with`` block runs, and store its configuration in it.
 
     Args:
         folder: Folder of the study; created if missing.

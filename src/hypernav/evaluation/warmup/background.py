@@ -25,12 +25,12 @@ FIRST_RUN = "first run: compiling for this machine, once, takes a quarter of a m
 def is_compiled() -> bool:
     """Whether the kernels are compiled on this machine, judged by the first of them.
 
-    What an older version of the source or another version of Python left behind doesn't count.
+    Files of an older version of the source or another version of Python don't count.
     """
     source = Path(integrate_kernels.__file__)
     kernel = integrate_kernels.integrate_frame
     if not is_jitted(kernel):
-        return True  # NUMBA_DISABLE_JIT: nothing is compiled at all
+        return True  # with NUMBA_DISABLE_JIT nothing is compiled
     folder = kernel.stats.cache_path
     if folder is None:
         return False
@@ -43,7 +43,7 @@ def is_compiled() -> bool:
 def warm_up_in_background(say: Callable[[str], object]) -> Iterator[None]:
     """Compile kernels in another process while the block runs, unless they are compiled already.
 
-    Nothing depends on that process: kernels that it has not compiled in time are compiled here.
+    That process is optional: kernels that it has not compiled in time are compiled here.
 
     Args:
         say: Function that is called with the message that this run takes longer.

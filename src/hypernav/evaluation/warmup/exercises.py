@@ -1,6 +1,6 @@
-"""What the warm-up process does: one of everything that a first search needs compiled.
+"""The work of the warm-up process: calls every kernel that a first search needs.
 
-Run as a module, so that the program that waits for it loads none of this.
+It is run as a module, so that the waiting program imports none of this.
 """
 
 import numpy as np

@@ -1,4 +1,4 @@
-"""Workers as processes of this machine, one core each."""
+"""Workers as processes on this machine, one core each."""
 
 import multiprocessing
 import os
@@ -46,7 +46,7 @@ class ProcessPool:
     """A `WorkerPool` of processes that end when their owner does."""
 
     def __init__(self, job: Job) -> None:
-        """Take the job; no worker is started yet."""
+        """Create it; no worker is started yet."""
         self._job = job
         self._context = multiprocessing.get_context("spawn")
         self._logs = tempfile.TemporaryDirectory(prefix="hypernav-workers-")
@@ -62,7 +62,7 @@ class ProcessPool:
         )
         with _environment(ONE_THREAD), _ctrl_c_blocked():
             process.start()
-        # With our copy of their end open, the end of the worker would go unnoticed.
+        # If our copy of their end stayed open, the end of the worker would not be noticed.
         theirs.close()
         self._started[worker] = _Process(process, ours, log)
 
@@ -125,8 +125,8 @@ def _work(job: Job, pipe: Connection, log: Path) -> None:
     It sends None when it is ready, records, and a message if the run can't go on.
     """
     _die_with_owner()
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # where it could not be blocked
-    signal.signal(signal.SIGTERM, _leave)  # scene and agent are closed on the way out
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # for systems where it cannot be blocked
+    signal.signal(signal.SIGTERM, _leave)  # leaving by an exception closes scene and agent
     os.dup2(os.open(log, os.O_WRONLY | os.O_APPEND), sys.stderr.fileno())
     try:
         with interruptions_of_kernels(), closing(EpisodeWorker(job)) as episode_worker:
@@ -139,7 +139,7 @@ def _work(job: Job, pipe: Connection, log: Path) -> None:
 
 
 def _send(pipe: Connection, said: object) -> None:
-    """Tell the owner something; end if it has ended."""
+    """Send something to the owner; end if the owner has ended."""
     try:
         pipe.send(said)
     except BrokenPipeError:
@@ -191,7 +191,7 @@ def _environment(values: dict[str, str]) -> Iterator[None]:
 def _ctrl_c_blocked() -> Iterator[None]:
     """Block Ctrl-C for processes that are started in the block: their owner handles it.
 
-    They inherit this. One that came while they import would end in a traceback on the terminal.
+    They inherit the mask. Ctrl-C during their imports would print a traceback on the terminal.
     """
     if sys.platform == "win32":
         yield

@@ -81,7 +81,7 @@ class RayPool:
         return [self._report(answer, self._waiting.pop(answer)) for answer in ready]
 
     def close(self) -> None:
-        """End all workers, and leave the cluster, which stays."""
+        """End all workers and leave the cluster, which keeps running."""
         for actor in self._actors.values():
             self._ray.kill(actor)
         self._actors.clear()
@@ -135,7 +135,7 @@ class _Worker:
 
 
 def _check_address(address: str) -> None:
-    """Make sure that a cluster listens: Ray itself would try for minutes.
+    """Make sure that a cluster listens: Ray itself would keep trying for minutes.
 
     Raises:
         OSError: Nothing listens at the address.

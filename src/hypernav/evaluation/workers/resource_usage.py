@@ -4,7 +4,7 @@ import sys
 
 
 def peak_memory_mb() -> float:
-    """Peak resident memory of this process, megabytes; 0 where the system doesn't tell."""
+    """Peak resident memory of this process, megabytes; 0 if the system doesn't provide it."""
     if sys.platform == "win32":
         return 0.0
     import resource
@@ -15,7 +15,7 @@ def peak_memory_mb() -> float:
 
 
 def cpu_seconds_of_ended_workers() -> float:
-    """Processor time of all child processes that have ended; 0 where the system doesn't tell."""
+    """Processor time of all ended child processes; 0 if the system doesn't provide it."""
     if sys.platform == "win32":
         return 0.0
     import resource

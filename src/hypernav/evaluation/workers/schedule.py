@@ -11,7 +11,7 @@ ATTEMPTS = 3
 
 
 class Schedule:
-    """Hands out every episode once, and those of a lost worker again.
+    """Assigns every episode once, and the episode of a lost worker again.
 
     A worker keeps to its scene as long as that has episodes left. Then it takes the scene with most
     episodes among those without a worker, or, if there is none, among all.
@@ -82,5 +82,5 @@ class Schedule:
         waiting = {scene: len(queue) for scene, queue in self._waiting.items() if queue}
         free = {scene: count for scene, count in waiting.items() if scene not in taken}
         candidates = free or waiting
-        # Of equally long ones the first of the data set, so that chance plays no part.
+        # Ties go to the first in the data set, so that the result is deterministic.
         return max(candidates, key=lambda scene: candidates[scene]) if candidates else None

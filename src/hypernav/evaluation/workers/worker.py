@@ -1,4 +1,4 @@
-"""The running of episodes in a worker: one agent, and one scene at a time."""
+"""Runs episodes in a worker: one agent, and one scene at a time."""
 
 import hashlib
 import re
@@ -72,9 +72,9 @@ class Job:
 class EpisodeWorker:
     """Runs episodes one after another. A scene stays loaded until another one is needed.
 
-    Drawing is most of the work, so colours are drawn only where somebody looks at them. Where the
-    agent doesn't and only failures are kept, every episode runs without, and colours are drawn
-    afterwards for the frames of a failed one.
+    Drawing is most of the work, so colours are drawn only when they are needed. If the agent needs
+    none and only failures are saved, episodes run without colours, which are drawn afterwards for
+    the frames of a failed episode.
     """
 
     def __init__(self, job: Job) -> None:
@@ -124,7 +124,7 @@ class EpisodeWorker:
 
     def _scene_of(self, scene_id: str) -> "_OpenScene":
         if self._scene is None or self._scene.scene_id != scene_id:
-            self._leave_scene()  # the old one's memory, before the new one's
+            self._leave_scene()  # frees the old scene's memory before the new one is loaded
             scene = self._job.open_scene(scene_id)
             opened = open_world(scene, scene_id, self._job.config, self._job.world)
             self._scene = _OpenScene(scene_id, opened.world, opened.renderer)
@@ -218,7 +218,7 @@ class EpisodeWorker:
 
 
 def _decisive_step(verdict: Verdict | None, steps: Sequence[StepTrace]) -> dict[str, int]:
-    """Which step a page about a failure begins at, if there is any."""
+    """The step at which the page of a failed episode opens; None for other episodes."""
     if verdict is None or not steps:
         return {}
     return {"decisive_step": decisive_step(verdict.failure, steps)}
@@ -265,7 +265,7 @@ def simulator_error_record(episode: Episode, error: str) -> EpisodeRecord:
 
 
 def folder_name(episode: Episode) -> str:
-    """A name for an episode's folder that every file system accepts, and no other episode has."""
+    """A unique name for an episode's folder that every file system accepts."""
     key = hashlib.sha256(repr(episode.key).encode()).hexdigest()[:8]
     scene = Path(episode.scene_id).stem if "/" in episode.scene_id else episode.scene_id
     text = f"{scene}-{episode.episode_id}-{episode.goal.text}".lower()
@@ -273,7 +273,7 @@ def folder_name(episode: Episode) -> str:
 
 
 def _agent_of(job: Job) -> tuple[Agent, dict[str, str], bool, object]:
-    """The agent, who in it sees and thinks, whether it looks at colours, and what to close."""
+    """The agent, its components, whether it needs colours, and what to close."""
     if job.make_agent is not None:
         agent = job.make_agent()
         kinds = ("detector", "reasoner", "segmenter")

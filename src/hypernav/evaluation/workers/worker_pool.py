@@ -80,7 +80,7 @@ class WorkerPool(Protocol):
     """A pool of workers, each running one episode at a time; `wait` returns their reports."""
 
     def start(self, worker: int) -> None:
-        """Start a worker under a number, new or of a lost worker; `wait` reports it `Ready`."""
+        """Start a worker with a new number or that of a lost one; `wait` reports it `Ready`."""
         ...
 
     def send(self, worker: int, episode: Episode) -> None:
@@ -88,7 +88,7 @@ class WorkerPool(Protocol):
         ...
 
     def wait(self, seconds: float) -> list[Report]:
-        """The reports since the last call; waits for one, but no longer than this."""
+        """The reports since the last call; waits for one, up to a time limit."""
         ...
 
     def close(self) -> None:

@@ -27,7 +27,7 @@ def cached_episodes(
         folder: Cache folder; the platform's own if None.
 
     Raises:
-        EpisodeError: There is nothing in the building that could be searched for.
+        EpisodeError: The building contains no possible goal.
     """
     home = (folder or cache_folder()) / f"{building.noun}_episodes" / episodes_version()
     path = home / f"{style}-{building.number}.json.gz"
@@ -35,7 +35,7 @@ def cached_episodes(
         with contextlib.suppress(EpisodeError):
             return read_episodes(path)
     dataset = house_episodes(cached_building(building, folder), building, style)
-    # The disk may be read-only or full: the episodes are valid all the same.
+    # The disk may be read-only or full; the episodes are still valid.
     with contextlib.suppress(OSError):
         write_episodes(dataset, path)
     return dataset
@@ -45,8 +45,8 @@ def cached_episodes(
 def episodes_version() -> str:
     """Version of buildings and episodes together with a digest of the sources in this folder.
 
-    The digest is for those who work on the generator: without it, a forgotten version number would
-    bring back outdated episodes.
+    The digest is for developers of the generator: without it, if they forgot to increase the
+    version, outdated episodes would be used.
     """
     digest = hashlib.sha256(generator_version().encode())
     for source in sorted(Path(__file__).parent.glob("*.py")):

@@ -19,7 +19,7 @@ from hypernav.worlds.surface.walkable import WalkableGrid
 
 EXTRA_CLEARANCE_M = 0.1
 """Additional clearance on both sides of a path from start to goal, metres: an episode that begins
-inside a shower cabin would test steering, not search."""
+inside a shower cabin would test steering, not searching."""
 
 _FLOOR = "floor_"
 _PATH_STEP_M = 0.1

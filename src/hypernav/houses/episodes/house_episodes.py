@@ -1,8 +1,8 @@
 """Generation of one building's episodes, in Habitat's format.
 
-Goals come without view points: a house has fifty thousand, and whoever runs an episode computes
-them from the scene anyway. Files for others get them by `with_view_points`: all of them, with the
-very numbers that the scene gives, so that a file and the scene measure alike.
+Goals have no view points: a house has fifty thousand, and running an episode computes them from the
+scene anyway. Files for other programs get all of them by `with_view_points`, with the same numbers
+as in the scene, so that both give the same measures.
 """
 
 import math
@@ -38,7 +38,7 @@ from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.goal_regions import GoalRegion
 
 EPISODES_VERSION = 2
-"""Version of the episodes; rises whenever the same house gives others than before."""
+"""Version of the episodes; increased whenever the same house gives others than before."""
 
 EPISODES_PER_HOUSE = 28
 
@@ -59,7 +59,7 @@ def house_episodes(scene: Scene, building: Building, style: GoalStyle) -> Episod
         style: Whether goals are categories or phrases.
 
     Raises:
-        EpisodeError: There is nothing in the building that could be searched for.
+        EpisodeError: The building contains no possible goal.
         SceneError: The robot fits nowhere.
     """
     truth = HouseGroundTruth.of(scene)
@@ -68,8 +68,8 @@ def house_episodes(scene: Scene, building: Building, style: GoalStyle) -> Episod
     drawn = _sample(rng, truth, style, rules)
     if not drawn:
         raise EpisodeError(
-            f"{scene.name}: holds nothing that is {rules.least_m:g} to "
-            f"{rules.most_m:g} m away from somewhere"
+            f"{scene.name}: holds no goal that is {rules.least_m:g} to "
+            f"{rules.most_m:g} m away from a possible start"
         )
     writer = _Writer(truth)
     return EpisodeDataset(
@@ -85,7 +85,7 @@ def with_view_points(dataset: EpisodeDataset, scene: Scene) -> EpisodeDataset:
     """The same episodes with every view point of their goals.
 
     Args:
-        dataset: Episodes of this building alone.
+        dataset: Episodes of only this building.
         scene: The building.
     """
     regions, done = HouseGroundTruth.of(scene).regions, dict[int | str, ObjectGoal]()

@@ -1,8 +1,8 @@
 """Goal queries of a building: categories, other names, and descriptions that single out objects.
 
-Every text is checked against the grammar of `hypernav.core.labels`, the one that decides what
-counts as reached: a description is only used if it is true of something and false of something
-else that bears the same name.
+Every text is checked with the grammar of `hypernav.core.labels`, which decides what counts as
+reached: a description is only used if it is true of one object and false of another object of the
+same name.
 """
 
 from collections.abc import Iterator
@@ -22,7 +22,7 @@ Vocabulary = Literal["seen", "synonym", "unseen"]
 
 _UBIQUITOUS = ("window", "door", "ceiling lamp", "kitchen cabinet")
 _MIN_SIDE_AREA_M2 = 0.1
-"""Least area of the largest side of an object's box: plates and cups are no goals."""
+"""Smallest area of the largest side of an object's box: plates and cups are no goals."""
 
 
 @dataclass(frozen=True)
@@ -30,8 +30,8 @@ class Query:
     """Goal query of an episode.
 
     Attributes:
-        text: Text of the goal, as a person says it.
-        vocabulary: Whether the name in it is one of the rules' categories, another name of one of
+        text: Text of the goal, in a person's words.
+        vocabulary: Kind of the name in it: one of the rules' categories, a synonym of one of
             these, or the name of another category.
         is_description: Whether the text says more than a name.
         instances: Instances that satisfy it.
@@ -125,7 +125,7 @@ def _name_query(truth: HouseGroundTruth, name: str, vocabulary: Vocabulary) -> Q
 def _description(
     rng: RandomStream, truth: HouseGroundTruth, name: str, vocabulary: Vocabulary
 ) -> Query:
-    """Query by a phrase that is true of some objects of this name only; by the name if none is.
+    """Query by a phrase that is true of only some objects of this name, else by the name.
 
     A phrase that is true of a single object gets the article "the", as in natural speech.
     """

@@ -1,4 +1,4 @@
-"""What episodes in each kind of building ask for."""
+"""Goals and distances of episodes in each kind of building."""
 
 from dataclasses import dataclass
 
@@ -16,12 +16,12 @@ CATEGORIES = (
 
 @dataclass(frozen=True)
 class EpisodeRules:
-    """What the episodes in one kind of building ask for.
+    """Goals and distances of the episodes in one kind of building.
 
     Attributes:
-        categories: Goals that are categories. What stands everywhere, as desks do in offices, is
-            no goal: it would be found by looking around.
-        frequent: Those of them that come first in every building.
+        categories: Goals that are categories. Things that are everywhere, such as desks in
+            offices, are no goals: they would be found by looking around.
+        frequent: The categories that come first in every building.
         least_m: Least geodesic distance from a start to its goal, metres.
         most_m: Greatest geodesic distance from a start to its goal, metres.
     """

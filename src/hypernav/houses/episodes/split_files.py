@@ -1,4 +1,4 @@
-"""Episodes of a split written for others: complete, in Habitat's layout of files."""
+"""Writes complete episodes of a split for other programs, in Habitat's layout of files."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -32,7 +32,7 @@ def write_split(
         out: One file (``.json.gz`` or ``.json``), or a folder in Habitat's layout: the split's file
             without episodes, and in ``content`` a file for every scene.
         cache: Cache folder of the buildings; the platform's own if None.
-        progress: Is told how many buildings of how many are done.
+        progress: Function that is called with the numbers of finished buildings and of all.
 
     Raises:
         EpisodeError: It cannot be written.

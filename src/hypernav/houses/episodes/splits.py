@@ -31,9 +31,9 @@ class BuildingSplit:
         name: Name of the split.
         kind: Kind of the buildings: "houses", "offices", "shops" or "crowded".
         style: Whether goals are categories or phrases.
-        numbers: Numbers of the buildings; for an open split those that are used by default.
+        numbers: Numbers of the buildings; for an open split the default ones.
         episodes: Number of episodes in these buildings.
-        is_open: Whether every building may be used that belongs to no other split.
+        is_open: Whether all buildings that belong to no other split may be used.
     """
 
     name: str
@@ -181,10 +181,10 @@ def _overlap(a: range, b: range) -> bool:
 
 
 def _joined(parts: list[EpisodeDataset], count: int, known: tuple[str, ...]) -> EpisodeDataset:
-    """One data set in rounds, with the goals of its episodes only.
+    """One data set in rounds, with only the goals of its episodes.
 
-    Every name that is known has its number, whether an episode asks for it or not: habitat-lab
-    keeps the numbers of the last file that it reads, so those of all parts of a split must agree.
+    Every known name has a number, even if no episode asks for it: habitat-lab keeps the numbers of
+    the last file that it reads, so the numbers must be the same in all parts of a split.
     """
     episodes = _in_rounds([part.episodes for part in parts])[:count]
     goals = {key: found for part in parts for key, found in part.goals_by_category.items()}
@@ -196,7 +196,7 @@ def _joined(parts: list[EpisodeDataset], count: int, known: tuple[str, ...]) -> 
             "goals_by_category": {key: goals[key] for key in used},
             "episodes": [_renumbered(episode) for episode in episodes],
             "category_to_task_category_id": numbers,
-            # Habitat's reader wants both tables, with the same names.
+            # Habitat's reader needs both tables, with the same names.
             "category_to_scene_annotation_category_id": dict(numbers),
         }
     )

@@ -41,11 +41,10 @@ class Start:
 def sample_start(
     rng: RandomStream, truth: HouseGroundTruth, region: GoalRegion, rules: EpisodeRules
 ) -> Start | None:
-    """Random start as far from a goal as the rules say; None if none is found.
+    """Random start at a distance from a goal that the rules allow; None if none is found.
 
-    A wide path leads from the start to the goal.
-
-    The farther of two samples is taken: uniform starts in small homes are mostly near.
+    A wide path leads from the start to the goal. The farther of two samples is taken, because
+    uniform starts in small homes are mostly near.
 
     Args:
         rng: Source of randomness.
@@ -70,7 +69,7 @@ def sample_start(
     if not found and not straight:
         return None
     geodesic_m, x, y = max(found or straight)
-    # Rounded as the file holds it, so that angles are the same on every machine.
+    # Rounded as in the file, so that angles are the same on every machine.
     yaw = round(rng.uniform(-math.pi, math.pi), 4)
     path = region.field.path(x, y)
     return Start(

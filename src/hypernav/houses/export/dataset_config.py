@@ -1,8 +1,8 @@
-"""The scene-dataset configuration by which habitat-sim knows exported buildings.
+"""Writes the scene-dataset configuration of exported buildings for habitat-sim.
 
-habitat-sim takes any GLB for one of Matterport's, z up; only this file tells it that ours are y up,
-and where their semantics and navigation meshes lie (attributes of stages; its own documentation,
-"Using JSON Files to configure Attributes").
+habitat-sim assumes that any GLB is one of Matterport's, z up; only this file tells it that ours are
+y up, and where their semantics and navigation meshes are (attributes of stages; its own
+documentation, "Using JSON Files to configure Attributes").
 """
 
 import json
@@ -15,7 +15,7 @@ DATASET_CONFIG = "hypernav.scene_dataset_config.json"
 """Name of the file."""
 
 _OWN_NAME = "%%CONFIG_NAME_AS_ASSET_FILENAME%%"
-"""What habitat-sim replaces by the name of a stage's file without ending."""
+"""Placeholder that habitat-sim replaces by the name of a stage's file without suffix."""
 
 
 def write_dataset_config(folder: Path) -> Path:

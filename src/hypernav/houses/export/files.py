@@ -27,7 +27,7 @@ FIRST_ANNOTATION = 1
 """Number of the first instance in the semantics, where 0 means nothing."""
 
 HABITAT_ROBOT = BodyConfig(height_m=0.88)
-"""The default robot as Habitat is configured for it; its Recast makes 1.0 m of this height."""
+"""The default robot in Habitat's configuration; Recast rounds this height to 1.0 m."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class ExportedBuilding:
         objects: Metadata of its nodes.
         semantic_glb: Building in colours that identify its instances.
         semantic_txt: Instance of every colour.
-        navmesh: Where the robot can stand, for Habitat.
+        navmesh: Navigation mesh for Habitat.
     """
 
     glb: Path
@@ -59,7 +59,7 @@ def export_building(building: Building, out_dir: Path) -> ExportedBuilding:
 
     Args:
         building: The building.
-        out_dir: Folder to write to; made if it is missing.
+        out_dir: Folder to write to; created if missing.
 
     Raises:
         SceneError: The folder cannot be written.

@@ -1,4 +1,4 @@
-"""A split of buildings as one folder of data, which Habitat takes as it is.
+"""Writes a split of buildings as one data folder, which Habitat can use unchanged.
 
 The folder is laid out as habitat-lab's ``data``::
 
@@ -7,9 +7,9 @@ The folder is laid out as habitat-lab's ``data``::
     datasets/objectnav/hypernav/houses-val/houses-val.json.gz
     datasets/objectnav/hypernav/houses-val/content/house_1000.json.gz
 
-The view points of the files decide, in Habitat as in this package. They are those of the scene, one
-on each cell (5 cm) that counts. ``info.geodesic_distance`` is the shortest path to them on the
-navigation mesh beside the scene, as Habitat measures it.
+Both Habitat and this package use the view points in the files. They are those of the scene, one on
+each cell (5 cm) from which the goal counts as reached. ``info.geodesic_distance`` is the shortest
+path to them on the navigation mesh beside the scene, as measured by Habitat.
 """
 
 from collections.abc import Callable
@@ -40,7 +40,7 @@ _DIGITS = 4
 
 @dataclass(frozen=True)
 class HabitatData:
-    """Where the parts of an exported split lie.
+    """Where the parts of an exported split are.
 
     Attributes:
         root: Folder of all data, Habitat's ``data``.
@@ -72,7 +72,7 @@ class HabitatData:
 
     @property
     def buildings(self) -> set[str]:
-        """Names of the buildings whose episodes are there, such as ``house_1000``."""
+        """Names of the buildings with episodes, such as ``house_1000``."""
         return {
             file.name.removesuffix(_EPISODES) for file in self.content.glob(f"[!.]*{_EPISODES}")
         }
@@ -88,21 +88,22 @@ def export_split(
 ) -> HabitatData:
     """Write buildings and episodes of a split. Several splits and parts may share a folder.
 
-    The episodes of a building are written when everything that they need is there, in one step, so
-    that an export that was interrupted leaves whole buildings, and the same export completes it.
+    The episodes of a building are written in one step after everything that they need, so an
+    interrupted export leaves only complete buildings, and the same export completes the rest.
 
     Args:
         dataset: What `hypernav.houses.episodes.splits.load_split` gave.
         split: Name of the split.
-        root: Folder to write to; made if it is missing. Episodes name the configuration of their
-            scenes by this path, as habitat-lab wants it: absolute, or from where Habitat will run.
+        root: Folder to write to; created if missing. Episodes name the configuration of their
+            scenes by this path, as habitat-lab requires: absolute, or relative to the folder in
+            which Habitat will run.
         cache: Cache folder of the buildings; the platform's own if None.
-        progress: Is told how many buildings of how many are done.
+        progress: Function that is called with the numbers of finished buildings and of all.
 
     Raises:
         SceneError: A building cannot be written.
-        EpisodeError: The episodes cannot be written, or other buildings of a split of phrases are
-            there.
+        EpisodeError: The episodes cannot be written, or the folder has other buildings of a split
+            of phrases.
     """
     data = HabitatData(root, split)
     scene_ids = list(dict.fromkeys(episode.scene_id for episode in dataset.episodes))
@@ -110,7 +111,7 @@ def export_split(
     if SPLITS[split].style == "phrases" and (others := data.buildings.difference(stems)):
         raise EpisodeError(
             f"{root} holds {len(others)} other buildings of {split}; the numbers of its phrases "
-            "are those of one export, so export all of them at once, or to a folder of their own"
+            "are valid for one export, so export all buildings at once, or use another folder"
         )
     write(dataset.model_copy(update={"episodes": [], "goals_by_category": {}}), data.episodes)
     for done, (scene_id, stem) in enumerate(zip(scene_ids, stems, strict=True)):
@@ -135,7 +136,7 @@ def _remove(content: Path) -> None:
 
 
 def _of_file(dataset: EpisodeDataset, scene_id: str, config: Path) -> EpisodeDataset:
-    """The episodes of one building, about the file that it was written to and its semantics."""
+    """The episodes of one building, referring to its exported file and semantics."""
     update = {"scene_id": scene_id, "scene_dataset_config": config.as_posix()}
     goals: dict[str, list[ObjectGoal]] = {}
     episodes: list[ObjectNavEpisode] = []
@@ -151,7 +152,7 @@ def _of_file(dataset: EpisodeDataset, scene_id: str, config: Path) -> EpisodeDat
 
 
 def _annotated(info: dict[str, Any]) -> dict[str, Any]:
-    """What a file says about an episode, with the numbers of objects in the semantics."""
+    """An episode's entry with the numbers of objects in the semantics."""
     others = info["near_miss_object_ids"]
     return info | {
         "closest_goal_object_id": info["closest_goal_object_id"] + FIRST_ANNOTATION,

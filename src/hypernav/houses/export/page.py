@@ -29,7 +29,7 @@ def building_page(
         building: The building.
         out: File of the page; or a folder, in which it is called ``house_N.html`` or
             ``office_N.html``.
-        progress: Is told how many panoramas of how many are drawn.
+        progress: Function that is called with the numbers of drawn panoramas and of all.
 
     Returns:
         File of the page.

@@ -1,4 +1,4 @@
-"""All that a robot's camera sees from one position, turning once around."""
+"""All that a robot's camera sees from one position in a full turn."""
 
 import io
 import math
@@ -30,8 +30,8 @@ class Sighting:
 
     Attributes:
         instance: Number of the object in its scene.
-        yaw: Direction of a column that shows it, in the middle of all, radians in the scene frame.
-        distance_m: Horizontal distance of what is seen of it, its median, metres.
+        yaw: Direction of the middle column that shows it, radians in the scene frame.
+        distance_m: Median horizontal distance of its visible part, metres.
         pixels: Number of pixels that show it.
     """
 
@@ -43,10 +43,10 @@ class Sighting:
 
 @dataclass(frozen=True, eq=False)
 class Panorama:
-    """Slices of a circle side by side: images of one pinhole camera, each turned on to the right.
+    """Slices of a circle side by side: images of a pinhole camera, each turned further right.
 
-    The first slice begins at a yaw of 180°. Whoever draws the panorama on the faces of a prism gets
-    the camera's perspective back, without kinks at the seams.
+    The first slice begins at a yaw of 180°. Drawn on the faces of a prism, the panorama gives the
+    camera's perspective without kinks at the seams.
 
     Attributes:
         rgb: Colours.
@@ -65,7 +65,7 @@ class Panorama:
         return file.getvalue()
 
     def sightings(self, instances: tuple[Instance, ...]) -> list[Sighting]:
-        """The labelled objects that are not too small to be noticed, the largest first.
+        """The labelled objects that are large enough to be noticed, largest first.
 
         Args:
             instances: Instances of the scene.

@@ -1,4 +1,4 @@
-"""A walk through a building, as the page's program reads it."""
+"""The data of a walk through a building, for the page's script."""
 
 import base64
 import math
@@ -26,7 +26,7 @@ def walk_data(
     renderer: CpuRenderer,
     progress: Callable[[int, int], None] | None = None,
 ) -> dict[str, Any]:
-    """Positions, what is seen from each, and its panorama.
+    """Positions, with the visible objects and the panorama of each.
 
     Args:
         scene: Scene of the building.
@@ -34,7 +34,7 @@ def walk_data(
         graph: Positions and drives of the walk.
         grid: Where the robot can stand.
         renderer: Renderer of the scene.
-        progress: Is told how many panoramas of how many are drawn.
+        progress: Function that is called with the numbers of drawn panoramas and of all.
 
     Returns:
         Plain data for JSON. Angles are degrees, counter-clockwise from the x axis; distances are
@@ -94,7 +94,7 @@ def _as_text(panorama: Panorama) -> str:
 
 
 def _room_at(plan: FloorPlan, point: tuple[float, float]) -> str:
-    """Name of the room that a point lies in; empty between the cells of all."""
+    """Name of the room that a point lies in; empty outside all rooms."""
     for room in plan.rooms:
         if room.cell.x0 <= point[0] <= room.cell.x1 and room.cell.y0 <= point[1] <= room.cell.y1:
             return room.name

@@ -1,4 +1,4 @@
-"""Positions from which a building is looked at, and the straight drives between them."""
+"""View positions in a building, and the straight drives between them."""
 
 import itertools
 import math
@@ -12,15 +12,15 @@ from hypernav.houses.plan.shapes import FloorPlan
 from hypernav.worlds.surface.walkable import WalkableGrid
 
 MOST_POSITIONS = 140
-"""Number of positions that asks for wider spacing; it bounds the size of the page."""
+"""Number of positions above which the spacing is increased, to limit the size of the page."""
 _SPACINGS_M = (2.0, 2.5, 3.0)
 _APART = 0.6
 _REACH = 2.5
 _SNAP = 0.25
-"""Least distance of two positions, length of the longest drive and farthest move of a position away
-from its place on the lattice: shares of the spacing."""
+"""Smallest distance of two positions, length of the longest drive, and largest shift of a position
+from its lattice point, relative to the spacing."""
 _ROOMY_M = 0.3
-"""Clearance beyond which a position isn't better for having more."""
+"""Clearance beyond which more clearance makes a position no better."""
 
 Point = tuple[float, float]
 
@@ -30,9 +30,9 @@ class WalkGraph:
     """Positions and the drives between them.
 
     Attributes:
-        positions: Standable points, metres, scene frame; first of all the middles of rooms.
-        neighbours: For every position, in rising order, those that the robot can drive to straight
-            ahead, there and back.
+        positions: Standable points, metres, scene frame; the middles of rooms come first.
+        neighbours: For every position, in increasing order, those that the robot can reach in a
+            straight line, and return from.
     """
 
     positions: tuple[Point, ...]
@@ -90,7 +90,7 @@ class _Floor:
         )
 
     def can_drive(self, a: Point, b: Point) -> bool:
-        """Whether the robot gets straight from one point to the other, and back."""
+        """Whether the robot can drive straight from one point to the other and back."""
         return all(
             math.dist(self.grid.step(*start, end[0] - start[0], end[1] - start[1]), end)
             < self.grid.cell_m
@@ -135,7 +135,7 @@ def _spread(floor: _Floor, plan: FloorPlan, spacing: float) -> list[Point]:
 
 
 def _connect(floor: _Floor, points: list[Point], links: set[tuple[int, int]]) -> None:
-    """Add drives, and positions where need be, until everything can be reached from everywhere."""
+    """Add drives, and positions if necessary, until all positions are connected."""
     while len(reached := _reached(len(points), links)) < len(points):
         others = [n for n in range(len(points)) if n not in reached]
         field = floor.grid.distance_field(np.array([points[n] for n in sorted(reached)]))
@@ -167,7 +167,7 @@ def _neighbours(count: int, links: set[tuple[int, int]]) -> list[list[int]]:
 def _bridge(
     floor: _Floor, points: list[Point], links: set[tuple[int, int]], a: int, b: int
 ) -> None:
-    """Link two positions, through the middle of the path between them if need be."""
+    """Link two positions, through the middle of the path between them if necessary."""
     if floor.can_drive(points[a], points[b]):
         links.add((min(a, b), max(a, b)))
         return

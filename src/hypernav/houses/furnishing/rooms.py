@@ -21,7 +21,7 @@ class Furnishing:
     """Rules by which the rooms of one kind of building are furnished.
 
     Attributes:
-        required: Gives the groups of categories that the room of an index must hold.
+        required: Gives the groups of categories that the room with an index must hold.
         furnish: Furnishes an empty room by its kind.
         dress: Adds what hangs on walls and ceilings of a furnished room.
     """

@@ -1,1 +1,1 @@
-"""Kinds of buildings: what a home, an office and a shop do differently."""
+"""Kinds of buildings: the differences of homes, offices and shops."""

@@ -1,4 +1,4 @@
-"""What one kind of building does differently from the others."""
+"""The parts of the generator that differ between kinds of buildings."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ class BuildingKind:
     """Kind of building: its plans, its surfaces and its furniture.
 
     Attributes:
-        sample_plan: Gives the floor plan of the building of a number.
+        sample_plan: Gives the floor plan of the building with a number.
         sample_finishes: Gives the finishes of rooms of these kinds.
         furnishing: Rules by which its rooms are furnished.
     """

@@ -45,7 +45,7 @@ def four_legs(
 
 
 def square_bar(start: Vector, end: Vector, side: float, end_side: float | None = None) -> Mesh:
-    """A bar of square section that rises from ``start`` to ``end``, cut off level."""
+    """A bar of square section that rises from ``start`` to ``end``, with horizontal ends."""
     bar = box(1.0, 1.0, 1.0)
     upper = bar.positions[:, 2:3]
     low, high = np.array(start), np.array(end)

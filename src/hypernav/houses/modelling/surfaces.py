@@ -151,7 +151,7 @@ def cylinder(
     if b > 0.0:
         profile += [(radius, b), (top, height - b)]
     else:
-        profile += [(radius, 0.0), (top, height)] if radius != profile[-1][0] else [(top, height)]
+        profile.append((top, height))
     profile += [(top - b, height), (0.0, height)] if b > 0.0 else [(0.0, height)]
     return lathe(profile, sides=sides, crease_deg=50.0 if b > 0.0 else 35.0).moved(*at)
 

@@ -3,7 +3,7 @@
 from hypernav.houses.modelling.mesh import Finish, Mesh
 from hypernav.houses.modelling.solids import panel
 
-# A material whose image covers one metre square is taken as fitted, and is not repeated.
+# A material whose image covers one metre square counts as fitted, and is not repeated.
 _TILE_M = 2.0
 
 

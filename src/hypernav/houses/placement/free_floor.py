@@ -12,7 +12,7 @@ from hypernav.houses.plan.shapes import FloorPlan, Rect
 _CELL_M = 0.05
 _MARGIN_M = 0.6
 STANDING_RADIUS_M = 0.19
-"""Radius of a slim robot, metres; all cells where it fits must stay one connected component."""
+"""Radius of a slim robot, metres; all cells where it fits must stay connected."""
 
 _CONSERVATIVE_RADIUS_M = 0.225
 """Radius with a margin for the raster, metres; tighter positions don't count as view points."""
@@ -100,7 +100,7 @@ class FreeFloor:
         self._anchors += anchors
 
     def standing_points(self) -> Float64[np.ndarray, "n 2"]:
-        """Centres of the cells that a slim robot surely reaches, 10 cm apart."""
+        """Centres of the cells that a slim robot can certainly reach, 10 cm apart."""
         _, parts, stats, _ = cv2.connectedComponentsWithStats(
             self._conservative.view(np.uint8), connectivity=4
         )

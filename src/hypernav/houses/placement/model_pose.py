@@ -8,7 +8,7 @@ from hypernav.houses.placement.free_floor import Point
 from hypernav.houses.plan.shapes import Rect
 
 GAP_M = 0.02
-"""Least gap between pieces of furniture, metres."""
+"""Smallest gap between pieces of furniture, metres."""
 
 SKIRTING_M = 0.018
 """Gap between furniture and a wall, for the skirting board, metres."""
@@ -43,7 +43,7 @@ def footprint(model: Model, pose: ModelPose) -> Rect:
     if abs(pose.yaw_deg - 90.0 * quarter) < 1e-9:
         w, d = (model.width, model.depth) if quarter % 2 == 0 else (model.depth, model.width)
     else:
-        # A square that covers it at every other angle.
+        # at other angles a square that covers it
         w = d = 0.93 * (model.width**2 + model.depth**2) ** 0.5
     return Rect(pose.x - w / 2, pose.y - d / 2, pose.x + w / 2, pose.y + d / 2)
 

@@ -22,10 +22,10 @@ from hypernav.houses.plan.shapes import FloorPlan, Opening, Rect
 from hypernav.houses.random_stream import RandomStream
 
 _OVERHEAD_M = 1.05
-"""Least height of models that a robot drives under, metres."""
+"""Smallest height of models that a robot drives under, metres."""
 
 _DRIVABLE_M = 0.08
-"""Greatest height of models that a robot drives over, metres."""
+"""Largest height of models that a robot drives over, metres."""
 
 
 class RoomSpace:
@@ -209,7 +209,7 @@ class RoomSpace:
             pose: Pose of the model.
             front: Depth of the floor before it that stays reserved, metres.
             access: Whether its front must stay within reach.
-            flat: Whether it occupies no space, as a rug.
+            flat: Whether it occupies no space, like a rug.
             on_top: Whether it stands on another model and occupies no floor.
         """
         rect = footprint(model, pose)

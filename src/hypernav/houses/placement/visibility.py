@@ -1,8 +1,8 @@
 """Visibility of objects from positions beside them where a robot can stand.
 
 An object that is hidden behind furniture, or hangs out of reach above a bed, can't be a goal, so it
-is removed. The test is strict: bounding boxes of other objects occlude, and a fair share of the
-object's own surface points must be visible.
+is removed. The test is strict: bounding boxes of other objects occlude, and a sufficient share of
+the object's own surface points must be visible.
 """
 
 import numpy as np

@@ -82,7 +82,7 @@ def _other(wall: SharedWall, number: int, rooms: Sequence[Room]) -> str:
 
 
 def _is_elsewhere(wall: SharedWall, doors: Sequence[Opening]) -> bool:
-    """Whether a wall leads to another room than the doors that there are."""
+    """Whether a wall leads to another room than the existing doors."""
     return all(set(door.rooms) != {wall.low, wall.high} for door in doors)
 
 

@@ -24,7 +24,7 @@ def crowded_plan(rng: RandomStream, _number: int) -> FloorPlan:
 
 
 def wide_opening(openings: Sequence[Opening]) -> Opening | None:
-    """The passage into a meeting room that has this one entry only; None for other rooms."""
+    """The passage into a meeting room with only this entry; None for other rooms."""
     entries = [one for one in openings if one.is_passable]
     return entries[0] if len(entries) == 1 and entries[0].kind == "passage" else None
 

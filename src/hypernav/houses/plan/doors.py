@@ -1,8 +1,8 @@
 """Doors and passages between rooms, by the rules of residential design.
 
-Paths may lead through halls, living rooms and dining rooms, through kitchens only to the rooms that
-belong to them. No path leads through bathrooms, storage or laundry, paths through bedrooms only to
-their own bathroom, and at least one bathroom is reached without crossing a bedroom.
+Paths may lead through halls, living rooms and dining rooms; through kitchens only to rooms that
+belong to them; through bedrooms only to their own bathroom; never through bathrooms, storage rooms
+or laundries. At least one bathroom can be reached without crossing a bedroom.
 """
 
 from collections.abc import Sequence
@@ -232,7 +232,7 @@ def hang_door(
         wall: Wall to put it in.
         wide: Clear width, metres.
         leaf_room: Index of the room that its leaf should open into; -1 for a frame only.
-        others: Doors that there are already.
+        others: Existing doors.
     """
     length = wall.end - wall.start
     for attempt in range(12):
@@ -277,7 +277,7 @@ def approach(door: Opening, *, margin: float = 0.0, deep: float = APPROACH_M) ->
 
 
 def collide(a: Opening, b: Opening) -> bool:
-    """Whether two doors or their open leaves get in each other's way."""
+    """Whether two doors or their open leaves collide."""
     la, lb = leaf_rect(a), leaf_rect(b)
     if la is not None and la.overlaps(approach(b, deep=1.0), 0.02):
         return True

@@ -1,4 +1,4 @@
-"""Random floor plans of offices, in five layouts that people know.
+"""Random floor plans of offices, in five common layouts.
 
 *Corridor*: rooms on one or both sides of a long corridor. *Open plan*: a hall of desks with rooms
 at its sides. *Ring*: two corridors around a core without windows, joined at their ends. *Comb*:

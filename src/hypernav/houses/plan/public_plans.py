@@ -14,7 +14,7 @@ LEAST_M2, MOST_M2 = 60.0, 800.0
 """Least and greatest area of all rooms of a public building, walls included."""
 
 _ATTEMPTS = 60
-"""Number of tries of one layout before the simplest takes its place."""
+"""Number of attempts with one layout before the simplest replaces it."""
 
 
 @dataclass(frozen=True)

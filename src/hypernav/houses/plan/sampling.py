@@ -28,7 +28,7 @@ def sample_plan(rng: RandomStream, program: Program | None = None) -> FloorPlan:
 
 
 def _easier(program: Program) -> Program:
-    """Simpler program: first with a hall, then with fewer rooms, at last the small flat."""
+    """Simpler program: first with a hall, then with fewer rooms, finally the small flat."""
     if not program.has_hall and len(program.public) > 1:
         return replace(program, has_hall=True)
     if len(program.private) > 4:

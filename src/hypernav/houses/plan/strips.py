@@ -1,4 +1,4 @@
-"""Strips of rooms side by side, of which the plans of public buildings consist."""
+"""Strips of rooms side by side, the elements of the plans of public buildings."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ class Width:
 
 @dataclass(frozen=True)
 class StripProgram:
-    """What a strip holds.
+    """The rooms of a strip.
 
     Attributes:
         wanted: Kinds of the rooms that it should hold; those that find no space are left out.
@@ -53,7 +53,7 @@ def fill_strip(rng: RandomStream, strip: Rect, along: str, program: StripProgram
         program: What it holds.
 
     Returns:
-        No rooms if none of the program's fits.
+        The rooms; empty if none of the program's rooms fits.
     """
     length = strip.width if along == "x" else strip.depth
     widths = program.widths

@@ -6,7 +6,7 @@ Musse, "Automatic real-time generation of floor plans based on squarified treema
 *Slices*: the footprint is cut recursively in proportion to the rooms' areas, as in slicing
 floor plans of circuit design. A plan counts if every room keeps its least width and its
 proportions and can be reached by the rules of `hypernav.houses.plan.doors`; of these, the one with
-the least penalty is taken.
+the smallest penalty is taken.
 """
 
 from collections.abc import Callable, Sequence

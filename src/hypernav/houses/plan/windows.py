@@ -140,7 +140,7 @@ def sample_windows(
 
 
 def is_free(new: Opening, others: Sequence[Opening]) -> bool:
-    """Whether an opening in an outer wall gets in the way of no other one."""
+    """Whether an opening in an outer wall collides with no other one."""
     for other in others:
         same_wall = new.along == other.along and abs(new.at - other.at) < 0.3
         if same_wall and new.start < other.end + 0.15 and other.start < new.end + 0.15:

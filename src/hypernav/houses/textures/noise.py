@@ -59,7 +59,7 @@ def to_image(
     values: Float64[np.ndarray, "height width *channels"],
 ) -> Image:
     """Numbers from 0 to 1 as an 8-bit sRGB image; grey if there is only one channel."""
-    # The odd offset keeps values that are exact in theory off the rounding boundary in practice.
+    # The unusual offset keeps theoretically exact values away from the rounding boundary.
     bytes_ = np.floor(np.clip(values, 0.0, 1.0) * 255.0 + 0.50137).astype(np.uint8)
     return np.repeat(bytes_[..., None], 3, axis=2) if bytes_.ndim == 2 else bytes_
 

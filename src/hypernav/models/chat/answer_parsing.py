@@ -1,7 +1,7 @@
 """Parsing of model answers: one of the allowed answers, a JSON form, or a fault.
 
 Several servers accept a constraint and silently ignore it (``transformers serve`` logs a warning
-and goes on, Ollama's cloud drops JSON schemas), so every answer is checked here, always.
+and continues, Ollama's cloud drops JSON schemas), so every answer is checked here.
 """
 
 import json
@@ -27,7 +27,7 @@ _LEAD = re.compile(
 )
 _SHORT = 80
 LONGEST_ANSWER = 32_768
-"""Characters of an answer that are kept: the longest question asks for a twentieth of it."""
+"""Characters of an answer that are kept: 20 times the longest answer that is asked for."""
 
 
 def parse_answer(
@@ -83,7 +83,7 @@ def without_thinking(text: str) -> str:
 
 
 def writable(text: str) -> str:
-    """The text without half surrogate pairs, which JSON can carry and no file can hold."""
+    """The text without unpaired surrogates, which JSON may contain but no file can store."""
     return text.encode("utf-16", "surrogatepass").decode("utf-16", "replace")
 
 
@@ -121,7 +121,7 @@ def _key(text: str) -> str:
 
 
 def _unwrapped(said: str) -> str:
-    """The text without a code fence and without the JSON object that carries one answer."""
+    """The text without a code fence and without the JSON object around a single answer."""
     fenced = _FENCE.search(said)
     inner = fenced[1].strip() if fenced else said
     value = _json_in(inner)

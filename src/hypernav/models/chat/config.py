@@ -23,24 +23,24 @@ class ChatConfig(RoomConfig):
     """Settings that all chat models share.
 
     Attributes:
-        timeout_s: Longest wait for one attempt; a robot stands still meanwhile.
+        timeout_s: Longest wait for one attempt, during which a robot stands still.
         connect_timeout_s: Longest wait for one of the server's addresses to connect.
         patience_s: Time after which an unanswered question is given up. Failed attempts are
             repeated until then; 0 asks once.
-        first_wait_s: Wait between the first two attempts; doubles each time.
+        first_wait_s: Wait between the first two attempts; doubled each time.
         longest_wait_s: Longest wait between two attempts. A server's own ``Retry-After`` is cut to
             it, too.
-        dialect: API dialect in which the server takes a choice among allowed answers; "auto" finds
-            out.
+        dialect: API dialect in which the server accepts a set of allowed answers; "auto" detects
+            it.
         temperature: Sampling temperature; 0 is the most repeatable. None leaves it to the server,
-            as some hosted reasoning models insist.
+            which some hosted reasoning models require.
         seed: Seed for servers that sample. None sends none.
         logprobs: Whether to request the probabilities of allowed answers.
-        decisions: Whether to use a decision endpoint, which answers closed questions with a
-            probability for every allowed answer, where the server has one.
+        decisions: Whether to use the server's decision endpoint, if it has one, which answers
+            closed questions with a probability for every allowed answer.
         jpeg_quality: JPEG quality of the images that are sent (colour is not subsampled).
         device: Device of a model in this process: "auto", "cpu", "cuda", "cuda:1", "mps".
-        dtype: Number format of a model in this process: "auto" is bfloat16 where the device has it.
+        dtype: Number format of a model in this process: "auto" is bfloat16 where supported.
     """
 
     timeout_s: float = Field(default=60.0, gt=0.0, le=86_400.0)

@@ -11,7 +11,7 @@ from hypernav.core.errors import ModelError
 
 
 def jpeg_bytes(image: Image, *, quality: int = 95) -> bytes:
-    """The image as a JPEG file whose colours are as sharp as its brightness."""
+    """The image as a JPEG file without colour subsampling."""
     done, data = cv2.imencode(
         ".jpg",
         image[..., ::-1],

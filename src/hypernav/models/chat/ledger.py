@@ -56,7 +56,7 @@ class LedgerRow:
 
 
 class Ledger:
-    """Counts what is asked. Safe to share between threads."""
+    """Counts questions and their costs. Safe to share between threads."""
 
     def __init__(self) -> None:
         """Begin at zero."""
@@ -82,7 +82,7 @@ class Ledger:
         self._add(question.kind, LedgerRow(calls=1, faults=Counter(unavailable=1)))
 
     def clear(self) -> None:
-        """Back to zero."""
+        """Reset all counts."""
         with self._lock:
             self._rows.clear()
 
@@ -130,7 +130,7 @@ class LedgerChat:
     """A chat model whose questions are counted in a ledger."""
 
     def __init__(self, model: ChatModel, ledger: Ledger) -> None:
-        """Count what is asked of the model."""
+        """Create it around a model."""
         self._model = model
         self.ledger = ledger
 

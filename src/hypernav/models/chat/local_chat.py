@@ -1,7 +1,7 @@
-"""Chat models in this process: Qwen2.5-VL, Qwen3-VL and whatever the Auto classes load.
+"""Chat models in this process: Qwen2.5-VL, Qwen3-VL and others that the Auto classes load.
 
-Closed questions are not generated but decided: every allowed answer is scored, so the probabilities
-are exact and nothing else can be answered.
+For closed questions no text is generated: every allowed answer is scored, so the probabilities are
+exact and no other answer is possible.
 """
 
 import json
@@ -87,7 +87,7 @@ class LocalChat:
         )
 
     def _inputs(self, question: Question) -> dict[str, Any]:
-        """The prompt with its images as the model's own chat template writes it."""
+        """The prompt with its images, formatted by the model's own chat template."""
         text = question.text
         if question.form is not None:
             text += f"\n\nAnswer with JSON of this schema: {_schema(question)}"

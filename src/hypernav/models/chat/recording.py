@@ -1,6 +1,6 @@
 """Recording of a chat model's exchanges, and their replay without the model.
 
-A recording is a JSON-lines file: a header, then one exchange a line in the order of the answers.
+A recording is a JSON-lines file: a header, then one exchange per line in the order of the answers.
 Images are named by the hash of their pixels, so a recording stays small and a replay notices when
 an image differs in a single pixel.
 """
@@ -82,7 +82,7 @@ class _Exchange(_Line):
 
 
 class RecordingChat:
-    """A chat model whose exchanges are written to a file, each at once. Thread-safe."""
+    """A chat model whose exchanges are written to a file immediately. Thread-safe."""
 
     def __init__(self, model: ChatModel, path: Path | str, *, append: bool = False) -> None:
         """Begin a recording.
@@ -90,7 +90,7 @@ class RecordingChat:
         Args:
             model: Model that is asked.
             path: File of the recording.
-            append: Whether to go on with a file that exists already.
+            append: Whether to continue an existing file.
 
         Raises:
             RecordingError: The file exists already, or cannot be written.
@@ -113,7 +113,7 @@ class RecordingChat:
         return self._name
 
     def ask(self, question: Question) -> Answer:
-        """Ask the model and write down both."""
+        """Ask the model, and record question and answer."""
         try:
             answer = self._model.ask(question)
         except ModelUnavailableError as error:
@@ -133,7 +133,7 @@ class RecordingChat:
         return answer
 
     def close(self) -> None:
-        """End the recording; what was recorded is on disk already."""
+        """Close the file; the recorded exchanges are on disk already."""
         with self._lock:
             if not self._file.closed:
                 self._file.close()
@@ -184,7 +184,7 @@ class ReplayChat:
         return answer
 
     def take(self, question: Question) -> Answer | None:
-        """The recorded answer, or None if the recording holds none any more.
+        """The recorded answer, or None if the recording holds no further one.
 
         Raises:
             ModelUnavailableError: The recorded model was unavailable.
@@ -230,7 +230,7 @@ class ReplayChat:
 
 def _read(path: Path) -> tuple[_Header, list[_Exchange]]:
     try:
-        # Not `splitlines`: an answer may hold other line ends, which JSON does not escape.
+        # Not `splitlines`: an answer may contain other line separators, which JSON does not escape.
         text = read_file(path, most=_MOST_BYTES)
         check_json_size(text, Allowance())
         lines = text.decode("utf-8").removesuffix("\n").split("\n")

@@ -1,4 +1,4 @@
-"""A chat model that goes on where its recording ends, after a crash or a restart."""
+"""A chat model that continues after its recording, for a restart after a crash."""
 
 from pathlib import Path
 
@@ -9,14 +9,14 @@ from hypernav.models.chat.recording import RecordingChat, ReplayChat
 
 
 class ResumingChat:
-    """Answers what the recording holds from it, in order; asks the model for all else.
+    """Answers from the recording, in order, and asks the model for everything else.
 
     So a search that is repeated with the same images asks no question twice. New exchanges are
-    appended to the recording, each at once. Thread-safe.
+    appended to the recording immediately. Thread-safe.
     """
 
     def __init__(self, model: ChatModel, path: Path) -> None:
-        """Read what there is of the recording, and go on with it.
+        """Read the existing recording, and continue it.
 
         Args:
             model: Model that is asked for what the recording does not hold.
@@ -39,12 +39,12 @@ class ResumingChat:
         return self._recording.ask(question) if answer is None else answer
 
     def close(self) -> None:
-        """End the recording; what was recorded is on disk already."""
+        """Close the file; the recorded exchanges are on disk already."""
         self._recording.close()
 
 
 def _without_half_a_line(path: Path) -> int:
-    """Cut off what follows the last line feed; the size of what is left, bytes."""
+    """Remove what follows the last line feed; returns the remaining size, bytes."""
     if not path.exists():
         return 0
     try:
@@ -52,5 +52,5 @@ def _without_half_a_line(path: Path) -> int:
         with path.open("r+b") as file:
             file.truncate(size)
     except OSError as error:
-        raise RecordingError(f"cannot go on with {path}: {error.strerror}") from error
+        raise RecordingError(f"cannot continue {path}: {error.strerror}") from error
     return size

@@ -41,9 +41,9 @@ class VlmFamily:
         space: Unit of its coordinates: "pixels" of the image as it was sent, "thousandths" of the
             image's sides, or "unit" (0 to 1).
         side_multiple: The image is sent with sides that are multiples of this, so that the
-            server need not resize it and pixels mean the same on both ends; 0 sends it as it is.
-        min_pixels: Smallest area of the image as it is sent.
-        max_pixels: Largest area of the image as it is sent.
+            server need not resize it and pixels mean the same on both sides; 0 sends it unchanged.
+        min_pixels: Smallest area of the sent image.
+        max_pixels: Largest area of the sent image.
         rows_first: Whether boxes are ``(y_min, x_min, y_max, x_max)``.
         box_key: Key of a box in its JSON.
     """
@@ -57,7 +57,7 @@ class VlmFamily:
     box_key: str = "bbox_2d"
 
     def prepared(self, image: Image) -> UInt8[np.ndarray, "sent_height sent_width 3"]:
-        """The image as it is sent."""
+        """The image resized for sending."""
         height, width = image.shape[:2]
         new_width, new_height = self.sent_size(width, height)
         if (new_width, new_height) == (width, height):
@@ -68,7 +68,7 @@ class VlmFamily:
         return resized.astype(image.dtype, copy=False)
 
     def sent_size(self, width: int, height: int) -> tuple[int, int]:
-        """Width and height of the image as it is sent."""
+        """Width and height of the sent image."""
         if not self.side_multiple:
             return width, height
         return smart_resize(
@@ -80,7 +80,7 @@ class VlmFamily:
         )
 
     def extent(self, width: int, height: int) -> tuple[float, float]:
-        """The largest x and y that the model can answer for an image of this size."""
+        """The largest x and y in the model's coordinates for an image of this size."""
         match self.space:
             case "pixels":
                 sent = self.sent_size(width, height)
@@ -91,13 +91,13 @@ class VlmFamily:
                 return 1.0, 1.0
 
     def to_image(self, box: Box, width: int, height: int) -> Box:
-        """A box in the model's coordinates, in pixels of the image of this size."""
+        """Convert a box from the model's coordinates to pixels of an image of this size."""
         extent_x, extent_y = self.extent(width, height)
         x, y = width / extent_x, height / extent_y
         return Box(box.x_min * x, box.y_min * y, box.x_max * x, box.y_max * y)
 
     def from_image(self, box: Box, width: int, height: int) -> Box:
-        """The inverse of `to_image`: what the model should say about a box in the image."""
+        """The inverse of `to_image`."""
         extent_x, extent_y = self.extent(width, height)
         x, y = extent_x / width, extent_y / height
         return Box(box.x_min * x, box.y_min * y, box.x_max * x, box.y_max * y)
@@ -170,15 +170,15 @@ def family_named(name: str) -> VlmFamily:
 
 
 def family_of(model: str) -> VlmFamily:
-    """The family that a model's name tells of.
+    """The family of a model, by its name.
 
     Raises:
-        ConfigError: The name tells of none; guessing would put every box in the wrong position.
+        ConfigError: The name shows no family; guessing would put every box in a wrong position.
     """
     for pattern, name in _SPELLINGS:
         if re.search(pattern, model, re.IGNORECASE):
             return FAMILIES[name]
     raise ConfigError(
         f"it is not known in which coordinates '{model}' answers; name its family: "
-        f"{', '.join(FAMILIES)} (hypernav doctor finds out by a drawn shape)"
+        f"{', '.join(FAMILIES)} (hypernav doctor finds out with a drawn shape)"
     )

@@ -1,4 +1,4 @@
-"""Opening a chat model by what a person writes: ``openai:URL#MODEL``, ``local:ID`` and so on."""
+"""Opens a chat model from its specification: ``openai:URL#MODEL``, ``local:ID`` and so on."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,7 +19,7 @@ class VlmSpec:
     Attributes:
         kind: Kind of backend.
         target: URL, path or id.
-        model: Name of the model on the server; None where it has only one.
+        model: Name of the model on the server; None if it has only one.
     """
 
     kind: Literal["openai", "local", "replay"]
@@ -31,7 +31,7 @@ def parse_vlm_spec(text: str) -> VlmSpec:
     """Read ``openai:URL[#MODEL]``, ``local:PATH_OR_ID`` or ``replay:FILE``.
 
     Raises:
-        ConfigError: It is none of them; the message shows the nearest right form.
+        ConfigError: It has another form; the message shows the nearest correct one.
     """
     kind, colon, target = text.strip().partition(":")
     if kind in {"http", "https"}:
@@ -53,7 +53,7 @@ def parse_vlm_spec(text: str) -> VlmSpec:
 
 
 def open_chat(spec: VlmSpec | str, config: ChatConfig | None = None) -> ChatModel:
-    """Open a chat model. A server is first spoken to when a question comes.
+    """Open a chat model. A server is first contacted with the first question.
 
     Raises:
         ConfigError: The specification is malformed.

@@ -1,1 +1,1 @@
-"""Trained navigation policies of others, whose weights are read from safetensors."""
+"""Published trained navigation policies, whose weights are read from safetensors."""

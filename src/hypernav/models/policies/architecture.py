@@ -1,7 +1,7 @@
 """Architectures of PIRLNav's and ZSON's policies: names and shapes of all their weights.
 
-Both look at images with a ResNet-50 of half the usual width, with group instead of batch
-normalisation (Wijmans et al., "DD-PPO", 2020), and remember with two recurrent layers. Sources:
+Both encode images with a ResNet-50 of half the usual width, with group instead of batch
+normalisation (Wijmans et al., "DD-PPO", 2020), and have two recurrent layers. Sources:
 Ramrakhya et al., "PIRLNav", 2023 (Ram81/pirlnav: ``pirlnav/policy``); Majumdar et al., "ZSON", 2022
 (gunagg/zson: ``zson/policy.py``, ``zson/visual_encoder.py``, ``configs/experiments``). Names of the
 ResNet's weights are theirs; those of the rest are ours, see ``scripts/convert_policy.py``.
@@ -16,7 +16,7 @@ PLANES = 32
 """Width of its first layer; each of the next is twice as wide."""
 EXPANSION = 4
 GROUPS = PLANES // 2
-"""Groups of each normalisation, as both build the ResNet."""
+"""Groups of each normalisation in the ResNet of both."""
 _FLAT = 2048
 """Number of values that an image is compressed to."""
 EMBEDDED = 32
@@ -34,10 +34,10 @@ class PolicyArchitecture:
         image_px: Side of the square image that it looks at, pixels.
         visual: Widths of the layers after the ResNet, with a rectifier between them.
         rectifies_last: Whether the last of these ends with a rectifier as well.
-        cell: Kind of recurrent layers, of which there are two.
-        hidden: Width of these.
-        goals: Number of goals that are known by number; 0 where a goal is a vector.
-        goal_size: Length of a goal's vector; 0 where it is a number.
+        cell: Kind of the two recurrent layers.
+        hidden: Width of the recurrent layers.
+        goals: Number of goals, if a goal is an index; 0 if a goal is a vector.
+        goal_size: Length of a goal's vector; 0 if a goal is an index.
         has_pose: Whether position and heading since the start are inputs.
         actions: Number of actions.
     """
@@ -55,7 +55,7 @@ class PolicyArchitecture:
 
     @property
     def channels(self) -> int:
-        """Channels of the compressed image, of which there is a place for every 32 pixels."""
+        """Channels of the compressed image, which has one position for every 32 pixels."""
         return round(_FLAT / (self.image_px // 32) ** 2)
 
     @property

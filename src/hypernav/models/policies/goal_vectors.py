@@ -9,11 +9,11 @@ from hypernav.models.policies.network import EXTRA
 
 
 def read_vectors(path: str, size: int) -> dict[str, Float32[np.ndarray, "n"]]:
-    """Vectors of goals, by their words, each of length 1.
+    """Vectors of goals, by their names, each of length 1.
 
     Args:
         path: File of vectors, safetensors.
-        size: Number of values of each.
+        size: Number of values of each vector.
 
     Raises:
         ConfigError: No file is named.

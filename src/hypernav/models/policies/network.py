@@ -14,13 +14,13 @@ from hypernav.models.policies.architecture import BLOCKS, GROUPS, PolicyArchitec
 EXTRA = "policies"
 _LEAST_VARIANCE = 1e-2
 _NAMED = 5
-"""Number of weights that a message names."""
+"""Largest number of weights that a message names."""
 
 
 class PolicyNetwork:
-    """A policy's weights, and what they make of an image, a goal, a pose and the last action.
+    """A policy's weights, and the forward step for an image, a goal, a pose and the last action.
 
-    Batches are of one. The weights stay as they are, so nothing here is a torch module.
+    The batch size is one. The weights are never trained, so nothing here is a torch module.
     """
 
     def __init__(self, weights: Mapping[str, Any], architecture: PolicyArchitecture) -> None:
@@ -65,7 +65,7 @@ class PolicyNetwork:
         return PolicyNetwork(weights, architecture)
 
     def first_state(self) -> Any:
-        """The state of a search that has not begun: zeros, ``(layers, hidden)``."""
+        """The state at the start of a search: zeros, ``(layers, hidden)``."""
         size = (self.architecture.state_layers, self.architecture.hidden)
         return self._torch.zeros(size)
 
@@ -81,11 +81,11 @@ class PolicyNetwork:
         """Scores of the actions, and the next state.
 
         Args:
-            rgb: Camera image; it is shrunk to the policy's short side and cut to a square.
-            state: State of the step before.
+            rgb: Camera image; it is shrunk to the policy's side and cropped to a square.
+            state: State after the previous step.
             last_action: Number of the last action plus one; 0 at the start.
             goal: Number of the goal, or its vector.
-            pose: GPS ``(x, z)``, metres, and compass, radians; None where the policy has no pose.
+            pose: GPS ``(x, z)``, metres, and compass, radians; None if the policy has no pose.
 
         Returns:
             Logits of the actions; state, which is a tensor.
@@ -115,7 +115,7 @@ class PolicyNetwork:
         height, width = image.shape[2:]
         short = min(height, width)
         size = (height * side // short, width * side // short)
-        # The published code of both resizes by torchvision, whose default then was not to smooth.
+        # The published code of both resizes by torchvision, which then did not smooth by default.
         image = torch.nn.functional.interpolate(image, size=size, mode="bilinear").round()
         top, left = (size[0] - side) // 2, (size[1] - side) // 2
         image = image[:, :, top : top + side, left : left + side] / 255.0
@@ -123,7 +123,7 @@ class PolicyNetwork:
         return (image - mean) * variance.clamp(min=_LEAST_VARIANCE).rsqrt()
 
     def _see(self, image: Any) -> Any:
-        """What the encoder makes of an image, a vector."""
+        """The encoder's output for an image, a vector."""
         functional = self._torch.nn.functional
         x = functional.conv2d(image, self._weights["backbone.conv1.weight"], stride=2, padding=3)
         x = self._norm("backbone.bn1", x).relu()

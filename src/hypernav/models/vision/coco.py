@@ -93,10 +93,10 @@ COCO_CLASSES: tuple[str, ...] = tuple(
 
 
 def class_for(goal: Goal, classes: tuple[str, ...]) -> int:
-    """Which class of a closed set a goal names.
+    """The class of a closed set that a goal names.
 
-    Synonyms count ("sofa" is COCO's "couch"), and so does a bare head noun ("table" is
-    "dining table"). Attributes and places do not: a closed-set detector that is asked for a
+    Synonyms are accepted ("sofa" is COCO's "couch"), and so is a bare head noun ("table" is
+    "dining table"). Attributes and places are not: a closed-set detector that is asked for a
     "red chair" would stop at any chair.
 
     Raises:
@@ -116,7 +116,7 @@ def class_for(goal: Goal, classes: tuple[str, ...]) -> int:
 
 
 def _closest(wanted: str, classes: tuple[str, ...]) -> list[str]:
-    """Up to three class names: those that the goal contains, then those spelt alike."""
+    """Up to three class names: those that the goal contains, then those with a similar spelling."""
     by_name = {canonical(name): name for name in classes}
     contained = [name for key, name in by_name.items() if f" {key} " in f" {wanted} "]
     alike = [by_name[key] for key in difflib.get_close_matches(wanted, list(by_name), 3, 0.4)]

@@ -1,4 +1,4 @@
-"""ONNX inference sessions, with errors that say what is wrong with a file."""
+"""ONNX inference sessions, with clear errors for unusable files."""
 
 from pathlib import Path
 from typing import Any
@@ -9,7 +9,7 @@ from hypernav.core.files.reading import check_file
 
 
 def open_session(path: Path, *, threads: int = 2) -> Any:
-    """An ``onnxruntime.InferenceSession`` on the CPU that gives the same bytes every time.
+    """A deterministic ``onnxruntime.InferenceSession`` on the CPU.
 
     Args:
         path: An ``.onnx`` file.

@@ -1,8 +1,8 @@
 """Segmentation by box with the SAM family, through transformers.
 
-The Auto class picks the right model for each checkpoint: SAM and SlimSAM (``SamModel``), SAM 2
-(``Sam2Model``), EdgeTAM (``EdgeTamModel``), HQ-SAM (``SamHQModel``). Those after SAM need
-torchvision for their images.
+The Auto class selects the model for each checkpoint: SAM and SlimSAM (``SamModel``), SAM 2
+(``Sam2Model``), EdgeTAM (``EdgeTamModel``), HQ-SAM (``SamHQModel``). All but SAM need torchvision
+for their images.
 
 Source: Kirillov et al., "Segment Anything", 2023; huggingface.co/docs/transformers/model_doc/sam.
 """
@@ -31,9 +31,9 @@ class SamConfig(RoomConfig):
     """How a SAM model is used.
 
     Attributes:
-        clip_to_box: Drop what the mask has outside the box.
+        clip_to_box: Whether to remove the part of the mask outside the box.
         device: "auto", "cpu", "cuda", "mps".
-        dtype: "auto" is bfloat16 where the device has it.
+        dtype: "auto" is bfloat16 if the device supports it.
     """
 
     clip_to_box: bool = True

@@ -1,8 +1,8 @@
-"""Segmentation by box with a SAM encoder and decoder exported to ONNX, MobileSAM for one.
+"""Segmentation by box with a SAM encoder and decoder exported to ONNX, for example MobileSAM.
 
 The decoder is the one that the authors of SAM and MobileSAM export (``SamOnnxModel`` in
 ``segment_anything/utils/onnx.py``): it takes box corners as two points with the labels 2 and 3. The
-encoder is either the bare image encoder, which wants the image normalised and padded
+encoder is either the plain image encoder, which expects a normalised and padded image
 (``[1, 3, 1024, 1024]``), or one that does that itself (``[height, width, 3]``, 0 to 255).
 
 Source: facebookresearch/segment-anything, ``notebooks/onnx_model_example.ipynb``, and
@@ -44,8 +44,8 @@ class OnnxSamConfig(RoomConfig):
     """How an exported SAM is used.
 
     Attributes:
-        side_px: Longest side of the image as the encoder was trained on.
-        clip_to_box: Drop what the mask has outside the box.
+        side_px: Longest side of the images that the encoder was trained on.
+        clip_to_box: Whether to remove the part of the mask outside the box.
         threads: Threads of onnxruntime.
     """
 
@@ -55,7 +55,7 @@ class OnnxSamConfig(RoomConfig):
 
 
 class OnnxSamSegmenter:
-    """Finds the pixels of the object in a box. One image is encoded once for all its boxes."""
+    """Finds the pixels of the object in a box. An image is encoded once for all its boxes."""
 
     def __init__(
         self, encoder: Path | str, decoder: Path | str, config: OnnxSamConfig | None = None
@@ -64,7 +64,7 @@ class OnnxSamSegmenter:
 
         Raises:
             MissingExtraError: onnxruntime is not installed.
-            ModelError: A file is missing, is no ONNX model, or no part of a SAM.
+            ModelError: A file is missing, is not an ONNX model, or not part of a SAM.
         """
         self.config = config or OnnxSamConfig()
         self._encoder = open_session(Path(encoder), threads=self.config.threads)
@@ -108,7 +108,7 @@ class OnnxSamSegmenter:
         return self._encoded[1]
 
     def _blob(self, image: Image) -> Float32[np.ndarray, "..."]:
-        """The image as the encoder wants it."""
+        """The image in the encoder's input format."""
         side = self.config.side_px
         scale = side / max(image.shape[:2])
         size = (round(image.shape[1] * scale), round(image.shape[0] * scale))

@@ -28,9 +28,9 @@ class SimilarityConfig(RoomConfig):
 
     Attributes:
         device: "auto", "cpu", "cuda", "mps".
-        dtype: "auto" is bfloat16 where the device has it.
-        head: Head of BLIP-2: "itm", matching, whose probability soon says 0 or 1, or "itc",
-            contrast, whose cosine grades; other models have one only.
+        dtype: "auto" is bfloat16 if the device supports it.
+        head: Head of BLIP-2: "itm", matching, whose probability saturates at 0 or 1, or "itc",
+            contrast, whose cosine is graded; other models have only one.
     """
 
     device: str = "auto"

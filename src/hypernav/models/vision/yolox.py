@@ -23,7 +23,7 @@ from hypernav.models.vision.onnx_session import open_session
 
 _PADDING = 114
 _NMS_IOU = 0.45
-"""Of two boxes of one class that overlap more than this, the better one stays (YOLOX's demo)."""
+"""Overlap of two boxes of one class above which only the better one is kept (YOLOX's demo)."""
 _CLOSER_TIMES = 2.5
 """Side of the part of the image that is looked at more closely, in sides of the box."""
 _CLOSER_PX = 96.0
@@ -33,7 +33,7 @@ _MOST_CLOSER = 3
 _SAME_BOX_IOU = 0.3
 """Overlap from which on a box in such a part is the one that it was made for."""
 _MIN_BOX_PX = 2.0
-"""A narrower or lower box is dropped."""
+"""Boxes with a shorter side are dropped."""
 
 
 class YoloxConfig(RoomConfig):
@@ -57,7 +57,7 @@ class YoloxConfig(RoomConfig):
 
 
 class YoloxDetector:
-    """Detects the objects of a closed set of classes (COCO's 80 unless configured otherwise).
+    """Detects objects of a closed set of classes (by default COCO's 80).
 
     Reads both kinds of export: the raw head, which is decoded here, and one with the decoding
     built in (``--decode_in_inference``).
@@ -91,7 +91,7 @@ class YoloxDetector:
         return self.config.classes[class_for(goal, self.config.classes)]
 
     def detect(self, observation: Observation, goal: Goal) -> list[Detection]:
-        """All things, best first; those of other classes are marked as no goal.
+        """All things, best first; those of other classes are marked as not being the goal.
 
         Raises:
             GoalError: The network cannot see such a thing.
@@ -162,7 +162,7 @@ class YoloxDetector:
         classes = output[:, 5:].argmax(axis=1)
         scores = output[:, 4] * output[np.arange(len(output)), 5 + classes]
         centres, sizes = output[:, :2], output[:, 2:4]
-        # A raw centre is an offset of about one cell; a decoded one is spread over the input.
+        # A raw centre is an offset of about one cell; decoded centres are spread over the input.
         if np.median(np.abs(centres[:, 0])) < self._width / 8.0:
             centres = (centres + self._grid) * self._strides
             sizes = np.exp(np.clip(sizes, -20.0, 20.0)) * self._strides
@@ -195,7 +195,7 @@ class YoloxDetector:
         return np.concatenate(cells), np.concatenate(strides)
 
     def _check_output(self) -> None:
-        """Run it once: the declared shape may be symbolic."""
+        """Run the network once, because the declared shape may be symbolic."""
         blank = np.full((1, 3, self._height, self._width), float(_PADDING), dtype=np.float32)
         output = self._session.run(None, {self._input_name: blank})[0]
         expected = (1, len(self._grid), 5 + len(self.config.classes))
@@ -217,9 +217,9 @@ def keep_best_boxes(
 
     Args:
         boxes: ``(x_min, y_min, x_max, y_max)``.
-        scores: Higher is better; of equal ones the earlier counts as better.
+        scores: Higher is better; ties go to the earlier box.
         classes: Boxes of different classes never suppress each other.
-        max_iou: How much two kept boxes of one class may overlap.
+        max_iou: Largest overlap of two kept boxes of one class.
 
     Returns:
         Indices of the boxes to keep, best first.

@@ -1,7 +1,7 @@
 """Open-vocabulary detectors: Grounding DINO, MM-Grounding-DINO, LLMDet, OWLv2.
 
 Source: huggingface.co/docs/transformers, ``AutoModelForZeroShotObjectDetection``; Grounding DINO
-wants its text in lower case, OWLv2 was trained on "a photo of a …".
+expects lower-case text, OWLv2 was trained on "a photo of a …".
 """
 
 from typing import Literal
@@ -31,7 +31,7 @@ class ZeroShotConfig(RoomConfig):
         score_threshold: Detections below this are dropped.
         min_side_px: Boxes with a shorter side are dropped.
         device: "auto", "cpu", "cuda", "mps".
-        dtype: "auto" is bfloat16 where the device has it.
+        dtype: "auto" is bfloat16 if the device supports it.
     """
 
     score_threshold: float = Field(default=0.3, ge=0.0, le=1.0)
@@ -80,7 +80,7 @@ class ZeroShotDetector:
         )
         with self._torch.inference_mode():
             outputs = self._model(**moved_to_device(inputs, self._device, self._dtype))
-        for exact in ("logits", "pred_boxes"):  # bfloat16 has edges at every 256th of an image only
+        for exact in ("logits", "pred_boxes"):  # bfloat16 has only 256 edges in an image
             outputs[exact] = outputs[exact].float()
         (found,) = self._processor.post_process_grounded_object_detection(
             outputs,

@@ -1,4 +1,4 @@
-"""The way to a robot's server: requests over HTTP."""
+"""Requests to a robot's server over HTTP."""
 
 import json
 from collections.abc import Iterator
@@ -27,12 +27,12 @@ _LARGEST_REPLY_BYTES = 256 * 2**20
 
 @dataclass(frozen=True)
 class ServerAddress:
-    """Where the server is, and the word that opens it.
+    """Where the server is, and the token for it.
 
     Attributes:
         host: Name or address of the machine.
         port: Port of the server.
-        path: Path before all of the contract's; usually empty.
+        path: Prefix of all request paths; usually empty.
         is_secure: Whether the connection is encrypted (``https``).
         token: Token of the server; None sends none.
     """
@@ -48,7 +48,7 @@ class ServerAddress:
         """Read an address such as ``http://192.168.1.5:8765``.
 
         Raises:
-            RobotLinkError: It is none, or the file of the token cannot be read.
+            RobotLinkError: The text is no such address, or the token file cannot be read.
         """
         try:
             parts = urlsplit(url)
@@ -65,7 +65,7 @@ class ServerAddress:
             try:
                 token = token_file.read_text(encoding="utf-8").strip()
             except (OSError, UnicodeDecodeError) as error:
-                raise RobotLinkError(f"{token_file}: the token can't be read: {error}") from error
+                raise RobotLinkError(f"{token_file}: cannot read the token: {error}") from error
         return ServerAddress(
             parts.hostname, port or (443 if secure else 80), parts.path.rstrip("/"), secure, token
         )
@@ -88,7 +88,7 @@ class Link(Protocol):
         """Send an observation and wait for its reply, which may be on hold.
 
         Raises:
-            LinkLostError: Observation or reply got lost, or took too long; nobody knows which.
+            LinkLostError: The observation or the reply got lost, or took too long.
             RequestRefusedError: The server refuses the observation.
         """
         ...
@@ -98,7 +98,7 @@ class Link(Protocol):
 
         Raises:
             LinkLostError: The reply got lost.
-            RequestRefusedError: The server knows of no such observation.
+            RequestRefusedError: The server has no such observation.
         """
         ...
 
@@ -108,7 +108,7 @@ class Link(Protocol):
 
 
 class HttpServer:
-    """All requests of the contract, over one connection that is opened anew where it breaks.
+    """All requests of the contract, over one connection, which is opened again if it breaks.
 
     One thread at a time may use it.
 
@@ -138,15 +138,15 @@ class HttpServer:
         return self._asked(Reply, "GET", path, timeout_s=timeout_s)
 
     def status(self, search_id: str, *, after: int = -1, wait_s: float = 0.0) -> Status:
-        """State of a search, as soon as it is newer than a version, or after a while.
+        """State of a search, as soon as it is newer than `after`, or when `wait_s` has passed.
 
         Args:
             search_id: The search.
-            after: Version that is known already.
+            after: Version that the caller already has.
             wait_s: Longest wait for a newer one, seconds.
 
         Raises:
-            LinkLostError: No answer within the wait and a moment more.
+            LinkLostError: No answer came within a little more than `wait_s`.
             RequestRefusedError: There is no such search.
         """
         query = f"after={after}&wait_s={wait_s:g}"
@@ -162,13 +162,13 @@ class HttpServer:
 
         Raises:
             LinkLostError: No answer; ask again after a pause.
-            RequestRefusedError: Too many robots wait.
+            RequestRefusedError: Too many robots are waiting.
         """
         path = f"{ROBOTS}/{robot}/wait?wait_s={wait_s:g}"
         return self._asked(GivenGoal, "POST", path, timeout_s=wait_s + _CONNECT_S)
 
     def trace(self, search_id: str, *, since: int = 0) -> Iterator[StepTrace]:
-        """The steps of a search from a step on."""
+        """The steps of a search, from a given step on."""
         text = self._request("GET", f"{SEARCHES}/{search_id}/trace?since={since}").decode()
         for line in text.splitlines():
             yield StepTrace.model_validate_json(line)
@@ -177,7 +177,7 @@ class HttpServer:
         """The map of a search.
 
         Raises:
-            RequestRefusedError: There is none before the first answer.
+            RequestRefusedError: There is no map before the first answer.
         """
         message = json.loads(self._request("GET", f"{SEARCHES}/{search_id}/map.json"))
         info, states = message["info"], np.array(message["data"], dtype=np.int16)
@@ -196,7 +196,7 @@ class HttpServer:
         return self._asked(Status, "POST", f"{SEARCHES}/{search_id}/stop", body)
 
     def close_search(self, search_id: str) -> None:
-        """Tell the server that nobody needs the search any more."""
+        """Tell the server that the search is no longer needed."""
         self._request("POST", f"{SEARCHES}/{search_id}/close")
 
     def close(self) -> None:
@@ -218,7 +218,7 @@ class HttpServer:
             return message.model_validate_json(content)
         except ValidationError as error:
             raise LinkLostError(
-                f"{self.address}: an answer that is no {message.__name__}: {content[:100]!r}"
+                f"{self.address}: the answer is no {message.__name__}: {content[:100]!r}"
             ) from error
 
     def _request(
@@ -272,7 +272,7 @@ class HttpLink:
 
 
 def refused(status: int, content: bytes) -> RequestRefusedError:
-    """The error for a refusal; one that is not of our server names what came instead."""
+    """The error for a refusal; it quotes the response if that did not come from our server."""
     try:
         body = ErrorBody.model_validate(json.loads(content))
     except (ValueError, ValidationError):

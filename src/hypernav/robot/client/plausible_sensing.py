@@ -1,4 +1,4 @@
-"""What a robot senses, compared with what it was told to do: wrong units and signs show."""
+"""Checks what a robot senses against its commands, to find wrong units and signs."""
 
 import math
 
@@ -12,7 +12,7 @@ from hypernav.core.geometry.transforms import wrap_angle
 from hypernav.robot.client.robot import Sensed
 
 _MOVED_M, _TURNED_RAD = 0.1, math.radians(5.0)
-"""Motion after which images must be new."""
+"""Smallest motion after which the images must be new."""
 _JUMP_M = 1.0
 """Length by which a motion may exceed that of a step: a robot rolls on while it waits."""
 _WRONG_SHARE = 0.6
@@ -20,16 +20,16 @@ _WRONG_SHARE = 0.6
 _OTHER_TURN_RAD = math.radians(60.0)
 """Angle by which a turn may differ from the one that was ordered."""
 _METRES_RANGES = 3.0
-"""Depth, in ranges of the camera, from which on it can't be in metres."""
+"""Multiple of the camera's range from which on a depth cannot be in metres."""
 _MOST_BLOCKED = 40
-"""Number of motions, one after the other, that may fail."""
+"""Number of motions in a row that may fail."""
 
 
 class PlausibleSensing:
-    """Ends a search by an error that names the mistake, before a robot drives by wrong numbers."""
+    """Ends a search with an error that names the mistake, before the robot uses wrong numbers."""
 
     def __init__(self, embodiment: Embodiment) -> None:
-        """Begin with nothing sensed.
+        """Create it; nothing has been sensed yet.
 
         Args:
             embodiment: Camera, step and turn of the robot.
@@ -47,7 +47,7 @@ class PlausibleSensing:
             blocked: Whether that motion did not happen.
 
         Raises:
-            SensorError: It can't be true.
+            SensorError: The data cannot be right.
         """
         self._check_images(sensed)
         if self._last is not None:
@@ -55,8 +55,8 @@ class PlausibleSensing:
         self._blocked = self._blocked + 1 if blocked else 0
         if self._blocked >= _MOST_BLOCKED:
             raise SensorError(
-                f"{self._blocked} motions in a row did not happen, by the robot's word or its "
-                "odometry; does it move, and does its odometry say so?"
+                f"{self._blocked} motions in a row did not happen, according to the robot or its "
+                "odometry; does it move, and does its odometry show it?"
             )
         self._last = sensed
 
@@ -90,12 +90,12 @@ class PlausibleSensing:
         if now.stamp_s == before.stamp_s and (moved_m > _MOVED_M or abs(turned) > _TURNED_RAD):
             raise SensorError(
                 f"the robot moved {moved_m:.2f} m and turned {math.degrees(turned):.0f}°, but its "
-                f"images are still those of {now.stamp_s:.3f} s; does the camera hang?"
+                f"images are still those of {now.stamp_s:.3f} s; is the camera frozen?"
             )
         if moved_m > motion.forward_m + _JUMP_M:
             raise SensorError(
                 f"odometry moved {moved_m:.2f} m in one step of {motion.forward_m:g} m; it may "
-                "drift, but not jump: what localisation finds belongs into Sensed.odom_to_map"
+                "drift, but not jump: what localisation finds belongs in Sensed.odom_to_map"
             )
         turn = math.radians(motion.turn_angle_deg)
         ordered = {Action.TURN_LEFT: turn, Action.TURN_RIGHT: -turn}.get(action or Action.STOP)

@@ -27,11 +27,11 @@ class Sensed:
         depth: Depth image of the same camera, metres along the optical axis; 0, NaN or infinite
             where there is no return.
         odometry: Pose of the base in the frame of its odometry, which drifts but never jumps.
-        stamp_s: Time at which the images were taken, on the robot's clock, seconds. Images of
-            before a motion end the search.
+        stamp_s: Time at which the images were taken, on the robot's clock, seconds. Images from
+            before the last motion end the search.
         odom_to_map: Pose of the odometry frame in the ``map`` frame, by localisation; may jump.
-            Without localisation both frames are one.
-        camera_to_base: Pose of the camera on the robot; None takes that of the embodiment.
+            Without localisation the two frames are the same.
+        camera_to_base: Pose of the camera on the robot; None takes the embodiment's.
         height_m: Height of the base above the floor of the start, metres.
         truth: True labels, in simulation only.
     """
@@ -46,11 +46,11 @@ class Sensed:
     truth: LabelledPixels | None = None
 
     def observation(self, camera: PinholeCamera, camera_to_base: Transform) -> Observation:
-        """The same as an agent takes it.
+        """The same data as an agent's observation.
 
         Args:
             camera: Camera of the images.
-            camera_to_base: Pose of the camera on the robot, unless it was sensed, too.
+            camera_to_base: Pose of the camera on the robot, for a robot that does not sense it.
         """
         base_to_odom = self.odometry.to_transform(self.height_m)
         base_to_map = self.odom_to_map.to_transform() @ base_to_odom
@@ -66,12 +66,12 @@ class Sensed:
 
 
 class Executed(StrEnum):
-    """What became of an action."""
+    """How an action ended."""
 
     DONE = "done"
     """The motion was made, as far as the robot knows."""
     BLOCKED = "blocked"
-    """Something is in the way, and stayed there."""
+    """Something is in the way and has not moved."""
     STOPPED = "stopped"
     """`Robot.stop` ended the motion before its end."""
 
@@ -90,17 +90,17 @@ class Robot(Protocol):
         ...
 
     def execute(self, action: Action) -> Executed:
-        """Make a step or a turn, and come back when it is made. Never called with STOP.
+        """Make a step or a turn, and return when it is done. Never called with STOP.
 
-        A robot stops for what comes into its way, waits a while, and goes on; only what stays
-        there makes the answer `Executed.BLOCKED`.
+        The robot stops for anything in its way, waits a while, and goes on if it is gone; else the
+        answer is `Executed.BLOCKED`.
         """
         ...
 
     def stop(self) -> None:
         """Stand still at once; a motion under way ends and is not taken up again.
 
-        May be called from any thread, also while `execute` runs, and again and again.
+        May be called from any thread, any number of times, also while `execute` runs.
         """
         ...
 
@@ -112,13 +112,13 @@ class FollowsPaths(Protocol):
     def follow(
         self, path: Sequence[tuple[float, float]], until: Callable[[Pose2], bool]
     ) -> Executed:
-        """Drive along a path, and come back without braking when it is enough.
+        """Drive along a path, and return without braking as soon as `until` says so.
 
-        At the end of the path it stands. The next call or `Robot.execute` follows at once.
+        It stops at the end of the path. The next call of this or `Robot.execute` follows at once.
 
         Args:
             path: Corners ``(x, y)`` from the robot on, metres, in the frame of the odometry.
-            until: Function of the present odometry that says whether it is enough; asked ten times
-                a second or so.
+            until: Function of the present odometry that says whether to return; called about ten
+                times a second.
         """
         ...

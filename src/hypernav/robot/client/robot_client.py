@@ -27,9 +27,9 @@ from hypernav.robot.wire.values import PlanarPose, RigidMatrix
 
 _LOG = logging.getLogger(__name__)
 MADE_SHARE = 0.6
-"""Share of a motion below which it did not happen; agents take the same for a bump."""
+"""Share of a motion below which it did not happen; agents detect a bump by the same share."""
 _FIRST_PAUSE_S, _LONGEST_PAUSE_S = 0.05, 2.0
-"""Pauses between attempts: doubled from the first to the longest."""
+"""First and longest pause between attempts; each is twice the one before."""
 _SHORTEST_PATH_M = 0.1
 
 
@@ -66,16 +66,16 @@ class Patience:
 
 
 class RobotClient:
-    """Drives a robot by the answers of a server, each of them executed at most once.
+    """Drives a robot by the answers of a server; each answer is executed at most once.
 
-    Whatever gets lost is sent again with the same number, which the server answers as before. While
-    an answer is late the robot stands still. `stop` always wins.
+    A lost observation is sent again with the same number, and the server gives the same answer.
+    While an answer is late the robot stands still. `stop` overrides everything.
 
     Attributes:
         steps: Number of answers so far.
         blocked: Number of motions that did not happen.
         resent: Number of observations that were sent again.
-        watchdog: Watchdog of the answers.
+        watchdog: Watchdog that stops the robot while an answer is late.
 
     Examples:
         >>> client = RobotClient(robot, HttpLink(address, opened.id))  # doctest: +SKIP
@@ -119,7 +119,7 @@ class RobotClient:
         Raises:
             ServerUnreachableError: No answer for too long.
             RequestRefusedError: The server refuses what this robot sends.
-            SensorError: What the robot senses can't be true.
+            SensorError: What the robot senses cannot be right.
         """
         last: ClientStep | None = None
         pool = ThreadPoolExecutor(1)
@@ -142,25 +142,25 @@ class RobotClient:
                 if executed is None:
                     return
         finally:
-            self._stopped.set()  # nobody waits for an answer any more
+            self._stopped.set()  # ends the attempts of the thread in the pool
             self._robot.stop()
             pool.shutdown()
             self._link.close()
 
     def stop(self) -> None:
-        """Stop the robot for good, from any thread; comes back when it stands still.
+        """Stop the robot permanently, from any thread; returns when it stands still.
 
         The server is not told; `hypernav.robot.client.links.HttpServer.stop` does that.
         """
         self._stopped.set()
         self._robot.stop()
-        # A motion may just have begun: it is stopped until it has ended.
+        # A motion may begin just now: stop it again until it has ended.
         while self._moving.is_set():
             time.sleep(0.01)
             self._robot.stop()
 
     def _execute(self, reply: Reply, sensed: Sensed) -> Executed:
-        """Do once what a reply says."""
+        """Execute the action of a reply, once."""
         action = Action(reply.action or 0)
         forward_m = self._robot.embodiment.motion.forward_m
         path = _in_odometry(reply.path, sensed.odom_to_map)
@@ -172,7 +172,7 @@ class RobotClient:
         )
 
     def _roll_on(self, last: ClientStep | None, answer: Future[Reply]) -> None:
-        """Drive on along the path of before until there is an answer, or it is late."""
+        """Drive on along the previous path until there is an answer, or it is late."""
         if self._follower is None or last is None or last.executed is not Executed.DONE:
             return
         path = _in_odometry(last.reply.path, last.sensed.odom_to_map)
@@ -199,7 +199,7 @@ class RobotClient:
         return turned < MADE_SHARE * math.radians(motion.turn_angle_deg)
 
     def _answer(self, sensed: Sensed, blocked: bool) -> Reply:
-        """The decision about an observation, however often it must be sent."""
+        """The decision about an observation, which is sent as often as necessary."""
         facts = ObservationFacts(
             sequence=self._sequence,
             stamp_s=sensed.stamp_s,
@@ -214,7 +214,7 @@ class RobotClient:
         return reply
 
     def _decided(self, body: bytes) -> Reply:
-        """The reply to an observation, sent again where it got lost, and waited for on hold."""
+        """The reply to an observation, which is sent again if lost; waits while it is on hold."""
         pause_s, is_known = _FIRST_PAUSE_S, False
         given_up_s = time.monotonic() + self._patience.unreachable_s
         while True:
@@ -224,7 +224,7 @@ class RobotClient:
                 if (reply.sequence == self._sequence and not reply.hold) or reply.done:
                     return reply
                 is_known, pause_s = reply.hold, _FIRST_PAUSE_S
-                # Only the search itself is waited for: the server is there.
+                # The server is reachable; it only needs time to decide.
                 given_up_s = time.monotonic() + self._patience.unreachable_s
             except LinkLostError as error:
                 _LOG.info("observation %d is sent again: %s", self._sequence, error)
@@ -244,7 +244,7 @@ class RobotClient:
             pause_s = min(2.0 * pause_s, _LONGEST_PAUSE_S)
 
     def _taken(self, refusal: RequestRefusedError) -> bool:
-        """Whether the server has the observation all the same.
+        """Whether the server has the observation although it refused this copy.
 
         A late copy of an earlier observation is refused with the number that is expected now. A
         server that is busy or starts again says so, too.

@@ -6,13 +6,13 @@ from types import TracebackType
 
 
 class SideThread(ABC):
-    """Works in a thread of its own while a ``with`` block runs, and has ended after it.
+    """Does its work in a thread of its own while a ``with`` block runs, and ends with it.
 
     The block may wait for the network, or hang; the thread goes on.
     """
 
     def __enter__(self) -> None:
-        """Begin to work."""
+        """Start the thread."""
         self._block_ended = threading.Event()
         self._thread = threading.Thread(
             target=self._work_until, args=(self._block_ended,), daemon=True
@@ -31,4 +31,4 @@ class SideThread(ABC):
 
     @abstractmethod
     def _work_until(self, block_ended: threading.Event) -> None:
-        """Work, and come back soon after the block has ended."""
+        """Do the work; return soon after the block has ended."""

@@ -1,4 +1,4 @@
-"""The stop button of the server, heard at once: also in the middle of a motion."""
+"""Listens for the server's stop button, so that it takes effect in the middle of a motion."""
 
 import threading
 from collections.abc import Callable
@@ -16,7 +16,7 @@ _BY_HAND = frozenset({SearchEnding.STOPPED, SearchEnding.CLOSED})
 class StopListener(SideThread):
     """Waits beside a search until someone presses stop, over a connection of its own.
 
-    It ends a second after the ``with`` block, at the latest.
+    It ends at most a second after the ``with`` block.
 
     Examples:
         >>> with StopListener(address, opened.id, client.stop):  # doctest: +SKIP
@@ -43,7 +43,7 @@ class StopListener(SideThread):
                 status = self._server.status(self._search_id, after=version, wait_s=_WAIT_S)
             except (RobotLinkError, RequestRefusedError):
                 block_ended.wait(_PAUSE_S)  # the search itself notices what is wrong
-                version = -1  # a server that was started again counts anew
+                version = -1  # a restarted server counts its versions from the beginning
                 continue
             version = status.version
             if status.ending in _BY_HAND:

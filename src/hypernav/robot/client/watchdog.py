@@ -9,11 +9,10 @@ from hypernav.robot.client.side_thread import SideThread
 class Watchdog(SideThread):
     """Calls a function if a ``with`` block takes too long, while the block goes on.
 
-    Whatever the function does has been done when the block has ended: it can't stop the motion that
-    comes next.
+    The function has returned before the block ends, so it cannot stop the motion that comes next.
 
     Attributes:
-        times_late: Number of blocks so far that took too long.
+        times_late: Number of blocks that took too long.
 
     Examples:
         >>> with Watchdog(0.5, robot.stop):  # doctest: +SKIP
@@ -32,7 +31,7 @@ class Watchdog(SideThread):
         Args:
             deadline_s: Time after which it acts, seconds.
             on_late: Function to call, for example `hypernav.robot.client.robot.Robot.stop`.
-            wait: Function that waits for an event for so many seconds, and says whether it came.
+            wait: Function that waits some seconds for an event, and says whether it came.
         """
         self._deadline_s = deadline_s
         self._on_late = on_late

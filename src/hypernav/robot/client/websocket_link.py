@@ -15,10 +15,10 @@ _CONNECT_S = 5.0
 
 
 class WebSocketLink:
-    """Observations as binary messages; replies come back as text, some of them unasked."""
+    """Sends observations as binary messages; replies come as text, some of them unrequested."""
 
     def __init__(self, address: ServerAddress, search_id: str) -> None:
-        """Carry the observations of one search; the first one connects.
+        """Carry the observations of one search; the connection opens with the first.
 
         Raises:
             MissingExtraError: The package websockets is not installed.
@@ -52,7 +52,7 @@ class WebSocketLink:
         return self._next(sequence, timeout_s)
 
     def ask_again(self, sequence: int, timeout_s: float) -> Reply:
-        """Wait once more for a reply that was on hold; it comes on its own."""
+        """Wait once more for a reply that was on hold; the server sends it without being asked."""
         return self._next(sequence, timeout_s)
 
     def close(self) -> None:
@@ -61,7 +61,7 @@ class WebSocketLink:
         self._open.close()
 
     def _next(self, sequence: int, timeout_s: float) -> Reply:
-        """The next message about an observation; those about earlier ones are passed over."""
+        """The next message about an observation; messages about earlier ones are skipped."""
         if self._connection is None:
             raise LinkLostError(f"{self._url}: the connection was lost while the server decided")
         end = time.monotonic() + timeout_s

@@ -1,1 +1,1 @@
-"""A robot that is driven by velocities, and stops for what its camera sees in its way."""
+"""A robot driven by velocities, which stops for obstacles that its camera sees."""

@@ -1,4 +1,4 @@
-"""The contract of a robot's base: what it takes to drive it by velocities."""
+"""The contract of a robot's base: what is needed to drive it by velocities."""
 
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
@@ -15,16 +15,16 @@ from hypernav.robot.motion.velocity import Velocity
 
 @dataclass(frozen=True, eq=False)
 class DepthView:
-    """A depth image for safety alone; a coarse one at a high rate does.
+    """A depth image for obstacle checks alone; it may be coarse, but must come often.
 
     Attributes:
         depth: Depth, metres along the optical axis; 0, NaN or infinite where there is no return.
         camera: Intrinsics of the image.
         camera_to_base: Pose of the camera on the robot.
-        stamp_s: Time at which the image was taken, on any clock, seconds: of a camera that hangs it
-            stays the same.
-        robot: Pose of the robot in the frame of the odometry at that time, not now: images come
-            late, and the robot drives meanwhile.
+        stamp_s: Time at which the image was taken, on any clock, seconds; if the camera is frozen
+            it stays the same.
+        robot: Pose of the robot in the frame of the odometry at that time, not now: images arrive
+            late, and the robot keeps driving.
     """
 
     depth: Float32[np.ndarray, "height width"]
@@ -56,9 +56,9 @@ class Base(Protocol):
         ...
 
     def drive(self, velocity: Velocity, seconds: float) -> None:
-        """Drive with a velocity, and come back after so many seconds."""
+        """Drive with a velocity for a number of seconds, then return."""
         ...
 
     def halt(self) -> None:
-        """Command standstill at once; may be called from any thread."""
+        """Command the base to stand still at once; may be called from any thread."""
         ...

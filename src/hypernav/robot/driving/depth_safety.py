@@ -1,7 +1,7 @@
-"""Obstacles before the robot, from its depth images alone: no map, no network, no model.
+"""Obstacles in front of the robot, from its depth images alone: no map, no network, no model.
 
-The check is the robot's own. Whatever the server says, and however late, the robot drives only
-where its latest images show no obstacle.
+The check runs on the robot. Whatever the server says, the robot drives only where its latest
+images show no obstacle.
 """
 
 import math
@@ -16,28 +16,28 @@ from hypernav.robot.driving.base import DepthView
 from hypernav.robot.motion.obstacles import PointObstacles
 
 _REACH_M = 2.5
-"""Depth beyond which nothing matters to a slow robot, and noise lifts the floor."""
+"""Depth beyond which points are ignored: far for a slow robot, and noise lifts the floor there."""
 _NEAR_M = 1.2
 """Distance from the robot up to which points are remembered."""
 _REMEMBERED_VIEWS = 60
-"""Number of views for which a point is remembered where the camera can't see any more."""
+"""Number of views for which a point is remembered after it left the camera's view."""
 _APART_M = 0.02
 """Distance between remembered points."""
 _BLIND_SHARE = 0.25
-"""Share of the floor before the robot without a return above which the camera is blind."""
+"""Share of the floor in front of the robot without a return above which the camera is blind."""
 _LEAST_FLOOR_PIXELS = 10
 _MOST_REPEATED = 2
-"""Number of times that one image may be looked at again: cameras are slower than commands."""
+"""Number of times that one image may be used again: cameras are slower than commands."""
 
 
 @dataclass(frozen=True, eq=False)
 class Ahead:
-    """What depth images show before the robot.
+    """What depth images show in front of the robot.
 
     Attributes:
         obstacles: Points of obstacles, in the frame of the odometry.
-        is_blind: Whether the camera hangs, or the floor before the robot has no return, so that
-            something must be too near to be measured, or covers the camera.
+        is_blind: Whether the camera is frozen, or the floor in front of the robot has no return,
+            because something is too near to be measured, or covers the camera.
     """
 
     obstacles: PointObstacles
@@ -45,14 +45,14 @@ class Ahead:
 
 
 class DepthSafety:
-    """Finds obstacles in depth images, and remembers for a while those that got too near to see."""
+    """Finds obstacles in depth images; remembers for a while those now too near to be seen."""
 
     def __init__(self, embodiment: Embodiment) -> None:
-        """Begin without memory.
+        """Create it with an empty memory.
 
         Args:
-            embodiment: Size of the robot: what is above its step and below its height is an
-                obstacle. Nearest depth that its camera measures.
+            embodiment: Gives the size of the robot (points between the height of a step and its own
+                height are obstacles) and the nearest depth that its camera measures.
         """
         self._body = embodiment.body
         self._nearest_m = embodiment.camera.min_depth_m
@@ -88,7 +88,7 @@ class DepthSafety:
         return points[(height > self._body.max_step_m) & (height < self._body.height_m)]
 
     def _forget_seen(self, view: DepthView) -> None:
-        """Keep only what lies beside the image, or too near to be measured, and not for long."""
+        """Keep only points outside the image or too near to be measured, and drop the old ones."""
         points = self._remembered
         level = np.column_stack([points, np.full(len(points), view.camera_to_base.translation[2])])
         in_base = view.robot.to_transform().inverse().apply(level)

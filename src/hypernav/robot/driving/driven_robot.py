@@ -1,4 +1,4 @@
-"""A robot that makes the actions of a search by velocities, and stops for what is in its way."""
+"""A robot that executes actions by velocities, and stops for obstacles."""
 
 import math
 import threading
@@ -22,21 +22,21 @@ CAREFUL = DriveConfig(margin_m=0.03)
 """Limits for buildings in which people walk."""
 _EXACT_M, _EXACT_RAD = 0.001, math.radians(0.05)
 _ENOUGH_M, _ENOUGH_RAD = 0.15, 0.3
-"""Commanded motion after which odometry must show some."""
+"""Commanded motion after which odometry must show motion."""
 _MOVED_SHARE = 0.3
 """Share of the commanded motion below which the wheels are blocked."""
 _LAG_TICKS = 3
-"""Number of ticks that a command takes to the wheels, and their motion back to the odometry."""
+"""Number of ticks from a command to the wheels until odometry shows the motion."""
 
 
 class DrivenRobot:
-    """Makes steps and turns by velocities, in a closed loop over odometry: a `Robot`.
+    """A `Robot` that makes steps and turns by velocities, in a closed loop over odometry.
 
-    Before every command it looks at the latest depth image. If something is in the way it stands
-    and waits; if it is gone the motion goes on.
+    Before every command it checks the latest depth image. If something is in the way the robot
+    stops and waits until it is gone.
 
     Attributes:
-        waits: Number of times that it stood and waited.
+        waits: Number of times that it stopped and waited.
     """
 
     def __init__(
@@ -92,7 +92,7 @@ class DrivenRobot:
     def follow(
         self, path: Sequence[tuple[float, float]], until: Callable[[Pose2], bool]
     ) -> Executed:
-        """Drive along a path, and come back without braking when it is enough."""
+        """Drive along a path, and return without braking as soon as `until` says so."""
         return self._run(
             lambda robot, seen: self._pursuit.command(robot, path, TICK_S, seen),
             lambda robot: until(robot) or self._pursuit.has_arrived(robot, path),
@@ -117,7 +117,7 @@ class DrivenRobot:
             self._pursuit.reset()
         progress, waited_s = _Progress(self._base.odometry()), 0.0
         while not is_done(self._base.odometry()):
-            ahead = self._safety.look(self._base.depth_view())  # which may be waited for
+            ahead = self._safety.look(self._base.depth_view())  # waiting may help
             velocity = command(self._base.odometry(), ahead.obstacles)
             if ahead.is_blind and velocity.linear_m_s > 0.0:
                 self._pursuit.reset()
@@ -145,7 +145,7 @@ class DrivenRobot:
 
 
 class _Progress:
-    """Compares what was commanded with what odometry says."""
+    """Compares the commanded motion with odometry."""
 
     def __init__(self, robot: Pose2) -> None:
         self._robot = robot
@@ -153,7 +153,7 @@ class _Progress:
         self._asked = deque([(0.0, 0.0)], maxlen=1 + _LAG_TICKS)
 
     def lacks_after(self, velocity: Velocity, robot: Pose2) -> bool:
-        """Whether the wheels do not do what they were told a moment ago."""
+        """Whether the wheels do not follow the commands of a moment ago."""
         asked_m, asked_rad = self._asked[-1]
         asked_m += velocity.linear_m_s * TICK_S
         asked_rad += abs(velocity.angular_rad_s) * TICK_S

@@ -14,7 +14,7 @@ class DriveConfig(RoomConfig):
         max_speed_m_s: Largest speed forward, metres per second; it never drives backward.
         max_turn_rate_deg_s: Largest rate of rotation, degrees per second.
         max_acceleration_m_s2: Largest change of the speed, metres per second squared. Only an
-            obstacle that was not there before is braked for harder.
+            obstacle that has newly appeared is braked for harder.
         max_turn_acceleration_deg_s2: Largest change of the rate of rotation, degrees per second
             squared.
         look_ahead_m: Distance along the path of the point that it steers to, metres.
@@ -22,10 +22,11 @@ class DriveConfig(RoomConfig):
         turn_in_place_deg: Angle off the heading beyond which it rotates on the spot, degrees.
         margin_m: Distance that the body keeps from obstacles, metres. Paths through narrow gaps
             need 0 (`hypernav.planning.config.PlanningConfig.squeeze_m`); people who walk need more.
-        reaction_s: Time beyond a command's own for which it may hold before an obstacle is braked
-            for, seconds: images are late, links hang. The robot is so much slower before obstacles.
+        reaction_s: Time for which a command may stay in force beyond its own duration before the
+            robot brakes for an obstacle, seconds: images are late, links fail. The robot slows
+            down near obstacles accordingly.
         slow_within_m: Distance between body and obstacles below which it drives slower, metres.
-        slowest_share: Share of the largest speed that is left when it touches an obstacle.
+        slowest_share: Share of the largest speed that remains at zero distance to an obstacle.
         arrival_m: Distance from the end of the path at which it has arrived, metres.
     """
 

@@ -20,7 +20,7 @@ class Obstacles(Protocol):
 
 
 class NoObstacles:
-    """A robot that knows of no obstacle."""
+    """No obstacles at all."""
 
     def distances(self, points: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, " n"]:
         """Infinity for every point."""
@@ -28,7 +28,7 @@ class NoObstacles:
 
 
 class MapObstacles:
-    """The occupied cells of a map; what is unknown, or beyond the map, counts as free."""
+    """The occupied cells of a map; unknown cells and those beyond the map count as free."""
 
     def __init__(self, grid: OccupancyGrid) -> None:
         """Measure the distances in a map, which may change afterwards."""
@@ -42,7 +42,7 @@ class MapObstacles:
             self._distances = np.full(grid.cells.shape, np.inf)
 
     def distances(self, points: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, " n"]:
-        """Distance of every point from the nearest occupied cell, metres, between middles."""
+        """Distance from every point's cell to the nearest occupied one, between centres, metres."""
         cells = self._grid.cells_of(points)
         inside = self._grid.contains(cells)
         found = np.full(len(points), np.inf)

@@ -10,9 +10,9 @@ from jaxtyping import Float64
 from hypernav.core.geometry.transforms import wrap_angle
 
 _SAME_LINE_M = 0.02
-"""Deviation that is no corner: paths from cell to cell are staircases."""
+"""Deviation below which a corner is ignored: paths from cell to cell are staircases."""
 _BACK_M = 0.3
-"""Length by which a robot may be farther back on its path than it was, metres."""
+"""Length by which a robot may have moved back on its path, metres."""
 _STEP_M = 0.025
 
 
@@ -49,15 +49,14 @@ class PathAhead:
         return (float(x), float(y))
 
     def pass_to(self, x: float, y: float, within_m: float) -> float:
-        """The length along the path of its point next to the robot, metres.
+        """The length along the path to its point nearest to the robot, metres.
 
-        The robot goes on along the path: of places where the path comes by twice the next one
-        counts.
+        Progress is monotonic: where the path passes the same place twice, the next pass counts.
 
         Args:
             x: Position of the robot, metres.
             y: The same.
-            within_m: Length beyond the previous point in which the robot may be now, metres.
+            within_m: Length beyond the previous point within which the robot may be now, metres.
         """
         low = max(self._along_m - _BACK_M, 0.0)
         count = max(math.ceil((self._along_m + within_m - low) / _STEP_M), 1)
@@ -82,7 +81,7 @@ class PathAhead:
         Args:
             x: Position of the robot, metres.
             y: The same.
-            along_m: Length along the path of the point next to the robot, metres.
+            along_m: Length along the path to the point nearest to the robot, metres.
             ahead_m: Largest length beyond it, metres.
             cut_m: Largest distance of a corner from that line, metres.
         """
@@ -100,7 +99,7 @@ def _simplified(corners: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "m 2
         return corners
     curve = corners.astype(np.float32).reshape(-1, 1, 2)
     kept = cv2.approxPolyDP(curve, _SAME_LINE_M, False).reshape(-1, 2).astype(np.float64)
-    # Single precision is for the choice of corners only; both ends stay what they are.
+    # Single precision is used only to choose corners; both ends stay exact.
     kept[0], kept[-1] = corners[0], corners[-1]
     return kept
 

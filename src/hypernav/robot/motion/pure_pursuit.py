@@ -29,8 +29,8 @@ Path = Sequence[tuple[float, float]]
 class PurePursuit:
     """Follows a path by velocities: drives arcs to a point ahead on it, rotates at sharp corners.
 
-    The pose may jump from one command to the next, as that of a robot that corrects itself in the
-    ``map`` frame does: velocities still change by no more than the acceleration allows.
+    The pose may jump between commands, when the robot's position in the ``map`` frame is corrected:
+    velocities still change by no more than the acceleration allows.
     """
 
     def __init__(self, config: DriveConfig, radius_m: float) -> None:
@@ -45,7 +45,7 @@ class PurePursuit:
         self.reset()
 
     def reset(self) -> None:
-        """Begin anew at a standstill, for example after an emergency stop."""
+        """Start again from standstill, for example after an emergency stop."""
         self._last = STANDSTILL
         self._path: Path = ()
         self._ahead: PathAhead | None = None
@@ -66,8 +66,8 @@ class PurePursuit:
             obstacles: Obstacles around the robot, in the frame of the path; None if none is known.
 
         Returns:
-            A velocity within all limits. The robot keeps its margin to obstacles; one that is
-            nearer already comes no nearer than it is.
+            A velocity within all limits. The robot keeps its margin to obstacles; if one is nearer
+            already, it comes no nearer.
         """
         obstacles = obstacles or NoObstacles()
         self._last = self._chosen(robot, path, seconds, obstacles)
@@ -103,7 +103,7 @@ class PurePursuit:
         return robot.distance_to(*path[-1]) <= self._config.arrival_m
 
     def _followed(self, path: Path) -> PathAhead | None:
-        """The path, with the progress made on it if it is the one of before."""
+        """The path, with the progress on it so far if it is the previous one."""
         if tuple(path) != self._path or self._ahead is None:
             self._path = tuple(path)
             sharp_deg = self._config.turn_in_place_deg
@@ -124,13 +124,13 @@ class PurePursuit:
         speed = _braking(left_m, config.max_acceleration_m_s2, seconds)
         found = self._drive(robot, speed, _curvature(robot, aim), seconds, obstacles)
         if found.linear_m_s == 0.0 and self._last.linear_m_s == 0.0:
-            return self._spin(robot, bearing, seconds, obstacles)  # a line may be free instead
+            return self._spin(robot, bearing, seconds, obstacles)  # a straight line may be free
         return found
 
     def _aim(
         self, robot: Pose2, ahead: PathAhead, along_m: float, obstacles: Obstacles
     ) -> tuple[float, float]:
-        """The farthest point of the path ahead that the robot may go to; the nearest if none."""
+        """The farthest point of the path ahead that the robot may go to, else the nearest one."""
         aim = robot.xy
         for part in _AIMS:
             look_m = part * self._config.look_ahead_m
@@ -150,7 +150,7 @@ class PurePursuit:
         return abs(bearing) > math.radians(self._config.turn_in_place_deg)
 
     def _spin(self, robot: Pose2, angle: float, seconds: float, obstacles: Obstacles) -> Velocity:
-        """Brake, and rotate by an angle."""
+        """Brake to no forward speed, and rotate by an angle."""
         config = self._config
         rate = _braking(abs(angle), config.max_turn_acceleration, seconds)
         rate = math.copysign(min(rate, config.max_turn_rate), angle)
@@ -165,7 +165,7 @@ class PurePursuit:
         seconds: float,
         obstacles: Obstacles,
     ) -> Velocity:
-        """Drive an arc, not faster than a speed."""
+        """Drive an arc, at most at a given speed."""
         config, last = self._config, self._last
         speed = min(speed, config.max_speed_m_s)
         if curvature != 0.0:
@@ -194,14 +194,14 @@ class PurePursuit:
     def _safe(
         self, robot: Pose2, speed: float, rate: float, seconds: float, obstacles: Obstacles
     ) -> Velocity:
-        """The velocity, slower if the robot could not brake before an obstacle on its arc."""
+        """The velocity, reduced if the robot could not brake before an obstacle on its arc."""
         if speed > 0.0:
             deceleration = self._config.max_acceleration_m_s2
             held_s = seconds + self._config.reaction_s
             reach_m = speed * held_s + speed**2 / (2.0 * deceleration) + _SAMPLE_M
             free_m = self._free_m(robot, rate / speed, reach_m, obstacles)
             slower = min(speed, _braking(free_m, deceleration, held_s))
-            # Slower at the same rate is another, tighter arc.
+            # A lower speed at the same rate of rotation is another, tighter arc.
             is_free = slower > 0.0 and (
                 slower == speed
                 or self._free_m(robot, rate / slower, reach_m, obstacles) > slower * held_s

@@ -1,4 +1,4 @@
-"""Velocity of a robot that drives forward and turns, and where it leads."""
+"""Velocity of a robot that drives forward and turns, and the pose that it leads to."""
 
 import math
 from dataclasses import dataclass

@@ -1,1 +1,1 @@
-"""Recordings of RGB-D cameras: a reader for every format, and a common frame for all."""
+"""Recordings of RGB-D cameras: a reader for every format, and one type of frame for all."""

@@ -33,18 +33,18 @@ _SUFFIXES = (".bag", ".db3", ".mcap")
 
 
 def is_bag(path: Path) -> bool:
-    """Whether a path is a bag: a ROS 1 file, a rosbag2 folder, or a single file of one."""
+    """Whether a path is a bag: a ROS 1 file, a rosbag2 folder, or a file of such a folder."""
     return path.suffix in _SUFFIXES or (path / "metadata.yaml").is_file()
 
 
 def read_bag(path: Path, topics: CameraTopics) -> Recording:
-    """Read everything but the images, which stay in the bag until they are asked for.
+    """Read everything but the images, which are read when they are asked for.
 
-    The world is the root of the camera's frames: ``map`` if the robot was localised, else that of
-    its odometry. Images without a pose or a partner are left out.
+    The world is the root of the camera's frames: ``map`` if the robot was localised, else the frame
+    of its odometry. Images without a pose, and colour or depth without the other, are left out.
 
     Raises:
-        RecordingError: The bag is damaged, or lacks what is needed.
+        RecordingError: The bag is damaged, or needed data is missing.
         TopicChoiceError: No topic fits, or several do.
         MissingExtraError: The package that reads bags is not installed.
     """
@@ -60,7 +60,7 @@ def read_bag(path: Path, topics: CameraTopics) -> Recording:
 
 
 def _offered(bag: BagFile) -> Iterator[OfferedTopic]:
-    """What the camera's topics could be, by their first messages."""
+    """Topics that may be the camera's, judged by their first messages."""
     for name in bag.topics(*CAMERA_TYPES):
         offer = offered_topic(name, bag.first(name))
         if offer is not None:
@@ -109,7 +109,7 @@ def _frames(
 
 
 def _transforms(bag: BagFile) -> TransformTree:
-    """All poses of all frames; odometry where no transform says the same."""
+    """All poses of all frames; odometry only where tf lacks that pose."""
     tree = TransformTree()
     with bag.checked():
         for name in bag.topics(*_TRANSFORM_TYPES):

@@ -1,4 +1,4 @@
-"""A bag as topics and messages, whatever its format and whatever is broken in it."""
+"""A bag as topics and messages, for all formats; damage raises typed errors."""
 
 import struct
 from collections.abc import Iterator
@@ -13,9 +13,9 @@ from hypernav.core.errors import RecordingError, RosMessageError, TransformMissi
 _BROKEN = (
     *(AssertionError, EOFError, LookupError, MemoryError, OSError, OverflowError),
     *(RosMessageError, TransformMissingError, ValueError, struct.error),
-    *(AttributeError, TypeError),  # the definition of a type, which the bag holds, is another
+    *(AttributeError, TypeError),  # the bag defines a type in another way
 )
-"""What damaged bytes raise in the reader of bags, which trusts them, beside its own errors."""
+"""What damaged bytes raise in the bag reader besides its own errors: it does not check them."""
 
 
 class BagFile:
@@ -29,7 +29,7 @@ class BagFile:
         """Open a bag.
 
         Raises:
-            RecordingError: It is no bag, or a damaged one.
+            RecordingError: The file is no bag, or is damaged.
             MissingExtraError: The package that reads bags is not installed.
         """
         highlevel = require("rosbags.highlevel", extra="bags")
@@ -59,10 +59,10 @@ class BagFile:
 
     @contextmanager
     def checked(self) -> Iterator[None]:
-        """Make one error of all that damaged bytes can raise.
+        """Turn every error that damaged bytes can raise into one.
 
         Raises:
-            RecordingError: Something in the block failed because of the bag.
+            RecordingError: The block failed because the bag is damaged.
         """
         try:
             yield
@@ -71,7 +71,7 @@ class BagFile:
             raise RecordingError(f"{self.path} can't be read: {said:.300}") from error
 
     def topics(self, *types: str) -> list[str]:
-        """The topics with messages of some types."""
+        """The topics with messages of given types."""
         return sorted(
             name for name, connection in self._connections.items() if connection.msgtype in types
         )
@@ -80,17 +80,17 @@ class BagFile:
         """The first message of a topic.
 
         Raises:
-            RecordingError: It is broken.
+            RecordingError: The message is broken.
         """
         for _, message in self.messages(topic):
             return message
-        raise RecordingError(f"{self.path}: {topic} holds fewer messages than it says")
+        raise RecordingError(f"{self.path}: {topic} holds fewer messages than announced")
 
     def messages(self, topic: str) -> Iterator[tuple[int, Any]]:
-        """All messages of a topic, each with the key that `message` finds it by.
+        """All messages of a topic, each with its key for `message`.
 
         Raises:
-            RecordingError: One is broken.
+            RecordingError: A message is broken.
         """
         with self.checked():
             for _, at, data in self._reader.messages([self._connections[topic]]):
@@ -106,14 +106,14 @@ class BagFile:
         with self.checked():
             for _, _, data in found:
                 return self._read(topic, data)
-        raise RecordingError(f"{self.path}: a message of {topic} is not where it was")
+        raise RecordingError(f"{self.path}: cannot find a message of {topic} again")
 
     def _read(self, topic: str, data: bytes) -> Any:
         return self._reader.deserialize(data, self._connections[topic].msgtype)
 
 
 def _errors() -> tuple[type[Exception], ...]:
-    """The errors of what the reader of bags reads with."""
+    """The errors of the libraries that the bag reader uses."""
     names = (
         ("rosbags.rosbag1", "ReaderError"),
         ("rosbags.rosbag2", "ReaderError"),

@@ -83,7 +83,7 @@ def read_numbers(path: Path, count: int) -> list[float]:
     """The numbers of a text file.
 
     Raises:
-        RecordingError: It cannot be read, or holds another number of them.
+        RecordingError: The file cannot be read, or holds a different number of values.
     """
     try:
         numbers = [float(word) for line in read_lines(path) for word in line.split()]
@@ -95,7 +95,7 @@ def read_numbers(path: Path, count: int) -> list[float]:
 
 
 def rigid(matrix: np.ndarray, path: Path) -> Transform:
-    """A pose out of a file.
+    """A pose from a file.
 
     Raises:
         RecordingError: The matrix is no rigid transform.

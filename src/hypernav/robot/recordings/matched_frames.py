@@ -40,7 +40,7 @@ def read_matched_frames(folder: Path) -> Recording:
     frames = []
     for path in sorted(folder.glob(_POSES)):
         if any(math.isnan(float(word)) for line in read_lines(path) for word in line.split()):
-            continue  # the camera was lost there
+            continue  # the camera's pose was not known there
         stem = path.name.removesuffix(".pose.txt")
         colour = next((f for f in sorted(folder.glob(f"{stem}.color.*"))), None)
         depth = folder / f"{stem}.depth.png"
@@ -66,5 +66,5 @@ def _camera(folder: Path, first: Path) -> PinholeCamera:
     size = image_size(read_file(first))
     if size is None:
         raise RecordingError(f"{first}: expected a PNG or JPEG image")
-    # The file counts from the middle of the first pixel, cameras here from its corner.
+    # The file measures from the centre of the first pixel, our cameras from its corner.
     return PinholeCamera(*size, fx, fy, cx + 0.5, cy + 0.5)

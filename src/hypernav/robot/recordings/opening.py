@@ -13,7 +13,7 @@ _FOLDERS = ((is_matched_frames, read_matched_frames), (is_tum, read_tum))
 
 
 def open_recording(path: Path, topics: CameraTopics | None = None) -> Recording:
-    """Read a recording of any known format, all but its images.
+    """Read a recording of any known format, except its images.
 
     Args:
         path: A folder of images, or a bag.

@@ -19,7 +19,7 @@ class RecordedFrame:
         camera_to_world: Pose of the camera; the world is the recording's own.
         stamp_s: Time of the frame, seconds; its number where no time is known.
         rgb: Reads the colour image; raises `RecordingError` if it is broken.
-        depth: Reads the depth image, metres, 0 where there is no return; raises the same.
+        depth: Reads the depth image, metres, 0 where there is no return; raises the same error.
     """
 
     name: str
@@ -37,7 +37,7 @@ class Recording:
         name: Name of its folder or file.
         camera: Intrinsics of both images.
         frames: Frames in the order of time.
-        close: Closes what it holds open; no image can be read after that.
+        close: Closes its open files; no image can be read after that.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""A recording through mapping and local perception: the first look at a new camera."""
+"""Runs a recording through mapping and local perception, to try a new camera."""
 
 import math
 from collections.abc import Iterator
@@ -33,7 +33,7 @@ class ReplayStep:
 
 
 class UprightRecording:
-    """A recording on its floor, frame by frame as observations.
+    """A recording in the ``map`` frame, as one observation per frame.
 
     Attributes:
         recording: The recording.
@@ -44,13 +44,13 @@ class UprightRecording:
         """Find the floor.
 
         Raises:
-            RecordingError: There is none to be seen, or an image cannot be read.
+            RecordingError: No floor is visible, or an image cannot be read.
         """
         self.recording = recording
         self.to_map = world_to_map(recording)
 
     def robot(self, like: Embodiment) -> Embodiment:
-        """A robot with the recording's camera, and with everything else of another."""
+        """A robot with the recording's camera, and all other values of a given robot."""
         camera = self.recording.camera
         values = like.model_dump()
         values["camera"] |= {
@@ -62,7 +62,7 @@ class UprightRecording:
         return Embodiment.model_validate(values)
 
     def observation(self, frame: RecordedFrame) -> Observation:
-        """A frame as an agent takes it; the robot stands below the camera and looks as it does.
+        """A frame as an observation; the robot stands below the camera and faces the same way.
 
         Raises:
             RecordingError: An image cannot be read.
@@ -93,9 +93,9 @@ def replayed(
 
     Args:
         upright: The recording.
-        components: Mapping and local perception, as the search has them.
+        components: Mapping and local perception, as in a search.
         goal: What to look for; None only draws the map.
-        every: Number of frames of which one is taken.
+        every: Use one of so many frames.
 
     Raises:
         RecordingError: An image cannot be read.

@@ -1,9 +1,9 @@
 """Recordings in the format of the TUM RGB-D benchmark.
 
 ``rgb.txt``, ``depth.txt`` (lines ``time file``) and ``groundtruth.txt`` (camera to world,
-``time x y z qx qy qz qw``); depth 5000 a metre. The format has no file for the camera;
-``camera.txt`` with ``fx fy cx cy`` is read if it is there, else the benchmark's nominal values are
-taken.
+``time x y z qx qy qz qw``); a depth value of 5000 is one metre. The format has no file for the
+camera; ``camera.txt`` with ``fx fy cx cy`` is read if it exists, else the benchmark's nominal
+values are used.
 
 Source: https://cvg.cit.tum.de/data/datasets/rgbd-dataset/file_formats
 """
@@ -28,7 +28,7 @@ from hypernav.robot.recordings.frame_files import (
 from hypernav.robot.recordings.recording import Recording
 
 _APART_S = 0.02
-"""Largest difference of times that belong together, as the benchmark's own tools take it."""
+"""Largest difference of matching times, as in the benchmark's own tools."""
 _NOMINAL = (525.0, 525.0, 319.5, 239.5)
 
 
@@ -41,7 +41,7 @@ def read_tum(folder: Path) -> Recording:
     """Read everything but the images.
 
     Raises:
-        RecordingError: A file is missing or broken, or no times go together.
+        RecordingError: A file is missing or broken, or no times match.
     """
     colours, depths = (_listed(folder, f"{name}.txt") for name in ("rgb", "depth"))
     stamps, poses = _poses(folder / "groundtruth.txt")
@@ -92,5 +92,5 @@ def _camera(folder: Path, first: Path) -> PinholeCamera:
     size = image_size(read_file(first))
     if size is None:
         raise RecordingError(f"{first}: expected a PNG or JPEG image")
-    # The format counts from the middle of the first pixel, cameras here from its corner.
+    # The format measures from the centre of the first pixel, our cameras from its corner.
     return PinholeCamera(*size, fx, fy, cx + 0.5, cy + 0.5)

@@ -1,4 +1,4 @@
-"""A recording set upright on its floor: from its own world to the ``map`` frame."""
+"""The transform from a recording's own world to the ``map`` frame, with the floor at z = 0."""
 
 import math
 
@@ -11,16 +11,16 @@ from hypernav.core.geometry.transforms import Transform
 from hypernav.robot.recordings.recording import Recording
 
 _MOST_FRAMES = 40
-"""Number of frames, spread over the recording, in which the floor is looked for."""
+"""Number of frames, spread over the recording, in which the floor is searched."""
 _STRIDE = 8
 _FARTHEST_M = 5.0
 _BIN_M = 0.02
 _FLOOR_SHARE = 0.2
-"""Share of the fullest level's points that the floor has at least."""
+"""Smallest share of the floor's points in those of the fullest level."""
 
 
 def world_to_map(recording: Recording) -> Transform:
-    """The transform that sets a recording on its floor.
+    """The transform from the recording's world to the ``map`` frame.
 
     The world's axis that points up most in the images is up; the floor is the lowest level with
     many points; the first camera stands at x = y = 0 and looks along x.
@@ -45,7 +45,7 @@ def world_to_map(recording: Recording) -> Transform:
 
 
 def _turned_upright(recording: Recording) -> Transform:
-    """The rotation that takes the world's axis that is up to z."""
+    """The rotation that takes the world's upward axis to z."""
     ups = np.array([-frame.camera_to_world.rotation[:, 1] for frame in recording.frames])
     mean = ups.mean(axis=0)
     axis = int(np.abs(mean).argmax())
@@ -71,7 +71,7 @@ def _floor_height(recording: Recording, upright: Transform) -> float:
         raise RecordingError(f"{recording.name}: no depth image has a return within 5 m")
     edges = np.arange(levels.min() - _BIN_M, levels.max() + 2 * _BIN_M, _BIN_M)
     counts, edges = np.histogram(levels, edges)
-    # Noise and slant spread a floor over several bins.
+    # Noise and tilt spread a floor over several bins.
     smooth = np.convolve(counts, np.ones(5), mode="same")
     is_peak = (smooth >= np.roll(smooth, 1)) & (smooth >= np.roll(smooth, -1))
     lowest = np.flatnonzero(is_peak & (smooth > _FLOOR_SHARE * smooth.max()))[0]

@@ -1,1 +1,1 @@
-"""What ROS messages mean, whatever library brought them: a bag's reader or DDS."""
+"""What ROS messages mean, whichever library read them: a bag reader or DDS."""

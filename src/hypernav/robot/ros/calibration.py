@@ -36,17 +36,17 @@ class Calibration:
         """A colour image without distortion.
 
         Raises:
-            RosMessageError: It has another size than the camera.
+            RosMessageError: The image has another size than the camera.
         """
         return self._straightened(rgb, cv2.INTER_LINEAR)
 
     def straightened_depth(
         self, depth: Float32[np.ndarray, "height width"]
     ) -> Float32[np.ndarray, "height width"]:
-        """A depth image without distortion; depths are never mixed.
+        """A depth image without distortion; depths are never interpolated.
 
         Raises:
-            RosMessageError: It has another size than the camera.
+            RosMessageError: The image has another size than the camera.
         """
         return self._straightened(depth, cv2.INTER_NEAREST)
 
@@ -67,8 +67,8 @@ def calibration_of(message: Any, *, rectified: bool) -> Calibration:
 
     Args:
         message: The ``CameraInfo``; ROS 1 writes its matrices in capitals.
-        rectified: Whether the images have no distortion any more (``image_rect``), so that the
-            projection matrix holds, and not the camera matrix and its distortion.
+        rectified: Whether the images are already undistorted (``image_rect``), so that the
+            projection matrix holds, not the camera matrix and its distortion.
 
     Raises:
         RosMessageError: The camera is not calibrated, or cannot exist.
@@ -82,7 +82,7 @@ def calibration_of(message: Any, *, rectified: bool) -> Calibration:
     if not np.isfinite(values).all():
         raise RosMessageError(f"the camera info of '{frame}' holds numbers that are not finite")
     try:
-        # ROS counts from the middle of the first pixel, cameras here from its corner.
+        # ROS measures from the centre of the first pixel, our cameras from its corner.
         camera = PinholeCamera(
             message.width,
             message.height,

@@ -25,7 +25,7 @@ _COLOURS = {
     "bgra8": (4, (2, 1, 0)),
     "8UC3": (3, (2, 1, 0)),
 }
-"""Bytes of a pixel, and which of them are red, green and blue."""
+"""Bytes per pixel, and which of them are red, green and blue."""
 _DEPTHS = {"16UC1": np.uint16, "mono16": np.uint16, "32FC1": np.float32}
 _PER_METRE = np.float32(1000.0)
 _COMPRESSED_DEPTH = "compressedDepth"
@@ -42,7 +42,7 @@ class ImageKind(StrEnum):
 
 
 def kind_of(message: Any) -> ImageKind | None:
-    """Whether an image is of colour or of depth; None if it is neither, as those in grey."""
+    """Whether an image is colour or depth; None if it is neither, for example grey."""
     encoding = _encoding(message)
     if encoding in _DEPTHS:
         return ImageKind.DEPTH
@@ -55,7 +55,7 @@ def colour_of(message: Any) -> UInt8[np.ndarray, "height width 3"]:
     """The colour image of a message.
 
     Raises:
-        RosMessageError: It is none, or broken.
+        RosMessageError: The message holds no colour image, or a broken one.
     """
     encoding = _encoding(message)
     if kind_of(message) is not ImageKind.COLOUR:
@@ -73,7 +73,7 @@ def depth_of(message: Any) -> Float32[np.ndarray, "height width"]:
     """The depth image of a message, metres along the optical axis; 0 where there is no return.
 
     Raises:
-        RosMessageError: It is none, or broken.
+        RosMessageError: The message holds no depth image, or a broken one.
     """
     encoding = _encoding(message)
     if kind_of(message) is not ImageKind.DEPTH:
@@ -124,7 +124,7 @@ def _decompressed_depth(message: Any, encoding: str) -> Float32[np.ndarray, "hei
         return _decoded(data, "I;16").astype(np.float32) / _PER_METRE
     if message.format.rstrip().endswith("rvl"):
         raise RosMessageError(
-            "depth compressed by RVL can't be read; use the raw topic or compressedDepth with PNG"
+            "cannot read depth compressed by RVL; use the raw topic or compressedDepth with PNG"
         )
     if len(data) < _DEPTH_HEADER.size:
         raise RosMessageError(f"a compressed depth image ends after {len(data)} bytes")
@@ -138,7 +138,7 @@ def _decompressed_depth(message: Any, encoding: str) -> Float32[np.ndarray, "hei
 
 
 def _decoded(data: bytes, mode: str) -> np.ndarray:
-    """An image out of a PNG or JPEG file."""
+    """An image from the bytes of a PNG or JPEG file."""
     size = image_size(data)
     if size is None or not 0 < size[0] * size[1] <= MOST_PIXELS:
         raise RosMessageError("expected a PNG or JPEG image of moderate size in the message")

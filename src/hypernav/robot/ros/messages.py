@@ -13,7 +13,7 @@ from hypernav.core.geometry.transforms import Transform
 
 
 def frame_name(name: str) -> str:
-    """The name of a frame; ROS 1 could begin it with a slash."""
+    """The name of a frame, without the slash that ROS 1 may put before it."""
     return name.lstrip("/")
 
 
@@ -26,7 +26,7 @@ def rigid_transform(position: Any, rotation: Any) -> Transform:
     """The transform of a position and a quaternion.
 
     Raises:
-        RosMessageError: They hold no pose.
+        RosMessageError: The values are no pose.
     """
     quaternion = np.array([rotation.x, rotation.y, rotation.z, rotation.w], dtype=np.float64)
     translation = np.array([position.x, position.y, position.z], dtype=np.float64)

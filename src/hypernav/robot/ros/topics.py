@@ -1,4 +1,4 @@
-"""The choice of a camera's topics among those that there are."""
+"""Chooses a camera's topics among those that exist."""
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ _ALIGN = (
 
 @dataclass(frozen=True)
 class CameraTopics:
-    """Topics of an RGB-D camera; None where they shall be found.
+    """Topics of an RGB-D camera; None for those that are to be found.
 
     Attributes:
         colour: Colour images.
@@ -37,11 +37,11 @@ class CameraTopics:
 
 @dataclass(frozen=True)
 class OfferedTopic:
-    """A topic that could be one of a camera's.
+    """A topic that may be a camera's.
 
     Attributes:
         name: Name of the topic.
-        role: What it could be: ``"colour"``, ``"depth"`` or ``"camera_info"``.
+        role: What it may be: ``"colour"``, ``"depth"`` or ``"camera_info"``.
         frame: Frame of its messages.
     """
 
@@ -66,7 +66,7 @@ class ChosenTopics:
 
 
 def offered_topic(name: str, message: Any) -> OfferedTopic | None:
-    """What a topic could be, by one of its messages; None if it is of no use.
+    """The role that a topic may have, judged by one of its messages; None if it has none.
 
     Args:
         name: Name of the topic.
@@ -80,15 +80,15 @@ def offered_topic(name: str, message: Any) -> OfferedTopic | None:
 def choose_topics(
     offered: Iterable[OfferedTopic], wanted: CameraTopics, *, option_of: Callable[[str], str]
 ) -> ChosenTopics:
-    """The topics of a camera: those that are wanted, else those that alone fit.
+    """The topics of a camera: those that the user names, else the only ones that fit.
 
-    Of an image that is there raw and compressed the raw one is taken. Depth must be in the frame of
-    colour. Calibration is taken from beside the colour images, as image_transport has it.
+    If an image exists both raw and compressed, the raw one is taken. Depth must be in the frame of
+    colour. The calibration is the one next to the colour images, by image_transport's convention.
 
     Args:
         offered: All topics with images and calibrations.
-        wanted: What the user wants.
-        option_of: How the user says which topic has a role, ``--camera-info-topic`` for example.
+        wanted: Topics that the user names.
+        option_of: The option that names the topic of a role, ``--camera-info-topic`` for example.
 
     Raises:
         TopicChoiceError: None fits, or several do.
@@ -126,7 +126,7 @@ def choose_topics(
 
 
 def is_rectified(topic: OfferedTopic) -> bool:
-    """Whether the images of a topic have no distortion, by ROS's convention for its name."""
+    """Whether the images of a topic are undistorted, by ROS's naming convention."""
     return "rect" in _raw(topic.name).rsplit("/", 1)[-1]
 
 
@@ -152,7 +152,7 @@ def _one(
 
 
 def _raw(name: str) -> str:
-    """The name of the topic of which a compressed topic is the copy."""
+    """The name of the raw topic that belongs to a compressed one."""
     return name.removesuffix("/compressed").removesuffix("/compressedDepth")
 
 

@@ -16,16 +16,16 @@ from hypernav.core.geometry.transforms import Transform
 from hypernav.robot.ros.messages import frame_name, rigid_transform, stamp_s
 
 _REACH_S = 0.2
-"""Time beyond the first or last known pose for which it still holds."""
+"""Time before the first and after the last known pose for which that pose still holds."""
 _GAP_S = 1.0
-"""Longest time between two poses over which is interpolated."""
+"""Longest time between two poses that are interpolated."""
 
 
 class TransformTree:
-    """Frames, each with a pose in its parent, most of them changing with time."""
+    """Frames, each with a pose in its parent; most poses change with time."""
 
     def __init__(self, *, memory_s: float = float("inf")) -> None:
-        """Begin without frames.
+        """Create an empty tree.
 
         Args:
             memory_s: Time for which poses are kept.
@@ -60,7 +60,7 @@ class TransformTree:
         """Take the pose of an ``Odometry``.
 
         Raises:
-            RosMessageError: It holds none.
+            RosMessageError: The message holds no pose.
         """
         self.add(
             frame_name(message.header.frame_id),
@@ -93,11 +93,11 @@ class TransformTree:
             poses.pop(0)
 
     def is_moving(self, frame: str) -> bool:
-        """Whether a frame moves in the root of its tree."""
+        """Whether a frame moves relative to the root of its tree."""
         return any(name in self._moving for name in self._chain(frame))
 
     def newest_s(self, frame: str, parent: str) -> float | None:
-        """Time up to which all poses between two frames are known; None if one is not.
+        """Time up to which all poses between two frames are known; None if one is unknown.
 
         Args:
             frame: A frame.
@@ -116,7 +116,7 @@ class TransformTree:
         return list(self._chain(frame))[-1]
 
     def pose(self, frame: str, parent: str, at_s: float) -> Transform:
-        """The pose of a frame in another: takes coordinates of the one to the other.
+        """The pose of a frame in another: the transform from `frame` to `parent` coordinates.
 
         Args:
             frame: The frame.
@@ -124,13 +124,13 @@ class TransformTree:
             at_s: Time, seconds.
 
         Raises:
-            TransformMissingError: They are in no common tree, or nothing is known of that time.
+            TransformMissingError: The frames share no tree, or no pose is known near that time.
         """
         below, above = list(self._chain(frame)), list(self._chain(parent))
         common = next((name for name in below if name in above), None)
         if common is None:
             raise TransformMissingError(
-                f"tf connects '{frame}' (below '{below[-1]}') not with '{parent}' (below "
+                f"tf does not connect '{frame}' (below '{below[-1]}') with '{parent}' (below "
                 f"'{above[-1]}'); is the node that publishes it running?"
             )
         up = self._climb(below[: below.index(common)], at_s)

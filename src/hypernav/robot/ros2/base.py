@@ -1,4 +1,4 @@
-"""The base of a robot on a ROS 2 network: sensors, and a velocity that data must be fresh for."""
+"""The base of a robot on a ROS 2 network, which drives only while its sensor data is fresh."""
 
 import math
 import time
@@ -21,7 +21,7 @@ _SAFETY_COLUMNS = 160
 class Ros2Base(SensingRobot):
     """Wheels, odometry and camera: a `Base`.
 
-    While images or odometry are not fresh the robot stands, and goes on when they are again.
+    The robot stands still while images or odometry are not fresh.
     """
 
     def __init__(self, network: Ros2Network, config: Ros2Config, sensors: Ros2Sensors) -> None:
@@ -30,11 +30,12 @@ class Ros2Base(SensingRobot):
         Args:
             network: The robot's network.
             config: Names of topics, limits, body.
-            sensors: The robot's sensors, which work already.
+            sensors: The robot's sensors, already working.
 
         Raises:
-            RosNetworkError: Their images are not fresh within the patience.
-            ConfigError: No robot can have their camera: the floor's height is wrong, for example.
+            RosNetworkError: No fresh images arrive within the patience.
+            ConfigError: The camera's pose is impossible, for example because the floor's height is
+                wrong.
         """
         super().__init__(config, sensors)
         self._halts = 0
@@ -45,16 +46,15 @@ class Ros2Base(SensingRobot):
         """Stand still and let others drive.
 
         Raises:
-            RosNetworkError: The robot doesn't stand at the end.
+            RosNetworkError: The robot does not stand still at the end.
         """
         self._output.close()
 
     def depth_view(self) -> DepthView:
-        """The newest depth image, coarser; waits for one where the last is too old to drive by.
+        """The newest depth image, subsampled; waits if the last one is too old to drive by.
 
-        A halt ends the wait, by an image without any return.
-
-        It has all returns, also those nearer than what maps are made from.
+        It includes returns nearer than those that maps are made from. `halt` ends the wait, with an
+        image without any return.
 
         Raises:
             RosNetworkError: None comes within the patience.
@@ -65,7 +65,7 @@ class Ros2Base(SensingRobot):
         pair = sensors.wait_for_pair(unless=lambda: self._halts != halts)
         every = max(self.camera.width // _SAFETY_COLUMNS, 1)
         camera = _coarse(self.camera, every)
-        if pair is None:  # tf may know nothing of now, and nobody drives by it
+        if pair is None:  # tf may not have the present pose, and this image is not used to drive
             nothing = np.zeros((camera.height, camera.width), dtype=np.float32)
             upright = self.embodiment.camera.camera_to_base
             return DepthView(nothing, camera, upright, sensors.robot_now_s, self.odometry())
@@ -75,18 +75,18 @@ class Ros2Base(SensingRobot):
         return DepthView(depth, camera, camera_to_base, pair.stamp_s, robot)
 
     def drive(self, velocity: Velocity, seconds: float) -> None:
-        """Drive with a velocity, and come back after so many seconds."""
+        """Drive with a velocity for a number of seconds, then return."""
         self._output.command(velocity)
         time.sleep(seconds)
 
     def halt(self) -> None:
-        """Command standstill at once; may be called from any thread."""
+        """Command the base to stand still at once; may be called from any thread."""
         self._halts += 1
         self._output.halt()
 
 
 def _coarse(camera: PinholeCamera, every: int) -> PinholeCamera:
-    """The camera of every n-th pixel of an image."""
+    """The camera model of an image of which every n-th pixel is kept."""
     return PinholeCamera(
         math.ceil(camera.width / every),
         math.ceil(camera.height / every),

@@ -15,7 +15,7 @@ from hypernav.robot.ros2.robot_clock import NTP_DRIFT
 
 _MOST_DOMAINS = 232
 _STILL_M_S, _STILL_DEG_S = 0.1, 10.0
-"""Speeds of a body that sways; what is faster drives."""
+"""Largest speeds of a body that only sways; at higher speeds the robot is driving."""
 _TopicName = Annotated[str, Field(pattern="[^/]")]
 
 
@@ -27,16 +27,15 @@ class TopicsConfig(RoomConfig):
         depth: Depth images, registered to colour.
         camera_info: Calibration of the colour images.
         odometry: ``nav_msgs/Odometry``, for a robot whose tf lacks the pose of the base.
-        cmd_vel: Velocity that the robot shall drive with; where Nav2 drives it through a
-            multiplexer, what that publishes.
+        cmd_vel: Velocity commands to the base; where Nav2 drives through a multiplexer, the
+            multiplexer's output.
         goal_pose: Goals of Nav2, where that drives the robot.
-        stop_cmd_vel: An input of the robot's velocity multiplexer above that of Nav2, which is told
-            standstill while Nav2 is to stand; None without one.
-        nav2_lock: A lock of that multiplexer, which is open only while Nav2 may drive; None without
-            one.
+        stop_cmd_vel: An input of the robot's velocity multiplexer with a priority above Nav2's. It
+            receives zero velocity while Nav2 is to stand still; None without one.
+        nav2_lock: A lock of that multiplexer, open only while Nav2 may drive; None without one.
         tf: Poses of frames that change, ``tf2_msgs/TFMessage``.
-        tf_static: Those that don't.
-        output: Beginning of the names of all that is published for people.
+        tf_static: Poses of frames that do not change.
+        output: Prefix of the topics that are published for people.
     """
 
     colour: _TopicName | None = None
@@ -58,7 +57,7 @@ class FramesConfig(RoomConfig):
     Attributes:
         base: Frame of the robot's base, x forward.
         odom: Frame of the odometry, which never jumps.
-        map: Frame of a localisation, which publishes where ``odom`` is in it; None without one.
+        map: Frame of a localisation, which publishes the pose of ``odom`` in it; None without one.
         floor_z_m: Height of the floor in the frame of the odometry, metres. Legged robots often
             have its origin where the body was at the start, which is above the floor.
     """
@@ -70,13 +69,14 @@ class FramesConfig(RoomConfig):
 
 
 class TimingConfig(RoomConfig):
-    """What is late, and what goes together.
+    """What counts as late, and which messages belong together.
 
     Attributes:
-        fresh_s: Age of images and odometry beyond which the robot stands still, seconds. A camera
-            needs the time between two images and that which they are under way.
-        clock_drift: Largest share of time that the robot's clock loses on this machine's. A
-            simulator at half of real time needs 0.5; what is late by and by then goes unnoticed.
+        fresh_s: Age of images and odometry beyond which the robot stands still, seconds. It must
+            cover the time between two images and their transmission.
+        clock_drift: Largest share of time by which the robot's clock may run slower than this
+            machine's. A simulator at half of real time needs 0.5; slowly growing delays are then
+            not noticed.
         apart_s: Largest difference of the times of colour and depth that belong together, seconds.
         find_s: Time in which topics, images and frames must be found at the start, seconds.
         patience_s: Time without fresh data after which the search ends, seconds.
@@ -90,7 +90,7 @@ class TimingConfig(RoomConfig):
 
 
 class Nav2Config(RoomConfig):
-    """How a running Nav2 drives the robot, and what counts as done, by odometry.
+    """How a running Nav2 drives the robot, and which odometry counts as arrival.
 
     Attributes:
         ahead_m: Largest length along the agent's path up to the next goal, metres.
@@ -101,14 +101,13 @@ class Nav2Config(RoomConfig):
         reached_deg: Difference of the heading at which it is reached, degrees; not below
             ``yaw_goal_tolerance``, which is in radians.
         blocked_s: Time without coming nearer to a goal after which it can't be reached, seconds.
-        motion_s: Longest time of one step, turn or piece of a path, seconds; what takes longer is
-            blocked, too. Times without fresh data don't count.
-        still_s: Time over which odometry shows whether the robot stands, seconds: longer than the
-            sway of a legged body.
-        still_m: Distance between the begin and the end of it below which the robot stands, metres;
-            of more than 0.1 m/s it would drive.
-        still_deg: Difference of the headings below which it stands, degrees; of more than 10 °/s it
-            would turn.
+        motion_s: Longest time of one step, turn or piece of a path, seconds; a motion that takes
+            longer counts as blocked. Times without fresh data don't count.
+        still_s: Time over which odometry shows whether the robot stands still, seconds: longer than
+            the sway of a legged body.
+        still_m: Distance moved in that time below which the robot stands still, metres; at most
+            0.1 m/s.
+        still_deg: Angle turned in that time below which it stands still, degrees; at most 10 °/s.
     """
 
     ahead_m: float = Field(default=1.5, ge=0.2, le=50.0)
@@ -123,7 +122,7 @@ class Nav2Config(RoomConfig):
 
     @model_validator(mode="after")
     def _stands_when_still(self) -> Self:
-        """Refuse to take a robot that drives for one that stands."""
+        """Refuse values by which a driving robot would count as standing still."""
         for name, moved, unit, most in (
             ("still_m", self.still_m, "m", _STILL_M_S),
             ("still_deg", self.still_deg, "°", _STILL_DEG_S),
@@ -131,7 +130,7 @@ class Nav2Config(RoomConfig):
             if moved > most * self.still_s * (1.0 + 1e-9):
                 raise ValueError(
                     f"{name} {moved:g} in still_s {self.still_s:g} is {moved / self.still_s:g} "
-                    f"{unit}/s, by which a robot that drives would stand; expected at most "
+                    f"{unit}/s, so a driving robot would count as standing still; expected at most "
                     f"{most:g} {unit}/s: a smaller {name} or a larger still_s"
                 )
         return self
@@ -145,7 +144,7 @@ class Ros2Config(RoomConfig):
         cmd_vel_type: Type of the velocity: newer distributions have it stamped.
         topics: Names of the topics.
         frames: Names of the frames.
-        timing: What is late.
+        timing: What counts as late.
         nav2: How Nav2 drives the robot, where it does.
         speed: Limits of the velocity, where hypernav drives itself; see `driving`.
         embodiment: Body and actions of the robot, and the range of its depth; the rest of the
@@ -163,10 +162,10 @@ class Ros2Config(RoomConfig):
 
     @property
     def driving(self) -> DriveConfig:
-        """Limits of the velocity, for a robot that reacts as late as the timing allows.
+        """Limits of the velocity, for the latest reaction that the timing allows.
 
-        An image may be as old as fresh ones are, and a command holds for a while if this process
-        hangs; the robot's own reaction comes on top.
+        An image may be `fresh_s` old, and a command stays in force for a while if this process
+        hangs; the robot's own reaction time is added.
         """
         reaction_s = self.timing.fresh_s + VALID_S + self.speed.reaction_s
         return self.speed.model_copy(update={"reaction_s": reaction_s})
@@ -176,7 +175,7 @@ class Ros2Config(RoomConfig):
         """Number of the DDS domain.
 
         Raises:
-            ConfigError: ``ROS_DOMAIN_ID`` is no such number.
+            ConfigError: ``ROS_DOMAIN_ID`` is not a domain number.
         """
         if self.domain is not None:
             return self.domain

@@ -19,25 +19,25 @@ from hypernav.robot.ros2.sensors import Ros2Sensors
 
 _LOG = logging.getLogger(__name__)
 _LARGE_AHEAD_M = 3.0
-"""Distance to the next goal that is far to drive with nobody at the wheel."""
+"""Distance to the next goal from which on driving unsupervised is worth a warning."""
 
 Drive = Literal["cmd_vel", "nav2"]
-"""Who makes velocities of what the agent decides: hypernav, or Nav2."""
+"""Which program turns the agent's decisions into velocities: hypernav or Nav2."""
 _UNUSED: dict[Drive, tuple[tuple[str, ...], str]] = {
     "cmd_vel": (("nav2", "topics.goal_pose", "topics.stop_cmd_vel", "topics.nav2_lock"), ""),
     "nav2": (("speed",), "; Nav2's own parameters limit the speed"),
 }
-"""What each drive doesn't look at, and what holds in its place."""
+"""Sections that each drive ignores, and what applies instead."""
 
 
 def check_drive(drive: Drive, config: Ros2Config) -> None:
-    """Refuse a configuration by which a drive can't make the agent's motions, or can't be stopped.
+    """Refuse a configuration with which a drive cannot make the agent's motions or be stopped.
 
-    What belongs to the other drive is warned of: one file may serve both.
+    Values that belong to the other drive only give a warning: one file may serve both.
 
     Raises:
-        ConfigError: What counts as reached is so much that a motion is not made then, or what
-            holds the wheels is not above Nav2.
+        ConfigError: The tolerances for a reached goal are larger than a motion, or the topics that
+            stop Nav2 are not separate from its own.
     """
     names, instead = _UNUSED[drive]
     set_all_the_same = [name for name in names if _is_set(config, name)]
@@ -93,20 +93,20 @@ def _check_stops(config: Ros2Config) -> None:
 def opened_drive(
     drive: Drive, network: Ros2Network, config: Ros2Config
 ) -> Iterator[tuple[Robot, SensingRobot]]:
-    """Take a robot over, which stands still at the end of the block.
+    """Take control of a robot; it stands still at the end of the block.
 
     Args:
         drive: Who drives it.
         network: Its network.
-        config: Its topics, frames and limits, which `check_drive` has looked at.
+        config: Its topics, frames and limits, already checked by `check_drive`.
 
     Returns:
-        The robot as a search drives it, and as its sensors show it.
+        The robot for a search to drive, and its sensors.
 
     Raises:
-        ConfigError: No robot can have its camera.
+        ConfigError: The camera's pose is impossible.
         Nav2Error: Nav2 takes no goals.
-        RosNetworkError: Its data doesn't come, or it doesn't stand at the end.
+        RosNetworkError: Its data does not arrive, or it does not stand still at the end.
         TopicChoiceError: No topic of its camera fits, or several do.
         TransformMissingError: A frame is missing.
     """
@@ -128,10 +128,10 @@ _RobotT = TypeVar("_RobotT", bound=_Closes)
 
 @contextmanager
 def given_back(robot: _RobotT) -> Iterator[_RobotT]:
-    """Close a robot at the end of the block, whose own error is not hidden by one that it drives.
+    """Close a robot at the end of the block, without hiding an error of the block.
 
     Raises:
-        RosNetworkError: The block ended well, and the robot doesn't stand.
+        RosNetworkError: The block ended without error, but the robot does not stand still.
     """
     try:
         yield robot

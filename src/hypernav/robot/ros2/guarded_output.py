@@ -1,4 +1,4 @@
-"""Commands for the robot, sent on only as long as everything is in order."""
+"""Sends commands to the robot only while its data is fresh and the search is alive."""
 
 import logging
 import threading
@@ -11,20 +11,20 @@ from hypernav.core.errors import HyPerNavError, RosNetworkError
 _LOG = logging.getLogger(__name__)
 _PERIOD_S = 0.05
 VALID_S = 0.3
-"""Time for which a command holds; then whoever gave it hangs."""
+"""Time for which a command stays in force; without a new one its sender is taken to hang."""
 _STANDS_S = 0.5
-"""Time for which standstill is said before silence, so that others may drive."""
+"""Time for which standstill is sent before falling silent, so that others may drive."""
 _CLOSE_S = 3.0
-"""Time for which standstill is said at the end, beyond that for all it takes twice."""
+"""Additional time for which standstill is sent at the end."""
 _CommandT = TypeVar("_CommandT")
 
 
 class GuardedOutput(Generic[_CommandT]):
-    """Sends the last command again and again from a thread of its own, or standstill instead.
+    """Sends the last command repeatedly from a thread of its own, or standstill instead.
 
-    Standstill is sent as soon as the data is not fresh any more, or no new command comes: whatever
-    the search does, or hangs in. What the network does not take is tried again. Every drive of a
-    robot goes through it, whatever its commands are: velocities, or goals of another's navigation.
+    Standstill is sent as soon as the data is no longer fresh or no new command comes, even if the
+    search hangs. A message that the network refuses is sent again. Every drive uses this class,
+    whether its commands are velocities or goals for Nav2.
     """
 
     def __init__(
@@ -43,11 +43,11 @@ class GuardedOutput(Generic[_CommandT]):
             send: Function that sends a command to the robot, 20 times a second.
             standstill: The command to stand still.
             is_safe: Whether the robot may drive now.
-            is_standing: Whether the robot is known to stand; else standstill is said on and on, and
-                again when it moves.
-            stands_s: Least time for which standstill is said, seconds.
-            silence_s: Time after it in which the robot has to stand by itself at the end, seconds:
-                as long as a standstill is said, it may only hold the robot.
+            is_standing: Whether the robot is known to stand still; until then, and when it moves
+                again, standstill is sent.
+            stands_s: Shortest time for which standstill is sent, seconds.
+            silence_s: Time at the end, without messages, in which the robot must stand still,
+                seconds: while standstill is sent, it may only be held.
         """
         self._send, self._standstill = send, standstill
         self._is_safe, self._is_standing = is_safe, is_standing
@@ -60,9 +60,9 @@ class GuardedOutput(Generic[_CommandT]):
         self._thread.start()
 
     def command(self, command: _CommandT) -> None:
-        """Drive by a command from now on, for as long as commands follow.
+        """Use a command from now on, as long as new commands keep coming.
 
-        After the end only standstill is sent: nobody would watch over another command.
+        After `close` only standstill is sent, because commands are no longer supervised.
         """
         if self._ended.is_set() and command != self._standstill:
             return
@@ -76,10 +76,10 @@ class GuardedOutput(Generic[_CommandT]):
         self.command(self._standstill)
 
     def close(self) -> None:
-        """Stand still, and send nothing any more.
+        """Stand still, then stop sending.
 
         Raises:
-            RosNetworkError: The robot drives all the same, by its odometry, or could not be told.
+            RosNetworkError: Odometry shows that the robot still moves, or sending failed.
         """
         self.halt()
         self._ended.set()
@@ -91,14 +91,14 @@ class GuardedOutput(Generic[_CommandT]):
                     return
                 silent += 1
             else:
-                if silent:  # it was only held; whoever drives it needs to be told for longer
+                if silent:  # it was only held: tell its driver for longer
                     self._stands = silent = 0
                 is_told = self._is_sent(self._standstill)
                 self._stands += is_told
             time.sleep(_PERIOD_S)
         raise RosNetworkError(
-            "the robot was told to stand still, and does not stand by its odometry; does "
-            "another drive it, or does its body sway (docs/ros2.md)?"
+            "the robot was told to stand still, but its odometry shows motion; does "
+            "another program drive it, or does its body sway (docs/ros2.md)?"
             if is_told
             else "the robot could not be told to stand still; it stops if its base does so alone"
         )
@@ -117,16 +117,16 @@ class GuardedOutput(Generic[_CommandT]):
             self._is_sent(self._command)
 
     def _stand(self) -> None:
-        """Say standstill until it was said often enough and the robot stands."""
+        """Send standstill until it was sent long enough and the robot stands still."""
         if self._is_new or (self._stands >= self._least and self._is_standing()):
             return
         self._stands += self._is_sent(self._standstill)
 
     def _is_sent(self, command: _CommandT) -> bool:
-        """Send a command, and say the first time that it can't be sent."""
+        """Send a command; log the first failure."""
         try:
             self._send(command)
-        except HyPerNavError as error:  # no transform is no reason to fall silent either
+        except HyPerNavError as error:  # a missing transform must not end the messages either
             if not self._fails:
                 _LOG.warning("the robot is not told how to drive: %s; trying again", error)
             self._fails = True

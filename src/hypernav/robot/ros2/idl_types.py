@@ -16,7 +16,7 @@ from cyclonedds.idl import IdlStruct
 from cyclonedds.idl._machinery import BytesMachine
 from cyclonedds.idl.types import float32, float64, int8, int32, uint8, uint32
 
-if TYPE_CHECKING:  # what cyclonedds makes of its types
+if TYPE_CHECKING:  # code that cyclonedds generates for its types
     from builtins import list as sequence
 
     Bytes: TypeAlias = bytes
@@ -122,7 +122,7 @@ class PoseStamped(IdlStruct, typename="geometry_msgs.msg.dds_.PoseStamped_"):
 
 @dataclass
 class PoseWithCovariance(IdlStruct, typename="geometry_msgs.msg.dds_.PoseWithCovariance_"):
-    """A pose and how sure it is."""
+    """A pose with its covariance."""
 
     pose: Pose = field(default_factory=Pose)
     covariance: ThirtySix = field(default_factory=partial(_zeros, 36))
@@ -170,7 +170,7 @@ class TwistStamped(IdlStruct, typename="geometry_msgs.msg.dds_.TwistStamped_"):
 
 @dataclass
 class TwistWithCovariance(IdlStruct, typename="geometry_msgs.msg.dds_.TwistWithCovariance_"):
-    """A velocity and how sure it is."""
+    """A velocity with its covariance."""
 
     twist: Twist = field(default_factory=Twist)
     covariance: ThirtySix = field(default_factory=partial(_zeros, 36))
@@ -244,7 +244,7 @@ class CameraInfo(IdlStruct, typename="sensor_msgs.msg.dds_.CameraInfo_"):
 
 @dataclass
 class Image(IdlStruct, typename="sensor_msgs.msg.dds_.Image_"):
-    """An image as it is in memory."""
+    """An uncompressed image."""
 
     header: Header = field(default_factory=Header)
     height: uint32 = 0
@@ -257,7 +257,7 @@ class Image(IdlStruct, typename="sensor_msgs.msg.dds_.Image_"):
 
 @dataclass
 class CompressedImage(IdlStruct, typename="sensor_msgs.msg.dds_.CompressedImage_"):
-    """An image as a file."""
+    """A compressed image, as the bytes of a file."""
 
     header: Header = field(default_factory=Header)
     format: str = ""
@@ -313,11 +313,11 @@ class MarkerArray(IdlStruct, typename="visualization_msgs.msg.dds_.MarkerArray_"
 
 
 def _data_as_bytes(*types: type[IdlStruct]) -> None:
-    """Take a type's ``data`` for bytes; as numbers of a list an image would cost 30 to 200 ms.
+    """Read and write a type's ``data`` as bytes; as a list of numbers an image takes 30 to 200 ms.
 
     A field of type ``bytes`` is public and as fast, but cyclonedds cannot describe its type to the
-    others on the network ("Cannot construct typeobject"). So the fields stay what they are in ROS 2
-    and only what reads and writes them is exchanged, for which there is no public way:
+    others on the network ("Cannot construct typeobject"). So the fields keep their types in ROS 2
+    and only their reader and writer are replaced, for which there is no public interface:
     pyproject.toml bounds the version, and ``tests/robot/ros2/test_idl_types.py`` fails where a
     release has changed it.
     """

@@ -1,4 +1,4 @@
-"""A ROS 2 network, joined as a DDS participant: topics by their ROS names, and their qualities."""
+"""A ROS 2 network, joined as a DDS participant: topics by ROS names, and quality of service."""
 
 import logging
 import struct
@@ -41,12 +41,12 @@ _ALL_S = 2.0
 _ANY = SampleState.Any | ViewState.Any | InstanceState.Any
 _NAMES = {kind.__idl_typename__.replace(".", "::"): name for name, kind in ROS_TYPES.items()}
 _UNDECODABLE = (struct.error, ValueError, AssertionError)
-"""What reading bytes that are no message of the type raises."""
+"""Errors of reading bytes that are not a message of the type."""
 _MessageT = TypeVar("_MessageT", bound=IdlStruct)
 
 
 class Quality(Enum):
-    """Qualities of service, named after what they are for."""
+    """Quality-of-service profiles, named by their purpose."""
 
     SENSOR = Qos(
         Policy.Reliability.BestEffort,
@@ -54,28 +54,28 @@ class Quality(Enum):
         Policy.History.KeepLast(5),
         _XCDR1,
     )
-    """ROS's sensor data: the newest, and nothing is sent again."""
+    """ROS's sensor data: only the newest message, without retransmission."""
     RELIABLE = Qos(
         Policy.Reliability.Reliable(duration(milliseconds=100)),
         Policy.Durability.Volatile,
         Policy.History.KeepLast(_MOST_WAITING),
         _XCDR1,
     )
-    """ROS's default: what gets lost is sent again."""
+    """ROS's default: lost messages are sent again."""
     LATCHED = Qos(
         Policy.Reliability.Reliable(duration(milliseconds=100)),
         Policy.Durability.TransientLocal,
         Policy.History.KeepLast(1),
         _XCDR1,
     )
-    """The last message is also for those who come later: maps."""
+    """Late subscribers also get the last message: maps."""
     STATIC = Qos(
         Policy.Reliability.Reliable(duration(milliseconds=100)),
         Policy.Durability.TransientLocal,
         Policy.History.KeepLast(_MOST_WAITING),
         _XCDR1,
     )
-    """The same of many publishers: ``/tf_static``."""
+    """The same with many publishers: ``/tf_static``."""
 
 
 class Publisher(Generic[_MessageT]):
@@ -95,7 +95,7 @@ class Publisher(Generic[_MessageT]):
             self._writer.write(message)
 
     def has_reader(self) -> bool:
-        """Whether somebody takes the messages."""
+        """Whether somebody reads the messages."""
         with _told_as("nobody knows who reads"):
             return bool(self._writer.get_matched_subscriptions())
 
@@ -108,10 +108,10 @@ class _Subscription:
     receive: Callable[[Any], None]
 
     def take(self) -> None:
-        """Hand on what came; a message that can't be used is as one that got lost."""
+        """Pass on what arrived; a message that cannot be decoded counts as lost."""
         for _ in range(_MOST_WAITING):
             try:
-                messages = self.reader.take(1)  # of many, one that is broken would lose all
+                messages = self.reader.take(1)  # in a batch, one broken message loses all
             except _UNDECODABLE as error:
                 _LOG.warning("%s: %s", self.topic, error)
                 continue
@@ -155,7 +155,7 @@ class Ros2Network:
         self._thread.start()
 
     def close(self) -> None:
-        """Receive nothing any more; the domain is left when nobody holds the network."""
+        """Stop receiving; the domain is left when nothing refers to the network any more."""
         self._ended.set()
         self._thread.join()
 
@@ -192,7 +192,7 @@ class Ros2Network:
             receive: Function that takes a message.
 
         Returns:
-            Function that ends it.
+            Function that ends the subscription.
 
         Raises:
             RosNetworkError: The topic can't be read.
@@ -228,7 +228,7 @@ class Ros2Network:
     def publishers(self, topic: str) -> int:
         """Number of publishers that others have of a topic now, whatever its type is.
 
-        Those of a process that was killed count until its lease is over, some 10 s.
+        Publishers of a killed process count until its lease ends, after about 10 s.
 
         Args:
             topic: ROS name of the topic.
@@ -258,7 +258,7 @@ def _dds_name(topic: str) -> str:
 
 @contextmanager
 def _told_as(what: str) -> Iterator[None]:
-    """Raise what DDS refuses as an error of ours."""
+    """Turn errors of DDS into ours."""
     try:
         yield
     except DDSException as error:

@@ -35,7 +35,7 @@ _LINE_M, _TEXT_M, _ABOVE_M = 0.04, 0.4, 0.05
 
 
 class Ros2Outputs:
-    """Publishes what the search knows and decided, step by step."""
+    """Publishes what the search knows and decides at every step."""
 
     def __init__(self, network: Ros2Network, config: Ros2Config) -> None:
         """Announce the topics, below ``topics.output``."""
@@ -103,7 +103,7 @@ def image_message(rgb: UInt8[np.ndarray, "height width 3"], header: Header) -> I
 
 
 def marker_message(trace: StepTrace, blocks: Sequence[BlockRecord], header: Header) -> MarkerArray:
-    """Numbered blocks, the goal area and the destination; what was there before goes.
+    """Numbered blocks, the goal area and the destination; earlier markers are deleted.
 
     Args:
         trace: The step.

@@ -11,9 +11,9 @@ from typing import Any
 from hypernav.robot.ros.messages import stamp_s
 
 _MOST_WAITING = 10
-"""Images of a kind that wait for their partners."""
+"""Number of images of each kind that wait for their partners."""
 _KEPT_S = 0.6
-"""Time by which kept pairs may be older than the newest; odometry that is later is too late."""
+"""Largest age of kept pairs relative to the newest; odometry that comes later is too late."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,9 +34,9 @@ class ImagePair:
 
 
 class RgbdStream:
-    """Pairs colour and depth as they arrive, in any order; a pair older than another is lost.
+    """Pairs colour and depth as they arrive, in any order; a pair older than the newest is dropped.
 
-    A camera that sends an image of before once more sends nothing new.
+    An image that the camera sends twice counts once.
     """
 
     def __init__(self, apart_s: float, *, clock: Callable[[], float] = time.monotonic) -> None:
@@ -67,7 +67,7 @@ class RgbdStream:
         return self.newest_until(math.inf)
 
     def newest_until(self, at_s: float) -> ImagePair | None:
-        """The newest of the last pairs that is not of after a time; None if there is none.
+        """The newest of the last pairs that is not newer than a time; None if there is none.
 
         Args:
             at_s: Time on the robot's clock, seconds.
@@ -76,10 +76,10 @@ class RgbdStream:
             return next((pair for pair in reversed(self._pairs) if pair.stamp_s <= at_s), None)
 
     def wait_for(self, is_enough: Callable[[], bool], timeout_s: float) -> bool:
-        """Wait until something holds, which is asked whenever a pair arrives and now and then.
+        """Wait for a condition, checked whenever a pair arrives and at intervals.
 
         Args:
-            is_enough: The question.
+            is_enough: The condition.
             timeout_s: Longest wait, seconds.
 
         Returns:
@@ -95,7 +95,7 @@ class RgbdStream:
         return True
 
     def described(self) -> str:
-        """When what came last, for people."""
+        """When the last images and the last pair came, for people."""
         now = self._clock()
         words = [
             f"{name} {now - seen:.1f} s ago" if (seen := self._seen_s.get(name)) else f"no {name}"

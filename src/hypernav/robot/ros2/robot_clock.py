@@ -8,11 +8,11 @@ NTP_DRIFT = 5e-4
 
 
 class RobotClock:
-    """Tells how old a message is, also where the network delays all of them alike.
+    """Estimates how old a message is, although the clocks of the two machines may differ.
 
-    The message that came fastest so far tells how far the robot's clock is from ours; one that
-    takes longer is late. The messages of a robot whose clock loses more than the drift, as that of
-    a simulator slower than real time does, grow old.
+    The message that came fastest so far gives the offset of the robot's clock from ours; a message
+    that takes longer is late. If the robot's clock is slower than the drift allows, as that of a
+    simulator below real time, its messages seem to get older and older.
     """
 
     def __init__(
@@ -21,7 +21,7 @@ class RobotClock:
         """Begin without messages.
 
         Args:
-            drift: Largest share of time that the robot's clock loses on ours.
+            drift: Largest share of time by which the robot's clock may run slower than ours.
             clock: Clock of this machine.
         """
         self._drift, self._clock = drift, clock
@@ -29,7 +29,7 @@ class RobotClock:
         self._heard_s = 0.0
 
     def hear(self, stamp_s: float) -> None:
-        """Take the time of a message that arrives now."""
+        """Note the stamp of a message that arrives now."""
         now_s = self._clock()
         behind_s = now_s - stamp_s
         if self._behind_s is not None:

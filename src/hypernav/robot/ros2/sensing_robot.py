@@ -1,4 +1,4 @@
-"""A robot as its sensors on a ROS 2 network show it, whoever drives it."""
+"""A robot's sensor data from a ROS 2 network, whichever program drives it."""
 
 import math
 import time
@@ -28,15 +28,16 @@ class SensingRobot:
     """
 
     def __init__(self, config: Ros2Config, sensors: Ros2Sensors) -> None:
-        """Find out what the robot is.
+        """Read the camera's calibration and pose, and build the embodiment from them.
 
         Args:
             config: Body of the robot, and the range of its depth.
-            sensors: The robot's sensors, which work already.
+            sensors: The robot's sensors, already working.
 
         Raises:
-            RosNetworkError: Their images are not fresh within the patience.
-            ConfigError: No robot can have their camera: the floor's height is wrong, for example.
+            RosNetworkError: No fresh images arrive within the patience.
+            ConfigError: The camera's pose is impossible, for example because the floor's height is
+                wrong.
         """
         self.sensors = sensors
         self._embodiment = _embodiment(config.embodiment, sensors)
@@ -77,7 +78,7 @@ class SensingRobot:
         return self.sensors.odometry()
 
     def observation(self, sensed: Sensed) -> Observation:
-        """What was sensed, as an agent takes it."""
+        """What was sensed, as an agent's observation."""
         return sensed.observation(self.camera, self._embodiment.camera.camera_to_base)
 
     def depth_of(self, pair: ImagePair) -> Float32[np.ndarray, "height width"]:
@@ -89,7 +90,7 @@ class SensingRobot:
         return self.sensors.calibration.straightened_depth(depth_of(pair.depth))
 
     def _measured(self, pair: ImagePair) -> Float32[np.ndarray, "height width"]:
-        """Depth for the map: not cut off where it becomes too inexact to be drawn."""
+        """Depth for perception, also beyond the range that is exact enough for the map."""
         depth = self.depth_of(pair)
         measured = is_measured(depth, self._embodiment.camera.min_depth_m)
         return np.where(measured, depth, np.float32(0.0))
@@ -99,7 +100,7 @@ def _embodiment(robot: Embodiment, sensors: Ros2Sensors) -> Embodiment:
     """The robot of the configuration with the camera that is really there.
 
     Raises:
-        ConfigError: No robot can have it.
+        ConfigError: The values are impossible for a robot.
     """
     camera = sensors.calibration.camera
     pair = sensors.wait_for_pair()
@@ -118,8 +119,8 @@ def _embodiment(robot: Embodiment, sensors: Ros2Sensors) -> Embodiment:
     except ValidationError as error:
         first = error.errors()[0]
         raise ConfigError(
-            f"the camera as ROS has it, {height_m:.2f} m above the floor, {camera.width} × "
-            f"{camera.height} pixels: {'.'.join(map(str, first['loc']))}: {first['msg']}; "
+            f"the camera by tf and camera info, {height_m:.2f} m above the floor, {camera.width} × "
+            f"{camera.height} pixels:  {'.'.join(map(str, first['loc']))}: {first['msg']}; "
             "frames.floor_z_m must be the floor's height in frames.odom, and large images have "
             "to be made smaller by their driver"
         ) from error

@@ -32,7 +32,7 @@ _FoundT = TypeVar("_FoundT")
 
 
 class Ros2Sensors:
-    """A robot's sensors; times are those of the robot's clock, which may be another than ours.
+    """A robot's sensors; times are on the robot's clock, which may differ from ours.
 
     Attributes:
         stream: Pairs of images.
@@ -40,7 +40,7 @@ class Ros2Sensors:
     """
 
     def __init__(self, network: Ros2Network, config: Ros2Config) -> None:
-        """Find the topics and wait until everything is there.
+        """Find the topics and wait until all data arrives.
 
         Raises:
             TopicChoiceError: No topic fits, or several do.
@@ -55,7 +55,7 @@ class Ros2Sensors:
         chosen = self._found(self._chosen)
         for end in self._ends_of_looks:
             end()
-        self._ends_of_looks.clear()  # each holds its reader
+        self._ends_of_looks.clear()  # keeps the readers alive
         info = self._first_messages[chosen.camera_info.name]
         self.calibration: Calibration = calibration_of(info, rectified=is_rectified(chosen.colour))
         types = network.published()
@@ -77,7 +77,7 @@ class Ros2Sensors:
         return self._fresh_pair() is not None
 
     def _fresh_pair(self) -> ImagePair | None:
-        """The newest pair of images of whose time the odometry is known, unless it is too old."""
+        """The newest pair of images for whose time odometry is known, unless it is too old."""
         pair = self.stream.newest_until(self._odometry_s)
         if pair is None or self._clock.age_s(pair.stamp_s) > self._config.timing.fresh_s:
             return None
@@ -86,11 +86,11 @@ class Ros2Sensors:
     def wait_for_pair(
         self, *, received_after_s: float = 0.0, unless: Callable[[], bool] = lambda: False
     ) -> ImagePair | None:
-        """The newest pair of images of whose time the odometry is known, once it is fresh.
+        """The newest pair of images for whose time odometry is known; waits until it is fresh.
 
         Args:
             received_after_s: Time on this machine's clock after which it must have come.
-            unless: Whether the wait shall end without one.
+            unless: Function that says whether to end the wait without a pair.
 
         Returns:
             The pair; None if the wait was ended.
@@ -114,7 +114,7 @@ class Ros2Sensors:
         return found
 
     def described(self) -> str:
-        """When what came last and how old it is, for people."""
+        """When images and odometry came last and how old they are, for people."""
         pair = self.stream.latest
         of_pair = (
             "" if pair is None else f", the pair of {self._clock.age_s(pair.stamp_s):.1f} s ago"
@@ -126,19 +126,19 @@ class Ros2Sensors:
         """Pose of the base in the frame of the odometry, at a time or now.
 
         Raises:
-            TransformMissingError: It is not known of that time.
+            TransformMissingError: It is not known for that time.
         """
         frames = self._config.frames
         return _planar(self._pose(frames.base, frames.odom, at_s))
 
     def is_standing(self) -> bool:
-        """Whether odometry is fresh and has shown no motion for a moment, as ``nav2`` has it."""
+        """Whether odometry is fresh and has shown no motion for ``nav2.still_s``."""
         newest_s, still = self._odometry_s, self._config.nav2
         if self._clock.age_s(newest_s) > self._config.timing.fresh_s:
             return False
         try:
             before, now = self.odometry(newest_s - still.still_s), self.odometry(newest_s)
-        except TransformMissingError:  # it has only just begun
+        except TransformMissingError:  # not enough history yet
             return False
         turned = abs(wrap_angle(now.yaw - before.yaw))
         is_there = before.distance_to(*now.xy) < still.still_m
@@ -148,7 +148,7 @@ class Ros2Sensors:
         """Pose of the odometry in the map of the robot's localisation; the same without one.
 
         Raises:
-            TransformMissingError: The localisation has said nothing yet.
+            TransformMissingError: The localisation has published nothing yet.
         """
         frames = self._config.frames
         if frames.map is None:
@@ -164,7 +164,7 @@ class Ros2Sensors:
         Its height and tilt are those of that moment, also of a legged robot that sways.
 
         Raises:
-            TransformMissingError: It is not known of that time.
+            TransformMissingError: It is not known for that time.
         """
         frames = self._config.frames
         below = self.odometry(at_s).to_transform(frames.floor_z_m)
@@ -195,7 +195,7 @@ class Ros2Sensors:
             self._note_odometry()
 
     def _add_image(self, receive: Callable[[Any], None], message: Any) -> None:
-        """Images tell the time, too: by odometry alone, its delay would pass for a clock's."""
+        """Images also set the clock: odometry's delay alone would look like a clock offset."""
         self._clock.hear(stamp_s(message.header))
         receive(message)
 
@@ -206,10 +206,10 @@ class Ros2Sensors:
             self._clock.hear(newest_s)
 
     def _found(self, find: Callable[[], _FoundT]) -> _FoundT:
-        """What a function finds, which is asked again until it finds something.
+        """The result of a function, which is called again until it raises nothing.
 
         Raises:
-            HyPerNavError: The last thing that the function said was missing.
+            HyPerNavError: The last error of the function.
         """
         until_s = time.monotonic() + self._config.timing.find_s
         while True:
@@ -221,10 +221,10 @@ class Ros2Sensors:
                 time.sleep(_LOOK_S)
 
     def _chosen(self) -> ChosenTopics:
-        """The camera's topics, by the first messages of all that it could be.
+        """The camera's topics, chosen by the first messages of all topics that may be its own.
 
         Raises:
-            TopicChoiceError: None fits, or several do, among those that are known by now.
+            TopicChoiceError: None of the topics known so far fits, or several do.
         """
         topics, published = self._config.topics, self._network.published()
         wanted = CameraTopics(topics.colour, topics.depth, topics.camera_info)
@@ -251,7 +251,7 @@ class Ros2Sensors:
             raise TopicChoiceError(f"{error}. Published topics of cameras: {there}") from error
 
     def _first_pose(self) -> None:
-        """Ask for everything once.
+        """Look up all poses once.
 
         Raises:
             RosNetworkError: There is no pair of images yet.
@@ -267,7 +267,7 @@ class Ros2Sensors:
         if 0.0 <= self._odometry_s < pair.stamp_s:
             raise TransformMissingError(
                 f"the odometry is {pair.stamp_s - self._odometry_s:.2f} s behind all images, "
-                "expected that of their time; are the clocks of two computers the same (chrony)?"
+                "expected odometry for their times; do the clocks of the computers agree (chrony)?"
             )
         self.camera_to_base(pair.stamp_s)
         self.odom_to_map()

@@ -1,4 +1,4 @@
-"""Velocities for a robot, in the type that it takes."""
+"""Publishes velocities in the message type that the robot reads."""
 
 from hypernav.robot.motion.velocity import Velocity
 from hypernav.robot.ros2.config import Ros2Config
@@ -45,5 +45,5 @@ class VelocityPublisher:
             self._publisher.publish(twist)
 
     def has_reader(self) -> bool:
-        """Whether somebody takes velocities of this type."""
+        """Whether somebody reads velocities of this type."""
         return self._publisher.has_reader()

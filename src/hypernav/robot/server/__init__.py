@@ -1,1 +1,1 @@
-"""The server: it takes the observations of robots, and lets an agent answer each."""
+"""The server: it receives the observations of robots, and an agent answers each."""

@@ -1,4 +1,4 @@
-"""Agents for searches: each search has one of its own, built for its robot."""
+"""Agents for searches: every search has its own, built for its robot."""
 
 from collections.abc import Callable
 from contextlib import ExitStack, closing
@@ -31,10 +31,10 @@ class AgentPlan:
         """Build the agent once without a goal, so that mistakes show before a robot comes.
 
         Returns:
-            Name of the detector for people.
+            Description of the detector, for people.
 
         Raises:
-            HyPerNavError: As `build`, but for the goal.
+            HyPerNavError: As `build`, except for errors of the goal.
         """
         with closing(build_agent(self.config, self.specs)) as built:
             _check_explains(built.agent)
@@ -45,10 +45,11 @@ class AgentPlan:
 
         Args:
             goal: What to find.
-            folder: Folder of the search. Questions that its recording holds are answered from it.
+            folder: Folder of the search. Questions to the model that are recorded there are
+                answered from the recording.
 
         Raises:
-            ConfigError: The components do not go together, or the agent does not explain itself.
+            ConfigError: The components do not fit together, or the agent lacks trace or map.
             GoalError: The goal can never be found.
             HyPerNavError: A component cannot be built.
         """
@@ -70,9 +71,9 @@ def _check_explains(agent: Agent) -> None:
     """Refuse an agent without trace and map.
 
     Raises:
-        ConfigError: It has none.
+        ConfigError: It lacks one of them.
     """
-    # `isinstance` would ask for a first step that has not been taken yet.
+    # `isinstance` would evaluate `last_step`, which does not exist before the first step.
     if not (hasattr(type(agent), "last_step") and hasattr(type(agent), "grid")):
         raise ConfigError(
             f"the agent {type(agent).__name__} does not explain itself; a server needs its "
@@ -81,4 +82,4 @@ def _check_explains(agent: Agent) -> None:
 
 
 PlanAgent = Callable[[OpenSearch], AgentPlan]
-"""How a server chooses the agent of a request: by its own options, and the robot's."""
+"""Chooses the agent for a request, from the server's options and the robot's."""

@@ -1,4 +1,4 @@
-"""The HTTP application: every path, what it takes and what it gives."""
+"""The HTTP application: every path, its request and its response."""
 
 import logging
 from collections.abc import Iterable
@@ -40,7 +40,7 @@ def make_app(
     Args:
         searches: Opened searches.
         waiting: Robots that wait for a goal.
-        access: Who may come in.
+        access: Who may use the server.
         limits: Limits of the server.
     """
     allowances = Allowances(limits)
@@ -55,20 +55,20 @@ def make_app(
 def guarded_app(
     routers: Iterable[APIRouter], access: Access, limits: ServerLimits, allowances: Allowances
 ) -> FastAPI:
-    """An application behind the guard, which says of every refusal what was expected.
+    """An application behind the guard, whose refusals say what was expected.
 
     Args:
         routers: Its paths.
-        access: Who may come in.
+        access: Who may use the server.
         limits: Limits of the server.
         allowances: Requests that each address may still make.
     """
     app = FastAPI(
         title="hypernav",
-        description="Sends a robot to what it is told to find. See docs/robot.md.",
+        description="Guides robots to the things that they are told to find. See docs/robot.md.",
         version=version("hypernav"),
         openapi_url=f"{API}/openapi.json",
-        docs_url=None,  # its page would load programs from elsewhere
+        docs_url=None,  # its page loads scripts from other sites
         redoc_url=None,
     )
     for router in routers:
@@ -102,7 +102,7 @@ def _routes(searches: Searches, waiting: WaitingRobots, allowances: Allowances) 
 
     @routes.post(f"{SEARCHES}/{{name}}/observations", openapi_extra=_OBSERVATION_BODY)
     async def observe(name: Name, request: Request) -> Reply:
-        """Take an observation and say what to do."""
+        """Receive an observation and say what to do."""
         search = searches.find(name)
         turn = search.offer(await request.body())
         await search.bell.until(lambda: turn.is_answered, search.record.request.deadline_s)
@@ -110,7 +110,7 @@ def _routes(searches: Searches, waiting: WaitingRobots, allowances: Allowances) 
 
     @routes.get(f"{SEARCHES}/{{name}}/replies/{{sequence}}")
     async def reply(name: Name, sequence: _Number) -> Reply:
-        """The answer to the last observation, after a ``hold``."""
+        """The answer to the last observation, if the first reply said ``hold``."""
         search = searches.find(name)
         turn = search.turn(sequence)
         await search.bell.until(lambda: turn.is_answered, search.record.request.deadline_s)
@@ -122,7 +122,7 @@ def _routes(searches: Searches, waiting: WaitingRobots, allowances: Allowances) 
 
     @routes.post(f"{SEARCHES}/{{name}}/close")
     async def close(name: Name) -> Status:
-        """End a search that nobody needs any more; what is on disk can still be read."""
+        """End a search that is no longer needed; its files can still be read."""
         search = searches.find(name)
         search.stop("closed", SearchEnding.CLOSED)
         await run_in_threadpool(search.write_end)

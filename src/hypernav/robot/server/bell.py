@@ -10,32 +10,32 @@ class Bell:
     """Wakes everyone who waits for something to become true. Thread-safe."""
 
     def __init__(self) -> None:
-        """Begin with nobody waiting."""
+        """Create it; nobody is waiting."""
         self._lock = threading.Lock()
         self._waiting: dict[asyncio.Event, asyncio.AbstractEventLoop] = {}
         self._is_closed = False
 
     def ring(self) -> None:
-        """Let all who wait look again."""
+        """Let all who wait check their condition again."""
         with self._lock:
             for event, loop in self._waiting.items():
-                with suppress(RuntimeError):  # a loop that was closed waits for nothing
+                with suppress(RuntimeError):  # a closed event loop has no waiting coroutines
                     loop.call_soon_threadsafe(event.set)
 
     def close(self) -> None:
-        """Let all who wait go, now and from now on: the server ends."""
+        """End all waiting, now and in future, because the server ends."""
         self._is_closed = True
         self.ring()
 
     async def until(self, is_so: Callable[[], bool], timeout_s: float | None) -> bool:
-        """Wait until something is so, for a while.
+        """Wait for a condition, up to a time limit.
 
         Args:
-            is_so: What is waited for; whoever changes it rings afterwards.
+            is_so: The condition; whoever changes it must ring afterwards.
             timeout_s: Longest wait, seconds; None waits as long as the server lives.
 
         Returns:
-            Whether it is so.
+            Whether the condition holds.
         """
         event = asyncio.Event()
         with self._lock:

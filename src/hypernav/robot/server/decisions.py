@@ -1,4 +1,4 @@
-"""The decisions of one search: an agent and its journal, and nothing of the network."""
+"""The decisions of one search: an agent and its journal, independent of the network."""
 
 import logging
 from collections.abc import Callable
@@ -21,11 +21,11 @@ _LOG = logging.getLogger(__name__)
 _BLOCKED = "the robot says that it was blocked"
 _BLIND = "the camera measures no depth, turning instead of driving"
 _MOST_BLIND = 24
-"""Number of images without depth, one after the other, after which a search ends."""
+"""Number of images without depth in a row after which a search ends."""
 
 
 class Decisions:
-    """Takes the observations of one search in order; for one thread.
+    """Decides about the observations of one search, in order. Not thread-safe.
 
     Attributes:
         grid: Map after the last decision, a copy; None before the first.
@@ -36,7 +36,7 @@ class Decisions:
 
         Args:
             journal: Journal of the search.
-            built: Agent of the search, which explains itself.
+            built: Agent of the search, which has a trace and a map.
         """
         self.grid: OccupancyGrid | None = None
         self._journal = journal
@@ -48,7 +48,7 @@ class Decisions:
         self._blind = 0
 
     def decode(self, packed: PackedObservation) -> Observation:
-        """The observation as the agent takes it; nothing else changes.
+        """The observation for the agent; nothing else changes.
 
         Raises:
             WireError: It is broken.
@@ -61,7 +61,7 @@ class Decisions:
         Raises:
             ModelUnavailableError: A model did not answer.
             ModelSetupError: A model can never answer.
-            SensorError: The camera has measured no depth for long.
+            SensorError: The camera has measured no depth for too long.
             HyPerNavError: The agent cannot go on.
         """
         if facts.sequence >= self._request.max_steps:
@@ -73,10 +73,10 @@ class Decisions:
         return StepRecord(reply=reply, trace=trace)
 
     def repeat(self, is_wanted: Callable[[], bool]) -> None:
-        """Let the agent see again all that was decided, after a restart.
+        """After a restart, give the agent all past observations again.
 
         Args:
-            is_wanted: Says whether to go on.
+            is_wanted: Function that says whether to go on.
 
         Raises:
             HyPerNavError: The agent cannot repeat it.
@@ -112,7 +112,7 @@ class Decisions:
         """Whether the camera measures any depth.
 
         Raises:
-            SensorError: It has not for so many images that the robot must have looked around.
+            SensorError: It has measured none for so many images that the robot has turned around.
         """
         lens = self._request.embodiment.camera
         if is_measured(observation.depth, lens.min_depth_m, lens.max_depth_m).any():
@@ -128,7 +128,7 @@ class Decisions:
 
 
 def _turning(trace: StepTrace) -> StepTrace:
-    """The decision without a step into what cannot be seen; the agent takes it for a bump."""
+    """The decision with a turn in place of a blind step; the agent takes it for a bump."""
     if trace.action is not Action.MOVE_FORWARD:
         return trace
     return trace.model_copy(

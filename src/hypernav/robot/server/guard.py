@@ -1,6 +1,6 @@
-"""The guard before everything: who may come in, how often, and with how much.
+"""The guard in front of the application: access, rate limits and size limits.
 
-It is plain ASGI, so that it sees a request before anything of it is read or parsed.
+It is plain ASGI, so that it sees a request before any of it is read or parsed.
 """
 
 import asyncio
@@ -26,7 +26,7 @@ API = "/v1"
 _OBSERVATIONS = "/observations"
 _STOP = "/stop"
 _STOP_BODY_S = 5.0
-"""Time for the body of a STOP, of which no limit bounds how many there are at once."""
+"""Time for the body of a STOP; short, because no limit bounds the number of STOPs at once."""
 _MOST_JSON_BYTES = 64_000
 _MOST_ADDRESSES = 1000
 _POLICY_VIOLATION = 1008
@@ -34,11 +34,11 @@ _POLICY_VIOLATION = 1008
 
 @dataclass(frozen=True)
 class Access:
-    """Who may come in.
+    """Who may use the server.
 
     Attributes:
         host: Address that the server is bound to.
-        token: Token that every request must carry; None asks for none.
+        token: Token that every request must carry; None requires none.
     """
 
     host: str
@@ -46,12 +46,12 @@ class Access:
 
     @property
     def is_local(self) -> bool:
-        """Whether only programs of this machine reach the server."""
+        """Whether only programs on this machine can reach the server."""
         return _is_loopback(self.host)
 
 
 class Allowances:
-    """How many more requests each address may make: a bucket each that fills steadily."""
+    """How many more requests each address may make: one token bucket for each address."""
 
     def __init__(self, limits: ServerLimits) -> None:
         """Begin with full buckets."""
@@ -80,7 +80,7 @@ class Allowances:
 
 
 class Guard:
-    """Middleware that refuses what must not come in, and hands over whole bodies only."""
+    """Middleware that refuses requests that are not allowed, and passes on only complete bodies."""
 
     def __init__(
         self, app: ASGIApp, access: Access, limits: ServerLimits, allowances: Allowances
@@ -89,7 +89,7 @@ class Guard:
 
         Args:
             app: Application.
-            access: Who may come in.
+            access: Who may use the server.
             limits: Limits of the server.
             allowances: Requests that each address may still make.
         """
@@ -100,7 +100,7 @@ class Guard:
         self._at_once = 0
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Let a request through, or refuse it."""
+        """Pass a request on, or refuse it."""
         if scope["type"] == "lifespan":
             await self._app(scope, receive, send)
             return
@@ -120,7 +120,7 @@ class Guard:
     def _check(self, scope: Scope) -> None:
         headers = Headers(scope=scope)
         self._check_origin(headers)
-        if not _is_stop(scope):  # always wins, over limits, too
+        if not _is_stop(scope):  # STOP is exempt from the limits
             self._check_load(scope)
         if scope["path"].startswith(API):
             self._check_token(headers)
@@ -137,7 +137,7 @@ class Guard:
             )
 
     def _check_origin(self, headers: Headers) -> None:
-        """Keep out pages of other sites, which a browser on this machine may show."""
+        """Refuse requests from pages of other sites in a browser on this machine."""
         host = headers.get("host", "")
         if self._access.is_local and not _is_loopback(_name_of(host)):
             raise RequestRefusedError(
@@ -158,7 +158,7 @@ class Guard:
             return
         scheme, _, given = headers.get("authorization", "").partition(" ")
         expected = self._access.token.encode()
-        # The comparison takes as long whatever is wrong with the token.
+        # The time of the comparison does not depend on the token's content.
         is_right = hmac.compare_digest(given.strip().encode(), expected)
         if scheme.lower() != "bearer" or not is_right:
             raise RequestRefusedError(
@@ -174,7 +174,7 @@ class Guard:
         headers = Headers(scope=scope)
         announced = headers.get("content-length", "0")
         if "content-length" in headers and "transfer-encoding" in headers:
-            raise RequestRefusedError(  # a proxy before the server may understand it differently
+            raise RequestRefusedError(  # a proxy may read the body differently
                 "a body has either a content-length or a transfer-encoding, got both",
                 error="invalid",
                 status=400,
@@ -223,7 +223,7 @@ def _is_stop(scope: Scope) -> bool:
 
 
 def _giving(body: bytes, receive: Receive) -> Receive:
-    """A receive function that gives the body, and after that what comes."""
+    """A receive function that gives the body first, then the messages that follow."""
     is_given = False
 
     async def give() -> Message:

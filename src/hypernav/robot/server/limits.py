@@ -1,4 +1,4 @@
-"""Limits of the server, so that no request takes more memory or time than there is."""
+"""Limits of the server, so that no request exhausts its memory or time."""
 
 from pydantic import Field
 
@@ -6,11 +6,11 @@ from hypernav.core.config import RoomConfig
 
 
 class ServerLimits(RoomConfig):
-    """What a server puts up with.
+    """Limits of a server.
 
     Attributes:
         searches: Searches under way at once, each with a thread and a map.
-        idle_s: Time without a word of its robot after which a search gives its slot to another
+        idle_s: Time without a message of its robot after which a search gives its slot to another
             robot that needs one, seconds.
         kept: Searches in the state folder, finished ones included.
         pixels: Pixels of a camera image.

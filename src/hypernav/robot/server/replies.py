@@ -16,7 +16,7 @@ from hypernav.robot.wire.replies import Reply, SearchEnding, Velocity
 
 _SURROUNDINGS_M = 3.0
 _SUGGESTED_S = 1.0
-"""Time to reach the suggested velocity: robots that stood still before get all that they may."""
+"""Time to reach the suggested velocity: a robot at standstill gets the full velocity."""
 _ENDINGS = {Ending.FOUND: SearchEnding.FOUND, Ending.GAVE_UP: SearchEnding.GAVE_UP}
 
 
@@ -48,7 +48,7 @@ def reply_of(sequence: int, trace: StepTrace, grid: OccupancyGrid, robot: Embodi
 
 
 def reply_out_of_steps(sequence: int) -> Reply:
-    """The reply once the steps ran out."""
+    """The reply when the steps have run out."""
     return Reply(
         sequence=sequence,
         action=Action.STOP,

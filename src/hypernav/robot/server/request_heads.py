@@ -1,10 +1,10 @@
-"""HTTP whose connections are bounded in number, and whose request heads must arrive in time.
+"""HTTP with a limited number of connections and a time limit for request heads.
 
-Uvicorn bounds neither. Connections that only wait would keep STOP out.
+Uvicorn limits neither, so idle connections could block STOP.
 
-Uvicorn takes a protocol class of one's own as its ``http`` setting, but has no public one to derive
-from, and tells no application of a connection before a whole head has come. So this one builds on
-attributes of `H11Protocol` that no documentation promises: pyproject.toml bounds the version, and
+Uvicorn accepts a custom protocol class as its ``http`` setting, but has no public one to derive
+from, and an application learns of a connection only when a whole head has come. So this class uses
+undocumented attributes of `H11Protocol`: pyproject.toml bounds the version, and
 ``tests/robot/server/test_request_heads.py`` names what a release has changed.
 """
 
@@ -21,11 +21,11 @@ _MOST_CONNECTIONS = 256
 
 
 class TimedHeads(H11Protocol):
-    """Closes connections of which no whole request head comes, and one of too many.
+    """Closes connections whose request head does not arrive in time, and one if there are too many.
 
-    A new connection always finds room: it may be that of STOP. Of the others whose request is not
-    whole yet, head or body, the oldest of the address that has most of them gives way. Connections
-    that wait for a response are bounded by the guard (`ServerLimits.requests_at_once`).
+    A new connection is always accepted: it may carry STOP. If there are too many, one with an
+    incomplete request, head or body, is closed: the oldest of the address that has most of them.
+    Connections that wait for a response are limited by the guard (`ServerLimits.requests_at_once`).
     """
 
     _deadline: asyncio.TimerHandle | None = None
@@ -39,7 +39,7 @@ class TimedHeads(H11Protocol):
             self._give_way()
 
     def data_received(self, data: bytes) -> None:
-        """Take what came; a head that is not whole has to come in time."""
+        """Receive data; the rest of an incomplete head must come in time."""
         super().data_received(data)
         self._watch()
 
@@ -49,7 +49,7 @@ class TimedHeads(H11Protocol):
         self._watch()
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Wait for nothing any more."""
+        """Stop the timer."""
         self._stop_waiting()
         super().connection_lost(exc)
 
@@ -71,7 +71,7 @@ class TimedHeads(H11Protocol):
 
     @property
     def _is_asking(self) -> bool:
-        """Whether a request, or the rest of one, is still to come."""
+        """Whether a request is still to come or incomplete."""
         is_open = not self.transport.is_closing()
         return is_open and self.conn.their_state in (h11.IDLE, h11.SEND_BODY)
 

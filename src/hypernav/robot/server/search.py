@@ -1,4 +1,4 @@
-"""One search on the server: who takes its observations, who waits for the answers, and its end."""
+"""One search on the server: its observations, its answers and its end."""
 
 import logging
 import threading
@@ -28,18 +28,18 @@ _LOG = logging.getLogger(__name__)
 
 
 class Search:
-    """A search, under way or finished. Thread-safe: the server's loop asks, a worker decides.
+    """A search, under way or finished. Thread-safe: the event loop asks, a worker thread decides.
 
     Attributes:
         record: What it was opened with.
         bell: Bell that rings at every change of the status.
-        heard_s: When its robot was last heard of, or it was taken up, on `time.monotonic`.
+        heard_s: Time of its robot's last message, or of its opening, on `time.monotonic`.
     """
 
-    _decisions: Decisions  # from `go_on`, before a worker asks it
+    _decisions: Decisions  # set by `go_on`, before a worker uses it
 
     def __init__(self, journal: Journal) -> None:
-        """Take up a search as its journal has it; `go_on` gives it an agent.
+        """Take up a search from its journal; `go_on` gives it an agent.
 
         Raises:
             RunFolderError: The journal is damaged.
@@ -65,7 +65,7 @@ class Search:
 
     @property
     def is_end_kept(self) -> bool:
-        """Whether the search has ended, and a restarted server will know."""
+        """Whether the search has ended and its end is on disk."""
         return self._is_end_kept
 
     @property
@@ -78,7 +78,7 @@ class Search:
         """Map after the last decision; None before the first.
 
         Raises:
-            HyPerNavError: It was damaged on the disk.
+            HyPerNavError: It is damaged on the disk.
         """
         return self._views.grid
 
@@ -87,20 +87,20 @@ class Search:
         """Format and bytes of the last colour image; None before the first.
 
         Raises:
-            HyPerNavError: It was damaged on the disk.
+            HyPerNavError: It is damaged on the disk.
         """
         return self._views.colour
 
     def colour_of(self, sequence: int) -> tuple[str, bytes] | None:
-        """Format and bytes of an observation's colour image; None if it has not come."""
+        """Format and bytes of an observation's colour image; None before it has come."""
         return self._views.colour_of(sequence)
 
     def reading(self) -> AbstractContextManager[Journal]:
-        """The journal, opened once more to read it while the search goes on, or after its end."""
+        """The journal, opened a second time, to read it during or after the search."""
         return self._views.reading()
 
     def go_on(self, decisions: Decisions) -> None:
-        """Begin to decide, after the agent has seen again what the journal holds.
+        """Begin to decide, after the agent was given the journal's observations again.
 
         Args:
             decisions: Agent that has its goal and has seen nothing.
@@ -112,7 +112,7 @@ class Search:
             self._worker.submit(lambda: self._resume(last))
 
     def offer(self, body: bytes) -> Turn:
-        """Take an observation, or recognise one that was taken.
+        """Accept an observation, or recognise one that was accepted before.
 
         Returns:
             The turn that answers it; the same one for a repetition.
@@ -144,11 +144,11 @@ class Search:
             return self._turns.asked_again(sequence)
 
     def stop(self, reason: str, ending: SearchEnding = SearchEnding.STOPPED) -> None:
-        """End the search from outside, at once; `write_end` makes it last.
+        """End the search from outside, at once; `write_end` writes that to disk.
 
         Args:
             reason: Who stops it, or why.
-            ending: Kind of the end.
+            ending: Kind of ending.
         """
         with self._lock:
             if self.is_over:
@@ -161,7 +161,7 @@ class Search:
             worker.end()
 
     def write_end(self) -> None:
-        """Write the end of the search down, if it is over.
+        """Write the end of the search to disk, if it is over.
 
         Raises:
             RunFolderError: It cannot be written; the robot is stopped all the same.
@@ -172,10 +172,10 @@ class Search:
             self._views.forget()
 
     def halt(self) -> Worker | None:
-        """Let go of everything; the search is not over, and can be taken up again.
+        """Release everything; the search is not over, and can be taken up again.
 
         Returns:
-            The worker, which ends after what it does just now; None if there is none.
+            The worker, which ends after its present job; None if there is none.
         """
         with self._lock:
             worker, self._worker = self._worker, None
@@ -236,7 +236,7 @@ class Search:
             self._answer(turn, self._decisions.decide(packed.header, observation))
 
     def _resume(self, last: Turn) -> None:
-        """Let the agent see again what the journal holds; runs in the worker."""
+        """Give the agent the journal's observations again; runs in the worker."""
         with self._ending_at_errors():
             self._decisions.repeat(self._is_wanted)
             with self._lock:
@@ -251,7 +251,7 @@ class Search:
                 self._answer(last, self._decisions.decide(packed.header, observation))
 
     def _answer(self, turn: Turn, step: StepRecord) -> None:
-        """Write a decision down and let the robot have it, unless it was stopped meanwhile."""
+        """Write a decision to disk and answer the robot, unless it was stopped meanwhile."""
         if not self._is_wanted():
             return
         self._journal.add_step(step)
@@ -265,7 +265,7 @@ class Search:
         self._note_change()
 
     def _is_wanted(self) -> bool:
-        """Whether the search still goes on, and here."""
+        """Whether the search still goes on, on this server."""
         return not self.is_over and self._worker is not None
 
     def _finish(self, ending: SearchEnding, detail: str) -> None:
@@ -273,13 +273,13 @@ class Search:
         self.write_end()
 
     def _fail(self) -> None:
-        """End the search after a fault of ours: no robot waits for an answer that never comes."""
+        """End the search after an error of the server, so that no robot waits in vain."""
         with self._ending_at_errors():
             self._finish(SearchEnding.FAILED, "an error of the server, whose log says more")
         self._release()
 
     def _release(self) -> None:
-        """Let go of the agent, which holds most of the memory, and of the files."""
+        """Release the agent, which uses most of the memory, and the files."""
         self._decisions.close()
         self._journal.close()
         del self._decisions
@@ -291,7 +291,7 @@ class Search:
 
     @contextmanager
     def _ending_at_errors(self) -> Iterator[None]:
-        """End the search if the block fails for a reason that can be told."""
+        """End the search if the block raises an error whose message says the reason."""
         try:
             try:
                 yield

@@ -24,7 +24,7 @@ from hypernav.robot.wire.values import SEARCHES
 
 _LOG = logging.getLogger(__name__)
 _PATIENCE_S = 2.0
-"""Longest wait for decisions that are being made when the server ends."""
+"""Longest wait for pending decisions when the server ends."""
 
 
 class Searches:
@@ -34,11 +34,11 @@ class Searches:
     """
 
     def __init__(self, state: Path, plan: PlanAgent, limits: ServerLimits) -> None:
-        """Name the folder; the ``with`` block opens it.
+        """Create it; the ``with`` block opens the folder.
 
         Args:
             state: Folder of all searches.
-            plan: Chooses what the agent of a request is built from.
+            plan: Chooses the agent for a request.
             limits: Limits of the server.
         """
         self._folder = state / "searches"
@@ -52,7 +52,7 @@ class Searches:
         self._stops = 0
 
     def __enter__(self) -> "Searches":
-        """Take the folder, and take up what was not finished.
+        """Lock the folder, and take up unfinished searches.
 
         Raises:
             RunFolderError: Another server uses it, or it cannot be written.
@@ -61,7 +61,7 @@ class Searches:
         try:
             self._folder.mkdir(exist_ok=True)
         except OSError as error:
-            raise RunFolderError(f"{self._folder} cannot be made: {error.strerror}") from error
+            raise RunFolderError(f"cannot create {self._folder}: {error.strerror}") from error
         for folder in sorted(self._folder.iterdir()):
             self._load(folder)
         return self
@@ -72,7 +72,7 @@ class Searches:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Let go of all searches; those that are not over can be taken up again."""
+        """Release all searches; those that are not over can be taken up again."""
         workers = [search.halt() for search in self.all()]
         end = time.monotonic() + _PATIENCE_S
         for worker in workers:
@@ -92,7 +92,7 @@ class Searches:
             if request.key is not None and request.key in self._keys:
                 return self._searches[self._keys[request.key]]
             self._check_room(request)
-            self._forgotten()  # a search that finds no slot is not built
+            self._forgotten()  # without a free slot no agent is built
             name = secrets.token_hex(16)
             folder = self._folder / name
             try:
@@ -104,10 +104,10 @@ class Searches:
             self._add(search)
         if forgotten is not None:
             ended = SearchEnding.CLOSED
-            forgotten.stop("its robot was not heard of, and another needed the slot", ended)
+            forgotten.stop("its robot was silent, and another needed the slot", ended)
             try:
                 forgotten.write_end()
-            except RunFolderError as error:  # no fault of who opens a search
+            except RunFolderError as error:  # not the caller's fault
                 _LOG.error("search %s: %s", forgotten.record.id, error)
         if self._stops > stops:
             search.stop("stopped while it was opened")
@@ -115,14 +115,14 @@ class Searches:
         return search
 
     def stop_all(self, reason: str) -> list[Search]:
-        """Stop every robot at once; `Search.write_end` makes it last.
+        """Stop every robot at once; `Search.write_end` writes it to disk.
 
         Args:
             reason: Who stops them, or why.
 
         Returns:
-            The searches that were under way, and those whose end could not be written yet. One that
-            is being opened just now is stopped, too.
+            The searches that were under way, and those whose end is not written yet. A search that
+            is just being opened is stopped, too.
         """
         self._stops += 1
         stopped = [search for search in self.all() if not search.is_end_kept]
@@ -164,13 +164,13 @@ class Searches:
         return search
 
     def _load(self, folder: Path) -> None:
-        """Take up a search of an earlier server; one that is damaged is left alone."""
+        """Take up a search of an earlier server; a damaged one is skipped."""
         try:
             with ExitStack() as opened:
                 journal = opened.enter_context(closing(Journal(folder)))
                 search = Search(journal)
                 if not search.is_over:
-                    # As it was opened, whatever the server's options are today.
+                    # With the options that it was opened with, not the server's present ones.
                     plan = AgentPlan(journal.record.config, journal.record.specs)
                     built = plan.build(Goal(journal.record.request.goal), folder)
                     search.go_on(Decisions(journal, built))
@@ -181,26 +181,26 @@ class Searches:
         self._add(search)
 
     def _forgotten_after(self, search: Search) -> Search | None:
-        """The same, asked once more after the other search was built, which may take minutes.
+        """The same, checked again after the new agent was built, which may take minutes.
 
         Raises:
-            RequestRefusedError: Meanwhile all robots were heard of.
+            RequestRefusedError: Meanwhile all robots have sent messages.
         """
         try:
             return self._forgotten()
         except RequestRefusedError:
             worker = search.halt()
-            if worker is not None:  # it writes in the folder, which is removed next
+            if worker is not None:  # it writes to the folder, which is removed next
                 worker.join(_PATIENCE_S)
             raise
 
     def _forgotten(self) -> Search | None:
-        """The search whose slot is needed, and whose robot was not heard of; None if there is room.
+        """The search to be replaced, whose robot sent nothing for long; None if there is room.
 
-        A robot that waits for an answer has no reason to speak.
+        A robot that waits for an answer sends nothing, so its search is not replaced.
 
         Raises:
-            RequestRefusedError: All robots were heard of, or wait.
+            RequestRefusedError: All robots have sent messages lately, or wait.
         """
         under_way = [search for search in self._searches.values() if not search.is_over]
         if len(under_way) < self._limits.searches:
@@ -209,10 +209,10 @@ class Searches:
         idle_s = time.monotonic() - quietest.heard_s
         if quietest.is_deciding or idle_s < self._limits.idle_s:
             left_min = max(self._limits.idle_s - idle_s, 0.0) / 60.0
-            later = f"can be replaced after another {left_min:.0f} minutes without a word"
+            later = f"can be replaced after another {left_min:.0f} minutes of silence"
             raise RequestRefusedError(
                 f"{len(under_way)} searches are under way, as many as there may be; close one by "
-                f"POST {SEARCHES}/ID/close. That of which nothing was heard for longest, "
+                f"POST {SEARCHES}/ID/close. The one that has been silent longest, "
                 f"{quietest.record.id}, "
                 + ("waits for an answer of this server" if quietest.is_deciding else later),
                 error="busy",

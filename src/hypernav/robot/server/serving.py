@@ -23,9 +23,9 @@ _LEAST_TOKEN = 16
 _MOST_TOKEN_BYTES = 1000
 _PATIENCE_S = 2
 _ACCEPTED_AT_ONCE = 64
-"""Connections taken before those taken earlier are looked at; many fewer than there may be."""
+"""Connections accepted in one go, before the earlier ones are served."""
 _MOST_QUEUED = 1024
-"""Connections that the system keeps until they are taken."""
+"""Connections that the system queues until they are accepted."""
 _OPEN_FILES = 4096
 
 
@@ -53,7 +53,7 @@ def read_token(path: Path) -> str:
 
 
 def check_access(access: Access) -> None:
-    """Refuse to let a network in without a token.
+    """Refuse to serve a network without a token.
 
     Raises:
         ConfigError: The address is not local, and there is no token.
@@ -74,15 +74,15 @@ def serve(
     *,
     on_start: Callable[[str], object],
 ) -> None:
-    """Serve until SIGINT or SIGTERM, whose signal is raised again at the end.
+    """Serve until SIGINT or SIGTERM; the signal is raised again at the end.
 
     Args:
-        access: Who may come in.
+        access: Who may use the server.
         port: Port; 0 takes a free one.
         state: Folder of all searches.
-        plan: Chooses what the agent of a request is built from.
+        plan: Chooses the agent for a request.
         limits: Limits of the server.
-        on_start: Function that is told the server's URL once it answers.
+        on_start: Function that is called with the server's URL once it answers.
 
     Raises:
         ConfigError: The address cannot be used.
@@ -97,14 +97,14 @@ def serve(
 
 
 class RobotServer(uvicorn.Server):
-    """Uvicorn with the application in it."""
+    """Uvicorn running the application."""
 
     def __init__(self, searches: Searches, access: Access, limits: ServerLimits) -> None:
         """Create it; `run` serves.
 
         Args:
             searches: Opened searches.
-            access: Who may come in.
+            access: Who may use the server.
             limits: Limits of the server.
         """
         self._searches, self._waiting = searches, WaitingRobots()
@@ -117,14 +117,14 @@ class RobotServer(uvicorn.Server):
             listener.listen(_MOST_QUEUED)
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-        """End; requests that wait for something to happen are answered at once."""
+        """End; requests that wait for an event are answered at once."""
         for bell in (self._waiting.bell, *(search.bell for search in self._searches.all())):
             bell.close()
         await super().shutdown(sockets)
 
 
 def _raise_open_files() -> None:
-    """Let this process open as many files as many searches and connections take."""
+    """Let this process open enough files for many searches and connections."""
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     most = _OPEN_FILES if hard == resource.RLIM_INFINITY else min(_OPEN_FILES, hard)
     if soft != resource.RLIM_INFINITY and soft < most:
@@ -140,11 +140,11 @@ def server_config(app: FastAPI) -> uvicorn.Config:
         backlog=_ACCEPTED_AT_ONCE,
         ws="websockets-sansio",
         ws_max_size=MOST_BODY_BYTES,
-        ws_per_message_deflate=False,  # images do not get any smaller
+        ws_per_message_deflate=False,  # images are compressed already
         log_config=None,
         access_log=False,
         server_header=False,
-        proxy_headers=False,  # nobody may say that it comes from elsewhere
+        proxy_headers=False,  # clients must not be able to set their own address
         lifespan="off",
         timeout_graceful_shutdown=_PATIENCE_S,
     )
@@ -161,7 +161,7 @@ def listening(host: str, port: int) -> socket.socket:
         ConfigError: The address cannot be used.
     """
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    # Named as TCP, so that asyncio switches Nagle's algorithm off: it costs 40 ms an answer.
+    # Named as TCP, so that asyncio switches off Nagle's algorithm, which delays answers by 40 ms.
     listener = socket.socket(family, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     try:
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)

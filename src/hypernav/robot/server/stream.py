@@ -21,7 +21,7 @@ class Stream:
     def __init__(
         self, searches: Searches, name: str, socket: WebSocket, allowances: Allowances
     ) -> None:
-        """Take a connection that is not accepted yet.
+        """Create it with a connection that is not accepted yet.
 
         Args:
             searches: All searches.
@@ -74,7 +74,7 @@ class Stream:
                 tasks.create_task(self._answer(search, turn))
 
     async def _answer(self, search: Search, turn: Turn) -> None:
-        """Send the answer; if it takes longer than the deadline, ``hold`` before it."""
+        """Send the answer; if it takes longer than the deadline, send ``hold`` first."""
         deadline_s = search.record.request.deadline_s
         if not await search.bell.until(lambda: turn.is_answered, deadline_s):
             await self._send_result(turn)

@@ -1,4 +1,4 @@
-"""The order of the observations: each is taken once, and answered once."""
+"""The order of the observations: each is accepted once and answered once."""
 
 from dataclasses import dataclass
 
@@ -10,13 +10,13 @@ from hypernav.robot.wire.replies import Reply
 
 @dataclass(eq=False)
 class Turn:
-    """An observation and the answer to it, which comes once and stays.
+    """An observation and the answer to it, which never changes once given.
 
     Attributes:
         sequence: Number of the observation.
         stamp_s: Time of its images on the robot's clock, seconds.
         reply: The answer; None before.
-        error: Why the observation was not accepted: it is broken, or the disk full; None if it was.
+        error: Why the observation was not accepted (it is broken, or the disk is full); else None.
     """
 
     sequence: int
@@ -26,7 +26,7 @@ class Turn:
 
     @property
     def is_answered(self) -> bool:
-        """Whether there is nothing left to wait for."""
+        """Whether there is an answer or an error."""
         return self.reply is not None or self.error is not None
 
     def result(self) -> Reply:
@@ -34,7 +34,7 @@ class Turn:
 
         Raises:
             WireError: The observation is broken.
-            RunFolderError: It could not be written down.
+            RunFolderError: It could not be written to disk.
         """
         if self.error is not None:
             raise self.error
@@ -42,11 +42,11 @@ class Turn:
 
 
 class Turns:
-    """Says of any number whether it is the next, a repetition or a mistake. Not thread-safe.
+    """Decides whether a number is the next one, a repetition or a mistake. Not thread-safe.
 
     Attributes:
         next_sequence: Number of the observation that is expected next.
-        last: The last observation, accepted or being looked at; None before the first.
+        last: The last observation, accepted or being checked; None before the first.
         end: End of the search; None as long as it goes on.
     """
 
@@ -115,32 +115,32 @@ class Turns:
         return turn
 
     def begin(self, sequence: int, stamp_s: float) -> Turn:
-        """Look at the next observation.
+        """Begin to check the next observation.
 
         Raises:
-            WireError: Its images are of before the last.
+            WireError: Its images are older than the last ones.
         """
         last = self.last
         if last is not None and stamp_s < last.stamp_s:
             raise WireError(
                 f"stamp_s went back from {last.stamp_s:.6f} to {stamp_s:.6f}; expected the time of "
-                "each observation's images, on one clock of the robot; if that began anew, open "
+                "each observation's images, on one clock of the robot; if that was reset, open "
                 "a new search"
             )
         self._before, self.last = last, Turn(sequence, stamp_s)
         return self.last
 
     def accept(self, turn: Turn) -> None:
-        """Count the observation that is being looked at."""
+        """Accept the observation that is being checked."""
         self.next_sequence = turn.sequence + 1
 
     def withdraw(self, turn: Turn, error: WireError | RunFolderError) -> None:
-        """Do as if the observation that is being looked at had not come."""
+        """Discard the observation that is being checked."""
         if not turn.is_answered:
             turn.error, self.last = error, self._before
 
     def finish(self, end: EndRecord) -> None:
-        """End the search, which answers what is pending."""
+        """End the search, which also answers a pending observation."""
         self.end = end
         if self.pending is not None:
             self.pending.reply = _end_reply(self.pending.sequence, end)

@@ -1,4 +1,4 @@
-"""A thread that does one job after the other and holds up nobody, not even the program's end."""
+"""A thread that does one job after the other and does not delay the program's end."""
 
 import queue
 import threading
@@ -12,9 +12,9 @@ class Worker:
     """One thread for one search, so that no robot waits for another.
 
     Compiled kernels, image decoding and questions to a model all release Python's lock. The thread
-    is a daemon: a model that does not answer keeps no server from ending, and what is cut off so is
-    resumed as after a crash. A job that raises ends the thread, and Python reports its traceback on
-    standard error (`threading.excepthook`).
+    is a daemon: a model that does not answer cannot keep the server from ending, and a search that
+    is cut off is resumed as after a crash. A job that raises ends the thread, and Python prints
+    its traceback on standard error (`threading.excepthook`).
     """
 
     def __init__(self, name: str, on_failure: Job) -> None:
@@ -34,11 +34,11 @@ class Worker:
         self._jobs.put(job)
 
     def end(self) -> None:
-        """Let the thread end after the jobs that it has."""
+        """Let the thread end after its present jobs."""
         self._jobs.put(None)
 
     def join(self, timeout_s: float) -> None:
-        """Wait until the thread has ended, or no longer."""
+        """Wait until the thread has ended, up to a time limit."""
         self._thread.join(timeout_s)
 
     def _work(self) -> None:

@@ -1,1 +1,1 @@
-"""A simulated robot that searches over the network; no other part of the robot knows a world."""
+"""A simulated robot that searches over the network; the only part of `robot` that uses a world."""

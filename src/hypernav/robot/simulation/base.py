@@ -45,15 +45,15 @@ class MishapConfig(RoomConfig):
 
 @dataclass(frozen=True)
 class _Errors:
-    """Errors of wheels and odometry until the next observation, as shares of the motion.
+    """Errors of wheels and odometry until the next observation, relative to the motion.
 
     Attributes:
         is_stuck: Whether the wheels don't turn.
         speed: Factor on the distance that is really driven.
-        rotation: The same of the angle.
-        along: What odometry adds along the motion, per metre.
-        aside: What it adds to the left, per metre.
-        yaw_per_m: What it adds to the angle, radians per metre.
+        rotation: The same for the angle.
+        along: Error of the odometry along the motion, per metre.
+        aside: Its error to the left, per metre.
+        yaw_per_m: Its error of the angle, radians per metre.
         yaw_per_rad: The same per radian.
     """
 
@@ -67,7 +67,7 @@ class _Errors:
 
 
 class SimulatedBase:
-    """A robot's base in a scene. Its clock stands still while nothing drives.
+    """A robot's base in a scene. Its clock runs only while it drives.
 
     Attributes:
         world: The scene, and the truth about it.
@@ -75,7 +75,7 @@ class SimulatedBase:
         smallest_gap_m: Smallest distance so far between robot and person, metres; below 0 they
             have collided.
         path_length_m: Length of the path really driven, metres.
-        odometry_length_m: The same as odometry has it.
+        odometry_length_m: The same by odometry.
         now_s: Time that has passed, seconds.
     """
 
@@ -87,13 +87,13 @@ class SimulatedBase:
         *,
         pace: float | None = None,
     ) -> None:
-        """Take a world over.
+        """Create it in a world.
 
         Args:
             world: The scene; its noise is that of this robot's sensors and wheels.
             renderer: Renderer of the world, which also draws coarse images for safety.
             mishaps: What goes wrong.
-            pace: Simulated seconds per real one while it drives; None doesn't wait.
+            pace: Simulated seconds per real one while it drives; None runs as fast as it can.
         """
         self.world = world
         self._renderer = renderer
@@ -164,7 +164,7 @@ class SimulatedBase:
         return DepthView(depth, self._coarse, to_base, self.now_s, self._odometry)
 
     def drive(self, velocity: Velocity, seconds: float) -> None:
-        """Drive with a velocity, and let the person live."""
+        """Drive with a velocity, and move the person."""
         if self._pace is not None:
             time.sleep(seconds / self._pace)
         if not self._errors.is_stuck and not velocity.is_zero:
@@ -221,7 +221,7 @@ class SimulatedBase:
         )
 
     def _odom_to_map(self) -> Pose2:
-        """Where localisation has the frame of the odometry."""
+        """The pose of the odometry frame by localisation, with its errors."""
         error_m = self._mishaps.localisation_error_m
         if error_m is None:
             return Pose2(0.0, 0.0, 0.0)
@@ -241,7 +241,7 @@ class SimulatedBase:
         return drawn_into(view, camera, pose, self.person, self._position[2])
 
     def _measured(self, view: RenderedView) -> Float32[np.ndarray, "height width"]:
-        """Depth as the sensor measures it: not cut off where it becomes too inexact to be drawn."""
+        """Depth as the sensor measures it, also where it is too inexact for the map."""
         depth = noisy_depth(view.depth, self.world.config.noise, self._rng)
         measured = is_measured(depth, self.embodiment.camera.min_depth_m)
         return np.where(measured, depth, np.float32(0.0))

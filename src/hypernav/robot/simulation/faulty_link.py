@@ -1,4 +1,4 @@
-"""A link that loses, delays, doubles and reorders what it carries, as a bad network does."""
+"""A link that loses, delays, duplicates and reorders messages, like a bad network."""
 
 import time
 
@@ -16,7 +16,7 @@ class NetworkFaults(RoomConfig):
 
     Attributes:
         loss_share: Share of the messages, in either direction, that get lost.
-        jitter_s: Largest delay of a message, seconds; each is delayed by another time.
+        jitter_s: Largest delay of a message, seconds; each delay is random.
         duplicate_share: Share of the observations that arrive twice.
         reorder_share: Share of the observations after which a copy of an earlier one arrives.
     """
@@ -52,7 +52,7 @@ class FaultyLink:
         self.lost = self.doubled = self.reordered = 0
 
     def ask(self, body: bytes, sequence: int, timeout_s: float) -> Reply:
-        """Send an observation, or not, or twice, or after an earlier one."""
+        """Send an observation, possibly lost, twice, or after a copy of an earlier one."""
         if self._latest is None or self._latest[1] != sequence:
             self._earlier, self._latest = self._latest, (body, sequence)
         self._carry("the observation")
@@ -78,7 +78,7 @@ class FaultyLink:
         self._link.close()
 
     def _copy(self, body: bytes, sequence: int, timeout_s: float) -> None:
-        """Send a copy, whose answer reaches nobody."""
+        """Send a copy and discard its answer."""
         try:
             self._link.ask(body, sequence, timeout_s)
         except (LinkLostError, RequestRefusedError):

@@ -17,7 +17,7 @@ _DARKEST = 0.45
 
 
 class PersonConfig(RoomConfig):
-    """How a person crosses the robot's way: from beside it, stands there, and goes on.
+    """How a person steps into the robot's way from the side, stands there, and walks on.
 
     Attributes:
         radius_m: Radius of the upright cylinder that stands for the person, metres.
@@ -28,7 +28,7 @@ class PersonConfig(RoomConfig):
         aside_m: Distance to the side from which the person comes, metres.
         stands_s: Least and largest time of standing in the way, seconds.
         every_s: Least and largest time between two visits, seconds.
-        keeps_m: Gap that the person keeps to the robot: nobody walks into it, metres.
+        keeps_m: Gap that the person keeps to the robot, metres: the person never walks into it.
     """
 
     radius_m: float = Field(default=0.25, gt=0.0, le=1.0)
@@ -50,7 +50,7 @@ class _Visit:
 
 
 class Person:
-    """A person on the floor of a scene, who is there only for visits.
+    """A person on the floor of a scene, present only during visits.
 
     Attributes:
         position: Where the person stands ``(x, y)``, scene frame, metres; None while away.
@@ -58,11 +58,11 @@ class Person:
     """
 
     def __init__(self, config: PersonConfig, walkable: Walkable, rng: np.random.Generator) -> None:
-        """Begin away.
+        """Create a person who is away.
 
         Args:
             config: How the person walks.
-            walkable: Floor on which a robot can stand, which is room enough for a person.
+            walkable: Floor on which a robot can stand; a person has room there, too.
             rng: Generator of times and places.
         """
         self.config = config
@@ -82,14 +82,14 @@ class Person:
     def live(
         self, seconds: float, robot: Pose2, z: float, radius_m: float, *, drives: bool
     ) -> None:
-        """Let time pass.
+        """Move the person for a time.
 
         Args:
-            seconds: How much.
+            seconds: The time.
             robot: True pose of the robot, scene frame.
             z: Height of its floor, metres.
             radius_m: Radius of its body, metres.
-            drives: Whether it drives forward; nobody steps into the way of one that stands.
+            drives: Whether it drives forward; the person only steps into the way of a moving robot.
         """
         if self._visit is None or self.position is None:
             self._away_s -= seconds
@@ -174,7 +174,7 @@ def _cylinder_depth(
     person: Person,
     floor_z: float,
 ) -> tuple[Float64[np.ndarray, "height width"], Float64[np.ndarray, "height width"]]:
-    """Depth at which rays meet the side of the cylinder, infinite beside it, and their slant."""
+    """Depth at which rays hit the side of the cylinder (infinite for a miss), and their angle."""
     assert person.position is not None
     config = person.config
     to_eye = eye[:2] - np.array(person.position)

@@ -26,7 +26,7 @@ class HandMeasures(RoomConfig):
 
     Attributes:
         shortest_m: Length of the shortest path from the start to the goal, metres.
-        success: Whether the robot really stopped at the goal; None believes the robot.
+        success: Whether the robot really stopped at the goal; None takes the robot's own claim.
         method: Name of the method in the table; None takes that of the agent.
         goal: Name of the goal in the table; None takes that of the search.
     """
@@ -57,7 +57,7 @@ class FieldTrial:
 
     @property
     def counts(self) -> bool:
-        """Whether it says something about the method: an outage doesn't, nor does a failure."""
+        """Whether it says something about the method: an outage or a server error does not."""
         return self.ending not in (SearchEnding.MODEL_UNAVAILABLE, SearchEnding.FAILED)
 
 
@@ -68,7 +68,8 @@ def read_trial(folder: Path) -> FieldTrial:
         folder: Folder of a finished search in ``--state`` of `hypernav serve`, with `TRIAL_FILE`.
 
     Raises:
-        RunFolderError: It is none, the search is under way, or `TRIAL_FILE` is missing or wrong.
+        RunFolderError: The folder holds no search, the search is not finished, or `TRIAL_FILE` is
+            missing or wrong.
     """
     by_hand = _by_hand(folder / TRIAL_FILE)
     journal = Journal(folder, to_read=True)

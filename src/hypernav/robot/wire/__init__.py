@@ -1,6 +1,6 @@
 """The wire: the messages between a robot and its server, version 1.
 
-A search reads as a short story:
+A search consists of these requests:
 
 1. ``POST /v1/searches`` with `OpenSearch` gives `SearchOpened`.
 2. ``POST /v1/searches/ID/observations`` with an observation (`hypernav.robot.wire.frames`) gives a
@@ -14,16 +14,16 @@ What the numbers mean:
 - The number that is expected next is accepted and answered once.
 - The number that was accepted last is a repetition: it gets the same answer and changes nothing,
   whatever is in its body.
-- Every other number is refused: `ErrorBody` with ``error="sequence"`` and the ``expected`` one.
+- Every other number is refused: `ErrorBody` with ``error="sequence"`` and the ``expected`` number.
 - If the answer takes longer than the deadline, the reply says ``hold``: stand still, and ask again,
   with the same number or by ``GET /v1/searches/ID/replies/SEQUENCE``. Over the WebSocket the answer
-  follows on its own. The next number is refused for so long (``error="pending"``).
+  follows without a request. Until then the next number is refused (``error="pending"``).
 
-Stop always wins: from the moment of ``POST /v1/searches/ID/stop`` every observation of any number,
-a pending one included, is answered by ``STOP``, ``done`` and the ending ``stopped``, for good; over
-the WebSocket this reply is also pushed at once. ``POST /v1/searches/ID/close`` does the same for a
-search that nobody needs any more. After any other end every observation but a repetition of the
-last is answered by ``STOP``, ``done`` and the ending. None of these changes anything any more.
+Stop overrides everything: after ``POST /v1/searches/ID/stop`` every observation of any number, a
+pending one included, is answered by ``STOP``, ``done`` and the ending ``stopped``; over the
+WebSocket this reply is also pushed at once. ``POST /v1/searches/ID/close`` does the same for a
+search that is no longer needed. After any other end every observation except a repetition of the
+last is answered by ``STOP``, ``done`` and the ending. These answers change nothing.
 
 Everything is in metres, radians and seconds, frames as in REP 103 and 105: base x forward, y left,
 z up; camera x right, y down, z forward; rotations counter-clockwise. Models are frozen; unknown

@@ -175,7 +175,7 @@ def decode_observation(
 
 
 def first_mistake(error: ValidationError) -> str:
-    """The first error of a message, in one line that repeats no more than a little of it."""
+    """The first error of a message, in one line that quotes only a little of it."""
     first = error.errors(include_url=False, include_input=False)[0]
     where = ".".join(str(part) for part in first["loc"])
     return f"{where[:100]}: {first['msg'][:300]}" if where else first["msg"][:300]
@@ -215,7 +215,7 @@ def _decoded_labels(packed: PackedObservation, camera: PinholeCamera) -> Labelle
         return None
     numbers = _decoded_grey(packed.labels, camera, "the image of labels")
     names = packed.header.labels.names
-    ids = np.full(_GREYS, -1, dtype=np.int32)  # what has no name is no instance
+    ids = np.full(_GREYS, -1, dtype=np.int32)  # pixels without a named instance
     for number in names:
         ids[number + 1] = number
     return LabelledPixels(ids[numbers], names)

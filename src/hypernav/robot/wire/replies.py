@@ -24,7 +24,7 @@ class SearchOpened(Message):
 
     @property
     def detector_and_reasoner(self) -> tuple[str, str]:
-        """Both out of ``words``, "detector ground truth, reasoner geometric"."""
+        """The two parts of ``words``, such as "detector ground truth, reasoner geometric"."""
         detector, _, reasoner = self.words.removeprefix("detector ").partition(", reasoner ")
         return detector, reasoner
 
@@ -66,11 +66,11 @@ class Reply(Message):
         hold: Whether the decision is still pending: stand still, and ask again.
         action: What to do, once; STOP when the search is over, None while it is on hold.
         destination: Position ``(x, y)`` that the robot is going to, ``map`` frame, metres.
-        path: Rest of the path there, from the robot on, ``map`` frame, metres.
+        path: Remaining path there, from the robot on, ``map`` frame, metres.
         clearance_m: Distance from the robot to the nearest obstacle on the map, metres; None if
             there is none within 3 m.
         velocity: Suggestion for continuous driving at the pose of the observation.
-        mode: What the agent is about.
+        mode: What the agent is doing.
         reason: Reason for the action, in one short sentence for people.
         done: Whether the search is over.
         ending: How it ended.
@@ -116,8 +116,8 @@ class Status(Message):
 
     Attributes:
         id: Name of the search.
-        version: Number of the state, another one after every change; with
-            ``GET …/ID?after=VERSION&wait_s=20`` the next change is waited for.
+        version: Number of the state, which changes with the state;
+            ``GET …/ID?after=VERSION&wait_s=20`` waits for the next change.
         goal: What is searched for.
         words: Detector and reasoner in use, for people.
         opened_s: Time of opening, seconds since 1970.
@@ -145,7 +145,7 @@ class Status(Message):
 
 
 class Health(Message):
-    """That the server is there.
+    """Says that the server is running.
 
     Attributes:
         version: Version of hypernav on the server.

@@ -45,8 +45,8 @@ class OpenSearch(Message):
         agent: Name of an agent; None takes the server's.
         max_steps: Number of observations after which the search ends as given up.
         deadline_s: Longest wait for an answer before the reply says ``hold``, seconds.
-        key: Word that the robot makes up once a search. Opening again with the same key gives the
-            same search, so that a lost answer leaves no second one behind.
+        key: Word that the robot makes up for each search. Opening again with the same key gives the
+            same search, so that a lost answer does not leave a second one behind.
     """
 
     goal: str = Field(min_length=1, max_length=MAX_GOAL_LENGTH)
@@ -78,7 +78,7 @@ class OpenSearch(Message):
 
     @property
     def robot(self) -> Embodiment:
-        """The robot, with the field of view that its calibration means."""
+        """The robot, with the field of view that follows from its calibration."""
         if self.intrinsics is None:
             return self.embodiment
         values = self.embodiment.model_dump()
@@ -87,18 +87,18 @@ class OpenSearch(Message):
 
 
 class ObservationFacts(Message):
-    """What an observation says beside its images.
+    """What an observation says besides its images.
 
     Attributes:
         sequence: Number of the observation in its search, from 0 without gaps.
-        stamp_s: Time at which the images were taken, on the robot's clock, seconds; never before
-            that of the observation before.
+        stamp_s: Time at which the images were taken, on the robot's clock, seconds; never earlier
+            than in the previous observation.
         base_to_odom: Pose of the robot in the frame of its odometry, which drifts but never jumps.
         odom_to_map: Pose of the odometry frame in the ``map`` frame, by localisation; may jump.
-            Without localisation both frames are one.
+            Without localisation the two frames are the same.
         camera_to_base: Pose of the camera on the robot: the transform from the optical to the base
             frame. None takes height and pitch of the search's embodiment.
-        blocked: Whether the robot says that its last motion did not happen; noted in the trace.
+        blocked: Whether the robot reports that its last motion did not happen; noted in the trace.
     """
 
     sequence: int = Field(ge=0, le=MOST_STEPS, strict=True)

@@ -1,4 +1,4 @@
-"""What the messages are made of: their base, poses, names and bounds."""
+"""Parts of the messages: their base class, poses, names and bounds."""
 
 import json
 from collections import Counter
@@ -24,7 +24,7 @@ _LARGEST_ROBOT_M = 10.0
 Coordinate = Annotated[float, Field(ge=-FARTHEST_M, le=FARTHEST_M)]
 Angle = Annotated[float, Field(ge=-1000.0, le=1000.0)]
 SearchId = Annotated[str, Field(pattern=r"^[0-9a-f]{32}$")]
-"""Name of a search: 32 hexadecimal digits, so that no path can be made of it."""
+"""Name of a search: 32 hexadecimal digits, so that it cannot be a path."""
 
 
 def _checked_rigid(rows: tuple[tuple[float, ...], ...]) -> tuple[tuple[float, ...], ...]:
@@ -46,7 +46,7 @@ RigidMatrix = Annotated[tuple[_Row, _Row, _Row, _Row], AfterValidator(_checked_r
 
 
 def repeated_key(text: bytes) -> str | None:
-    """A key that an object in a JSON text has twice; None if there is none, or this is no JSON."""
+    """A key that an object in a JSON text has twice; None if none has, or the text is no JSON."""
     repeated: list[str] = []
 
     def note(pairs: list[tuple[str, object]]) -> None:

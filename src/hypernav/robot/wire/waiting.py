@@ -1,4 +1,4 @@
-"""The messages between a robot that waits for a goal and an operator who has one.
+"""The messages between a waiting robot and an operator who gives it a goal.
 
 1. The robot asks ``POST /v1/robots/NAME/wait`` again and again; each request is answered by a
    `GivenGoal`, at the latest after a few seconds.
@@ -30,7 +30,7 @@ ROBOT_NAME = r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$"
 
 
 def is_robot_name(name: str) -> bool:
-    """Whether a robot may be called so."""
+    """Whether a robot may have this name."""
     return re.fullmatch(ROBOT_NAME, name) is not None
 
 
@@ -48,7 +48,7 @@ class GivenGoal(Message):
     """The answer to a robot that waits.
 
     Attributes:
-        goal: What to find; None as long as nobody wants anything.
+        goal: What to find; None as long as no goal was given.
         key: The ``key`` to open the search with.
     """
 
@@ -61,7 +61,7 @@ class WaitingRobot(Message):
 
     Attributes:
         name: Name that the robot gave itself.
-        given: Goal that it was given and has not opened a search for yet, with its key.
+        given: Goal for which it has not opened a search yet, with its key.
         refused: Why the search for its last goal could not be opened, for people.
     """
 

@@ -16,7 +16,7 @@ _RED: palette.Rgb = (214, 32, 32)
 _LINES = 1080.0
 """Height of the image that sizes are given for, pixels; they scale with the image."""
 _FARTHEST_FOOT = 4.0
-"""Heights of an image below it beyond which the foot of the robot counts as out of sight."""
+"""Image row, in image heights, beyond which the robot's foot counts as out of sight."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class ArrowStyle:
     text_px: float = 44.0
 
     def radius_px(self, height: int) -> float:
-        """Radius of a disc in an image of so many rows, pixels."""
+        """Radius of a disc, pixels, in an image with a number of rows."""
         return max(self.disc_px * height / _LINES, 7.0)
 
 
@@ -52,7 +52,7 @@ def draw_arrows(
     """Draw a red line from the robot's foot to each mark, and a white disc with its number.
 
     Args:
-        image: Camera image, which stays as it is.
+        image: Camera image, which is not changed.
         marks: Image coordinates ``(u, v)`` of the marks by their numbers.
         foot: Image coordinates of the robot's foot, see `foot_pixel`.
         style: Sizes.
@@ -78,7 +78,7 @@ def draw_arrows(
 def foot_pixel(camera: PinholeCamera, camera_to_base: Transform) -> tuple[float, float]:
     """Image coordinates of the floor under the robot, or the middle of the lower edge.
 
-    A level camera sees its own foot nowhere, not even below the image.
+    The latter is for a foot that is far below the image or, as for a level camera, nowhere in it.
     """
     foot = camera_to_base.inverse().apply(np.zeros((1, 3)))
     u, v = camera.project(foot)[0]

@@ -1,4 +1,4 @@
-"""What an explorer remembers, on the map: things, and which of them are near each other."""
+"""Draws what an explorer remembers on the map: things, and which of them are near each other."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from hypernav.show.drawing.map_painter import MapPainter
 
 
 def draw_graph(painter: MapPainter, graph: ThingGraph) -> None:
-    """Draw dots for things, lines between near ones, and the names of those that are told of.
+    """Draw dots for things, lines between near ones, and names of those that the reasoner is told.
 
     Args:
         painter: Painter of the map.

@@ -1,4 +1,4 @@
-"""What a number written into the image of a map would hide."""
+"""Weighs what a number written onto the image of a map would hide."""
 
 import cv2
 
@@ -8,7 +8,7 @@ from hypernav.show.drawing.map_view import MapView
 
 
 class HiddenWeight:
-    """What a number would hide: above all obstacles, and better floor than the unknown."""
+    """Weight of what a number would hide: obstacles count most, unknown little, floor nothing."""
 
     def __init__(self, grid: OccupancyGrid, view: MapView) -> None:
         """Weigh every pixel of an image of the map.

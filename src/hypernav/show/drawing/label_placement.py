@@ -1,4 +1,4 @@
-"""Positions of the names of things, so that each can be read."""
+"""Positions of the names of things, so that all are readable."""
 
 import math
 from collections.abc import Sequence
@@ -27,8 +27,8 @@ class Label(NamedTuple):
 def placed_labels(labels: Sequence[Label], height: float) -> list[Label]:
     """Labels where none covers another, moved by at most two rows.
 
-    The first come first. A label that finds no room is left out, and so is one near another of the
-    same name: three kitchen cabinets in a row say no more than one.
+    Earlier labels have priority. A label without room is left out, and so is one near another label
+    of the same name: three kitchen cabinets in a row need only one.
 
     Args:
         labels: Labels where the things are.

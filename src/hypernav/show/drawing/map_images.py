@@ -122,7 +122,7 @@ def write_map_png(
     """Write the map at the end of an episode as a PNG, with a legend below it.
 
     Args:
-        path: The file; missing folders are made.
+        path: The file; missing folders are created.
         grid: The last map.
         steps: The whole trace; may be empty.
         size: Width of the image, pixels.

@@ -1,4 +1,4 @@
-"""The map as an image, layer upon layer."""
+"""Paints the map as an image, layer by layer."""
 
 import math
 from collections.abc import Collection, Iterable, Sequence
@@ -60,7 +60,7 @@ class MapPainter:
             grid: The map.
             size: Side of the image, pixels; unused if ``view`` is given.
             view: Window of the map; by default the explored area, fitted and centred.
-            colors: Colours of the cells; those of all other maps unless given.
+            colors: Colours of the cells; by default those of all maps.
         """
         self.view = view if view is not None else MapView.fit(grid, size)
         self.image: UInt8[np.ndarray, "_ _ 3"] = rasterize_map(grid, self.view, colors)
@@ -151,13 +151,13 @@ class MapPainter:
         excluded: Collection[int] = (),
         robot: Pose2,
     ) -> None:
-        """Write larger numbers of blocks, on free floor where there is room, never on furniture.
+        """Write larger numbers of blocks, preferably on free floor, never on furniture.
 
         Args:
             blocks: Numbered blocks.
             grid: The map.
             excluded: Numbers of the blocks that are not numbered.
-            robot: Pose of the robot, whose arrow stays clear.
+            robot: Pose of the robot, whose arrow must not be covered.
         """
         squares = {b.number: self._square(b) for b in blocks if b.number not in excluded}
         size = number_size(list(squares.values()), self.view.size, most=1.0 / 22.0)
@@ -183,7 +183,7 @@ class MapPainter:
             )
 
     def labels(self, things: Sequence[SeenThing]) -> None:
-        """Write the names of things where they are, or beside, where another name is."""
+        """Write the names of things where they are, or beside them if another name is there."""
         size, halo = max(round(15 * self._unit), 9), max(round(2 * self._unit), 1)
         labels = [
             Label(one.label, *self.view.pixel_of(*one.position), text_width(one.label, size) + halo)
@@ -282,7 +282,7 @@ class MapPainter:
 
     def _frame(self, low: XY, high: XY, color: palette.Rgb, width: float) -> None:
         corners = np.array([low, (high[0], low[1]), high, (low[0], high[1])])
-        # Whole pixels keep a thin upright line crisp.
+        # Whole pixels keep a thin upright line sharp.
         shapes.line(self.image, np.rint(corners) + 0.5, color, width, closed=True)
 
     def _arrow_disc(self, pose: Pose2) -> Disc:

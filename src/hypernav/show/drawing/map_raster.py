@@ -14,7 +14,7 @@ from hypernav.show.drawing.map_view import MapView
 from hypernav.show.drawing.palette import FREE, OCCUPIED, UNKNOWN, Rgb, blend
 
 # Cells are drawn in one grey channel and coloured at the end. An edge between free and occupied
-# then passes through the grey of unknown for a fraction of a pixel, which nobody sees.
+# then passes through the grey of unknown for a fraction of a pixel, which is not visible.
 _SHADE_OCCUPIED, _SHADE_UNKNOWN, _SHADE_FREE = 0, 128, 255
 _SUPERSAMPLING = 2
 
@@ -53,8 +53,8 @@ def rasterize_map(
 ) -> UInt8[np.ndarray, "_ _ 3"]:
     """Draw the cells that a window shows, edges anti-aliased.
 
-    Where a pixel covers many cells, an obstacle among them wins: thin walls stay visible on the
-    map of a large building.
+    If a pixel covers several cells and one is an obstacle, the obstacle is shown: thin walls stay
+    visible on the map of a large building.
 
     Returns:
         RGB, ``view.size`` squared.
@@ -74,7 +74,7 @@ def rasterize_map(
 
 
 def _downsampled(grid: OccupancyGrid, factor: int) -> tuple[UInt8[np.ndarray, "_ _"], float]:
-    """The cells, with each square of ``factor`` a side brought down to one, and their side."""
+    """The cells, each square of ``factor`` × ``factor`` reduced to one, and their side."""
     if factor == 1:
         return grid.cells, grid.resolution_m
     rows, columns = (-(-side // factor) for side in grid.cells.shape)
@@ -82,7 +82,7 @@ def _downsampled(grid: OccupancyGrid, factor: int) -> tuple[UInt8[np.ndarray, "_
     padded[: grid.cells.shape[0], : grid.cells.shape[1]] = grid.cells
     # The largest value of a square wins: occupied over free over unknown.
     for _ in range(2):
-        # Whole slices against each other are many times faster than a maximum along an axis.
+        # Comparing whole slices is many times faster than a maximum along an axis.
         slices = [padded[k::factor] for k in range(factor)]
         padded = reduce(np.maximum, slices).T
     return padded, grid.resolution_m * factor
@@ -96,7 +96,7 @@ def _cells_at(
     r = np.flatnonzero(is_within(rows, cells.shape[0]))
     c = np.flatnonzero(is_within(columns, cells.shape[1]))
     if r.size and c.size:
-        # Rows fall and columns rise, so what is inside is one rectangle of the image.
+        # Rows decrease and columns increase, so the inside is one rectangle of the image.
         # Columns first: repeating whole rows is then a plain copy.
         part = np.take(np.take(cells, columns[c], axis=1), rows[r], axis=0)
         image[r[0] : r[-1] + 1, c[0] : c[-1] + 1] = part

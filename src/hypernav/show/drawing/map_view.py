@@ -1,4 +1,4 @@
-"""Window of the map that an image shows: metres to pixels and back. Only here y is flipped."""
+"""Window of the map that an image shows: metres to pixels and back. y is flipped only here."""
 
 import math
 from collections.abc import Iterable
@@ -95,7 +95,7 @@ class MapView:
         return (x - self.left_m) * self.pixels_per_m, (self.top_m - y) * self.pixels_per_m
 
     def shows(self, bounds: Bounds) -> bool:
-        """Whether a rectangle is wholly visible."""
+        """Whether a rectangle is completely visible."""
         return (
             self.left_m <= bounds[0]
             and bounds[2] <= self.left_m + self.side_m
@@ -120,7 +120,7 @@ def explored_bounds(grid: OccupancyGrid, points: Iterable[tuple[float, float]] =
 class SteadyView:
     """Keeps a video's map still: moves the window only when the explored area outgrows it.
 
-    Each new window has room to grow, so that the image jumps seldom.
+    Each new window has room to grow, so that the image rarely jumps.
     """
 
     def __init__(self, size: int, *, room: float = 1.12) -> None:

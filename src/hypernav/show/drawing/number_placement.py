@@ -39,8 +39,8 @@ def number_position(
 ) -> tuple[float, float]:
     """Centre of a number, as near to the centre of its square as robot and mark allow.
 
-    Where the square is too small, the number rather touches the mark than the robot; where it
-    cannot hold number and robot, the number is moved out of it, straight away from the robot.
+    If the square is too small, the number may touch the mark rather than the robot; if it cannot
+    hold number and robot, the number is moved out of it, directly away from the robot.
 
     Args:
         square: The block.
@@ -69,7 +69,7 @@ def clear_position(
     robot: Disc | None,
     cover: Callable[[float, float], float],
 ) -> tuple[float, float]:
-    """Centre of a number that hides as little as it can, and lies near the square's centre.
+    """Centre of a number that hides as little as possible, near the square's centre.
 
     Args:
         square: The block.

@@ -15,7 +15,7 @@ FREE: Rgb = (255, 255, 255)
 OCCUPIED: Rgb = (43, 52, 64)
 
 UNKNOWN_STRONG: Rgb = (138, 144, 152)
-"""Stands out from white at least three to one, for models that see the map small."""
+"""Contrast to white of at least 3:1, for models that see a small image of the map."""
 OCCUPIED_STRONG: Rgb = (16, 18, 24)
 FRONTIER: Rgb = (204, 0, 120)
 
@@ -58,13 +58,13 @@ SERIES: tuple[Rgb, ...] = (
 
 
 def blend(a: Rgb, b: Rgb, share: float) -> Rgb:
-    """A colour between two: ``a`` at share 0, ``b`` at 1."""
+    """Mix two colours: ``a`` at share 0, ``b`` at 1."""
     mixed = [round(p + (q - p) * share) for p, q in zip(a, b, strict=True)]
     return (mixed[0], mixed[1], mixed[2])
 
 
 def css(color: Rgb) -> str:
-    """The colour as a style sheet writes it, for example ``#0060a0``."""
+    """The colour in CSS notation, for example ``#0060a0``."""
     return "#{:02x}{:02x}{:02x}".format(*color)
 
 

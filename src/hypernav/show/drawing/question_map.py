@@ -1,4 +1,4 @@
-"""The image of the map for a model that is asked where to go, in a style of several switches."""
+"""The image of the map for a model that is asked where to go; several switches set its style."""
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
@@ -23,13 +23,13 @@ _LEAST_ENCLOSED = 0.6
 
 @dataclass(frozen=True)
 class QuestionStyle:
-    """Style of the image; all off is the plain one (paper).
+    """Style of the image; with all switches off it is the plain one (paper).
 
     Attributes:
-        strong_colors: Whether unknown stands out from free floor, at least three to one.
+        strong_colors: Whether unknown and free floor have a contrast of at least 3:1.
         frontier: Whether the boundary to the unknown is drawn in a colour.
         fill_obstacles: Whether the inside of furniture and walls, which no camera sees, is filled.
-        clear_numbers: Whether numbers are larger and keep off furniture.
+        clear_numbers: Whether numbers are larger and not placed on furniture.
         labels: Whether things that were seen are named.
     """
 
@@ -102,7 +102,7 @@ def draw_question_map(
 
 
 def filled(grid: OccupancyGrid) -> OccupancyGrid:
-    """The map with small unknown parts that obstacles enclose taken for obstacles."""
+    """The map in which small unknown parts that obstacles enclose are obstacles, too."""
     unknown = grid.cells == Cell.UNKNOWN
     _, parts, stats, _ = cv2.connectedComponentsWithStats(unknown.view(np.uint8), connectivity=4)
     largest = _LARGEST_INSIDE_M2 / grid.resolution_m**2

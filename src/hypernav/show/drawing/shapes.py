@@ -1,6 +1,6 @@
 """Anti-aliased lines and shapes on images, at fractions of a pixel.
 
-Coordinates are those of `MapView`: pixel column c covers ``[c, c + 1)``.
+Coordinates are as in `MapView`: pixel column c covers ``[c, c + 1)``.
 """
 
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ from jaxtyping import Bool, Float64, Int32, UInt8
 from hypernav.show.drawing.palette import Rgb
 
 _SHIFT = 4
-# OpenCV counts from the middle of the first pixel, and draws with 32-bit whole numbers.
+# OpenCV measures from the centre of the first pixel, and draws with 32-bit integers.
 _HALF = 0.5
 _FARTHEST = 1e7
 
@@ -66,7 +66,7 @@ def dashed_line(
 
 
 def polygon(image: Image, outlines: Sequence[Points], color: Rgb, *, opacity: float = 1.0) -> None:
-    """Fill polygons, in place. Where they overlap an even number of times they leave a hole."""
+    """Fill polygons, in place. Areas that an even number of them cover stay empty."""
     corners = [_fixed(outline) for outline in outlines if len(outline) >= 3]
     if not corners:
         return
@@ -181,7 +181,7 @@ def hatch(
 
 
 def _window(image: Image, points: Points) -> tuple[int, int, int, int]:
-    """Whole pixels around points, cut to the image: left, top, right, bottom."""
+    """Whole-pixel bounds of points, clipped to the image: left, top, right, bottom."""
     lowest, highest = points.min(axis=0) - 2.0, points.max(axis=0) + 2.0
     height, width = image.shape[:2]
     return (

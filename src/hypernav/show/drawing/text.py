@@ -1,6 +1,6 @@
 """Anti-aliased text on images, fast enough for video.
 
-Text is drawn with DejaVu Sans, which matplotlib brings along. A drawn line is cached as a mask,
+Text is drawn with DejaVu Sans, which matplotlib includes. A drawn line is cached as a mask,
 so that text repeated from frame to frame costs only a blend.
 """
 
@@ -22,7 +22,7 @@ _LONGEST = 2000
 
 @lru_cache(maxsize=1)
 def _font_folder() -> Path:
-    # Found without importing matplotlib, which takes a good part of a second.
+    # Found without importing matplotlib, which takes much of a second.
     spec = find_spec("matplotlib")
     if spec is None or not spec.submodule_search_locations:
         raise ModuleNotFoundError("matplotlib, a dependency of hypernav, is not installed")
@@ -55,7 +55,7 @@ def text_width(text: str, size: int, *, bold: bool = False) -> float:
 
 @lru_cache(maxsize=2048)
 def shortened(text: str, size: int, width: float, *, bold: bool = False) -> str:
-    """The text on one line, cut with an ellipsis where it is wider than ``width`` pixels."""
+    """The text on one line, cut with an ellipsis if it is wider than ``width`` pixels."""
     line = one_line(text)
     if text_width(line, size, bold=bold) <= width:
         return line
@@ -75,9 +75,9 @@ def _fits(text: str, size: int, width: float, bold: bool) -> bool:
 def wrapped(
     text: str, size: int, width: float, *, lines: int, bold: bool = False
 ) -> tuple[str, ...]:
-    """The text broken into at most ``lines`` lines, the last one cut with an ellipsis if need be.
+    """The text wrapped into at most ``lines`` lines, the last one cut with an ellipsis if needed.
 
-    A word wider than a line is broken where the line ends.
+    A word wider than a line is split at the end of the line.
     """
     broken: list[str] = []
     rest = one_line(text)
@@ -103,7 +103,7 @@ def _first_line(text: str, size: int, width: float, bold: bool) -> tuple[str, st
 
 
 class _Stamp(NamedTuple):
-    """A drawn line of text, ready to be laid over an image.
+    """A drawn line of text, ready to be blended into an image.
 
     Attributes:
         keep: Share of the image that remains visible, 0 to 1.
@@ -162,7 +162,7 @@ def draw_text(
     halo_px: int = 2,
     opacity: float = 1.0,
 ) -> None:
-    """Write one line of text onto an image, in place; what lies outside is cut off.
+    """Write one line of text onto an image, in place; parts outside are cut off.
 
     Args:
         image: RGB.

@@ -25,7 +25,7 @@ _COLORS = _color_table()
 
 
 def draw_values(image: UInt8[np.ndarray, "_ _ 3"], view: MapView, values: ValueImage) -> None:
-    """Tint what has a value, from blue for the lowest that there is to yellow for the highest.
+    """Tint the floor that has a value, from blue for the lowest to yellow for the highest.
 
     Args:
         image: Image of the map, changed in place.
@@ -38,7 +38,7 @@ def draw_values(image: UInt8[np.ndarray, "_ _ 3"], view: MapView, values: ValueI
     known = grades[grades > 0]
     low, high = int(known.min()), int(known.max())
     scaled = np.clip((grades.astype(np.float32) - low) / max(high - low, 1) * 255.0, 0.0, 255.0)
-    # Pixels of the image in cells of the values; y points up in the map, and down in the image.
+    # From pixels of the image to cells of the values; y points up in the map, down in the image.
     per_pixel = 1.0 / (view.pixels_per_m * values.cell_m)
     left = (view.left_m - values.x_min) / values.cell_m
     top = (view.top_m - values.y_min) / values.cell_m
@@ -55,7 +55,7 @@ def draw_values(image: UInt8[np.ndarray, "_ _ 3"], view: MapView, values: ValueI
 
 
 def _draw_bar(image: UInt8[np.ndarray, "_ _ 3"], low: float, high: float) -> None:
-    """Say in the upper left corner which colour is which value."""
+    """Draw the colour scale in the upper left corner."""
     width, height = _BAR
     words = [f"value {low:.2f}", f"{high:.2f}"]
     left = 10.0 + text_width(words[0], _WORDS) + 6.0

@@ -45,12 +45,12 @@ def write_page(
     """Write ``index.html``: one page that needs no network.
 
     Args:
-        folder: Folder of the page; made if missing.
+        folder: Folder of the page; created if missing.
         result: Content of ``result.json``; missing entries show as a dash.
         steps: Trace of the episode; may be empty.
         grid: Last map; None if there is none.
         video: Video of the episode; by default ``episode.mp4`` in the folder, if it exists.
-        frame_counts: Number of video frames of each step; by default as if all steps were shown.
+        frame_counts: Number of video frames of each step; by default that of a video of all steps.
         embed_limit_bytes: Largest video that is embedded; the page links to a larger one.
 
     Returns:

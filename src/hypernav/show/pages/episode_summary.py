@@ -70,7 +70,7 @@ class AskedQuestion:
         exchange: Question and answer.
         title: Subject of the question, in a few words.
         who: Name of the component that answered, for people.
-        answer: Answer for people, also where the raw answer is for programs.
+        answer: Answer for people, even if the raw answer is for programs.
         likeliest: The likeliest answers with their probability, best first.
     """
 
@@ -99,8 +99,8 @@ class KeyStep:
 def key_steps(steps: Sequence[StepTrace]) -> list[KeyStep]:
     """The steps worth telling: those with a decision or an event.
 
-    "Is it in the image?" is asked at every step, so it is told only where its answer changed
-    something: at an event of a step that sees the goal.
+    "Is it in the image?" is asked at every step, so it is shown only where its answer mattered: at
+    an event of a step that sees the goal.
     """
     told = []
     for index, step in enumerate(steps):
@@ -137,7 +137,7 @@ class QuestionCosts:
 
 
 def question_costs(result: Mapping[str, Any]) -> list[QuestionCosts]:
-    """The ledger of a result, a row per kind of question and the total last; empty without one."""
+    """The ledger of a result: a row per kind of question, then the total; empty without one."""
     ledger = result.get("ledger")
     if not isinstance(ledger, Mapping) or not ledger.get("kinds"):
         return []

@@ -44,11 +44,11 @@ def page_environment(*packages: str) -> Environment:
 
 
 def _shown(value: Any) -> Any:
-    """A value of a template, with whatever a browser would obey made visible in its texts."""
+    """A value of a template whose control characters are made visible."""
     match value:
         case str():
             shown = visible(value)
-            return value if shown == value else type(value)(shown)  # markup remains markup
+            return value if shown == value else type(value)(shown)  # markup stays markup
         case dict():
             return {key: _shown(one) for key, one in value.items()}
         case list() | tuple():
@@ -82,7 +82,7 @@ def page_colors() -> dict[str, dict[str, str]]:
 
 
 def mode_name(mode: Mode) -> str:
-    """The mode as a style sheet names it, for example ``mode-look-around``."""
+    """The CSS class of a mode, for example ``mode-look-around``."""
     return f"mode-{mode.value.replace(' ', '-')}"
 
 

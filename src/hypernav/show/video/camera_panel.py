@@ -21,7 +21,7 @@ def draw_camera(
 ) -> UInt8[np.ndarray, "_ _ 3"]:
     """Draw a camera image with boxes, mask outlines and labels, fitted into a panel.
 
-    An accepted detection is green, one that was turned down is grey and says why.
+    An accepted detection is green; a rejected one is grey, with the reason.
 
     Args:
         rgb: The camera image.

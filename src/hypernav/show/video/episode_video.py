@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     import av
 
 _BLOCKS_STAY_STEPS = 5
-# Numbers of the video standard: BT.709 colours in the narrow range, what players expect of HD.
+# Codes of the video standard: BT.709 colours in the narrow range, which players expect for HD.
 _BT709, _NARROW_RANGE = 1, 1
 _KEY_FRAME_EVERY = 60
 
@@ -42,20 +42,20 @@ class VideoFile:
         """Open the file.
 
         Args:
-            path: Path of the file; missing folders are made.
+            path: Path of the file; missing folders are created.
             width: Width, pixels; even.
             height: Height, pixels; even.
             frames_per_second: Frame rate, constant.
         """
-        import av  # where a video is written: a robot that writes none loads no encoder
+        import av  # imported here, so that a robot that writes no video loads no encoder
 
         path.parent.mkdir(parents=True, exist_ok=True)
-        # The index goes to the front, so that a browser can seek before it has everything.
+        # The index goes to the front, so that a browser can seek before it has the whole file.
         self._container = av.open(str(path), "w", format="mp4", options={"movflags": "faststart"})
         self._stream = self._container.add_stream(
             "libx264",
             rate=frames_per_second,
-            # Text and lines stay crisp, and 500 steps take less than 5 MB.
+            # Text and lines stay sharp, and 500 steps take less than 5 MB.
             options={"preset": "veryfast", "crf": "32.5", "aq-mode": "2"},
         )
         self._stream.width, self._stream.height = width, height
@@ -67,7 +67,7 @@ class VideoFile:
         # evaluation share the machine, and the bytes are the same everywhere.
         context.gop_size = _KEY_FRAME_EVERY
         context.thread_count = 1
-        # With frames of unequal length, reordered ones would make the file seem too short.
+        # With frames of unequal length, reordered frames would make the file appear too short.
         context.max_b_frames = 0
         self._frames = 0
         self._error: OSError | None = None
@@ -89,7 +89,7 @@ class VideoFile:
 
         frame = av.VideoFrame.from_ndarray(image, format="rgb24")
         self._last = frame.reformat(format="yuv420p", dst_colorspace=_BT709)
-        # An image that stays is encoded once; the next one just comes later.
+        # A repeated image is encoded once; the next one gets a later time.
         self._encode(self._last, self._frames)
         self._frames += repeat
 
@@ -100,7 +100,7 @@ class VideoFile:
             return
         try:
             if self._last is not None and self._last.pts != self._frames - 1:
-                # The last image has no next one, so a second copy says how long it stays.
+                # The last image has no successor, so a second copy marks its end.
                 self._encode(self._last, self._frames - 1)
             self._container.mux(self._stream.encode(None))
         finally:
@@ -109,7 +109,7 @@ class VideoFile:
     def _encode(self, frame: "av.VideoFrame", at: int) -> None:
         frame.pts = at
         if self._error is not None:
-            raise self._error  # FFmpeg crashes if it is asked to go on where it could not write.
+            raise self._error  # FFmpeg crashes if it is used again after it could not write.
         try:
             self._container.mux(self._stream.encode(frame))
         except OSError as error:
@@ -120,8 +120,8 @@ class VideoFile:
 class EpisodeVideo:
     """Records an episode as a video: camera image, map and decisions.
 
-    Use it as a context manager. Whatever ends the block, an interrupt included, the file plays up
-    to the last step that was added.
+    Use it as a context manager. However the block ends, even by an interrupt, the file plays up to
+    the last step that was added.
 
     Examples:
         >>> with EpisodeVideo(folder / "episode.mp4", "bed", "hypernav") as video:  # doctest: +SKIP
@@ -142,7 +142,7 @@ class EpisodeVideo:
         """Open the file.
 
         Args:
-            path: Path of the file, ``.mp4``; missing folders are made.
+            path: Path of the file, ``.mp4``; missing folders are created.
             goal: Text of the goal.
             agent: Name of the agent.
             detector: Name of the detector; empty if unknown.
@@ -175,7 +175,7 @@ class EpisodeVideo:
 
     @property
     def frame_counts(self) -> Sequence[int]:
-        """Number of frames that each step stays; 0 for one that was passed over."""
+        """Number of frames of each step; 0 for a skipped one."""
         return self._frame_counts
 
     def add(

@@ -57,7 +57,7 @@ class EpisodeInfo:
 
     @property
     def has_detector(self) -> bool:
-        """Whether every image is searched for the goal; agents of other kinds look as they like."""
+        """Whether the agent has a detector, which searches every image for the goal."""
         return self.detector != captions.ITS_OWN
 
     @property
@@ -123,7 +123,7 @@ def blank_frame() -> Image:
 
 
 def paste(frame: Image, image: Image, left: int, top: int) -> None:
-    """Put an image onto the frame, in place, with a hairline around it."""
+    """Put an image onto the frame, in place, with a thin border."""
     height, width = image.shape[:2]
     frame[top : top + height, left : left + width] = image
     cv2.rectangle(frame, (left - 1, top - 1), (left + width, top + height), palette.FAINT, 1)
@@ -143,7 +143,7 @@ def _draw_header(frame: Image, title: EpisodeInfo, step: StepTrace) -> None:
 
 
 def draw_badge(frame: Image, text: str, color: palette.Rgb, left: float, middle: float) -> None:
-    """Draw a word on a coloured ground with round ends, in place."""
+    """Draw a word on a coloured background with round ends, in place."""
     width = text_width(text, 15, bold=True) + 28.0
     shapes.rounded_box(frame, left, middle - 14.0, width, 28.0, color, radius=14.0)
     ink = palette.ink_on(color)

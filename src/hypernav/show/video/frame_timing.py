@@ -1,4 +1,4 @@
-"""Frames that a video spends on each step, so that a person can follow."""
+"""Number of frames of a video for each step, so that a person can follow."""
 
 from collections.abc import Sequence
 from itertools import accumulate
@@ -8,7 +8,7 @@ from hypernav.core.trace import Exchange, StepTrace
 FRAMES_PER_SECOND = 6
 ENDING_FRAMES = 4 * FRAMES_PER_SECOND
 EVERY_STEP = frozenset({"ground", "attention", "score view"})
-"""Kinds of questions that are asked at every step, and change no destination by themselves."""
+"""Kinds of questions that are asked at every step, and do not change the destination."""
 _AT_A_STEP = 1
 _AT_A_DECISION = 6
 
@@ -27,7 +27,7 @@ def start_times(frame_counts: Sequence[int]) -> list[float]:
     """Time at which each step appears, seconds from the start of the video.
 
     Args:
-        frame_counts: Number of frames that each step stays. One that is passed over has none, and
-            appears with the next that is shown.
+        frame_counts: Number of frames of each step. A skipped step has none, and appears with the
+            next one that is shown.
     """
     return [frame / FRAMES_PER_SECOND for frame in accumulate(frame_counts, initial=0)][:-1]

@@ -1,1 +1,1 @@
-"""Views of a search in programs that others made: rerun and Foxglove."""
+"""Views of a search in other programs: rerun and Foxglove."""

@@ -1,4 +1,4 @@
-"""Steps and questions as plain JSON messages for Foxglove, which has none of its own for them."""
+"""Steps and questions as JSON messages for Foxglove, which has no message types for them."""
 
 from typing import Any
 

@@ -146,7 +146,7 @@ def scene(
         stamp: Time of the step.
         step: Trace of the step.
         trajectory: Positions of the robot up to now, metres.
-        asked: Step in which the robot was sent to a block, as long as it goes there.
+        asked: Step in which the robot was sent to its present block; None if there is none.
     """
     path = [step.pose[:2], *step.path] if step.path else []
     marks = [] if step.destination is None else [step.destination]

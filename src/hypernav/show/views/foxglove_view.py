@@ -25,11 +25,11 @@ from hypernav.show.views import foxglove_messages as made
 _SECOND_NS = 1_000_000_000
 _HOST, _PORT = "127.0.0.1", 8765
 _STEP_NS = _SECOND_NS
-"""Time between two recorded steps, so that equal searches make equal messages on any machine."""
+"""Time between two recorded steps; constant, so that equal searches give equal messages."""
 
 
 class _Watchers(websocket.ServerListener):
-    """Notes that somebody has come."""
+    """Notes that somebody has subscribed."""
 
     came = False
 
@@ -38,10 +38,10 @@ class _Watchers(websocket.ServerListener):
 
 
 class _Topics:
-    """The topics of a search: each step gives every one of them what there is to say."""
+    """The topics of a search, to which every step is published."""
 
     def __init__(self, context: foxglove.Context) -> None:
-        self._context = context  # without it all channels close
+        self._context = context  # keeps all channels open
         self._trajectory: list[tuple[float, float]] = []
         self._asked: StepTrace | None = None
         self._tf = channels.FrameTransformsChannel("/tf", context=context)
@@ -110,7 +110,7 @@ class McapView:
         """Open the file.
 
         Args:
-            path: Path of the file; one of that name is replaced, missing folders are made.
+            path: Path of the file; an existing file is replaced, missing folders are created.
             info: Goal and components of the search.
 
         Raises:
@@ -140,7 +140,7 @@ class McapView:
         self._check()
 
     def finish(self, result: Mapping[str, Any]) -> None:
-        """Write the result, as metadata and as the last line of the log, and end the file."""
+        """Write the result, as metadata and as the last line of the log, and finish the file."""
         self._topics.publish_end(result, self._steps * _STEP_NS)
         values = {name: json.dumps(value) for name, value in json_values(result).items()}
         self._writer.write_metadata("result", values)
@@ -148,14 +148,14 @@ class McapView:
         self._check()
 
     def close(self) -> None:
-        """End the file; does nothing the second time."""
+        """Finish the file; does nothing the second time."""
         if self._is_open:
             self._is_open = False
             self._writer.close()
             self._file.close()
 
     def _check(self) -> None:
-        """Raise what went wrong in the writer's hands, which would only print it."""
+        """Raise an error of the writer, which would only be printed."""
         if self._file.error is not None:
             raise self._unwritten(self._file.error)
 
@@ -169,11 +169,11 @@ class McapView:
 class FoxgloveView:
     """A search live in Foxglove, which connects to a WebSocket of this machine.
 
-    Times are real; whoever connects late has missed what was before.
+    Times are real; a late subscriber misses the earlier messages.
     """
 
     def __init__(self, info: EpisodeInfo) -> None:
-        """Begin to listen, on the port that Foxglove suggests or another.
+        """Start listening, on the port that Foxglove suggests or another.
 
         Args:
             info: Goal and components of the search.
@@ -189,7 +189,7 @@ class FoxgloveView:
         return f"ws://{_HOST}:{self._server.port} in Foxglove, or {self._server.app_url()}"
 
     def has_watcher(self) -> bool:
-        """Whether anybody has asked for a topic."""
+        """Whether anybody has subscribed to a topic."""
         return self._watchers.came
 
     def add(
@@ -222,7 +222,7 @@ def _listening(
 
 
 class _KeptError:
-    """A file that keeps its first error, and takes what comes after it without writing it."""
+    """A file that keeps its first error, and discards what is written after it."""
 
     def __init__(self, file: BinaryIO) -> None:
         self._file = file
@@ -240,7 +240,7 @@ class _KeptError:
 
     def close(self) -> None:
         self._attempt(self._file.flush)
-        with suppress(OSError):  # what could not be flushed was noted
+        with suppress(OSError):  # an error of flushing is already kept
             self._file.close()
 
     def _attempt(self, write: Callable[[], object]) -> None:

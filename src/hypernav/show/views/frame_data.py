@@ -1,4 +1,4 @@
-"""What the views show of one observation and one map, small enough to send and to keep."""
+"""Compact data of one observation and one map for the views."""
 
 import math
 

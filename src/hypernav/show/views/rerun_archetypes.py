@@ -76,7 +76,7 @@ def transform(child_to_parent: Transform) -> rr.Transform3D:
 
 
 def cells(grid: OccupancyGrid) -> rr.GridMap:
-    """The explored part of the map. Images of rerun begin at the top, as do all images."""
+    """The explored part of the map, as an image with its first row on top."""
     seen = grid.cropped()
     rows, columns = seen.cells.shape
     return rr.GridMap(

@@ -27,7 +27,7 @@ _HOST = "127.0.0.1"
 _PATIENCE_S = 30.0
 _LOOK_S = 0.1
 _OPENING_S = 1.5
-"""Time after which a viewer that listens has noticed that there is no screen."""
+"""Time after which a listening viewer has noticed that there is no screen."""
 _MOST_WORDS = 300
 
 
@@ -37,7 +37,7 @@ class _Entities:
     def __init__(self, recording: rr.RecordingStream, info: EpisodeInfo) -> None:
         self._recording = recording
         self._trajectory: list[tuple[float, float]] = []
-        # Times of the clock would be all that differs between equal searches.
+        # Clock times would make the recordings of equal searches differ.
         recording.set_log_time_enabled(False)
         recording.set_log_tick_enabled(False)
         recording.send_recording_name(f"{info.goal} · {info.agent}")
@@ -87,7 +87,7 @@ class RrdView:
         """Open the file.
 
         Args:
-            path: Path of the file; one of that name is replaced, missing folders are made.
+            path: Path of the file; an existing file is replaced, missing folders are created.
             info: Goal and components of the search.
 
         Raises:
@@ -115,7 +115,7 @@ class RrdView:
         self._flush()
 
     def close(self) -> None:
-        """End the file."""
+        """Finish the file."""
         self._recording.disconnect()
 
     def _flush(self) -> None:
@@ -131,16 +131,16 @@ class RrdView:
 
 
 class RerunView:
-    """A search live in the viewer of rerun, which stays when the search is over."""
+    """A search live in the viewer of rerun, which stays open after the search."""
 
     def __init__(self, info: EpisodeInfo) -> None:
-        """Start the viewer and wait until it listens, for this machine only.
+        """Start the viewer, reachable from this machine only, and wait until it listens.
 
         Args:
             info: Goal and components of the search.
 
         Raises:
-            ViewError: It does not start, for want of a screen for example.
+            ViewError: It does not start, for example because there is no screen.
         """
         self._recording = rr.RecordingStream(_APPLICATION)
         self._recording.connect_grpc(f"rerun+http://{_HOST}:{_started_viewer()}/proxy")
@@ -149,7 +149,7 @@ class RerunView:
     def add(
         self, step: StepTrace, grid: OccupancyGrid | None, observation: Observation | None
     ) -> None:
-        """Send a step; see `hypernav.core.view.View`. It does not matter if the viewer is gone."""
+        """Send a step; see `hypernav.core.view.View`. A closed viewer is no error."""
         self._entities.log(step, grid, observation)
 
     def finish(self, result: Mapping[str, Any]) -> None:
@@ -162,9 +162,9 @@ class RerunView:
 
 
 def _started_viewer() -> int:
-    """The port of a viewer of its own.
+    """Start a viewer; returns its port.
 
-    rerun's own way to start one would let it listen to the whole network.
+    rerun's own function to start one would let it listen to the whole network.
 
     Raises:
         ViewError: It does not start.
@@ -179,7 +179,7 @@ def _started_viewer() -> int:
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=said,
-            start_new_session=True,  # Ctrl-C is for the search
+            start_new_session=True,  # so that Ctrl-C ends the search, not the viewer
         )
         listens = False
         try:
@@ -203,7 +203,7 @@ def _started_viewer() -> int:
 
 
 def _answers(port: int) -> bool:
-    """Whether anybody listens on a port of this machine."""
+    """Whether a program listens on a port of this machine."""
     try:
         socket.create_connection((_HOST, port), timeout=_LOOK_S).close()
     except OSError:

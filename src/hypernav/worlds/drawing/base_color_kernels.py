@@ -3,7 +3,7 @@
 Second of three passes from rays to colours, see `geometry_kernels`.
 """
 
-# The values of a material are set when it changes, which is the case at the first one.
+# The values of a material are set when it changes, so also at the first one.
 # pyright: reportPossiblyUnboundVariable=false
 
 import math
@@ -22,7 +22,7 @@ FLAG_COLORED = 4
 
 @register_jitable(error_model="numpy", no_cfunc_wrapper=True)
 def wrapped(coordinate, mode):
-    """A texture coordinate brought into [0, 1]; modes are those of `Wrap`."""
+    """A texture coordinate mapped into [0, 1]; modes are those of `Wrap`."""
     if mode == 0:
         inside = coordinate - math.floor(coordinate)
     elif mode == 1:
@@ -51,7 +51,7 @@ def _bilinear(texels, first, width, height, u, v, wrap_u, wrap_v):
         y0 = height - 1 if wrap_v == 0 else 0
     if y1 >= height:
         y1 = 0 if wrap_v == 0 else height - 1
-    # Weights in 1/65536. Red and blue travel in the two halves of one number, green in another.
+    # Weights in 1/65536. Red and blue are the two halves of one number, green is another.
     right, below = int(wx * 256.0 + 0.5), int(wy * 256.0 + 0.5)
     left, above = 256 - right, 256 - below
     texel = np.int64(texels[first + y0 * width + x0])
@@ -90,8 +90,8 @@ def fill_base_colors(
 ):
     """Second pass: colour of the surfaces, without light.
 
-    A texture is read over the footprint of the pixel: the shorter axis of the footprint chooses
-    the level, and up to `MAX_TAPS` reads run along the longer one.
+    A texture is read over the footprint of the pixel: the shorter axis of the footprint selects
+    the level, and up to `MAX_TAPS` samples are taken along the longer one.
 
     Args:
         hits: Triangle of every ray, -1 for none, int32 [rays].

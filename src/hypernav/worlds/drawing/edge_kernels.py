@@ -5,7 +5,7 @@ from numba import njit
 from numba.extending import register_jitable
 
 _CONTRAST = 28
-# A strong contrast needs less of a bend: ceilings meet walls at a slant that depth hardly shows.
+# A strong contrast needs less of a bend: depth hardly shows where ceilings meet walls.
 _BEND_CONTRAST = 0.35
 
 

@@ -7,7 +7,7 @@ whose columns are named here. Neighbouring rays mostly hit the same triangle, so
 whole triangle is computed when the triangle changes.
 """
 
-# The values of a triangle are set when it changes, which is the case at the first one.
+# The values of a triangle are set when it changes, so also at the first one.
 # pyright: reportPossiblyUnboundVariable=false
 
 import math
@@ -123,7 +123,7 @@ def measure(hits, directions, camera, vertices, faces, face_instance, depth, ids
             nearest, farthest = min(da, db, dc), max(da, db, dc)
         dx, dy, dz = directions[ray, 0], directions[ray, 1], directions[ray, 2]
         distance = plane / (nx * dx + ny * dy + nz * dz)
-        # Of a needle seen edge-on the plane is ill defined, but depth lies between its corners'.
+        # A thin triangle's plane seen edge-on is ill defined, but depth is between its corners'.
         if not distance >= nearest:  # "not" catches NaN as well
             distance = nearest
         depth[ray] = min(distance, farthest)
@@ -203,7 +203,7 @@ def locate(hits, directions, depth, camera, vertices, faces, normals, uv, surfac
         surface[ray, UV_DOWN] = sx * ux + sy * uy + sz * uz
         surface[ray, UV_DOWN + 1] = sx * vx + sy * vy + sz * vz
 
-        # The normal, unit length and turned to the side that is seen.
+        # The normal, of unit length, turned towards the camera.
         side = -1.0 if along > 0.0 else 1.0
         mx, my, mz = kx * side, ky * side, kz * side
         if smooth:

@@ -5,8 +5,8 @@ A grid of nodes fills the scene. Each node holds the light that arrives from +x,
 above and of dimmer walls and floor, and an object nearby dims its direction (ambient occlusion). A
 surface reads the eight nodes around the point just in front of it, so a table darkens the floor
 under it and a corner darkens towards its edge. Nodes are computed when a camera first sees a
-surface beside them and kept: a frame that shows nothing new pays nothing, and a node's value
-depends on its position alone, so the order of frames doesn't matter.
+surface beside them and kept: a frame that shows nothing new costs nothing, and a node's value
+depends only on its position, so the order of frames doesn't matter.
 """
 
 import math
@@ -115,8 +115,8 @@ def _even_directions(count: int) -> Float32[np.ndarray, "count 3"]:
 def _sky_light(directions: Float32[np.ndarray, "n 3"]) -> Float64[np.ndarray, "n"]:
     """Light from every direction of an empty room, at most 1.
 
-    Brightest from above. A little more from one side, askew to walls that follow the axes, so that
-    the four sides of a box differ.
+    Brightest from above. A little brighter from one side, not parallel to the axes, so that the
+    four sides of a box differ.
     """
     upward = directions[:, 2].astype(np.float64)
     sideways = directions[:, 0] * 0.8 + directions[:, 1] * 0.6

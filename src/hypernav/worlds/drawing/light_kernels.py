@@ -3,7 +3,7 @@
 `light` is the third of three passes from rays to colours, see `geometry_kernels`.
 """
 
-# The values of a cell are set when it changes, which is the case at the first one.
+# The values of a cell are set when it changes, so also at the first one.
 # pyright: reportPossiblyUnboundVariable=false
 
 import numpy as np
@@ -80,7 +80,7 @@ def light(
                 rgb[ray, channel] = np.uint8(min(colors[ray, channel] + 0.5, 255.0))
             continue
         nx, ny, nz = surface[ray, NORMAL], surface[ray, NORMAL + 1], surface[ray, NORMAL + 2]
-        # So far in front of the surface that no node behind it has a say.
+        # So far in front of the surface that no node behind it has any weight.
         lift = abs(nx) + abs(ny) + abs(nz)
         x = (surface[ray, POINT] - ox) * per_m + nx * lift
         y = (surface[ray, POINT + 1] - oy) * per_m + ny * lift
@@ -129,10 +129,10 @@ def gather_light(distances, directions, sky, reach_m, contrast, result):
 
     Args:
         distances: Distance to the first hit along every direction, float32 [directions, positions];
-            negative or over `reach_m` where it is farther.
+            negative or over `reach_m` if it is farther.
         directions: Unit vectors, float32 [directions, 3].
         sky: Light that arrives from every direction where nothing is hit, [directions].
-        reach_m: Distance from which on a hit takes no light.
+        reach_m: Distance beyond which a hit does not block light.
         contrast: Exponent of the light; above 1 deepens the shade.
         result: Output: light from +x, -x, +y, -y, +z, -z, uint8 [positions, 6].
     """

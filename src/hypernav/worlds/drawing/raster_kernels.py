@@ -13,11 +13,11 @@ from numba import njit
 from numba.extending import register_jitable
 
 _IN_FRONT = 1e-3
-"""Metres: triangles that reach nearer get no bounds, since they project to anywhere."""
+"""Metres: nearer triangles get no bounds, since their projection may be anywhere."""
 _SLACK = 1e-7
 """Pixels: neighbours share an edge, and no pixel may slip between them by rounding."""
 _NEARER = 1.0 + 1e-9
-"""Of coincident surfaces the first is shown: rounding must not make a pattern of them."""
+"""Of coincident surfaces the first is shown, so that rounding does not make a pattern."""
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -12,15 +12,15 @@ from hypernav.worlds.drawing.raster_kernels import draw_triangles, find_visible
 from hypernav.worlds.scenes.scene import Scene
 
 _GROUP = 64
-"""Triangles that are passed over together when they lie outside the image."""
+"""Number of triangles that are skipped together when they are outside the image."""
 _CURVE_BITS = 10
 
 
 class Rasterizer:
     """A scene's triangles, in groups of neighbours. Safe to use from several threads.
 
-    Through pixel centres it finds what rays find, several times faster: rays have to search for
-    every pixel anew.
+    It gives the same result as rays through the pixel centres, several times faster, because rays
+    need a search for every pixel.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -50,7 +50,7 @@ class Rasterizer:
         count = find_visible(
             self._boxes, camera_rows, camera.width, cx, cy, rows.start, rows.stop, groups, distances
         )
-        # What is near is drawn first, and hides the rest before that is written.
+        # Near groups are drawn first, so that hidden triangles are not written.
         groups = groups[:count][np.argsort(distances[:count], kind="stable")]
         shape = (rows.stop - rows.start, camera.width)
         shown, nearness = np.full(shape, -1, dtype=np.int32), np.zeros(shape, dtype=np.float64)

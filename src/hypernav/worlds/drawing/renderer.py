@@ -3,7 +3,7 @@
 Triangles are drawn into the image, and compiled kernels shade what every pixel shows; Embree's
 rays find the light, what lies behind holes, and what else is seen in pixels at edges. The image
 is cut into bands of rows that all cores work on; every pixel is computed the same way whichever
-core does it, so the same pose gives the same bytes.
+core computes it, so the same pose gives the same bytes.
 """
 
 import math
@@ -43,7 +43,7 @@ class RenderConfig(RoomConfig):
     Attributes:
         exposure: Factor of all light, before bright tones are compressed.
         ambient: Share of the soft light from ceiling and surroundings.
-        headlight: Share of a light at the camera, which gives form to what faces it.
+        headlight: Share of a light at the camera, which shows the shape of surfaces that face it.
         light_cell_m: Distance between the nodes at which the soft light is computed.
         antialias: Whether pixels at the edges of objects get several rays for their colour. Depth
             and instances always come from the one ray through the pixel's centre.
@@ -51,7 +51,7 @@ class RenderConfig(RoomConfig):
             than half the time. Depth and instances are the same.
         background: sRGB colour where nothing is hit.
         texture_budget_mb: Memory for textures; the largest lose resolution beyond it.
-        threads: Worker threads; all cores of the process where None.
+        threads: Worker threads; None uses all cores of the process.
     """
 
     exposure: float = Field(default=1.6, gt=0.0, le=100.0)
@@ -112,7 +112,7 @@ class CpuRenderer:
             Depth along the optical axis in metres, 0 where nothing is hit; instances are -1 there.
         """
         frame = _Frame.empty(camera, camera_to_scene)
-        # Drawing costs a little for every triangle in every band, shading does not.
+        # Drawing has a cost for every triangle in every band, shading has not.
         list(
             self._pool.map(
                 lambda rows: self._find_hits(frame, rows),
@@ -132,7 +132,7 @@ class CpuRenderer:
         return RenderedView(rgb, frame.depth, frame.ids)
 
     def close(self) -> None:
-        """End the threads; nothing is drawn any more."""
+        """End the threads; the renderer is not used afterwards."""
         self._pool.shutdown()
 
     def _shade_pending(self, pending: Iterable[PendingRays | None]) -> None:
@@ -185,7 +185,7 @@ class CpuRenderer:
         return _Edges(pixels, samples, self._shader.shade(frame.camera_rows, hits, rays))
 
     def _buffers(self, count: int) -> Rays:
-        """Scratch memory of this thread: fresh memory for every band would cost a tenth more."""
+        """Scratch memory of this thread: new memory for every band would take a tenth more time."""
         rays: Rays | None = getattr(self._scratch, "rays", None)
         if rays is None or len(rays.depth) < count:
             rays = self._scratch.rays = Rays.allocate(count)
@@ -203,7 +203,7 @@ class _Edges:
 
 @dataclass(frozen=True, eq=False)
 class _Frame:
-    """Three images in the making, the triangles they show, and the camera that sees them."""
+    """Three unfinished images, the triangles they show, and their camera."""
 
     camera: PinholeCamera
     camera_rows: Float64[np.ndarray, "4 3"]
@@ -233,7 +233,7 @@ class _Frame:
 
 
 def _bands(height: int, rows: int) -> list[slice]:
-    """All rows of an image, so many at a time."""
+    """All rows of an image, in bands."""
     return [slice(start, min(start + rows, height)) for start in range(0, height, rows)]
 
 

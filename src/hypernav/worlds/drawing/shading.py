@@ -217,7 +217,7 @@ class Shader:
         hits: Int32[np.ndarray, " rays"],
         directions: Float32[np.ndarray, "rays 3"],
     ) -> None:
-        """Send rays that met the hole of a texture on to what lies behind."""
+        """Continue rays through holes of textures to the surfaces behind."""
         materials, textures = self._materials, self._textures
         is_cutout = materials.flags & FLAG_CUTOUT > 0
         through = np.flatnonzero((hits >= 0) & is_cutout[materials.face[hits]])

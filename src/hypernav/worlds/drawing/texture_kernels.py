@@ -8,8 +8,8 @@ from numba import njit
 def halve(codes, light_of_code, light):
     """Mean light of every four texels of an image with even sides.
 
-    It adds in the order of OpenCV's INTER_AREA, so that both give the same bits; no image of the
-    light at full size is needed.
+    It adds in the order of OpenCV's INTER_AREA, so that both give the same bits, but needs no image
+    of the light at full size.
 
     Args:
         codes: sRGB codes, uint8 [2 rows, 2 columns, 3].

@@ -35,7 +35,7 @@ def linear_to_srgb(linear: np.ndarray) -> np.ndarray:
 
 _ENCODE_STEPS = 8192
 _STRIP_ROWS = 512
-"""Rows of an image that are worked on at once: intermediate values take much more memory."""
+"""Rows of an image that are processed at once: intermediate values take much more memory."""
 _LINEAR_TO_CODE = np.rint(
     linear_to_srgb((np.arange(_ENCODE_STEPS) / (_ENCODE_STEPS - 1)) ** 2) * 255.0
 ).astype(np.uint8)
@@ -58,7 +58,7 @@ class TextureSet(NamedTuple):
 
 
 def textures_of(scene: Scene, budget_mb: float) -> TextureSet:
-    """The mip maps of a scene's textures, as of `collect_textures`; they are kept in its cache."""
+    """The mip maps of a scene's textures, by `collect_textures`; they are kept in its cache."""
     name = f"textures-{_version()}-{budget_mb:g}"
     arrays = kept_arrays(
         scene.cache, name, lambda: collect_textures(scene.materials, budget_mb)._asdict()
@@ -130,7 +130,7 @@ def _fill(
     places: Int64[np.ndarray, "levels 3"],
     count: int,
 ) -> None:
-    """Fill in one texture in its smallest sizes, finest first; so many of them."""
+    """Fill in a number of the smallest sizes of one texture, finest first."""
     assert material.texture is not None
     sizes = _sizes(material)
     left_out = len(sizes) - count
@@ -190,7 +190,7 @@ def _code(
     opacity: Float32[np.ndarray, "height width"] | None,
     level: UInt32[np.ndarray, "height width"],
 ) -> None:
-    """Fill in a level by its light and opacity, which is None where all is opaque."""
+    """Fill in a level by its light and opacity, which is None if all is opaque."""
     if opacity is not None:
         _pack(_encode(light, opacity), np.rint(opacity * 255.0), level)
         return

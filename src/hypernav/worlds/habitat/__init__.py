@@ -1,1 +1,1 @@
-"""habitat-sim as a world: its images and its path finder, for those who have it."""
+"""habitat-sim as a world, if it is installed: its images and its path finder."""

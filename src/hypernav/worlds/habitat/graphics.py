@@ -1,7 +1,7 @@
-"""The graphics device that habitat-sim draws with, chosen before it is asked for.
+"""Chooses the graphics device that habitat-sim draws with.
 
-habitat-sim ends the whole program where the device that it is told doesn't exist, so EGL is asked
-here what there is, with the calls that habitat-sim's own context makes (Magnum,
+habitat-sim ends the whole program if the given device doesn't exist, so the devices are listed here
+first, with the EGL calls that habitat-sim's own context makes (Magnum,
 ``WindowlessEglApplication``): the devices of ``EGL_EXT_device_enumeration``, and the CUDA number of
 each by ``EGL_NV_device_cuda``.
 """
@@ -12,22 +12,22 @@ import sys
 from hypernav.core.errors import MissingExtraError
 
 DEFAULT_DEVICE = -1
-"""habitat-sim's number for the device that EGL takes by itself."""
+"""habitat-sim's number for EGL's default device."""
 
 _CUDA_DEVICE = 0x323A  # EGL_CUDA_DEVICE_NV of EGL/eglext.h
 _MOST_DEVICES = 64
 _INSTALL = (
     "install a driver: apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri (Mesa, which draws "
-    "without a graphics card), or NVIDIA's with its EGL. The native world needs none of it: leave "
+    "without a graphics card), or NVIDIA's with its EGL. The native world does not need it: leave "
     "out --world habitat"
 )
 
 
 def graphics_device() -> int:
-    """The number of the device, as ``SimulatorConfiguration.gpu_device_id`` takes it.
+    """The number of the device for ``SimulatorConfiguration.gpu_device_id``.
 
     Returns:
-        The first CUDA device; `DEFAULT_DEVICE` where no device has CUDA. On systems other than
+        The first CUDA device; `DEFAULT_DEVICE` if no device has CUDA. On systems other than
         Linux, where habitat-sim doesn't draw through EGL, its own default, 0.
 
     Raises:

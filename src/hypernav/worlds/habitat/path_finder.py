@@ -24,12 +24,12 @@ class HabitatSurface:
     """
 
     def __init__(self, path_finder: Any) -> None:
-        """Take habitat-sim's path finder of an opened scene."""
+        """Create it with habitat-sim's path finder of an opened scene."""
         self._finder = path_finder
         self.floor_z = float(np.median(self._floor[:, 2]))
 
     def is_on_storey(self, z: Float64[np.ndarray, " n"]) -> Bool[np.ndarray, " n"]:
-        """Whether heights belong to a storey: all do, the mesh has them all."""
+        """Whether heights belong to a storey; always True, because the mesh has all storeys."""
         return np.ones(len(z), dtype=bool)
 
     def height_at(self, x: float, y: float, z: float | None = None) -> float:
@@ -52,7 +52,7 @@ class HabitatSurface:
         return float(nearest[0]), float(nearest[1]), float(nearest[2])
 
     def move(self, position: Position, dx: float, dy: float, *, sliding: bool = False) -> Position:
-        """End of a straight move, as habitat-sim's step filter ends it."""
+        """End of a straight move, by habitat-sim's step filter."""
         x, y, z = position
         step = self._finder.try_step if sliding else self._finder.try_step_no_sliding
         return _position(step(self._point(x, y, z), self._point(x + dx, y + dy, z)))
@@ -74,13 +74,13 @@ class HabitatSurface:
         return int(self._finder.get_island(self._point(x, y, z)) != self._island)
 
     def centres(self, component: int = 0) -> Float64[np.ndarray, "n 2"]:
-        """Points all over the largest island; none of another."""
+        """Points spread over the largest island; no points for other islands."""
         return self._floor[:, :2] if component == 0 else np.zeros((0, 2))
 
     def floor_near(
         self, low: tuple[float, float], high: tuple[float, float], reach_m: float
     ) -> Float64[np.ndarray, "n 3"]:
-        """Positions on the largest island, at most so far beside a box."""
+        """Positions on the largest island within a distance of a box."""
         floor = self._floor[:, :2]
         gaps = np.maximum(np.maximum(np.array(low) - floor, floor - np.array(high)), 0.0)
         return self._floor[(gaps**2).sum(axis=1) <= reach_m**2]
@@ -104,7 +104,7 @@ class HabitatSurface:
 
     @cached_property
     def _floor(self) -> Float64[np.ndarray, "n 3"]:
-        """Points all over the largest island, drawn by habitat-sim, the same each time."""
+        """Points spread over the largest island, drawn by habitat-sim, the same each time."""
         self._finder.seed(0)
         drawn = [
             _position(self._finder.get_random_navigable_point(10, self._island))
@@ -121,7 +121,7 @@ class HabitatField:
     """habitat-sim's shortest paths to the nearest of a set of goals. Scene frame, metres."""
 
     def __init__(self, finder: Any, goals: Float64[np.ndarray, "n 3"], floor_z: float) -> None:
-        """Take the goals."""
+        """Create it for a set of goals."""
         self._finder, self._floor_z = finder, floor_z
         self._path: Any = require_habitat().MultiGoalShortestPath()
         self._has_goals = len(goals) > 0
@@ -133,7 +133,7 @@ class HabitatField:
         return float(self._path.geodesic_distance) if self._found(x, y, z) else math.inf
 
     def path(self, x: float, y: float, z: float | None = None) -> list[tuple[float, float]]:
-        """From here over all bends to the nearest goal, seen from above; empty if no path does."""
+        """The path over all bends to the nearest goal, seen from above; empty if there is none."""
         points = self._path.points if self._found(x, y, z) else []
         return [(float(point[0]), -float(point[2])) for point in points]
 

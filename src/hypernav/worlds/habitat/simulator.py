@@ -1,9 +1,9 @@
 """habitat-sim's images of a scene, as a renderer of ours.
 
-Written against the documented calls of habitat-sim 0.2.2 to 0.3.3: ``Simulator``,
-``get_agent(0).set_state``, ``get_sensor_observations``, ``pathfinder`` (of which here
-``load_nav_mesh``), ``recompute_navmesh`` and ``NavMeshSettings`` are all that is used.
-Poses of the scene, z up, become Habitat's, y up, here and in `path_finder`, and nowhere else.
+Uses only documented calls of habitat-sim 0.2.2 to 0.3.3: ``Simulator``,
+``get_agent(0).set_state``, ``get_sensor_observations``, ``pathfinder`` (here only
+``load_nav_mesh``), ``recompute_navmesh`` and ``NavMeshSettings``. Poses of the scene, z up, are
+converted to Habitat's, y up, only here and in `path_finder`.
 """
 
 import importlib
@@ -47,14 +47,14 @@ def require_habitat() -> ModuleType:
     except ImportError as error:
         if error.name != "habitat_sim":
             raise MissingExtraError(
-                f"habitat-sim is installed and can't be loaded ({error}); for libEGL.so.1 it is "
+                f"habitat-sim is installed but can't be loaded ({error}); for libEGL.so.1: "
                 "apt-get install libegl1"
             ) from error
         raise MissingExtraError(
             "the world 'habitat' needs habitat-sim, which is not installed and which pip does not "
             "have; try: conda install habitat-sim headless -c conda-forge -c aihabitat (Python "
             "3.9), or build it: https://github.com/facebookresearch/habitat-sim. The native world "
-            "needs none of it: leave out --world habitat"
+            "does not need it: leave out --world habitat"
         ) from error
 
 
@@ -72,15 +72,15 @@ class HabitatRenderer:
         """Open a scene in habitat-sim.
 
         Args:
-            scene: The same scene as we read it, for the numbers of its instances.
+            scene: The same scene, read by our code, for the numbers of its instances.
             mesh: File of the scene.
             robot: Robot whose camera is simulated.
             navmesh: Which navigation mesh it walks on.
 
         Raises:
-            MissingExtraError: habitat-sim is not installed, or nothing that it could draw with.
+            MissingExtraError: habitat-sim is not installed, or there is no graphics device for it.
             NavmeshError: The file of the mesh can't be used.
-            SceneError: It can't open the scene, or has no navigation mesh of it.
+            SceneError: habitat-sim can't open the scene, or has no navigation mesh for it.
         """
         habitat_sim = require_habitat()
         self.colours = True
@@ -91,7 +91,7 @@ class HabitatRenderer:
         except (RuntimeError, ValueError, OSError) as error:
             raise SceneError(f"{mesh}: habitat-sim can't open it ({error})") from error
         self.path_finder: Any = self._simulator.pathfinder
-        # The mesh that it has now may be neither: it doesn't know yet for which robot.
+        # The mesh that it has loaded may be for another robot, which it does not know yet.
         file = navmesh_of(scene, mesh)
         if is_computed(file, robot.body, navmesh):
             settings = _navmesh_settings(habitat_sim, robot)
@@ -107,7 +107,7 @@ class HabitatRenderer:
         """Colour, depth and instances as habitat-sim draws them.
 
         Args:
-            camera: Intrinsics; those of the robot that the scene was opened for.
+            camera: Intrinsics; they must be those that the scene was opened with.
             camera_to_scene: Pose of the camera, optical to scene frame.
 
         Raises:
@@ -130,7 +130,7 @@ class HabitatRenderer:
         )
 
     def close(self) -> None:
-        """Close the simulator; the renderer isn't used again."""
+        """Close the simulator; the renderer is not used afterwards."""
         self._simulator.close()
 
     def _numbered(self, semantic: np.ndarray) -> Int32[np.ndarray, "height width"]:
@@ -142,7 +142,7 @@ def navmesh_of(scene: Scene, mesh: Path) -> Path | None:
     """The navigation mesh that habitat-sim walks on: the scene's own, or the file beside it.
 
     Args:
-        scene: The scene as we read it.
+        scene: The scene, read by our code.
         mesh: File of the scene.
     """
     beside = mesh.with_suffix(".navmesh")
@@ -197,7 +197,7 @@ def _navmesh_settings(habitat_sim: ModuleType, robot: Embodiment) -> Any:
 
 
 def _sensor(habitat_sim: ModuleType, robot: Embodiment, name: str, kind: Any) -> Any:
-    """A camera at the agent's own position: the agent is put where the camera is."""
+    """A camera at the agent's own position; the agent is placed where the camera is."""
     sensor = habitat_sim.CameraSensorSpec()
     sensor.uuid = name
     sensor.sensor_type = kind
@@ -209,7 +209,7 @@ def _sensor(habitat_sim: ModuleType, robot: Embodiment, name: str, kind: Any) ->
 
 
 def _dataset_config(mesh: Path) -> Path | None:
-    """The scene-dataset configuration above a scene, which brings its annotation."""
+    """The scene-dataset configuration above a scene, which names its annotation."""
     for folder in list(mesh.resolve().parents)[:4]:
         for name in _DATASET_CONFIGS:
             if (folder / name).is_file():
@@ -218,8 +218,8 @@ def _dataset_config(mesh: Path) -> Path | None:
 
 
 def _instance_numbers(scene: Scene, mesh: Path) -> Int32[np.ndarray, "numbers"]:
-    """Our number of every annotated instance, by habitat-sim's; 0 is the building."""
-    if (mesh.parent / OBJECTS_FILE).is_file():  # an export of ours, annotated from 1 on
+    """Our number of every annotated instance, by habitat-sim's number; 0 is the building."""
+    if (mesh.parent / OBJECTS_FILE).is_file():  # our export, with instances numbered from 1
         return np.arange(-1, len(scene.instances), dtype=np.int32).clip(min=0)
     numbers = {0: 0}
     for instance in scene.instances[1:]:

@@ -9,19 +9,19 @@ from hypernav.worlds.navmesh.navmesh import NO_PATH, MeshPath, Navmesh, Point, s
 
 
 class GoalPaths:
-    """The nearest of many goals by path, from one position after the other.
+    """The nearest of many goals by path length, for a series of positions.
 
-    habitat-sim remembers from one question to the next how near each goal can be at most, so that
-    few paths must be searched; its paths are not always the very shortest, so an answer may depend
-    on the questions before it, by millimetres. The same questions get the same answers here.
+    habitat-sim keeps a lower bound of the distance to each goal between queries, so that few paths
+    must be searched. Its paths are not always the very shortest, so a result may depend on the
+    earlier queries, by millimetres. The same series of queries gives the same results here.
     """
 
     def __init__(self, navmesh: Navmesh, goals: Float64[np.ndarray, "n 3"]) -> None:
-        """Take the goals.
+        """Create it for a set of goals.
 
         Args:
             navmesh: Mesh that they lie on or near; those that are off it count as out of reach.
-            goals: Their positions, Habitat's frame, metres.
+            goals: Positions of the goals, Habitat's frame, metres.
         """
         self._navmesh = navmesh
         self._goals = goals.astype(np.float32)

@@ -1,4 +1,4 @@
-"""Questions to a navigation mesh, with the answers of habitat-sim's ``PathFinder``."""
+"""Queries of a navigation mesh, with the results of habitat-sim's ``PathFinder``."""
 
 import math
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ Point = tuple[float, float, float]
 """Position ``(x, y, z)`` in Habitat's frame, y up, metres."""
 
 Singles = tuple[np.float32, np.float32, np.float32]
-"""The same as kernels take it."""
+"""The same for kernels."""
 
 _DRAWS = 10
 _SEARCH_RADIUS_M = 2.0
@@ -47,13 +47,12 @@ NO_PATH = MeshPath(math.inf, np.zeros((0, 3), dtype=np.float32))
 
 
 class Navmesh:
-    """A navigation mesh that can be asked. All positions are in Habitat's frame, y up, metres.
+    """A navigation mesh for queries. All positions are in Habitat's frame, y up, metres.
 
-    A position off the mesh stands for the nearest one on it; more than 2 m beside it there is none,
-    as in habitat-sim.
+    A position off the mesh is replaced by the nearest one on it, within 2 m, as in habitat-sim.
 
     Attributes:
-        mesh: The mesh, as the kernels take it.
+        mesh: The mesh, in the kernels' form.
         islands: Island of every polygon.
         areas_m2: Area of every island.
         radii_m: Greatest distance of a corner of its polygons from their mean, of every island.
@@ -61,7 +60,7 @@ class Navmesh:
     """
 
     def __init__(self, file: NavmeshFile) -> None:
-        """Prepare a file that was read.
+        """Prepare the content of a file.
 
         Raises:
             NavmeshError: Too many edges lie on borders between its tiles.
@@ -94,7 +93,7 @@ class Navmesh:
         return None if polygon == NOWHERE else _point(found)
 
     def is_navigable(self, point: Point, height_m: float = _NAVIGABLE_HEIGHT_M) -> bool:
-        """Whether a position is on the mesh, up to so much in height and 1 cm aside."""
+        """Whether a position is on the mesh, within a tolerance in height and 1 cm sideways."""
         found = self.nearest(point)
         if found is None:
             return False
@@ -107,7 +106,7 @@ class Navmesh:
         return NOWHERE if polygon == NOWHERE else int(self.islands[polygon])
 
     def obstacle_distance(self, point: Point, radius_m: float = _SEARCH_RADIUS_M) -> float:
-        """Distance to the nearest border of the mesh, at most so much; infinite off the mesh."""
+        """Distance to the nearest border of the mesh, up to a limit; infinite off the mesh."""
         polygon, found = self.located(point)
         if polygon == NOWHERE:
             return math.inf
@@ -144,7 +143,7 @@ class Navmesh:
             areas = np.where(self.islands[polygons] == island, areas, 0.0)
         sums = np.cumsum(areas)
         for _ in range(_DRAWS if sums[-1] > 0.0 else 0):
-            # Rounding may lose a point at the border of its polygon.
+            # By rounding a point at a border may be outside its polygon.
             chosen = min(int(np.searchsorted(sums, rng.random() * sums[-1])), len(sums) - 1)
             along, across = math.sqrt(rng.random()), rng.random()
             point = singles(
@@ -177,7 +176,7 @@ class Navmesh:
 
 
 def singles(point: Point | np.ndarray) -> Singles:
-    """A point in single precision; numbers that come out of kernels have lost theirs."""
+    """A point in single precision, which numbers from kernels have lost."""
     x, y, z = point
     return np.float32(x), np.float32(y), np.float32(z)
 

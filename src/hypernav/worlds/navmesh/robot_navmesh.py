@@ -1,7 +1,7 @@
 """The navigation mesh that a robot walks on in a scene: that of the file, or one computed for it.
 
-habitat-sim computes a mesh anew wherever the file beside a scene was made for another robot than
-the agent (``Simulator::reconfigure``), which habitat-lab asks it to.
+habitat-sim, as configured by habitat-lab, computes a new mesh if the file beside a scene was made
+for another robot than the agent (``Simulator::reconfigure``).
 """
 
 import hashlib
@@ -22,7 +22,7 @@ from hypernav.worlds.scenes.scene import Scene
 
 
 def robot_navmesh(scene: Scene, body: BodyConfig, choice: NavmeshChoice) -> Navmesh | None:
-    """The mesh that a robot walks on; None where the scene has no file and none shall be computed.
+    """The mesh that a robot walks on; None if the scene has no file and none is to be computed.
 
     Args:
         scene: The scene.

@@ -21,8 +21,8 @@ _DRAWS = 1000
 class NavmeshSurface:
     """Where Habitat's robot can stand: a `WalkableSurface`.
 
-    It stands, steps, slides and finds paths as in habitat-sim. Positions are in the scene frame,
-    z up, metres. Connected parts are the mesh's islands, by area.
+    Standing, steps, sliding and paths are as in habitat-sim. Positions are in the scene frame, z
+    up, metres. Connected parts are the mesh's islands, by area.
 
     Attributes:
         navmesh: The mesh, in Habitat's frame.
@@ -30,7 +30,7 @@ class NavmeshSurface:
     """
 
     def __init__(self, navmesh: Navmesh) -> None:
-        """Take a navigation mesh.
+        """Create it with a navigation mesh.
 
         Raises:
             SceneError: There is nothing to walk on.
@@ -52,7 +52,7 @@ class NavmeshSurface:
         return NavmeshSurface(Navmesh.load(path))
 
     def is_on_storey(self, z: Float64[np.ndarray, " n"]) -> Bool[np.ndarray, " n"]:
-        """Whether heights belong to a storey: all do, this surface has them all."""
+        """Whether heights belong to a storey; always True, because this surface has all storeys."""
         return np.ones(len(z), dtype=bool)
 
     def height_at(self, x: float, y: float, z: float | None = None) -> float:
@@ -68,7 +68,7 @@ class NavmeshSurface:
         return self.navmesh.is_navigable(self._point(x, y, z))
 
     def nearest_standable(self, x: float, y: float, z: float | None = None) -> Position:
-        """The nearest position where the robot fits; of those 5 cm apart if none is within 2 m."""
+        """The nearest position where the robot fits; beyond 2 m, to within 5 cm."""
         found = self.navmesh.nearest(self._point(x, y, z))
         if found is not None:
             return _position(found)
@@ -155,7 +155,7 @@ class NavmeshField:
     """Shortest paths on a navigation mesh to the nearest of a set of goals. Scene frame, metres."""
 
     def __init__(self, surface: NavmeshSurface, goals: Float64[np.ndarray, "n 3"]) -> None:
-        """Take the goals; those off the mesh don't count."""
+        """Create it for a set of goals; those off the mesh don't count."""
         self._surface = surface
         self._paths = GoalPaths(surface.navmesh, positions_to_habitat(goals))
 
@@ -164,7 +164,7 @@ class NavmeshField:
         return self._paths.nearest(self._point(x, y, z))[1].length_m
 
     def path(self, x: float, y: float, z: float | None = None) -> list[tuple[float, float]]:
-        """From here over all bends to the nearest goal, seen from above; empty if no path does."""
+        """The path over all bends to the nearest goal, seen from above; empty if there is none."""
         points = self._paths.nearest(self._point(x, y, z))[1].points.astype(np.float64)
         return [(x, y) for x, y, _ in positions_from_habitat(points).tolist()]
 
@@ -189,7 +189,7 @@ def _points_in(corners: Float64[np.ndarray, "c 3"]) -> Float64[np.ndarray, "n 3"
     sides = np.roll(corners, -1, axis=0) - corners
     for (ax, ay, _), (dx, dy, _) in zip(corners, sides, strict=True):
         inside &= dx * (y - ay) - dy * (x - ax) >= 0.0
-    # Heights by the plane that fits the corners best; Detour's may differ by the error of details.
+    # Heights by the best-fitting plane of the corners; Detour's may differ by the detail error.
     plane, *_ = np.linalg.lstsq(
         np.column_stack([corners[:, :2], np.ones(len(corners))]), corners[:, 2]
     )

@@ -1,1 +1,1 @@
-"""Scanned buildings as data sets store them: HM3D and Matterport3D."""
+"""Scanned buildings in the file formats of HM3D and Matterport3D."""

@@ -19,11 +19,11 @@ def annotated(
 ) -> Scene:
     """The scene with an instance for every annotation that has triangles.
 
-    Instance 0 is what nobody annotated. Labels are the annotators' own words.
+    Instance 0 is everything without annotation. Labels are the annotators' own words.
 
     Args:
         scene: The scan.
-        annotations: Annotations, each with a mark of its own.
+        annotations: Annotations, each with a unique mark.
         marks: Mark of every triangle.
     """
     by_mark = {annotation.mark: annotation for annotation in annotations}

@@ -1,4 +1,4 @@
-"""The files that a scanned building consists of, as HM3D and Matterport3D name them.
+"""The files of a scanned building, with the names of HM3D and Matterport3D.
 
 HM3D: ``00802-wcojb4TFT35/`` with ``wcojb4TFT35.basis.glb`` (textures compressed) or
 ``wcojb4TFT35.glb``, ``wcojb4TFT35.basis.navmesh``, ``wcojb4TFT35.semantic.glb`` and
@@ -36,7 +36,7 @@ class ScanFiles:
 
     @staticmethod
     def of(mesh: Path) -> "ScanFiles | None":
-        """The files of a scan; None for a scene that is no scan.
+        """The files of a scan; None for a scene that is not a scan.
 
         Args:
             mesh: Path of a scene's file.
@@ -51,7 +51,7 @@ class ScanFiles:
             or _there(folder / f"{stem}.semantic.txt") is not None
         )
         if _there(folder / OBJECTS_FILE) is not None:
-            return None  # an export of ours, y up, with the annotation that Habitat wants
+            return None  # our export, y up, with the annotation for Habitat
         house = _there(folder / f"{stem}{HOUSE_SUFFIX}")
         if not is_hm3d and house is None:
             return None

@@ -1,4 +1,4 @@
-"""Loading of scanned buildings."""
+"""Loads scanned buildings."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -35,9 +35,9 @@ def open_scene(path: Path) -> Scene:
 def load_scan(files: ScanFiles) -> Scene:
     """Open a scanned building.
 
-    Scans are stored z up, against the rule of glTF: habitat-sim reads them with ``up`` (0, 0, 1)
-    and ``front`` (0, 1, 0), the stage attributes of HM3D's scene-dataset configuration and its
-    default for all of Matterport's GLBs. Their light is in their textures.
+    Scans are stored z up, contrary to glTF's rule: habitat-sim reads them with ``up`` (0, 0, 1) and
+    ``front`` (0, 1, 0), the stage attributes of HM3D's scene-dataset configuration and its default
+    for all of Matterport's GLBs. Their textures already contain the light.
 
     Args:
         files: Files of the scan.

@@ -1,7 +1,7 @@
 """The annotations of a Matterport3D scene: ``*.house``, version ASCII 1.1.
 
-A line is a record; its first letter is the kind. As habitat-sim (Mp3dSemanticScene.cpp), this reads
-regions, categories and objects::
+A line is a record; its first letter is the kind. Like habitat-sim (Mp3dSemanticScene.cpp), this
+reads regions, categories and objects::
 
     R region level 0 0 label  px py pz …
     C category mapping_index mapping_name mpcat40_index mpcat40_name …
@@ -18,12 +18,12 @@ from hypernav.worlds.scans.semantic_text import Annotation
 HEADER = "ASCII 1.1"
 
 _MOST_BYTES = 200_000_000
-"""Most of a file are its segments; the largest house has some 20 MB."""
+"""Largest size of a file; the largest house has some 20 MB, mostly segments."""
 _NOTHING = "unknown"
 
 
 def read_house(path: Path) -> list[Annotation]:
-    """Read the objects of a scene; their marks are their numbers.
+    """Read the objects of a scene; an object's mark is its number.
 
     An object is named as in the episode files, by level, region and number: ``0_4_89``. Its
     category is that of ObjectNav (mpcat40), and the annotator's own word is a further name.
@@ -77,5 +77,5 @@ def _object(
 
 
 def _words(name: str) -> str:
-    """A category as people write it; the file has ``#`` or ``_`` for spaces."""
+    """A category with spaces in place of ``#`` and ``_``."""
     return name.replace("#", " ").replace("_", " ").strip() or _NOTHING

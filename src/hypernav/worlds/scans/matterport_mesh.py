@@ -1,7 +1,7 @@
 """The instances of a Matterport3D scene's triangles: ``*_semantic.ply``.
 
 Each triangle of this binary PLY has the number of its object (habitat-sim,
-GenericInstanceMeshData.cpp). It is z up, as the drawn mesh.
+GenericInstanceMeshData.cpp). It is z up, like the drawn mesh.
 """
 
 from pathlib import Path
@@ -45,7 +45,7 @@ def objects_of_triangles(
         faces: Vertex numbers of its triangles.
 
     Returns:
-        `nearest_marks.NO_MARK` where the semantic mesh is farther than 0.25 m.
+        Numbers; `nearest_marks.NO_MARK` where the semantic mesh is farther away than 0.25 m.
 
     Raises:
         SceneError: The semantic mesh is broken.

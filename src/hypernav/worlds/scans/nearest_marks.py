@@ -1,7 +1,7 @@
-"""Marks of an annotated mesh, carried over to the triangles of the drawn one.
+"""Transfers the marks of an annotated mesh to the triangles of the drawn one.
 
 The annotated mesh need not have the triangles of the drawn one. So points are spread over it, and
-every drawn triangle takes the mark (a colour, a number) of the point that is nearest to its middle.
+every drawn triangle gets the mark (a colour or a number) of the point nearest to its centre.
 """
 
 from pathlib import Path
@@ -13,13 +13,13 @@ from jaxtyping import Float32, Float64, Int64
 from hypernav.core.errors import SceneError
 
 NO_MARK = -1
-"""What stands for the mark of a triangle that the annotated mesh is nowhere near to."""
+"""Mark of a triangle that is far from the annotated mesh."""
 MOST_POINTS = 8_000_000
 
 _SPACING_M = 0.05
 _REACH_M = 0.25
 _GOLDEN = 1.324717957244746
-"""Fractions of the two-dimensional golden ratio are spread evenly, however many are taken."""
+"""Multiples of the two-dimensional golden ratio, modulo 1, are spread evenly for any number."""
 
 
 class Spread(NamedTuple):
@@ -51,9 +51,9 @@ def nearest_marks(
         faces: Vertex numbers of its triangles.
 
     Returns:
-        `NO_MARK` where no point is within 0.25 m.
+        Marks; `NO_MARK` where no point is within 0.25 m.
     """
-    from scipy.spatial import KDTree  # which only scans need, and every search would wait for
+    from scipy.spatial import KDTree  # imported here, because only scans need it and it takes time
 
     middles = vertices[faces].mean(axis=1, dtype=np.float64)
     tree = KDTree(points, balanced_tree=False, compact_nodes=False)
@@ -66,11 +66,11 @@ def spread_points(path: Path, corners: Float64[np.ndarray, "faces 3 3"], most: i
 
     Args:
         path: File of the triangles, for the error.
-        corners: Corners of the triangles, metres; those that lie nowhere get no point.
-        most: Greatest number of points.
+        corners: Corners of the triangles, metres; those with non-finite corners get no point.
+        most: Largest number of points.
 
     Raises:
-        SceneError: The triangles take more points.
+            SceneError: The triangles would need more points.
     """
     whole = np.flatnonzero(np.isfinite(corners).all(axis=(1, 2)))
     more = _points_of_faces(corners[whole])
@@ -82,7 +82,7 @@ def spread_points(path: Path, corners: Float64[np.ndarray, "faces 3 3"], most: i
 
 
 def _points_of_faces(corners: Float64[np.ndarray, "faces 3 3"]) -> Int64[np.ndarray, "faces"]:
-    """Numbers of points besides the middle that faces get for their size."""
+    """Numbers of points besides the centre that faces get by their size."""
     sides = corners[:, 1:] - corners[:, :1]
     areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) / 2.0
     return np.minimum(areas / _SPACING_M**2, float(MOST_POINTS)).astype(np.int64)

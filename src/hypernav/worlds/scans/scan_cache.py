@@ -1,8 +1,8 @@
-"""Cache of scans on disk: triangles, instances and decoded textures, so that they open at once.
+"""Cache of scans on disk: triangles, instances and decoded textures, so that they open quickly.
 
-A folder holds one scan, and what others compute from it (`Scene.cache`). Textures are mapped into
-memory and read when they are needed. A folder that is broken is written again; without a writable
-cache nothing is kept.
+A folder holds one scan, and data computed from it by other modules (`Scene.cache`). Textures are
+mapped into memory and read when they are needed. A broken folder is written again; without a
+writable cache nothing is kept.
 """
 
 import hashlib
@@ -25,7 +25,7 @@ from hypernav.worlds.scans.layout import ScanFiles
 from hypernav.worlds.scenes.scene import Material, Scene, Wrap
 
 LEAST_BYTES = 10_000_000
-"""Smaller meshes are read as fast as their cache."""
+"""Smaller meshes are read as fast without a cache."""
 
 _ARRAYS = ("vertices", "faces", "uv", "colors", "face_material", "face_instance")
 _IMAGES = ("texture", "opaque")
@@ -40,7 +40,7 @@ def cached_scan(
     folder: Path | None = None,
     least_bytes: int = LEAST_BYTES,
 ) -> Scene:
-    """A scan from the cache if it is there; otherwise it is loaded and kept.
+    """A scan from the cache; if it is not there, it is loaded and kept.
 
     Args:
         files: Files of the scan; if one of them changes, the scan is loaded again.

@@ -33,7 +33,7 @@ def colors_of_triangles(
     """The annotated colour of every drawn triangle.
 
     Vertex colours of a glTF file are linear light, and habitat-sim converts them to sRGB. Files
-    whose numbers are the codes themselves are recognised by the colours that are annotated.
+    that store sRGB codes instead are recognised by the annotated colours.
 
     Args:
         path: The semantic mesh, ``*.semantic.glb``.
@@ -42,7 +42,7 @@ def colors_of_triangles(
         faces: Vertex numbers of its triangles.
 
     Returns:
-        Colours ``0xRRGGBB``; `NO_MARK` where the semantic mesh is farther than 0.25 m.
+        Colours ``0xRRGGBB``; `NO_MARK` where the semantic mesh is farther away than 0.25 m.
 
     Raises:
         SceneError: The semantic mesh is broken.
@@ -91,7 +91,7 @@ def _colors(
     face: Int64[np.ndarray, "n"],
     weights: Float64[np.ndarray, "n 3"],
 ) -> Int64[np.ndarray, "n"]:
-    """Colours of points: of their texel, else of the nearest corner."""
+    """Colours of points: of their texel if there is a texture, else of the nearest corner."""
     if part.uv is not None and material.texture is not None:
         height, width = material.texture.shape[:2]
         uv = np.einsum("nk,nkd->nd", weights, part.uv[face].astype(np.float64)) % 1.0

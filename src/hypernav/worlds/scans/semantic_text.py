@@ -18,9 +18,9 @@ class Annotation:
     """One instance of a scan.
 
     Attributes:
-        id: Number in the file; episode files name their goals by it.
-        mark: What marks the instance in the semantic mesh: a colour ``0xRRGGBB``, or a number.
-        name: Name of the instance, as habitat-sim composes it.
+        id: Number in the file; episode files identify their goals by it.
+        mark: Mark of the instance in the semantic mesh: a colour ``0xRRGGBB``, or a number.
+        name: Name of the instance, composed as by habitat-sim.
         category: Category in the annotator's own words.
         synonyms: Further names of the category.
     """
@@ -35,9 +35,9 @@ class Annotation:
 def read_annotations(path: Path) -> list[Annotation]:
     """Read the annotations of a scene.
 
-    After the header every line is ``id,RRGGBB,"category",region``. A category may hold commas and
-    quotes, so what stands between the second and the last comma is the category. Where two lines
-    have one colour, the first counts, as in habitat-sim (HM3DSemanticScene.cpp).
+    After the header every line is ``id,RRGGBB,"category",region``. A category may contain commas
+    and quotes, so everything between the second and the last comma is the category. If two lines
+    have the same colour, the first counts, as in habitat-sim (HM3DSemanticScene.cpp).
 
     Args:
         path: A ``*.semantic.txt`` file.
@@ -84,7 +84,7 @@ def _annotation(path: Path, number: int, line: str) -> Annotation:
 
 
 def _unquoted(category: str) -> str:
-    """The category without the quotes around it; doubled ones inside are one."""
+    """The category without surrounding quotes; doubled quotes inside become one."""
     text = category.strip()
     if len(text) >= 2 and text[0] == text[-1] == '"':
         text = text[1:-1]

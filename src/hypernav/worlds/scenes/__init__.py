@@ -1,1 +1,1 @@
-"""Reading of scenes: triangles, materials and named instances."""
+"""Reads scenes: triangles, materials and named instances."""

@@ -1,9 +1,9 @@
 """Images in Basis Universal: KTX 2 files (``KHR_texture_basisu``) and ``.basis`` files.
 
 HM3D's ``*.basis.glb`` hold ``.basis`` images by the extension ``GOOGLE_texture_basis``. Magnum,
-with which habitat-sim reads them, takes a ``.basis`` image to begin with its bottom row, whatever
-its flags say (BasisImporter, "Behavior and limitations"); a KTX 2 image begins with the top row,
-as ``KHR_texture_basisu`` demands.
+with which habitat-sim reads them, assumes that a ``.basis`` image begins with its bottom row,
+whatever its flags say (BasisImporter, "Behavior and limitations"); a KTX 2 image begins with the
+top row, as ``KHR_texture_basisu`` requires.
 """
 
 import math
@@ -53,7 +53,7 @@ def decode_basis(content: bytes) -> UInt8[np.ndarray, "height width 4"] | None:
 
 
 def _opened(content: bytes) -> Any:
-    """The image with its header read; None if that is broken or lies about sizes."""
+    """The image with its header read; None if the header is broken or gives wrong sizes."""
     basisu = require("opengl_basisu", extra="hm3d")
     try:
         texture = basisu.open(content)
@@ -63,7 +63,7 @@ def _opened(content: bytes) -> Any:
 
 
 def _unpacks_to_its_size(content: bytes, texture: Any) -> bool:
-    """Whether a compressed level claims no more bytes than its pixels take."""
+    """Whether a compressed level has no more bytes than its pixels need."""
     if not content.startswith(_KTX2):
         return True
     try:

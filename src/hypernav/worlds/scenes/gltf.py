@@ -1,4 +1,4 @@
-"""Reading of glTF files: nodes, their transforms and their triangles."""
+"""Reads glTF files: nodes, their transforms and their triangles."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -28,8 +28,8 @@ def read_gltf(
 
     Args:
         path: A ``.glb`` or ``.gltf`` file.
-        z_up: Whether its coordinates are z up already, against the format's rule, as in scans.
-        color_codes: Whether colours of vertices are sRGB already, against the format's rule.
+        z_up: Whether its coordinates are z up, contrary to the format's rule, as in scans.
+        color_codes: Whether colours of vertices are sRGB, contrary to the format's rule.
 
     Raises:
         SceneError: The file is broken or needs something that is not supported.
@@ -44,7 +44,7 @@ def read_gltf(
             f"{path}: has {count:,} parts, at most {_MOST_PARTS:,} are read; join its meshes"
         )
     materials, transforms = read_materials(file)
-    # Corners that end at infinity or nowhere are left out when the scene is assembled.
+    # Non-finite corners are left out when the scene is assembled.
     with np.errstate(all="ignore"):
         return [
             part
@@ -161,7 +161,7 @@ def _parts_of(
 
 
 def _take_memory(file: GltfFile, primitive: Primitive) -> None:
-    """Account for the triangles of a primitive; every node that shows it has its own."""
+    """Account for the triangles of a primitive; every node that shows it has a copy."""
     used = (primitive.attributes["POSITION"], primitive.indices)
     counts = [
         file.item(file.document.accessors, index, "accessor").count

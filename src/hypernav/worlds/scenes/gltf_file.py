@@ -212,10 +212,10 @@ class GltfFile:
 
 
 def check_glb(path: Path) -> None:
-    """Refuse a GLB that is none, or is cut off, by its first bytes and its size alone.
+    """Refuse a file that is no GLB or is truncated, by its first bytes and its size.
 
     Raises:
-        SceneError: It is one of these, or cannot be read.
+        SceneError: It is no GLB, is truncated, or cannot be read.
     """
     try:
         with path.open("rb") as file:
@@ -225,7 +225,7 @@ def check_glb(path: Path) -> None:
 
 
 def _checked_length(path: Path, head: bytes, size: int) -> int:
-    """The length that the head of a GLB tells, which its size has at least."""
+    """The length in the header of a GLB, which its size must reach."""
     if head[:4] != _MAGIC:
         raise SceneError(
             f"{path}: is not a GLB file: it begins with {head[:4]!r} instead of {_MAGIC!r}; "

@@ -1,6 +1,6 @@
 """The parts of a glTF 2.0 document that a scene is made from, checked when read.
 
-Names and meaning follow the specification of the Khronos Group; what is not listed is ignored.
+Names and meaning follow the specification of the Khronos Group; other fields are ignored.
 """
 
 from typing import Any, Literal
@@ -120,7 +120,7 @@ class PbrMetallicRoughness(_Part):
 
 
 class SpecularGlossiness(_Part):
-    """The extension KHR_materials_pbrSpecularGlossiness: an older way to write a colour."""
+    """The extension KHR_materials_pbrSpecularGlossiness, an older form of a colour."""
 
     diffuse_factor: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
     diffuse_texture: TextureInfo | None = None

@@ -38,7 +38,7 @@ class _Image:
 
     Attributes:
         rgb: Colours, sRGB.
-        opacity: Opacity, 0 to 255; None where all of it is opaque.
+        opacity: Opacity, 0 to 255; None if all of it is opaque.
     """
 
     rgb: UInt8[np.ndarray, "height width 3"]
@@ -46,10 +46,10 @@ class _Image:
 
 
 def read_materials(file: GltfFile) -> tuple[list[Material], list[TextureTransform]]:
-    """All materials of a file, and how the texture of each is laid on its triangles.
+    """All materials of a file, with the transforms of their textures.
 
-    A plain light grey one, for primitives that name no material, comes last. A material whose image
-    is missing or cannot be decoded has its colour alone, and a warning says so.
+    A plain light grey one, for primitives without a material, comes last. A material whose image is
+    missing or cannot be decoded has only its colour, with a warning.
 
     Raises:
         SceneError: An image is too large, or of a kind that cannot be read.
@@ -84,7 +84,7 @@ def _material(
     holes = None
     if image.opacity is not None and source.alpha_mode != "OPAQUE":
         cutoff = source.alpha_cutoff if source.alpha_mode == "MASK" else 0.5
-        # One array per image, so that materials which share it share its texels as well.
+        # One array per image, so that materials that share it share its texels, too.
         holes = opaque.setdefault((number, cutoff), image.opacity >= cutoff * 255.0)
     texture = file.document.textures[info.index]
     wrap = (Wrap.REPEAT, Wrap.REPEAT)
@@ -97,7 +97,7 @@ def _material(
 def _base_color(
     file: GltfFile, source: GltfMaterial
 ) -> tuple[tuple[float, float, float, float], TextureInfo | None]:
-    """Colour factor and texture, from either of the two ways to write them."""
+    """Colour factor and texture, from either of their two forms."""
     old = source.extensions.get("KHR_materials_pbrSpecularGlossiness")
     if old is not None and source.pbr_metallic_roughness.base_color_texture is None:
         diffuse = _extension(file, SpecularGlossiness, old)
@@ -141,7 +141,7 @@ def _source(file: GltfFile, info: TextureInfo) -> int:
 
 
 def _decode(file: GltfFile, numbers: list[int]) -> dict[int, _Image]:
-    """Decode images on all cores; equal bytes give one and the same image.
+    """Decode images on all cores; equal bytes give the same image object.
 
     Those that are missing or broken are left out.
     """
@@ -178,7 +178,7 @@ def _undecodable(file: GltfFile, number: int) -> str:
 
 
 def _is_image(file: GltfFile, number: int, content: bytes) -> bool:
-    """Whether the header is an image's; too large ones are refused before they are decoded."""
+    """Whether the header is that of an image; too large images are refused before decoding."""
     size = basis_size(content) if is_basis(content) else image_size(content)
     if size is None:
         return False

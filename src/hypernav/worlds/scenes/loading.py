@@ -1,4 +1,4 @@
-"""Loading of scenes from files."""
+"""Loads scenes from files."""
 
 import logging
 import os
@@ -24,8 +24,8 @@ _LOGGER = logging.getLogger(__name__)
 def load_scene(path: Path) -> Scene:
     """Open a scene.
 
-    A file ``objects.json`` beside it says which nodes make up which object. Without it every node
-    is an instance of its own, labelled by its name. glTF files (y up) become ``(x, -z, y)``; for
+    A file ``objects.json`` beside it says which nodes form which object. Without it every node is
+    an instance, labelled by its name. glTF files (y up) become ``(x, -z, y)``; for
     the other formats see `read_mesh`. Units are metres. Stray parts (`without_stray_parts`) are
     left out, with a warning that names them.
 
@@ -61,7 +61,7 @@ def load_scene(path: Path) -> Scene:
 
 
 def _check_readable(path: Path) -> None:
-    if os.path.isdir(path):  # Unlike Path.is_dir, it takes any name.
+    if os.path.isdir(path):  # Unlike Path.is_dir, it accepts any name.
         inside = sorted(p.name for p in path.iterdir() if p.suffix.lower() in _GLTF_SUFFIXES)
         hint = f"did you mean {path / inside[0]}?" if inside else "it holds no .glb"
         raise SceneError(f"{path}: is a folder, expected a scene file; {hint}")
@@ -77,7 +77,7 @@ def _check_readable(path: Path) -> None:
 
 
 def _name(path: Path) -> str:
-    """Name of a scene; files that are all called scene.glb go by their folder."""
+    """Name of a scene; for files called scene.glb that of their folder."""
     generic = (
         path.stem.lower() in ("scene", "mesh", "model", "stage") and path.resolve().parent.name
     )

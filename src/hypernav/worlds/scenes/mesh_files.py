@@ -1,4 +1,4 @@
-"""Reading of OBJ, PLY, STL and OFF files through trimesh."""
+"""Reads OBJ, PLY, STL and OFF files with trimesh."""
 
 import errno
 import io
@@ -38,7 +38,7 @@ _BROKEN = (
     ValueError,
     struct.error,
 )
-"""What trimesh raises for files that are not what they seem to be."""
+"""Errors that trimesh raises for broken files."""
 
 
 class _FilesBeside(FilePathResolver):
@@ -59,9 +59,9 @@ class _FilesBeside(FilePathResolver):
 def read_mesh(path: Path) -> tuple[list[MeshPart], list[Material]]:
     """All triangles of a file, in the scene frame, and its materials.
 
-    None of these formats says which way is up: OBJ is read as y up, as modelling tools write it,
-    the others as z up, as scanners do. A PLY with colours is taken for a scan, whose colours
-    already hold the light.
+    None of these formats defines which axis is up: OBJ is read as y up, as written by modelling
+    tools, the others as z up, as written by scanners. A PLY with colours is assumed to be a scan,
+    whose colours already contain the light.
 
     Args:
         path: A file that trimesh can read.
@@ -87,7 +87,7 @@ def read_mesh(path: Path) -> tuple[list[MeshPart], list[Material]]:
     scanned = path.suffix.lower() == ".ply"
     parts: list[MeshPart] = []
     materials: list[Material] = []
-    with np.errstate(all="ignore"):  # corners at infinity or nowhere are left out later
+    with np.errstate(all="ignore"):  # non-finite corners are left out later
         _collect(loaded, up, scanned, parts, materials)
     return parts, materials
 
@@ -99,7 +99,7 @@ def _collect(
     parts: list[MeshPart],
     materials: list[Material],
 ) -> None:
-    """Add the meshes of a file, placed as its graph says, to the parts and materials."""
+    """Add the meshes of a file, placed by its scene graph, to the parts and materials."""
     for name in loaded.graph.nodes_geometry:
         to_scene, geometry = loaded.graph[name]
         mesh = loaded.geometry[geometry]

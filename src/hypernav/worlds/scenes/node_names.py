@@ -1,7 +1,7 @@
 """Categories from the names of nodes in 3-D files: ``SM_OfficeChair2`` is an office chair.
 
 Exporters, asset shops and modelling tools decorate names with counters, prefixes and levels of
-detail; this module takes them off again.
+detail; this module removes them.
 """
 
 import re
@@ -39,14 +39,14 @@ _SIDES = frozenset(
     upper lower top bottom kitchen bathroom bedroom hall hallway corridor
     """.split()  # noqa: SIM905
 )
-"""Words after the name of a part of the building that say which one it is."""
+"""Words after the name of a part of the building that say which part it is."""
 _STRUCTURAL_PAIRS = frozenset(
     {"door frame", "window frame", "skirting board", "crown molding", "door jamb", "wall panel"}
 )
 
 
 def words_of(name: str) -> tuple[str, ...]:
-    """The words in a node's name, lower case, without what tools add.
+    """The words in a node's name, lower case, without additions of tools.
 
     ``Bed_01_001`` gives ``("bed",)``, ``dining-table.003`` gives ``("dining", "table")``,
     ``TVCabinet`` gives ``("tv", "cabinet")``.

@@ -1,4 +1,4 @@
-"""Reading of ``objects.json``: the objects that the nodes of a scene make up."""
+"""Reads ``objects.json``: the objects that the nodes of a scene form."""
 
 from pathlib import Path
 
@@ -29,7 +29,7 @@ class _Objects(BaseModel):
 
 
 def read_objects(path: Path, node_names: set[str]) -> list[SceneObject]:
-    """Objects that a file describes; the building's own parts have no label.
+    """Objects that a file describes; parts of the building have no label.
 
     Every object has ``name``, ``category`` and ``nodes``, and may have ``structural``,
     ``synonyms``, ``attributes``, ``room`` and ``beside``; other keys are ignored.
@@ -73,7 +73,7 @@ def _label(item: _Object) -> ObjectLabel | None:
 
 
 def _check_nodes(path: Path, objects: list[_Object], node_names: set[str]) -> None:
-    """Every object's nodes exist and belong to it alone; names are unique."""
+    """Check that every object's nodes exist and belong only to it, and that names are unique."""
     owner: dict[str, str] = {}
     names: set[str] = set()
     for item in objects:

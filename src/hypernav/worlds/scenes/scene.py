@@ -30,8 +30,8 @@ class Material:
         color: Colour, sRGB, 0 to 1; multiplies the texture.
         texture: sRGB image, first row at the top (v = 1); None for a plain colour.
         wrap: Wrapping modes along u and along v.
-        opaque: Texels where the surface exists, for leaves and lace; None where all of it does.
-        unlit: Drawn in its own colour whatever the light: screens, lamps, scans.
+        opaque: Texels where the surface exists, for leaves and lace; None if all of it does.
+        unlit: Whether it is drawn in its own colour without light: screens, lamps, scans.
     """
 
     name: str
@@ -51,18 +51,18 @@ class Scene:
         vertices: Vertex positions, scene frame, metres.
         faces: Vertex numbers of every triangle, counter-clockwise seen from outside.
         uv: Texture coordinates of every corner (v upwards).
-        colors: sRGB colour of every corner, multiplies the material; white where the file has none.
+        colors: sRGB colour of every corner, multiplies the material; white if the file has none.
         normals: Unit normal of every corner, for smooth shading; None shades every face flat.
         face_material: Index in ``materials`` of every triangle.
         face_instance: Index in ``instances`` of every triangle.
         materials: All materials.
         instances: All instances.
         unlit: Whether light is already in the textures, as in scans.
-        navmesh: File of the surface to stand on that comes with the scene; None where it has to be
-            computed from the triangles.
-        stored_z_up: Whether the file itself is z up, against the rule of glTF, as scans are.
-        cache: Folder that stands for exactly these triangles and materials, in which what is
-            computed from them is kept; None keeps nothing.
+        navmesh: Navigation mesh file that comes with the scene; None if the walkable surface has
+            to be computed from the triangles.
+        stored_z_up: Whether the file itself is z up, contrary to glTF's rule, as scans are.
+        cache: Folder for data computed from exactly these triangles and materials; None keeps
+            nothing.
     """
 
     name: str
@@ -81,7 +81,7 @@ class Scene:
     cache: Path | None = None
 
     def of_faces(self, keep: Bool[np.ndarray, "faces"]) -> "Scene":
-        """The scene with some of its triangles only; nothing that was computed is kept for it.
+        """The scene with only some of its triangles; it has no cache.
 
         Args:
             keep: Whether each triangle stays.

@@ -1,4 +1,4 @@
-"""Mesh parts, as read from files, and their assembly to one scene."""
+"""Mesh parts of files, and their assembly to one scene."""
 
 import math
 from collections.abc import Sequence
@@ -21,7 +21,7 @@ class MeshPart:
 
     Attributes:
         node: Name of the node, unique within the file.
-        descriptive_name: Most telling name along the node's parents; often the node's own.
+        descriptive_name: Most descriptive name among the node and its parents; often the node's.
         vertices: Vertex positions.
         faces: Vertex numbers, counter-clockwise seen from outside.
         material: Index in the scene's materials.
@@ -59,18 +59,18 @@ def assemble(
 ) -> Scene:
     """Assemble mesh parts to a scene.
 
-    Triangles with a corner that is not a number are left out. Where a part has no normals, edges
-    flatter than 40° are smoothed.
+    Triangles with a non-finite corner are left out. If a part has no normals, edges flatter than
+    40° are smoothed.
 
     Args:
         name: Name of the scene.
         parts: Triangles of the scene.
         objects: Instances of the scene; the node of every part belongs to exactly one of them.
         materials: Materials that `MeshPart.material` indexes.
-        smooth: Whether normals are wanted at all; False shades every face flat.
+        smooth: Whether to use normals; False shades every face flat.
 
     Raises:
-        SceneError: Not one triangle is left.
+            SceneError: No triangle is left.
     """
     owner = {node: number for number, item in enumerate(objects) for node in item.nodes}
     kept = [clean for part in parts if len((clean := _without_bad_faces(part)).faces)]
@@ -100,7 +100,7 @@ def assemble(
 
 
 def _without_bad_faces(part: MeshPart) -> MeshPart:
-    """The part without triangles that have a corner at infinity or nowhere."""
+    """The part without triangles that have a non-finite corner."""
     good = np.all(np.isfinite(part.vertices), axis=1)
     if good.all():
         return part
@@ -155,8 +155,8 @@ def creased_normals(
 ) -> Float32[np.ndarray, "faces 3 3"]:
     """Normals of corners from the triangles alone: smooth over flat edges, sharp over steep ones.
 
-    A corner takes the mean of all faces that meet there, larger ones counting more, unless that
-    leans more than 40° from its own face. Zero for triangles without area.
+    A corner gets the area-weighted mean of all faces that meet there, unless that differs by more
+    than 40° from its own face. Zero for triangles without area.
     """
     a, b, c = (vertices[faces[:, corner]].astype(np.float64) for corner in range(3))
     areas = np.cross(b - a, c - a)

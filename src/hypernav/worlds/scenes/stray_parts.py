@@ -1,7 +1,7 @@
-"""Parts of a file that belong to no building.
+"""Removes parts of a file that do not belong to the building.
 
-Files that others made hold accidents: an object that a physics engine threw far away, a dome for
-the sky, an endless ground, a mesh scaled to nothing. One of them must not spoil the rest.
+Files from other sources contain accidents: an object that a physics engine threw far away, a dome
+for the sky, an endless ground, a mesh scaled to nothing. These must not affect the rest.
 """
 
 from collections.abc import Sequence
@@ -13,23 +13,23 @@ from hypernav.worlds.scenes.scene_assembly import MeshPart
 
 _GAP_M = 20.0
 _MOST_AREA_M2, _MOST_SIDE_M = 25_000.0, 500.0
-"""Nothing with a larger box is a part of a building."""
+"""Largest box of a part of a building."""
 _MOST_NAMES = 5
 
 
 def without_stray_parts(parts: Sequence[MeshPart]) -> tuple[list[MeshPart], list[str]]:
     """The parts that make up the building, and what is left out.
 
-    A part is left out if it has no surface, if it alone is larger than any building while most of
-    the rest is one, or if along one axis more than 20 m of nothing separate it from the group of
-    parts with the most surface.
+    A part is left out if it has no surface, if it is larger than any building while most of the
+    rest is not, or if along one axis a gap of more than 20 m separates it from the group of parts
+    with the most surface.
 
     Args:
         parts: Parts of a file, scene frame.
 
     Returns:
-        The parts to keep, in their order; all of them if none would be left. For every node of
-        which something is left out, "NAME (why)".
+        The parts to keep, in their order; all of them if none would be left. "NAME (why)" for every
+        node of which something is left out.
     """
     areas = np.array([_area(part) for part in parts])
     low, high = _boxes(parts)
@@ -62,7 +62,7 @@ def in_one_line(left_out: Sequence[str]) -> str:
 
 
 def _used(part: MeshPart) -> Float64[np.ndarray, "faces 3 3"]:
-    """Corners of the triangles, without those that are no numbers."""
+    """Corners of the triangles, without non-finite ones."""
     corners = part.vertices[part.faces].astype(np.float64)
     return corners[np.isfinite(corners).all(axis=(1, 2))]
 
@@ -76,7 +76,7 @@ def _area(part: MeshPart) -> float:
 def _boxes(
     parts: Sequence[MeshPart],
 ) -> tuple[Float64[np.ndarray, "parts 3"], Float64[np.ndarray, "parts 3"]]:
-    """Lowest and highest corners of what the parts show; 0 for those without a triangle."""
+    """Lowest and highest corners of the parts' triangles; 0 for parts without a triangle."""
     low, high = np.zeros((len(parts), 3)), np.zeros((len(parts), 3))
     for k, part in enumerate(parts):
         if len(corners := _used(part).reshape(-1, 3)):
@@ -106,7 +106,7 @@ def _with_most_surface(
     areas: Float64[np.ndarray, "parts"],
     among: Bool[np.ndarray, "parts"],
 ) -> Bool[np.ndarray, "parts"]:
-    """The group with the most surface that no empty layer across an axis divides."""
+    """The group with the most surface that is not divided by an empty layer across an axis."""
     group = among.copy()
     while True:
         before = group.copy()

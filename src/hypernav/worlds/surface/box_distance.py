@@ -10,7 +10,7 @@ def is_near_box(
     high: tuple[float, float],
     reach_m: float,
 ) -> Bool[np.ndarray, "n"]:
-    """Whether points are at most so far beside a box, seen from above.
+    """Whether points are within a distance of a box, seen from above.
 
     Args:
         points: Positions, metres.

@@ -1,4 +1,4 @@
-"""Height field of solid columns from triangles, as Recast builds it (numba kernels).
+"""Height field of solid columns from triangles, as in Recast (numba kernels).
 
 A column is one cell of the floor plan. Every triangle leaves in each column that it crosses the
 interval of heights that it covers there; intervals that touch become solids; the top of a solid
@@ -10,7 +10,7 @@ from numba import njit
 from numba.extending import register_jitable
 
 _INWARD_M = 1e-4
-"""Triangles are moved this far against their normal, so that a wall face that lies exactly on the
+"""Distance by which triangles are moved against their normal, so that a wall face exactly on the
 border of two columns fills the one behind it, not the one in front."""
 
 _TOUCHING_M = 0.01
@@ -180,7 +180,7 @@ def _by_column(upwards, where, cells):
 
 @register_jitable(no_cfunc_wrapper=True)
 def _solids(order, low, high, flat, max_step, bottoms, tops, standing):
-    """Merge one column's intervals, from low to high, into solids; returns how many there are.
+    """Merge one column's intervals, from low to high, into solids; returns their number.
 
     A solid can be stood on where a flat interval ends at most a step below its top: what lies
     higher than that is an obstacle.
@@ -198,7 +198,7 @@ def _solids(order, low, high, flat, max_step, bottoms, tops, standing):
             flat_top = max(flat_top, np.float64(high[k]))
         standing[n - 1] = flat_top >= tops[n - 1] - max_step
     for k in range(1, n):
-        # A low object that hovers over a floor is stepped on like one that stands on it.
+        # A robot steps onto a low object that floats above a floor as onto one that stands on it.
         if not standing[k] and standing[k - 1] and tops[k] - tops[k - 1] <= max_step:
             standing[k] = True
     return n

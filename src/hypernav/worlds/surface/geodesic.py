@@ -38,7 +38,7 @@ class FreeSpace:
         return FreeSpace(padded, vertex_kinds(padded), cell_m, origin)
 
     def units(self, points: Float64[np.ndarray, "n 2"]) -> Int64[np.ndarray, "n 2"]:
-        """Lattice coordinates of points, well inside their cells; may lie outside the grid."""
+        """Lattice coordinates of points, strictly inside their cells; may lie outside the grid."""
         cells = (points - np.array(self.origin)) / self.cell_m + 1.0
         corner = np.floor(cells)
         inside = np.clip(np.rint((cells - corner) * UNITS), 1, UNITS - 1)
@@ -117,12 +117,12 @@ class DistanceField:
         Args:
             x: x of the point, metres.
             y: y of the point, metres.
-            z: Its height, for which a space of one storey has no use.
+            z: Its height, which a space of one storey ignores.
         """
         return self._look(x, y)[0] * self.space.cell_m / UNITS
 
     def path(self, x: float, y: float, z: float | None = None) -> list[tuple[float, float]]:
-        """From here over all bends to the nearest target, metres; empty if there is no path."""
+        """The path over all bends to the nearest target, metres; empty if there is no path."""
         _, root = self._look(x, y)
         if root < 0:
             return []

@@ -3,8 +3,8 @@
 The free space is the union of the closed free cells; a path may touch blocked cells and run along
 them, but not pass between two that touch only at a corner. A shortest path bends only at corners
 of blocked cells, and these are vertices of the lattice. So Dijkstra's algorithm runs over the
-lattice, and every vertex remembers its *root*: the target or bend from which it is seen in a
-straight line (the idea of Theta*, Nash et al. 2007, with roots kept to true bends).
+lattice, and every vertex stores its *root*: the target or bend from which it is visible in a
+straight line (the idea of Theta*, Nash et al. 2007, with roots only at true bends).
 
 Coordinates are integers in units of 1 / `UNITS` of a cell, so that lines of sight are exact.
 Roots are numbered: first the targets, then the vertices.
@@ -20,8 +20,8 @@ from hypernav.worlds.surface.sight_kernels import UNITS, line_of_sight
 CLOSED, OPEN, CORNER = 0, 1, 2
 
 _REACH = 4
-"""A bend or target shows itself to all vertices within so many cells, not only to the next ones:
-the region that it is the root of may begin in a gap between vertices."""
+"""A bend or target is offered as a root to all vertices within this many cells, not only to the
+next ones, because the region of which it is the root may begin in a gap between vertices."""
 
 
 @njit(cache=True, nogil=True)
@@ -73,9 +73,9 @@ def _one_step(free, i, j, di, dj):
 def _bend_between(free, kinds, best, root_x, root_y, via_x, via_y, x, y):
     """The last bend of a taut path from a root to a point that it doesn't see.
 
-    The path leads through a position beside the point that the root sees; pulled tight, it bends
-    at corners inside the thin triangle of the three. From the point, the last one is the corner
-    farthest to the side of that position.
+    The path leads through a position beside the point, visible from the root; pulled tight, it
+    bends at corners inside the thin triangle of the three. The last one before the point is the
+    corner farthest to the side of that position.
 
     Returns:
         The vertex, or -1 if there is none that the point sees.
@@ -132,8 +132,8 @@ def _bend_between(free, kinds, best, root_x, root_y, via_x, via_y, x, y):
 def propagate(free, kinds, targets, goal_x, goal_y):
     """Distance of every vertex to the nearest target, and its root.
 
-    With a goal (`goal_x` not negative) the search is directed to it, as in A*, and ends when it
-    is decided; other vertices then have upper bounds.
+    With a goal (`goal_x` not negative) the search is directed to it, as in A*, and ends when its
+    distance is final; other vertices then have upper bounds.
 
     Args:
         free: Free cells, with a blocked border.
@@ -154,7 +154,7 @@ def propagate(free, kinds, targets, goal_x, goal_y):
     size = 0
     directed = goal_x >= 0
     bound = np.inf
-    # First the targets show themselves, then the vertices in order of their distance.
+    # First the targets are offered as roots, then the vertices in order of their distance.
     turn = 0
     while turn < count or size > 0:
         if turn < count:
@@ -176,7 +176,7 @@ def propagate(free, kinds, targets, goal_x, goal_y):
             if key >= bound + 2 * UNITS:
                 break
             if directed and 0 <= i - goal_y // UNITS <= 1 and 0 <= j - goal_x // UNITS <= 1:
-                bound = min(bound, own + to_goal)  # A corner of the goal's cell surely sees it.
+                bound = min(bound, own + to_goal)  # A corner of the goal's cell always sees it.
             if key > own + to_goal + 1e-6:
                 continue
             reach = _REACH if kinds[i, j] == CORNER else 1
@@ -232,14 +232,14 @@ def first_bend(free, kinds, targets, cell_start, best, root, x, y):
         y: y of the point, in a free cell.
 
     Returns:
-        Distance in units (infinite if no path leads to a target) and the root that is headed for.
+        Distance in units (infinite if no path leads to a target) and the next root on the path.
     """
     height, width = kinds.shape
     count = targets.shape[0]
     row, column = y // UNITS, x // UNITS
     shortest = np.inf
     towards = -1
-    # A target may lie so close by that no vertex has it for its root.
+    # A target may be so close that no vertex has it as its root.
     for i in range(max(row - 2, 0), min(row + 3, free.shape[0])):
         first = i * free.shape[1] + max(column - 2, 0)
         last = i * free.shape[1] + min(column + 2, free.shape[1] - 1)

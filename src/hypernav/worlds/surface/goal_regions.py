@@ -39,7 +39,7 @@ class GoalRegion:
     ) -> "GoalRegion":
         """A region of given view points; their order and repetitions don't matter.
 
-        Those off the surface belong to it, but no path leads to them.
+        Points off the surface belong to it, but no path leads to them.
         """
         points = np.unique(points, axis=0)
         return GoalRegion(goal, instances, points, walkable.goal_field(points))
@@ -66,7 +66,7 @@ class GoalRegions:
         reach_m: float = REACH_M,
         eye_height_m: float = EYE_HEIGHT_M,
     ) -> None:
-        """Take a scene.
+        """Create it for a scene.
 
         Args:
             scene: Scene that holds the objects.
@@ -88,12 +88,12 @@ class GoalRegions:
         points: Float64[np.ndarray, "n 3"] | None = None,
         instances: Sequence[Instance] | None = None,
     ) -> GoalRegion:
-        """The region of a goal. Legal for a goal that nothing satisfies: it is empty then.
+        """The region of a goal; empty if nothing satisfies the goal.
 
         Args:
             goal: What is looked for.
-            points: View points of a data set, to be taken in place of the scene's own.
-            instances: The scene's instances, if a data set has further names for them.
+            points: View points of a data set, used in place of the scene's own.
+            instances: The scene's instances with further names of a data set, if it has any.
         """
         named = tuple(
             instance

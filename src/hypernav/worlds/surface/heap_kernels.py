@@ -1,4 +1,4 @@
-"""A binary heap of growing arrays: the vertex of the least distance first (numba kernels)."""
+"""A binary heap of growing arrays: the vertex with the smallest distance first (numba kernels)."""
 
 import numpy as np
 from numba.extending import register_jitable
@@ -30,7 +30,7 @@ def push(keys, items, size, key, item):
 
 @register_jitable(no_cfunc_wrapper=True)
 def pop(keys, items, size):
-    """Remove the smallest; the caller has read entry 0 and counts `size` down itself."""
+    """Remove the smallest; the caller reads entry 0 before and decreases `size` itself."""
     key, item = keys[size - 1], items[size - 1]
     size -= 1
     k = 0

@@ -11,7 +11,7 @@ UNITS = 1024
 
 @register_jitable(no_cfunc_wrapper=True)
 def _along_line(free, line, low, high, vertical):
-    """Whether one can walk on a lattice line, from `low` to `high` across it."""
+    """Whether a robot can walk along a lattice line, from `low` to `high`."""
     left_open = True
     right_open = True
     for k in range(low // UNITS, (high - 1) // UNITS + 1):
@@ -42,7 +42,7 @@ def line_of_sight(free, x0, y0, x1, y1):
         return dy == 0 or _along_line(free, x0 // UNITS, min(y0, y1), max(y0, y1), True)
     if dy == 0 and y0 % UNITS == 0:
         return dx == 0 or _along_line(free, y0 // UNITS, min(x0, x1), max(x0, x1), False)
-    # The cells whose inside the line passes, in order from its start.
+    # The cells whose inside the line crosses, in order from its start.
     if x1 > x0 or dx == 0:
         step_x, column, last_column = 1, x0 // UNITS, (x1 - 1) // UNITS
         to_x = (column + 1) * UNITS - x0

@@ -24,14 +24,13 @@ def random_start(
     Args:
         walkable: Where the robot can stand.
         rng: Random generator of the pose.
-        region: Region of the goal; without one (or if no path can lead to it) the start is any
-            position.
-        nearest_m: Least geodesic distance to the goal.
-        farthest_m: Greatest geodesic distance to the goal.
+        region: Region of the goal; without one (or if no path leads to it) any start is possible.
+        nearest_m: Smallest geodesic distance to the goal.
+        farthest_m: Largest geodesic distance to the goal.
 
     Returns:
-        A uniformly drawn pose of the largest connected part with a geodesic distance in the range.
-        A goal so large or a home so small that there is none gets the farthest start found.
+        A uniformly drawn pose of the largest connected part with a geodesic distance in the range;
+        if none is found, the farthest pose that was drawn.
 
     Raises:
         StartError: The walkable surface is empty.

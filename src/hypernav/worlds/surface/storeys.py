@@ -1,4 +1,4 @@
-"""Storeys of a building: the floors that make up each."""
+"""Finds the storeys of a building and their floors."""
 
 import math
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ _STOREYS_TRIED = 6
 
 @dataclass(frozen=True, eq=False)
 class Storey:
-    """One storey's height map, kept clear of obstacles by the robot's radius.
+    """One storey's height map, without cells nearer to obstacles than the robot's radius.
 
     Attributes:
         heights: Floor height where the robot's centre may be, metres; NaN elsewhere.
@@ -52,7 +52,7 @@ def find_storey(
 ) -> Storey:
     """The storey at a height, or the one with the largest connected floor.
 
-    Roofs and the upper side of ceilings are not storeys: nothing of the scene rises high above
+    Roofs and the upper side of ceilings are not storeys, because nothing of the scene is far above
     them. They count only if the scene has nothing else to stand on.
 
     Raises:
@@ -153,7 +153,7 @@ def _storey(floors: _Floors, robot: BodyConfig, floor_z: float, window: float) -
     heights[floors.cell[near]] = floors.z[near]
     heights = heights.reshape(floors.rows, floors.columns)
     obstacle = np.isnan(heights) | mark_cliffs(heights, robot.max_step_m)
-    # A cell whose distance is just the robot's radius is far enough.
+    # A cell whose distance equals the robot's radius is far enough.
     heights[inflate(obstacle, robot.radius_m - 1e-6, floors.cell_m) > 0] = np.nan
     return Storey(heights, floors.cell_m, floors.origin)
 

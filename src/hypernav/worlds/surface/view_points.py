@@ -3,8 +3,8 @@
 As Habitat's ObjectNav defines them: standable points within 1.0 m (horizontal) of the object's
 axis-aligned box from which the object is really visible. Habitat counts object pixels in images
 taken from the point with the camera turned to the object; here rays go from the camera's height
-to points on the object's surface, and one must meet the object before anything else. As there, the
-camera's direction and vertical field of view don't matter.
+to points on the object's surface, and one must hit the object first. As in Habitat, the camera's
+direction and vertical field of view don't matter.
 """
 
 import numpy as np
@@ -20,7 +20,7 @@ EYE_HEIGHT_M = 0.88
 
 _SURFACE_POINTS = 128
 _ROUNDS = (4, 12, 32, 80)
-"""So many surface points are tried at a time; most view points see one of the first."""
+"""Number of surface points tried at a time; most view points see one of the first."""
 
 
 def view_points(
@@ -35,7 +35,7 @@ def view_points(
     """Positions from which an object counts as reached.
 
     Every cell of the largest connected part of the walkable surface is tried, so the points are one
-    cell (5 cm) apart and nobody can stand among them farther than that from one.
+    cell (5 cm) apart.
 
     Args:
         scene: Scene that holds the object.
@@ -46,7 +46,7 @@ def view_points(
         eye_height_m: Height of the camera above the floor.
 
     Returns:
-        Points on the floor, metres, scene frame; empty if the object is seen from nowhere.
+        Points on the floor, metres, scene frame; empty if the object is not visible from anywhere.
     """
     (x_min, y_min, _), (x_max, y_max, _) = instance.box_min, instance.box_max
     floor = walkable.floor_near((x_min, y_min), (x_max, y_max), reach_m)
@@ -84,9 +84,9 @@ def surface_points(scene: Scene, instance: Instance, count: int) -> Float32[np.n
         return np.zeros((0, 3), dtype=np.float32)
     sides = corners[:, 1:] - corners[:, :1]
     areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) / 2.0
-    # Object files may hold triangles without area only, as for a line.
+    # Objects may have only triangles without area, for example lines.
     shares = np.cumsum(areas if areas.sum() > 0.0 else np.ones(len(areas)))
-    # Fractions of the three-dimensional golden ratio are spread evenly, however many are taken.
+    # Multiples of the three-dimensional golden ratio, modulo 1, are spread evenly for any number.
     golden = 1.2207440846057596
     along, u, v = (0.5 + np.arange(1, count + 1)[:, None] / golden ** np.arange(1, 4)).T % 1.0
     chosen = np.minimum(np.searchsorted(shares, along * shares[-1]), len(corners) - 1)

@@ -19,7 +19,7 @@ from hypernav.worlds.surface.storeys import Storey, find_storey
 from hypernav.worlds.surface.walkable_kernels import label_components, slide, walk
 
 _SMALLEST_ISLAND_M2 = 1.0
-"""Smaller pockets, cut off from the rest, are the insides of furniture and gaps behind it."""
+"""Smaller isolated parts are the insides of furniture and gaps behind it."""
 _STOREY_M = 1.0
 _ROUNDING = 1e-6
 """Cells."""
@@ -29,9 +29,9 @@ _ROUNDING = 1e-6
 class WalkableGrid:
     """The truth about one storey: standable cells, their heights, and the paths between them.
 
-    The scene frame's x and y are used throughout, metres; heights ``z`` tell storeys apart and are
-    not needed. A position is standable if its cell is.
-    Paths may run along the border of standable cells, but never slip between two diagonal cells.
+    Positions are x and y of the scene frame, metres; heights ``z``, which distinguish storeys, are
+    not needed. A position is standable if its cell is. Paths may run along the border of standable
+    cells, but never pass between two diagonal cells.
 
     Attributes:
         standable: Cells where the robot's middle may be.
@@ -60,13 +60,13 @@ class WalkableGrid:
         """Compute where a robot fits.
 
         Args:
-            scene: All its triangles count, whatever they belong to: a closed door blocks.
+            scene: All its triangles count, whatever they belong to: a closed door is an obstacle.
             robot: Robot that has to fit.
             cell_m: Side of a cell; the robot's clearance is kept to this accuracy.
             floor_z: Height of the wanted storey's floor, metres; None takes the largest storey.
 
         Raises:
-            SceneError: Nowhere in the scene (or on that storey) can the robot stand.
+            SceneError: The robot can stand nowhere in the scene (or on that storey).
         """
         robot = robot or BodyConfig()
         return _grid_of(find_storey(scene, robot, cell_m=cell_m, floor_z=floor_z), robot)
@@ -141,7 +141,7 @@ class WalkableGrid:
         return float(nearest[0]), float(nearest[1]), self.height_at(*nearest.tolist())
 
     def move(self, position: Position, dx: float, dy: float, *, sliding: bool = False) -> Position:
-        """End of a straight move, as of `step`, on the floor."""
+        """End of a straight move on the floor, as by `step`."""
         x, y = self.step(position[0], position[1], dx, dy, sliding)
         return x, y, self.height_at(x, y)
 
@@ -185,7 +185,7 @@ class WalkableGrid:
         return self.free_space.shortest_path(start, end)
 
     def goal_field(self, goals: Float64[np.ndarray, "n 3"]) -> DistanceField:
-        """As `distance_field`, of those among positions in space that lie on this storey."""
+        """As `distance_field`, for those of the positions in space that are on this storey."""
         here = goals[self.is_on_storey(goals[:, 2])]
         return self.distance_field(np.ascontiguousarray(here[:, :2]))
 
@@ -214,7 +214,7 @@ class WalkableGrid:
 def _by_size(
     labels: Int32[np.ndarray, "rows columns"], sizes: np.ndarray
 ) -> Int32[np.ndarray, "rows columns"]:
-    """Renumber parts so that the largest is 0 and -1 stays."""
+    """Renumber parts by size, the largest as 0; -1 is kept."""
     rank = np.empty(sizes.size + 1, dtype=np.int32)
     rank[np.argsort(-sizes, kind="stable")] = np.arange(sizes.size, dtype=np.int32)
     rank[-1] = -1

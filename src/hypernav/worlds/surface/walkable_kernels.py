@@ -10,10 +10,10 @@ from numba.extending import register_jitable
 _BACK_OFF = 1e-3
 """A blocked move ends this fraction of a cell before the contact, safely inside its cell."""
 _GIVE = 0.5
-"""Cells. Their borders are stairs where real walls are smooth: a robot that touches one must
-not be caught in a notch that is none."""
+"""Tolerance, cells. Cell borders are staircases where real walls are smooth; a robot that touches
+one must not get stuck in a notch that does not really exist."""
 _PAST = 1e-6
-"""Cells: how far beside a corner a walk that is pushed aside passes."""
+"""Distance beside a corner, cells, at which a walk that is pushed aside passes it."""
 
 
 @njit(cache=True, nogil=True)
@@ -79,7 +79,7 @@ def _is_free(free, row, column):
 
 @register_jitable(no_cfunc_wrapper=True)
 def _inside(x, y, row, column):
-    """The nearest point that surely lies in a cell."""
+    """The nearest point strictly inside a cell."""
     margin = 1e-9
     end_x = min(max(x, column + margin), column + 1 - margin)
     end_y = min(max(y, row + margin), row + 1 - margin)
@@ -88,7 +88,7 @@ def _inside(x, y, row, column):
 
 @register_jitable(no_cfunc_wrapper=True)
 def _cells_to_corner(free, row, column, d_row, d_column, across_row, across_column):
-    """How many cells along a wall its corner is away; 0 if an obstacle comes before.
+    """Number of cells along a wall to its corner; 0 if an obstacle comes before.
 
     Args:
         free: Free cells.
@@ -113,9 +113,9 @@ def _cells_to_corner(free, row, column, d_row, d_column, across_row, across_colu
 def walk(free, x, y, dx, dy):
     """Walk straight until the end or the border of the free cells.
 
-    A walk through the corner where four cells meet needs one free cell beside it: it never slips
-    between two blocked ones. A corner that it would only graze pushes it aside, by `_GIVE` at most
-    in all.
+    A walk through the corner where four cells meet needs one free cell beside it: it never passes
+    between two blocked ones. A corner that it would only graze pushes it aside, by `_GIVE` in total
+    at most.
 
     Returns:
         End position, and whether it is the target, or where the walk was pushed to beside it.
@@ -165,7 +165,7 @@ def walk(free, x, y, dx, dy):
 def slide(free, x, y, dx, dy):
     """End of a walk that may slide along walls.
 
-    As Detour's ``moveAlongSurface``: of all that is connected to the start within the circle whose
+    As Detour's ``moveAlongSurface``: of the area connected to the start within the circle whose
     diameter is the walk, the point nearest to the target.
     """
     end_x, end_y, arrived = walk(free, x, y, dx, dy)

@@ -1,4 +1,4 @@
-"""What a simulated world needs of the surface that its robot stands on."""
+"""Protocols of the surface that a simulated robot stands on."""
 
 from typing import Protocol, runtime_checkable
 
@@ -17,7 +17,7 @@ class PathField(Protocol):
         ...
 
     def path(self, x: float, y: float, z: float | None = None) -> list[tuple[float, float]]:
-        """From here over all bends to the nearest goal, seen from above; empty if no path does."""
+        """The path over all bends to the nearest goal, seen from above; empty if there is none."""
         ...
 
 
@@ -32,7 +32,7 @@ class WalkableSurface(Walkable, Protocol):
     def floor_near(
         self, low: tuple[float, float], high: tuple[float, float], reach_m: float
     ) -> Float64[np.ndarray, "n 3"]:
-        """Positions on the largest part, a few centimetres apart, at most so far beside a box."""
+        """Positions on the largest part, a few centimetres apart, within a distance of a box."""
         ...
 
     def goal_field(self, goals: Float64[np.ndarray, "n 3"]) -> PathField:

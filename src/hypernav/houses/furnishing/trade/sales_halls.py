@@ -186,7 +186,7 @@ def _place_checkouts(layout: RoomLayout, front: str) -> None:
 
 
 def _place_till(layout: RoomLayout) -> None:
-    """Place a counter with space behind it for whoever sells, where customers pay."""
+    """Place a counter where customers pay, with space behind it for the seller."""
     if not has_till(layout.plan, layout.number):
         return
     rng, palette = layout.rng, layout.palette

@@ -1,4 +1,4 @@
-"""Meeting rooms in which the straight path to the screen is closed, and one around is open.
+"""Meeting rooms in which the straight path to the screen is blocked, but a path around is free.
 
 A table with chairs all around fills the room. The screen hangs opposite the opening, behind them.
 The gap at the near end of the table, next to the opening, is just too narrow for a robot, as are
@@ -95,7 +95,7 @@ def _fill(layout: RoomLayout, room: _Room) -> bool:
     if not all(layout.inner.holds(footprint(model, pose)) for model, pose in poses):
         return False
     for model, pose in [*poses, (screen, hung)]:
-        # Reserved floor, if only a centimetre, keeps a table that nobody can get near.
+        # A table that nobody can reach is removed unless it has reserved floor, even a centimetre.
         layout.place(model, pose, front=0.01 if model is table else 0.0)
     return True
 

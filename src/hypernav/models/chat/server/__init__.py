@@ -1,1 +1,1 @@
-"""Models behind an OpenAI-compatible server, and all that can go wrong on the way to one."""
+"""Models behind an OpenAI-compatible server, with handling of all connection errors."""

@@ -1,9 +1,9 @@
 """Probabilities of allowed answers, computed from the log-probabilities of tokens.
 
 A server reports, for each generated token, the probability of that token and of some alternatives.
-An answer may take several tokens ("1" then "2"), so the alternatives are followed along the tokens
-that were written. Where an alternative that was not written could have become several answers
-("1" for 10, 11 and 12), its probability is shared equally among them: nothing more is known.
+An answer may take several tokens ("1" then "2"), so the alternatives are followed along the
+generated tokens. If an alternative that was not generated could have become several answers ("1"
+for 10, 11 and 12), its probability is shared equally among them, since nothing more is known.
 """
 
 import math
@@ -24,7 +24,7 @@ class TokenProbabilities:
 
     Attributes:
         token: Generated text.
-        probabilities: Probability of each candidate text, the written token included.
+        probabilities: Probability of each candidate text, the generated token included.
     """
 
     token: str
@@ -32,7 +32,7 @@ class TokenProbabilities:
 
 
 def parse_logprobs(content: object) -> list[TokenProbabilities]:
-    """Read ``choices[0].logprobs.content`` of an OpenAI-compatible answer; empty if it is none."""
+    """Read ``choices[0].logprobs.content`` of an OpenAI-compatible answer; empty if it has none."""
     if not isinstance(content, list):
         return []
     tokens = []

@@ -77,7 +77,7 @@ def decision_request(
 def parse_decision(
     endpoint: str, reply: dict[str, Any], question: Question
 ) -> tuple[str, dict[str, float], Usage, bool]:
-    """Chosen answer, probabilities of the allowed answers, token usage, and whether it refused.
+    """Chosen answer, probabilities of the allowed answers, token usage, and whether it was refused.
 
     Raises:
         ChatTransportError: The reply does not have the endpoint's form.

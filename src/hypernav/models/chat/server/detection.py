@@ -1,8 +1,8 @@
 """Detection of a server's kind and of its models.
 
-What ``GET /models`` says in ``owned_by``: vLLM "vllm", SGLang "sglang", llama.cpp "llamacpp",
-Ollama "library". A server that says none of these is asked whether it has a decision endpoint,
-which ``transformers serve`` has.
+Values of ``owned_by`` in the reply to ``GET /models``: vLLM "vllm", SGLang "sglang", llama.cpp
+"llamacpp", Ollama "library". With any other value the server is asked whether it has a decision
+endpoint, as ``transformers serve`` does.
 """
 
 import difflib
@@ -84,7 +84,7 @@ def with_known_models(
 def _models(
     client: HttpClient, model: str | None, deadline: Deadline
 ) -> tuple[list[dict[str, Any]], str]:
-    """Entries of the list of models, and why it could not be read, which a named model forgives."""
+    """Entries of the list of models, and why it could not be read, if so."""
     try:
         reply = client.get("models", deadline)
     except NotFoundError as error:
@@ -94,7 +94,7 @@ def _models(
             raise ModelSetupError(f"{error}; try openai:{client.url}/v1") from error
         raise
     except RetryLaterError as error:
-        # A broken list, as `transformers serve` has without a cache folder, is no reason to stop.
+        # A broken list, as from `transformers serve` without a cache folder, is not an error here.
         if model is not None and error.status == 500:
             return [], str(error)
         raise
@@ -134,7 +134,7 @@ def _dialect(client: HttpClient, model: str, owners: set[str], deadline: Deadlin
 
 
 def _vllm_version(client: HttpClient, deadline: Deadline) -> tuple[int, ...]:
-    """From ``GET /version``, which lies beside the API; new if it does not say."""
+    """The version by ``GET /version``, beside the API's path; a new one if it is not given."""
     try:
         version = str(client.get("/version", deadline).get("version", ""))
     except (ModelRejectedError, ModelSetupError):
@@ -144,7 +144,7 @@ def _vllm_version(client: HttpClient, deadline: Deadline) -> tuple[int, ...]:
 
 
 def _has_systemone(client: HttpClient, deadline: Deadline) -> bool:
-    """An empty request is refused for its content where the endpoint exists, else not found."""
+    """An empty request is refused for its content if the endpoint exists, else not found."""
     try:
         client.post("systemone", {}, deadline)
     except (ModelRejectedError, ModelSetupError) as error:

@@ -67,11 +67,11 @@ DIALECTS: dict[str, ServerDialect] = {
 
 @dataclass(frozen=True)
 class Constraint:
-    """Constraint on an answer, as a dialect adds it to a request.
+    """Constraint on an answer that a dialect adds to a request.
 
     Attributes:
         fields: Fields of the request body.
-        note: Addition to the prompt: servers advise to ask for JSON in words as well.
+        note: Addition to the prompt: servers recommend that the prompt asks for JSON, too.
         extra_tokens: Tokens of the JSON around the answer.
         wrapped: Whether the answer comes inside a JSON object.
     """
@@ -83,7 +83,7 @@ class Constraint:
 
 
 def constraint_for(dialect: ServerDialect, question: Question) -> Constraint:
-    """Constraint that makes a server of this dialect answer nothing else."""
+    """Constraint that restricts the answer on a server of this dialect."""
     if question.allowed:
         return _choice(dialect, question.allowed)
     if question.form is not None and dialect.form == "json":

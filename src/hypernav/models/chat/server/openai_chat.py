@@ -44,9 +44,9 @@ class _Reply:
 class OpenAiChat:
     """Asks a server over HTTP. Safe to share between threads.
 
-    What a server does not understand is left out from then on: if it rejects a request that
-    carries optional fields (a decision, label probabilities, a constraint, sampling), the same
-    question is asked without them, one kind at a time. Answers are checked here either way.
+    Optional fields that a server does not understand are left out from then on: if it rejects a
+    request with such fields (a decision, label probabilities, a constraint, sampling), the same
+    question is asked without them, one kind at a time. Answers are checked here in any case.
     """
 
     def __init__(
@@ -59,7 +59,7 @@ class OpenAiChat:
         sleep: Callable[[float], None] = time.sleep,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        """Prepare; the server is first spoken to when a question comes.
+        """Prepare; the server is first contacted with the first question.
 
         Args:
             url: URL of the API, for example ``http://localhost:8000/v1``.
@@ -122,7 +122,7 @@ class OpenAiChat:
 
         Raises:
             ModelUnavailableError: The server gave no answer within ``patience_s``,
-                or (`ModelRejectedError`) rejects the request for good.
+                or (`ModelRejectedError`) will never accept the request.
             ModelSetupError: URL, key or model are wrong.
         """
         begin = self._clock()
@@ -165,7 +165,7 @@ class OpenAiChat:
                 else:
                     reply = self._complete(server, question, optional, deadline)
             except (ModelRejectedError, ModelSetupError) as error:
-                # A missing address says something about decisions only.
+                # 404 for an optional endpoint means only that it is missing.
                 forgiven = isinstance(error, ModelRejectedError) or "decision" in optional
                 if not forgiven or not optional:
                     raise
@@ -178,7 +178,7 @@ class OpenAiChat:
     def _optional(
         self, server: ServerInfo, question: Question, dropped: tuple[str, ...]
     ) -> tuple[str, ...]:
-        """The kinds of optional fields that this question would carry, first to go first."""
+        """The kinds of optional fields of this question; the first is left out first."""
         dialect = server.dialect
         kinds = []
         if self.config.decisions and accepts_question(dialect.decision, question):

@@ -1,4 +1,4 @@
-"""Fields of a server's reply, read without trust in their types and sizes."""
+"""Reads fields of a server's reply, checking their types and sizes."""
 
 import math
 from typing import Any
@@ -6,11 +6,11 @@ from typing import Any
 from hypernav.core.chat import Usage
 
 _MOST_TOKENS = 10_000_000
-"""More than any model's context; a larger count is the server's mistake and would spoil sums."""
+"""More than any model's context; a larger count is an error of the server."""
 
 
 def finite_number(value: object) -> float | None:
-    """A JSON number as a float; None if it is no number, not finite, or beyond floats."""
+    """A JSON number as a float; None if it is not a number, not finite, or too large."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return None
     try:
@@ -21,7 +21,7 @@ def finite_number(value: object) -> float | None:
 
 
 def read_usage(value: object) -> Usage:
-    """Token counts under the names of either API; 0 for what is missing or cannot be."""
+    """Token counts by the names of either API; 0 if missing or impossible."""
     if not isinstance(value, dict):
         return Usage()
     return Usage(

@@ -1,4 +1,4 @@
-"""Bounded retries with exponential backoff; what cannot succeed is never retried."""
+"""Bounded retries with exponential backoff; only for errors that may be temporary."""
 
 import logging
 import time
@@ -23,7 +23,7 @@ class RetryLaterError(ChatTransportError):
     """
 
     def __init__(self, message: str, wait_s: float | None = None, *, status: int = 503) -> None:
-        """Keep wait and status beside the message."""
+        """Store wait and status with the message."""
         super().__init__(message)
         self.wait_s = wait_s
         self.status = status
@@ -55,13 +55,13 @@ class Retry:
         self._clock = clock
 
     def begin(self) -> Deadline:
-        """The end of the patience, for a question that is asked now."""
+        """The deadline for a question that is asked now."""
         return Deadline(self._config.patience_s, self._clock)
 
     def call(
         self, attempt: Callable[[Deadline], _Result], *, who: str, patience: Deadline
     ) -> tuple[_Result, Counter[str]]:
-        """Attempt until it works.
+        """Attempt until one succeeds.
 
         Args:
             attempt: Function of one attempt; takes the moment at which it has to be over.

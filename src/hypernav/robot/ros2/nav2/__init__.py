@@ -1,1 +1,1 @@
-"""A robot that Nav2 drives: goals out, and what odometry shows of them."""
+"""A robot driven by Nav2: goals are sent, and odometry shows whether they are reached."""

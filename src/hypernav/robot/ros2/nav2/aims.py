@@ -1,4 +1,4 @@
-"""Goals for a navigation that finds its own route to each, and what of a motion is made."""
+"""Goals for Nav2, which finds its own route to each, and how much of a motion is done."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,9 +12,9 @@ from hypernav.robot.ros2.config import Nav2Config
 _AIM_EVERY_S = 0.5
 """Shortest time between two goals on one path, for a robot that has not passed the first."""
 _LOST_M = 1.0
-"""Length that a robot may drive along its path between two looks: an answer is waited for."""
+"""Length that a robot may drive along its path between two updates."""
 _STRAY_M = 0.5
-"""Length by which Nav2 may go around on one motion; what needs more is for the agent to decide."""
+"""Longest detour of Nav2 in one motion; whether to take a longer one is for the agent to decide."""
 
 
 @dataclass(frozen=True)
@@ -23,10 +23,10 @@ class Aim:
 
     Attributes:
         goal: The goal for Nav2, metres and radians, in the frame of the odometry.
-        made: Where the robot counts as being: beside its path, the point of the path next to it.
+        made: The robot's position for progress: on a path, the point of the path nearest to it.
         left_m: Length left to drive, metres; None for a turn.
-        left_rad: Difference of the heading from that of the goal, radians.
-        is_astray: Whether it is too far from where the motion leads along.
+        left_rad: Difference of its heading from the goal's, radians.
+        is_astray: Whether the robot is too far from the line of the motion.
     """
 
     goal: Pose2
@@ -37,7 +37,7 @@ class Aim:
 
 
 class Motion(Protocol):
-    """A motion that Nav2 makes by one goal or several."""
+    """A motion that Nav2 makes with one or several goals."""
 
     @property
     def end(self) -> Pose2:
@@ -98,7 +98,7 @@ class Aims:
 
     @property
     def end(self) -> Pose2:
-        """The path's end, at no heading."""
+        """The path's end, without a heading."""
         return Pose2(*self._path[-1], 0.0)
 
     def is_on(self, path: Sequence[tuple[float, float]]) -> bool:
@@ -108,7 +108,7 @@ class Aims:
     def at(self, robot: Pose2) -> Aim:
         """The goal for a robot at a pose; asked with every command.
 
-        Up to the distance by which corners may be cut, the robot may be wherever Nav2 has it.
+        The robot may be beside the path, up to the distance by which corners may be cut.
         """
         config = self._config
         along_m = self._ahead.pass_to(*robot.xy, within_m=max(config.ahead_m, _LOST_M))

@@ -14,20 +14,20 @@ from hypernav.robot.ros2.poses import pose_message
 from hypernav.robot.ros2.sensors import Ros2Sensors
 
 _SAME_M, _SAME_RAD = 0.05, math.radians(3.0)
-"""Difference below which a goal is that of before: each one makes Nav2 plan anew."""
+"""Difference below which a goal is not sent again: each new goal makes Nav2 plan again."""
 _STAND_S = 0.2
-"""Time between two goals to stand, for a robot that doesn't stand yet."""
+"""Time between two goals to stand still, for a robot that still moves."""
 _HERE = Pose2(0.0, 0.0, 0.0)
 
 
 class Nav2Goals:
     """Publishes goals for ``bt_navigator``, each of which replaces the one before.
 
-    Poses are given in the frame of the odometry, which doesn't jump, and published in that of the
-    localisation if there is one. Where that has moved them, they are published again.
+    Poses are given in the frame of the odometry, which doesn't jump, and published in the frame of
+    the localisation if there is one; when a correction moves them there, they are published again.
 
-    The goal to stand is the origin of the robot's base, which Nav2 itself finds: by our odometry,
-    which may be lost or late, it would be where the robot was, and Nav2 would drive back.
+    The goal to stand still is the origin of the robot's base frame, which Nav2 looks up itself: our
+    odometry may be late, so that Nav2 would drive back to where the robot was.
     """
 
     def __init__(
@@ -56,19 +56,19 @@ class Nav2Goals:
         self._stood_s = -math.inf
 
     def await_readers(self, timeout_s: float) -> None:
-        """Wait until Nav2 takes goals, and the multiplexer what holds the wheels.
+        """Wait until Nav2 reads the goals, and the multiplexer the topics that hold the wheels.
 
         Raises:
-            Nav2Error: Nobody does, or others publish past the multiplexer.
+            Nav2Error: Nobody reads them, or others bypass the multiplexer.
         """
         wait_for(self._missing_reader, timeout_s)
         self._wheels.await_multiplexer(timeout_s)
 
     def send(self, goal: Pose2 | None) -> None:
-        """Publish a goal if it is another than before; None, standstill.
+        """Publish a goal if it has changed; None is standstill.
 
-        Nav2 follows its old path until it plans anew, by default once a second; only what lies
-        between Nav2 and the wheels can stop it sooner, and is told with every call.
+        Nav2 follows its old path until it plans again, by default once a second; only the
+        multiplexer can stop it sooner, and is told with every call.
 
         Raises:
             RosNetworkError: The network doesn't take it.
@@ -76,7 +76,7 @@ class Nav2Goals:
         if goal is None:
             try:
                 self._wheels.hold()
-            finally:  # each of them may stop the robot where the other fails
+            finally:  # each of the two may stop the robot if the other fails
                 self._stand()
             return
         self._stood_s = -math.inf
@@ -87,7 +87,7 @@ class Nav2Goals:
         self._wheels.let_go()
 
     def _missing_reader(self) -> str | None:
-        """What to do about Nav2 taking no goals; None if it takes them."""
+        """What to do if nobody reads the goals; None if somebody does."""
         if self._publisher.has_reader():
             return None
         return (
@@ -103,7 +103,7 @@ class Nav2Goals:
             self._stood_s = self._clock()
 
     def _publish(self, pose: Pose2, frame: str) -> None:
-        # Without a time it is a pose of the newest transforms, which no clock can be too early for.
+        # A pose without a time is used with the newest transforms, so clocks need not agree.
         self._publisher.publish(pose_message(pose, Header(frame_id=frame)))
 
     def _in_frame(self, pose: Pose2) -> Pose2:

@@ -1,4 +1,4 @@
-"""What odometry shows of a goal that another navigates to: arrival, progress, and what it lacks."""
+"""Arrival and progress of a robot driven by Nav2, judged by odometry."""
 
 import logging
 import math
@@ -10,13 +10,13 @@ from hypernav.robot.ros2.nav2.aims import Aim
 _LOG = logging.getLogger(__name__)
 
 _GAINED_M, _GAINED_RAD = 0.1, math.radians(5.0)
-"""What a robot has to gain towards its goal for progress."""
+"""Smallest gain towards the goal that counts as progress."""
 _SETTLED_S = 2.0
-"""Time at the goal after which a body that sways has arrived, too."""
+"""Time at the goal after which a swaying body counts as arrived."""
 _SHORT_S = 3.0
-"""Time without progress after which Nav2 may be content with where the robot is."""
+"""Time without progress after which Nav2 may take its goal for reached."""
 _SHORT_M, _SHORT_RAD = 0.4, math.radians(45.0)
-"""Distances from a goal with which a goal checker may be content."""
+"""Distances from a goal within which a goal checker may take it for reached."""
 
 
 class Arrival:
@@ -50,15 +50,15 @@ class Arrival:
 
 
 class Progress:
-    """For how long a robot has gained nothing towards its goal.
+    """Measures how long a robot has made no progress towards its goal.
 
-    Only what brings it nearer than it was before is a gain: of a motion that drives less length
-    left, of a turn a smaller difference of the heading. A recovery of Nav2's that spins, or backs
-    up and comes again, gains nothing.
+    Progress is only what brings it nearer than ever before: for a drive a shorter remaining length,
+    for a turn a smaller difference of the heading. A recovery of Nav2 that spins, or backs up and
+    returns, is no progress.
 
     Attributes:
-        is_made: Whether there was any gain at all.
-        taken_s: Time since the begin, seconds, as the looks say.
+        is_made: Whether there was any progress.
+        taken_s: Time since the beginning, seconds: the sum over all calls.
     """
 
     def __init__(self) -> None:
@@ -69,11 +69,11 @@ class Progress:
         self.taken_s: float = 0.0
 
     def idle_s(self, aim: Aim, seconds: float) -> float:
-        """Time without a gain, seconds.
+        """Time without progress, seconds.
 
         Args:
             aim: How far the robot is now.
-            seconds: Time since the last look, without that in which it was not to move.
+            seconds: Time since the last call, without pauses in which it was not to move.
         """
         self.taken_s += seconds
         left = aim.left_rad / _GAINED_RAD if aim.left_m is None else aim.left_m / _GAINED_M
@@ -87,13 +87,13 @@ class Progress:
 
 
 class ShortOfGoals:
-    """Warns, once, that Nav2 stops short of goals: its goal checker is content sooner than we are.
+    """Warns, once, that Nav2 stops short of goals because its goal checker is more tolerant.
 
-    Nothing else tells it until each motion counts as blocked, much later.
+    Without the warning the only sign would be that each motion counts as blocked, much later.
     """
 
     def __init__(self, config: Nav2Config) -> None:
-        """Begin without a warning.
+        """Create it; no warning has been given.
 
         Args:
             config: What counts as reached, and as blocked.
@@ -114,8 +114,8 @@ class ShortOfGoals:
         self._is_said, config = True, self._config
         _LOG.warning(
             "the robot has come no nearer for %.0f s, %.2f m and %.0f° (%.2f rad) from its goal, "
-            "which is reached within %g m and %g° (nav2.reached_m, nav2.reached_deg). If Nav2 is "
-            "content there, set xy_goal_tolerance and yaw_goal_tolerance of its goal checker "
+            "which is reached within %g m and %g° (nav2.reached_m, nav2.reached_deg). If Nav2 "
+            "stops there, set xy_goal_tolerance and yaw_goal_tolerance of its goal checker "
             "(parameters of controller_server, by default 0.25 m and 0.25 rad) below them; else "
             "something is in its way. The motion counts as blocked after %g s (nav2.blocked_s)",
             *(idle_s, left_m, math.degrees(left_rad), left_rad),

@@ -26,7 +26,7 @@ def await_sole_command(network: KnowsPublishers, topics: TopicsConfig, timeout_s
     """Wait until only the multiplexer commands the base, and only hypernav the multiplexer.
 
     Without a multiplexer (``stop_cmd_vel`` and ``nav2_lock`` are None) there is nothing to wait
-    for. A publisher that comes later goes unnoticed.
+    for. A publisher that appears later is not noticed.
 
     Args:
         network: The robot's network.
@@ -48,25 +48,25 @@ def await_sole_command(network: KnowsPublishers, topics: TopicsConfig, timeout_s
 
 
 def _not_alone(network: KnowsPublishers, name: str, topic: str) -> str | None:
-    """What to do about others that publish on a topic of ours; None if nobody does."""
+    """What to do if others publish on a topic of ours; None if nobody does."""
     count = network.publishers(topic)
     if count == 0:
         return None
     return (
-        f"{count} other publisher(s) on '{topic}' (topics.{name}), expected hypernav alone: by "
-        "them Nav2 would drive while the robot is to stand. End them, such as a `ros2 topic pub` "
+        f"{count} other publisher(s) on '{topic}' (topics.{name}), expected hypernav alone: "
+        "Nav2 could drive while the robot is to stand still. End them, such as a `ros2 topic pub` "
         f"that opened the lock; `ros2 topic info -v {topic}` names them"
     )
 
 
 def _not_one(network: KnowsPublishers, topic: str) -> str | None:
-    """What to do where another number than one publishes on the base's topic; None if one does."""
+    """What to do unless exactly one publishes on the base's topic; None if so."""
     count = network.publishers(topic)
     if count == 1:
         return None
     return (
         f"{count} publishers on '{topic}' (topics.cmd_vel), expected one, the robot's velocity "
-        "multiplexer: what others publish there reaches the base past it. Remap the last node of "
+        "multiplexer: what others publish there bypasses it. Remap the last node of "
         "Nav2 that publishes velocities, and behavior_server, from cmd_vel to an input of "
         f"twist_mux, and cmd_vel_out of twist_mux to this topic (`ros2 topic info -v {topic}` "
         "names the publishers; docs/ros2.md)"

@@ -21,18 +21,18 @@ from hypernav.robot.ros2.sensors import Ros2Sensors
 
 _LOG = logging.getLogger(__name__)
 _STANDS_S = 3.0
-"""Time for which Nav2 is told to stand: it may go on as before until it plans anew."""
+"""Time for which Nav2 is told to stand still: it may follow its old path until it plans again."""
 _SILENCE_S = 1.0
-"""Time for which it has to stand at the end with nobody holding its wheels: more than the timeout
-of a multiplexer."""
+"""Time for which it must stand still at the end without its wheels being held: more than the
+timeout of a multiplexer."""
 
 
 class Nav2Robot(SensingRobot):
-    """Makes the motions of a search by goals for Nav2, and judges them by odometry: a `Robot`.
+    """A `Robot` that makes its motions with goals for Nav2, and judges them by odometry.
 
     A step or a turn is a goal at its end. A path is followed by goals on it, each as far ahead as
-    the robot can go straight. The goal to stand still is where Nav2 has the robot by then; the
-    guard of all drives gives it while images or odometry are not fresh, or the search hangs.
+    the robot can go straight. The goal to stand still is the robot's own position; the
+    `GuardedOutput` sends it while images or odometry are not fresh, or the search hangs.
     """
 
     def __init__(self, network: Ros2Network, config: Ros2Config, sensors: Ros2Sensors) -> None:
@@ -44,8 +44,9 @@ class Nav2Robot(SensingRobot):
             sensors: The robot's sensors, which work already.
 
         Raises:
-            ConfigError: No robot can have their camera.
-            Nav2Error: Nobody takes goals or what holds the wheels, or others publish past it.
+            ConfigError: The camera's pose is impossible.
+            Nav2Error: Nobody reads the goals or the topics that hold the wheels, or others
+                bypass them.
             RosNetworkError: Images are not fresh within the patience.
         """
         super().__init__(config, sensors)
@@ -69,7 +70,7 @@ class Nav2Robot(SensingRobot):
         """Stand still and let others drive.
 
         Raises:
-            RosNetworkError: The robot doesn't stand at the end.
+            RosNetworkError: The robot does not stand still at the end.
         """
         self._output.close()
 
@@ -96,10 +97,10 @@ class Nav2Robot(SensingRobot):
     def follow(
         self, path: Sequence[tuple[float, float]], until: Callable[[Pose2], bool]
     ) -> Executed:
-        """Drive along a path, and come back without braking when it is enough."""
+        """Drive along a path, and return without braking as soon as `until` says so."""
         if self._aims is None or not self._aims.is_on(path):
             self._aims = Aims(path, self._config)
-        return self._run(self._aims, math.pi, is_enough=until)  # a path ends at no heading
+        return self._run(self._aims, math.pi, is_enough=until)  # a path ends without a heading
 
     def stop(self) -> None:
         """Stand still at once."""
@@ -113,16 +114,16 @@ class Nav2Robot(SensingRobot):
         *,
         is_enough: Callable[[Pose2], bool] = lambda _: False,
     ) -> Executed:
-        """Give goals until a motion is done, blocked or stopped.
+        """Send goals until a motion is done, blocked or stopped.
 
         Args:
             motion: The motion.
             reached_rad: Largest difference of the heading at its end, radians.
-            is_enough: Function of where the robot counts as being that ends it before.
+            is_enough: Function of the robot's position for progress that says whether to end early.
 
         Raises:
             Nav2Error: The robot has never come nearer to any goal.
-            RosNetworkError: Nothing fresh comes within the patience.
+            RosNetworkError: No fresh data comes within the patience.
         """
         self._stopping.clear()
         arrival, progress = Arrival(self._config.reached_m, reached_rad), Progress()
@@ -145,17 +146,17 @@ class Nav2Robot(SensingRobot):
                 _LOG.info("a motion takes Nav2 over %g s (nav2.motion_s)", self._config.motion_s)
                 return self._stand(Executed.BLOCKED)
             if aim.is_astray:
-                _LOG.info("Nav2 leaves the way of the motion; the agent decides anew")
+                _LOG.info("Nav2 has left the line of the motion; the agent decides again")
                 return self._stand(Executed.BLOCKED)
             self._short.look(aim.goal, robot, idle_s)
             self._output.command(aim.goal)
             self._stopping.wait(TICK_S)
 
     def _blocked(self) -> Executed:
-        """Stand before what Nav2 makes no progress to.
+        """Stand still, because Nav2 makes no progress.
 
         Raises:
-            Nav2Error: It has never made any.
+            Nav2Error: It has never made any progress.
         """
         self._stand(Executed.BLOCKED)
         if not self._has_progressed:

@@ -1,4 +1,4 @@
-"""Waiting for what DDS has yet to find: readers and publishers of others."""
+"""Waits until DDS has discovered the readers and publishers of others."""
 
 import time
 from collections.abc import Callable
@@ -9,14 +9,14 @@ _LOOK_S = 0.1
 
 
 def wait_for(missing: Callable[[], str | None], timeout_s: float) -> None:
-    """Wait until nothing is missing any more.
+    """Wait until nothing is missing.
 
     Args:
         missing: What is missing, in words that say what to do about it; None if nothing is.
         timeout_s: Longest wait, seconds.
 
     Raises:
-        Nav2Error: Something is still missing then, in its words.
+        Nav2Error: Something is still missing; the message is that of `missing`.
     """
     until_s = time.monotonic() + timeout_s
     while (words := missing()) is not None:

@@ -1,4 +1,4 @@
-"""What keeps Nav2 from the wheels at once: inputs of a velocity multiplexer."""
+"""Stops the wheels at once while Nav2 drives, by inputs of a velocity multiplexer."""
 
 from hypernav.robot.motion.velocity import STANDSTILL
 from hypernav.robot.ros2.config import Ros2Config
@@ -13,9 +13,9 @@ from hypernav.robot.ros2.velocity_publisher import VelocityPublisher
 class WheelHold:
     """Holds the wheels by a multiplexer (``twist_mux``) between Nav2 and the base.
 
-    Nav2 stops only when it plans anew. An input above its own is told standstill meanwhile. A lock
-    is open only while it is told so again and again: its timeout closes it where hypernav or its
-    network dies. Both are optional; without them nothing is held.
+    Nav2 stops only when it plans again. Until then an input with a priority above its own receives
+    zero velocity. A lock stays open only while it is told so repeatedly: its timeout closes it if
+    hypernav or its network dies. Both are optional; without them nothing is held.
     """
 
     def __init__(self, network: Ros2Network, config: Ros2Config, sensors: Ros2Sensors) -> None:
@@ -35,17 +35,16 @@ class WheelHold:
         self._lock: Publisher[Bool] | None = None if lock is None else network.publisher(lock, Bool)
 
     def await_multiplexer(self, timeout_s: float) -> None:
-        """Wait until the multiplexer is there, and nothing leads past it.
+        """Wait until the multiplexer is running, and nothing bypasses it.
 
         Raises:
-            Nav2Error: Nobody takes what would hold the wheels, or others publish where they would
-                defeat it.
+            Nav2Error: Nobody reads the topics that hold the wheels, or others publish on them.
         """
         wait_for(self._missing_reader, timeout_s)
         await_sole_command(self._network, self._config.topics, timeout_s)
 
     def hold(self) -> None:
-        """Keep the wheels still; to be said again and again.
+        """Keep the wheels still; to be called repeatedly.
 
         Raises:
             RosNetworkError: The network doesn't take it.
@@ -57,7 +56,7 @@ class WheelHold:
             self._say_locked(True)
 
     def let_go(self) -> None:
-        """Let Nav2 drive for a moment; to be said again and again.
+        """Let Nav2 drive for a moment; to be called repeatedly.
 
         Raises:
             RosNetworkError: The network doesn't take it.

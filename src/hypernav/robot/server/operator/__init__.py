@@ -1,1 +1,1 @@
-"""The operator of robots: the page at ``/``, goals for robots that wait, and STOP for all."""
+"""For the operator of robots: the page at ``/``, goals for waiting robots, and STOP for all."""

@@ -1,4 +1,4 @@
-"""The files of the operator's page: no build step, and nothing from elsewhere."""
+"""The files of the operator's page: no build step, and nothing loaded from other sites."""
 
 import json
 from pathlib import Path
@@ -32,8 +32,8 @@ _ACTIONS = {
 def page_files() -> dict[str, Response]:
     """Responses by file name; ``index.html`` is the page.
 
-    Beside the files of the package there are ``style.css``, the look of all pages, and
-    ``vocabulary.js``, colours and words that page, video and map share.
+    Besides the files of the package there are ``style.css``, shared by all pages, and
+    ``vocabulary.js``, the colours and words that page, video and map share.
     """
     texts = {path.name: path.read_text(encoding="utf-8") for path in _FOLDER.iterdir()}
     texts["style.css"] = page_environment().get_template("style.css.j2").render()
@@ -45,7 +45,7 @@ def page_files() -> dict[str, Response]:
 
 
 def _vocabulary() -> str:
-    """A module of constants."""
+    """A JavaScript module of constants."""
     colors = {
         name.lower(): palette.css(color)
         for name, color in vars(palette).items()

@@ -57,7 +57,7 @@ def operator_routes(searches: ShownSearches, waiting: WaitingRobots) -> APIRoute
         name: _Name,
         wait_s: Annotated[float, Query(ge=0.0, le=LONGEST_WAIT_FOR_GOAL_S)] = 0.0,
     ) -> GivenGoal:
-        """Wait for a goal, as a robot; ask again if there is none."""
+        """For robots: wait for a goal; ask again if there is none."""
         return await waiting.wait(name, wait_s)
 
     @routes.post(f"{ROBOTS}/{{name}}/goal")
@@ -67,10 +67,10 @@ def operator_routes(searches: ShownSearches, waiting: WaitingRobots) -> APIRoute
 
     @routes.post(STOP_ALL)
     async def stop_all(request: StopRequest) -> list[Status]:
-        """Stop every robot for good, and take back goals that none has taken up yet."""
+        """Stop every robot permanently, and withdraw goals that no robot has taken up yet."""
         waiting.withdraw_all()
         stopped = searches.stop_all(request.reason)
-        with ExitStack() as ends:  # of which one that fails keeps no other from being written
+        with ExitStack() as ends:  # if one fails, the others are still written
             for search in stopped:
                 ends.callback(search.write_end)
             await run_in_threadpool(ends.close)

@@ -15,7 +15,7 @@ from hypernav.robot.wire.waiting import GivenGoal, WaitingRobot
 _MOST_ROBOTS = 100
 _MOST_WITHDRAWN = 1000
 _FORGOTTEN_S = 10.0
-"""Time without a word after which a robot is no longer waiting, and its goal lapses, seconds."""
+"""Time without a request after which a robot no longer waits, and its goal lapses, seconds."""
 
 
 @dataclass
@@ -27,14 +27,14 @@ class _Robot:
 
 
 class WaitingRobots:
-    """Who waits, and for what; for the server's loop alone.
+    """The waiting robots and their goals. Not thread-safe: only the server's event loop uses it.
 
     Attributes:
         bell: Bell that rings when a goal is given.
     """
 
     def __init__(self) -> None:
-        """Begin with no robot."""
+        """Create it; no robot is waiting."""
         self.bell = Bell()
         self._robots: dict[str, _Robot] = {}
         self._withdrawn: deque[str] = deque(maxlen=_MOST_WITHDRAWN)
@@ -49,10 +49,10 @@ class WaitingRobots:
         ]
 
     async def wait(self, name: str, wait_s: float) -> GivenGoal:
-        """Let a robot wait for a goal, for a while.
+        """Let a robot wait for a goal, up to a time limit.
 
         Raises:
-            RequestRefusedError: Too many robots wait.
+            RequestRefusedError: Too many robots are waiting.
         """
         with self._asking(name) as robot:
             await self.bell.until(lambda: robot.given is not None, wait_s)
@@ -62,7 +62,7 @@ class WaitingRobots:
         """Give a goal to a robot that waits.
 
         Raises:
-            RequestRefusedError: It doesn't wait, or was given a goal before.
+            RequestRefusedError: It is not waiting, or has a goal already.
         """
         self._forget()
         robot = self._robots.get(name)
@@ -84,7 +84,7 @@ class WaitingRobots:
         """Note that a search was opened with a key.
 
         Returns:
-            Whether it may go on: its goal was not withdrawn.
+            Whether it may go on, because its goal was not withdrawn.
         """
         for name, robot in list(self._robots.items()):
             if robot.given is not None and robot.given.key == key:
@@ -92,7 +92,7 @@ class WaitingRobots:
         return key not in self._withdrawn
 
     def refuse(self, key: str | None, reason: str) -> None:
-        """Take back a goal for which no search could be opened.
+        """Withdraw a goal for which no search could be opened.
 
         Args:
             key: Key of the search.
@@ -103,7 +103,7 @@ class WaitingRobots:
                 robot.given, robot.refused = None, reason
 
     def withdraw_all(self) -> None:
-        """Take back every goal that is not taken up yet."""
+        """Withdraw every goal that no robot has taken up yet."""
         for robot in self._robots.values():
             if robot.given is not None and robot.given.key is not None:
                 self._withdrawn.append(robot.given.key)

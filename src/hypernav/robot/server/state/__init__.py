@@ -1,1 +1,1 @@
-"""Searches on disk: what is needed to go on after a crash, and to look at them later."""
+"""Searches on disk, to go on after a crash and to be looked at later."""

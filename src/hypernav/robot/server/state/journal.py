@@ -1,9 +1,9 @@
-"""The journal of one search: all that is needed to begin it again where it was.
+"""The journal of one search: all that is needed to continue it after a restart.
 
-A search is a function of its observations and of the model's answers. So both are written down as
-they come, each observation before it is worked on, each decision before the robot hears of it, and
-a restarted server gives the same observations to a new agent, with the recorded answers. Nothing of
-an agent's memory needs a format of its own, and no question is paid twice.
+A search is a function of its observations and of the model's answers. So both are written to disk
+as they come, each observation before it is processed, each decision before it is sent to the robot.
+A restarted server gives the same observations to a new agent, with the recorded answers. So an
+agent's memory needs no file format, and no question is paid for twice.
 
 The folder of a search holds:
 
@@ -11,8 +11,8 @@ The folder of a search holds:
 - ``observations.bin``: the observations as they were received (`RecordFile`).
 - ``steps.bin``: one `StepRecord` as JSON for every decision.
 - ``model.jsonl``: the exchanges with the model (`hypernav.models.chat.recording`).
-- ``end.json``: how the search ended, once it has; ``map.pgm`` and ``map.yaml`` with it. Before, a
-  hidden file keeps its room: a stop lasts on a full disk, too.
+- ``end.json``: how the search ended, with ``map.pgm`` and ``map.yaml``. Until then a hidden file
+  reserves its disk space, so that a stop can be written on a full disk, too.
 """
 
 import json
@@ -53,7 +53,7 @@ class SearchRecord(Message):
         id: Name of the search.
         opened_s: Time of opening, seconds since 1970.
         version: Version of hypernav that opened it.
-        words: Detector and reasoner, for people.
+        words: Detector and reasoner, described for people.
         request: The robot's request.
         specs: Specifications of the agent's components.
         config: Configuration of the agent.
@@ -73,7 +73,7 @@ class StepRecord(Message):
 
     Attributes:
         reply: What the robot was told.
-        trace: What the agent knew and decided; None for an end by the step limit.
+        trace: What the agent knew and decided; None if the search ended at the step limit.
     """
 
     reply: Reply
@@ -93,14 +93,14 @@ class EndRecord(Message):
 
 
 class Journal:
-    """The folder of one search. Not thread-safe, but for `write_end`."""
+    """The folder of one search. Not thread-safe, except `write_end`."""
 
     def __init__(self, folder: Path, *, to_read: bool = False) -> None:
         """Open the folder of a search; see `create` for a new one.
 
         Args:
             folder: The folder.
-            to_read: Whether to leave everything as it is.
+            to_read: Whether to open it for reading only.
 
         Raises:
             RunFolderError: It is damaged, or cannot be written.
@@ -111,7 +111,7 @@ class Journal:
         self._observations = RecordFile(folder / "observations.bin", to_read=to_read)
         self._steps = RecordFile(folder / "steps.bin", to_read=to_read)
         if not to_read:
-            # After a loss of power a decision may be on the disk, and its observation not.
+            # After a loss of power a decision may be on the disk without its observation.
             self._steps.cut(len(self._observations))
 
     @staticmethod
@@ -125,7 +125,7 @@ class Journal:
             folder.mkdir(mode=0o700, exist_ok=True)
             _fresh(folder / _END_FILE).write_bytes(bytes(_ROOM_FOR_END))
         except OSError as error:
-            raise RunFolderError(f"{folder} cannot be made: {error.strerror}") from error
+            raise RunFolderError(f"cannot create {folder}: {error.strerror}") from error
         _write_whole(folder / "search.json", record)
         return Journal(folder)
 
@@ -142,7 +142,7 @@ class Journal:
 
     @property
     def step_count(self) -> int:
-        """Number of decisions: that of the observations, or one less."""
+        """Number of decisions: as many as observations, or one less."""
         return len(self._steps)
 
     def observation(self, number: int) -> bytes:
@@ -161,15 +161,15 @@ class Journal:
                 yield json.dumps(trace, ensure_ascii=False) + "\n"
 
     def add_observation(self, body: bytes) -> None:
-        """Write down an observation before it is worked on.
+        """Write an observation to disk before it is processed.
 
         Raises:
-            RunFolderError: It cannot be written; the journal is as before.
+            RunFolderError: It cannot be written; the journal is unchanged.
         """
         self._observations.append(body, sync=False)
 
     def add_step(self, step: StepRecord) -> None:
-        """Write down a decision, and wait until it and its observation are on the disk.
+        """Write a decision, and wait until it and its observation are on the disk.
 
         Raises:
             RunFolderError: It cannot be written.
@@ -178,7 +178,7 @@ class Journal:
         self._steps.append(step.model_dump_json().encode(), sync=True)
 
     def write_end(self, end: EndRecord, grid: OccupancyGrid | None) -> None:
-        """Write down the end of the search, and its map.
+        """Write the end of the search, and its map.
 
         Raises:
             RunFolderError: It cannot be written.
@@ -186,7 +186,7 @@ class Journal:
         with self._ending:
             _write_whole(self.folder / _END_FILE, end)
             if grid is not None:
-                with suppress(OSError):  # the end is what counts
+                with suppress(OSError):  # a missing map does not matter
                     save_ros_map(grid, self.folder)
 
     def read_map(self) -> OccupancyGrid | None:
@@ -195,7 +195,7 @@ class Journal:
 
     @property
     def has_map(self) -> bool:
-        """Whether the map of the end was written."""
+        """Whether the final map was written."""
         return (self.folder / _MAP_FILE).exists()
 
     def close(self) -> None:
@@ -214,7 +214,7 @@ def _read(path: Path, model: type[_Model]) -> _Model:
 
 
 def _write_whole(path: Path, content: BaseModel) -> None:
-    """Replace a file in one step, and wait for the disk; room that was kept for it is used."""
+    """Replace a file in one step and wait for the disk; uses the space reserved for it."""
     fresh = _fresh(path)
     try:
         fresh.touch()
@@ -229,5 +229,5 @@ def _write_whole(path: Path, content: BaseModel) -> None:
 
 
 def _fresh(path: Path) -> Path:
-    """The file in which the next content of another is written."""
+    """The temporary file for the next content of another."""
     return path.with_name(f".{path.name}.new")

@@ -1,4 +1,4 @@
-"""A file of records, each behind its length and checksum, of which any whole ones can be read."""
+"""A file of records, each preceded by its length and checksum; complete records can be read."""
 
 import struct
 import zlib
@@ -12,17 +12,17 @@ _HEADER = struct.Struct("<II")
 
 
 class RecordFile:
-    """Records that are only added. What a crash left of the last one is cut off.
+    """An append-only file of records. A last record left incomplete by a crash is cut off.
 
     Not thread-safe.
     """
 
     def __init__(self, path: Path, *, to_read: bool = False) -> None:
-        """Open the file, or make it, and go on behind its last whole record.
+        """Open or create the file, and continue after its last complete record.
 
         Args:
             path: Path of the file.
-            to_read: Whether to leave the file as it is, since somebody else may be writing it.
+            to_read: Whether to open it for reading only, since somebody else may be writing it.
 
         Raises:
             RunFolderError: It cannot be opened.
@@ -42,15 +42,15 @@ class RecordFile:
         return len(self._offsets)
 
     def append(self, record: bytes, *, sync: bool) -> None:
-        """Write a record, all of it or nothing.
+        """Write a record, completely or not at all.
 
         Args:
             record: Its bytes.
             sync: Whether to wait until it, and all before it, are on the disk. Without that they
-                survive the end of this program, but not of the power.
+                survive a crash of this program, but not a loss of power.
 
         Raises:
-            RunFolderError: The disk is full, or the file cannot be written. It is as before.
+            RunFolderError: The disk is full, or the file cannot be written. It is unchanged.
         """
         at, data = self._file.size, _HEADER.pack(len(record), zlib.crc32(record)) + record
         try:
@@ -95,7 +95,7 @@ class RecordFile:
 
 
 def _whole_records(file: AppendOnlyFile) -> Iterator[int]:
-    """Offsets of the records, and of the end of the last one that is whole."""
+    """Offsets of the records, and the end of the last complete one."""
     at = 0
     while True:
         yield at
@@ -113,6 +113,6 @@ def _whole_records(file: AppendOnlyFile) -> Iterator[int]:
 
 def _unwritable(path: Path, error: OSError) -> RunFolderError:
     return RunFolderError(
-        f"{path} cannot be written ({error.strerror or error}); what was answered up to now is "
-        "there. Free some space and go on"
+        f"{path} cannot be written ({error.strerror or error}); all answers up to now are "
+        "saved. Free some space and go on"
     )

@@ -1,4 +1,4 @@
-"""What is to be seen of one search: its map, its last image, and where the robot is."""
+"""What the page shows of one search: its map, its last image, and the robot's pose."""
 
 import threading
 from collections.abc import Iterator
@@ -14,8 +14,8 @@ from hypernav.robot.wire.replies import MapExtent
 class Views:
     """Map, last image and last pose of a search. Thread-safe.
 
-    They are in memory while the search goes on. Of one that is over, map and image are read from
-    the disk when they are asked for: a server keeps many.
+    They are in memory while the search goes on. After its end, map and image are read from the disk
+    when they are asked for, because a server keeps many searches.
 
     Attributes:
         pose: Last pose of the robot ``(x, y, yaw)``, ``map`` frame; None before the first.
@@ -23,7 +23,7 @@ class Views:
     """
 
     def __init__(self, journal: Journal, last: PackedObservation | None) -> None:
-        """Take up what a journal holds.
+        """Read what a journal holds.
 
         Args:
             journal: The journal.
@@ -53,7 +53,7 @@ class Views:
         """Map after the last decision; None before the first.
 
         Raises:
-            HyPerNavError: It was damaged on the disk.
+            HyPerNavError: It is damaged on the disk.
         """
         with self._lock:
             grid, is_forgotten = self._grid, self._is_forgotten
@@ -64,20 +64,20 @@ class Views:
         """Format and bytes of the last colour image; None before the first.
 
         Raises:
-            HyPerNavError: It was damaged on the disk.
+            HyPerNavError: It is damaged on the disk.
         """
         with self._lock:
             colour, is_forgotten = self._colour, self._is_forgotten
         return self.colour_of(None) if is_forgotten else colour
 
     def colour_of(self, sequence: int | None) -> tuple[str, bytes] | None:
-        """Format and bytes of an observation's colour image; None if it has not come.
+        """Format and bytes of an observation's colour image; None before it has come.
 
         Args:
             sequence: Number of the observation; None is the last.
 
         Raises:
-            HyPerNavError: It was damaged on the disk.
+            HyPerNavError: It is damaged on the disk.
         """
         with self.reading() as journal:
             count = journal.observation_count
@@ -89,7 +89,7 @@ class Views:
 
     @contextmanager
     def reading(self) -> Iterator[Journal]:
-        """The journal, opened once more to read it while the search goes on, or after its end."""
+        """The journal, opened a second time, to read it during or after the search."""
         with closing(Journal(self._journal.folder, to_read=True)) as journal:
             yield journal
 
@@ -109,12 +109,12 @@ class Views:
 
     @property
     def unwritten_grid(self) -> OccupancyGrid | None:
-        """The map, unless the disk has it, or there is none yet."""
+        """The map, unless it is on disk already, or there is none yet."""
         with self._lock:
             return self._grid
 
     def forget(self) -> None:
-        """Let go of map and image, once the disk has both; a map that it has not is kept."""
+        """Release map and image once they are on disk; a map that is not yet on disk is kept."""
         with self._lock:
             self._is_forgotten = True
             self._colour = None

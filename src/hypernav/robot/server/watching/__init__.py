@@ -1,1 +1,1 @@
-"""Searches to look at, on a server of robots or from a simulation of this program."""
+"""Shows searches on the page: those of a robot server, or one simulated by this program."""

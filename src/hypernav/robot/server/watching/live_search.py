@@ -1,4 +1,4 @@
-"""A search of this program as the operator's page sees it."""
+"""A search of this program, for the operator's page."""
 
 import secrets
 import threading
@@ -19,7 +19,7 @@ from hypernav.show.video.frame import EpisodeInfo
 
 _ENDINGS = {
     Outcome.FOUND: SearchEnding.FOUND,
-    Outcome.WRONG_PLACE: SearchEnding.FOUND,  # as the agent claims
+    Outcome.WRONG_PLACE: SearchEnding.FOUND,  # by the agent's own claim
     Outcome.NOT_FOUND: SearchEnding.GAVE_UP,
     Outcome.UNREACHABLE: SearchEnding.GAVE_UP,
     Outcome.MODEL_UNAVAILABLE: SearchEnding.MODEL_UNAVAILABLE,
@@ -28,7 +28,7 @@ _ENDINGS = {
 
 
 class LiveSearch:
-    """A search that is told its steps, and kept in memory. Thread-safe.
+    """A search in memory that is given its steps one by one. Thread-safe.
 
     Attributes:
         bell: Bell that rings at every change of the status.
@@ -37,7 +37,7 @@ class LiveSearch:
     """
 
     def __init__(self, info: EpisodeInfo, on_stop: Callable[[], object]) -> None:
-        """Begin before the first step.
+        """Create it before the first step.
 
         Args:
             info: Goal and components of the search.
@@ -57,7 +57,7 @@ class LiveSearch:
         self._detail = ""
 
     def add(self, step: StepTrace, grid: OccupancyGrid | None, image: bytes | None) -> None:
-        """Take a step.
+        """Add a step.
 
         Args:
             step: Trace of the step.
@@ -88,7 +88,7 @@ class LiveSearch:
         self._note_change()
 
     def stop(self, reason: str) -> None:
-        """End the search, as someone pressed STOP."""
+        """End the search because someone pressed STOP."""
         with self._lock:
             if self._ending is not None:
                 return
@@ -97,7 +97,7 @@ class LiveSearch:
         self._on_stop()
 
     def write_end(self) -> None:
-        """Do nothing: what is to last is written elsewhere."""
+        """Do nothing: the result is written elsewhere."""
 
     def status(self) -> Status:
         """The present state."""
@@ -139,14 +139,14 @@ class LiveSearch:
 
 
 class OnlySearch:
-    """The one search of a program, as all searches of a server.
+    """The one search of a program, with the interface of a server's searches.
 
     Attributes:
         was_asked: Whether a page has asked for it.
     """
 
     def __init__(self, search: LiveSearch) -> None:
-        """Take the search."""
+        """Create it around the search."""
         self._search = search
         self.was_asked = False
 
@@ -154,7 +154,7 @@ class OnlySearch:
         """The search, if that is its name.
 
         Raises:
-            RequestRefusedError: It is not.
+            RequestRefusedError: Its name is another.
         """
         if name != self._search.status().id:
             raise RequestRefusedError(f"there is no search {name}", error="unknown", status=404)

@@ -1,4 +1,4 @@
-"""The operator's page over a search of this program, to watch and stop it in a browser."""
+"""The operator's page for a search of this program, to watch and stop it in a browser."""
 
 import threading
 from collections.abc import Callable, Mapping
@@ -74,7 +74,7 @@ class PageView:
         self._search.finish(result)
 
     def close(self) -> None:
-        """Stop serving; pages that wait for something to happen are answered at once."""
+        """Stop serving; pages that wait for an event are answered at once."""
         self._search.bell.close()
         self._server.should_exit = True
         self._thread.join(_PATIENCE_S)

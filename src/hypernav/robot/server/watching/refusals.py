@@ -1,4 +1,4 @@
-"""Refusals as answers: the errors of this package, each with its HTTP status."""
+"""HTTP responses for the errors of this package, each with its status."""
 
 import logging
 from typing import Any
@@ -19,7 +19,7 @@ REFUSALS: dict[int | str, dict[str, Any]] = {
     for status, words in {
         400: "The request cannot be read.",
         401: "The token is missing or wrong.",
-        403: "The page or host may not use this server.",
+        403: "This page or host may not use this server.",
         404: "There is no such search, or nothing to show yet.",
         408: "The body did not arrive in time.",
         409: "Another observation is expected, see expected.",
@@ -33,7 +33,7 @@ REFUSALS: dict[int | str, dict[str, Any]] = {
 
 
 def add_refusals(app: FastAPI) -> None:
-    """Let an application answer errors by refusals."""
+    """Let an application answer errors with refusals."""
     app.add_exception_handler(RequestRefusedError, _refused)
     app.add_exception_handler(RunFolderError, _storage)
     app.add_exception_handler(HyPerNavError, _invalid)

@@ -1,4 +1,4 @@
-"""The paths on which searches are looked at, and stopped."""
+"""The HTTP paths to watch searches and to stop them."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager
@@ -63,11 +63,11 @@ class ShownSearch(Protocol):
         ...
 
     def stop(self, reason: str) -> None:
-        """End the search from outside, at once; `write_end` makes it last."""
+        """End the search from outside, at once; `write_end` writes that to disk."""
         ...
 
     def write_end(self) -> None:
-        """Write the end of the search down, if it is over."""
+        """Write the end of the search to disk, if it is over."""
         ...
 
 
@@ -97,7 +97,7 @@ class ShownSearches(Protocol):
 
 
 def watching_routes(searches: ShownSearches) -> APIRouter:
-    """The paths on which searches are looked at, and stopped.
+    """The HTTP paths to watch searches and to stop them.
 
     Args:
         searches: The searches.
@@ -106,7 +106,7 @@ def watching_routes(searches: ShownSearches) -> APIRouter:
 
     @routes.get(f"{API}/health")
     async def health() -> Health:
-        """Whether the server is there, and which version it is."""
+        """Whether the server is running, and its version."""
         return Health(version=version("hypernav"))
 
     @routes.get(SEARCHES)
@@ -122,14 +122,14 @@ def watching_routes(searches: ShownSearches) -> APIRouter:
         after: Annotated[int, Query(ge=-1, le=2**53, description="Version known already.")] = -1,
         wait_s: Annotated[float, Query(ge=0.0, le=LONGEST_WAIT_S)] = 0.0,
     ) -> Status:
-        """The state of a search, as soon as its version is another than that known already."""
+        """The state of a search, as soon as its version differs from the known one."""
         search = searches.find(name)
         await search.bell.until(lambda: search.status().version != after, wait_s)
         return search.status()
 
     @routes.post(f"{SEARCHES}/{{name}}/stop")
     async def stop(name: Name, request: StopRequest) -> Status:
-        """Stop the robot for good."""
+        """Stop the robot permanently."""
         search = searches.find(name)
         search.stop(request.reason)
         await run_in_threadpool(search.write_end)

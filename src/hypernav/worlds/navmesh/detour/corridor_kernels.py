@@ -1,6 +1,6 @@
 """A* over the polygons of a navigation mesh, as ``dtNavMeshQuery::findPath`` (numba kernels).
 
-The limits are those of habitat-sim: what it gives up, this gives up.
+The limits are those of habitat-sim, so searches fail in the same cases.
 """
 
 import numpy as np
@@ -19,13 +19,13 @@ from hypernav.worlds.navmesh.detour.nearest_kernels import NOWHERE
 from hypernav.worlds.navmesh.detour.tile_links import WITHIN
 
 MOST_NODES = 2048
-"""Polygons that one search may visit."""
+"""Largest number of polygons that a search may visit."""
 MOST_POLYGONS = 256
-"""Polygons, and corners, that a path may have."""
+"""Largest number of polygons, and of corners, of a path."""
 
 _HEURISTIC_SCALE = np.float32(0.999)
 _STATES = 4
-"""A polygon is visited once for every side that it is entered from another tile."""
+"""Number of times that a polygon may be visited: once per side on which other tiles lead to it."""
 _OPEN = 1
 _CLOSED = 2
 

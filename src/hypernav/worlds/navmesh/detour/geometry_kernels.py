@@ -1,7 +1,7 @@
 """Detour's plane geometry (numba kernels).
 
-All arithmetic is single precision, in the order of Detour's, so that equal questions get equal
-answers where two polygons compete. Points are tuples ``(x, y, z)``, y up; "plane" means x and z.
+All arithmetic is in single precision and in Detour's order, so that ties between polygons are
+decided equally. Points are tuples ``(x, y, z)``, y up; "plane" means x and z.
 """
 
 import math
@@ -127,7 +127,7 @@ def height_in_triangle(p, a, b, c):
 
 @njit(cache=True)
 def closest_on_boundary(mesh, polygon, p):
-    """A point where it lies over a polygon, else the closest one on the polygon's edges."""
+    """The point itself if it lies over a polygon, else the closest one on the polygon's edges."""
     if is_over(mesh, polygon, p):
         return p
     count = mesh.corner_count[polygon]

@@ -1,6 +1,6 @@
 """The heap of Detour's searches, ``dtNodeQueue`` (numba kernels).
 
-Among equal totals its order decides which of two paths is found, so it is Detour's own.
+Its order decides between two paths of equal cost, so it is the same as Detour's.
 """
 
 from numba import njit
@@ -30,7 +30,7 @@ def pop(heap, size, total):
 
 @njit(cache=True)
 def lower(heap, size, node, total):
-    """Put a node of a heap where its lowered total belongs."""
+    """Move a node of a heap up after its total was lowered."""
     for i in range(size):
         if heap[i] == node:
             _rise(heap, i, node, total)

@@ -6,7 +6,7 @@ from numba import njit
 
 @njit(cache=True)
 def label_islands(mesh):
-    """Island of every polygon; one spreads over polygons that can be walked on."""
+    """Island of every polygon; an island connects walkable polygons."""
     count = len(mesh.corner_count)
     labels = np.full(count, -1, dtype=np.int32)
     waiting = np.empty(count, dtype=np.int32)

@@ -1,4 +1,4 @@
-"""Islands of a navigation mesh: polygons that are joined, as habitat-sim counts them."""
+"""Islands of a navigation mesh: connected polygons, counted as by habitat-sim."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from hypernav.worlds.navmesh.detour.island_kernels import label_islands
 from hypernav.worlds.navmesh.detour.mesh import Mesh, polygon_areas
 
 _LEAST_AREA_M2 = 1e-5
-"""habitat-sim lets nobody walk on smaller polygons, because searches there crash."""
+"""habitat-sim makes smaller polygons not walkable, because searches there crash."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,8 +31,8 @@ def find_islands(mesh: Mesh) -> tuple[Islands, Mesh]:
     """Count the islands, and close polygons that are too small to walk on.
 
     Returns:
-        The islands, and the mesh without those polygons. Islands are counted before, as in
-        habitat-sim, so two parts of an island may be joined by nothing else.
+        The islands, and the mesh without those polygons. Islands are counted first, as in
+        habitat-sim, so removing a polygon may leave an island in two parts.
     """
     of_polygon = label_islands(mesh)
     count = int(of_polygon.max()) + 1

@@ -1,4 +1,4 @@
-"""A navigation mesh in memory: one set of arrays over all tiles, as the kernels take it."""
+"""A navigation mesh in memory: one set of arrays over all tiles, for the kernels."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -15,9 +15,9 @@ from hypernav.worlds.navmesh.files.file_format import (
 )
 
 WALL = -1
-"""A neighbour that there is none of."""
+"""Marks a missing neighbour."""
 OTHER_TILE = -2
-"""Neighbours in another tile: the links tell."""
+"""Marks an edge to another tile; the links give the neighbours."""
 
 
 class Mesh(NamedTuple):
@@ -25,7 +25,8 @@ class Mesh(NamedTuple):
 
     Attributes:
         vertices: Corners of polygons and vertices of detail meshes, Habitat's frame, metres.
-        corners: Vertices of every polygon, against the clock seen from above; the first count.
+        corners: Vertices of every polygon, counter-clockwise seen from above; only the first
+            `corner_count` are used.
         corner_count: Number of corners of every polygon.
         neighbours: Polygon behind every edge, `WALL` or `OTHER_TILE`.
         walkable: Whether an agent may be on a polygon.
@@ -33,8 +34,8 @@ class Mesh(NamedTuple):
         link_polygon: Polygon that a link leads to.
         link_edge: Edge that it leads over.
         link_side: Direction of the tile that it leads to, `tile_links.WITHIN` in the same tile.
-        link_low: Where on the edge it begins, of 255.
-        link_high: Where on the edge it ends, of 255.
+        link_low: Where on the edge it begins, 0 to 255.
+        link_high: Where on the edge it ends, 0 to 255.
         triangle_start: First detail triangle of every polygon, and the number of triangles.
         triangles: Vertices of every detail triangle.
         triangle_flags: Two bits for each edge; the lower one says that it lies on the boundary.
@@ -95,7 +96,7 @@ def mesh_of(file: NavmeshFile) -> Mesh:
     corners, neighbours, triangles, flags = (
         np.concatenate(part) for part in zip(*parts, strict=True)
     )
-    # Detour looks at tiles of a row one after the other, at the latest layer first.
+    # Detour visits the tiles of a row one after the other, the latest layer first.
     latest = {tile.index: -number for number, tile in enumerate(file.tiles)}
     ordered = sorted(tiles, key=lambda t: (int(t.header["y"]), int(t.header["x"]), latest[t.index]))
     nodes = np.concatenate([tile.tree for tile in ordered])

@@ -27,10 +27,10 @@ from hypernav.worlds.navmesh.detour.mesh import OTHER_TILE, WALL
 from hypernav.worlds.navmesh.detour.nearest_kernels import NOWHERE, height_on, nearest
 
 _MOST_NEAR = 64
-"""Polygons that one move may touch."""
+"""Largest number of polygons that one move may touch."""
 _MOST_WAITING = 48
 _MOST_NEIGHBOURS = 8
-"""Neighbours in another tile over one edge."""
+"""Largest number of neighbours in another tile over one edge."""
 _SLACK = np.float32(0.001)
 _NUDGE = np.float32(1e-4)
 
@@ -63,8 +63,8 @@ def _hits(a, b, start, end):
 def move(mesh, start_polygon, start, end, sliding):
     """The end of a straight move from a point on a polygon.
 
-    Without sliding it is that of the move with sliding, taken back to a wall of the polygons that
-    lead there which lies across the straight line.
+    Without sliding, the move with sliding is computed first and then cut back at the wall, among
+    the polygons on the way, that crosses the straight line.
 
     Returns:
         The point, not yet at the height of the surface, and the polygon where sliding ends, which
@@ -129,7 +129,7 @@ def move(mesh, start_polygon, start, end, sliding):
 def _stop_at_wall(mesh, polygon, start, end):
     """Where a move meets a polygon's walls, nearest to its end, and the squared distance to it.
 
-    An edge to a polygon of the same tile is no wall, even if nobody may walk on that.
+    An edge to a polygon of the same tile is no wall, even if that polygon is not walkable.
     """
     found = np.empty(_MOST_NEIGHBOURS, dtype=np.int32)
     count = mesh.corner_count[polygon]
@@ -151,7 +151,7 @@ def _stop_at_wall(mesh, polygon, start, end):
 def try_step(mesh, islands, start, end, sliding):
     """The end of a straight move on the mesh, as habitat-sim's ``PathFinder::tryStep``.
 
-    It is the start where start or end are off the mesh or lie on different islands.
+    It is the start if start or end is off the mesh or they lie on different islands.
     """
     polygon, point = nearest(mesh, start, islands, NOWHERE)
     end_polygon, _ = nearest(mesh, end, islands, NOWHERE)
@@ -163,7 +163,7 @@ def try_step(mesh, islands, start, end, sliding):
     over, height = height_on(mesh, last, reached)
     if over:
         reached = (reached[0], height, reached[2])
-    # Where two islands touch, the point may count as the other's. habitat-sim moves it inwards.
+    # Where two islands touch, the point may be found on the other. habitat-sim moves it inwards.
     beside, _ = nearest(mesh, reached, islands, NOWHERE)
     if beside == NOWHERE or islands[beside] != islands[polygon]:
         return _nudged(mesh, last, reached)
@@ -186,7 +186,7 @@ def _nudged(mesh, polygon, p):
 
 @njit(cache=True)
 def _is_wall(mesh, polygon, edge):
-    """Whether nothing can be walked on behind an edge, as far as its first link tells."""
+    """Whether nothing is walkable behind an edge, judged by its first link."""
     neighbour = mesh.neighbours[polygon, edge]
     if neighbour >= 0:
         return not mesh.walkable[neighbour]

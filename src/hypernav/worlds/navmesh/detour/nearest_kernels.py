@@ -1,7 +1,7 @@
 """The polygon and the point of a navigation mesh that are nearest to a point (numba kernels).
 
 As Detour's ``dtNavMesh::getPolyHeight``, ``closestPointOnPoly`` and
-``dtNavMeshQuery::findNearestPoly``, asked with the box that habitat-sim looks in.
+``dtNavMeshQuery::findNearestPoly``, with habitat-sim's search box.
 """
 
 import math
@@ -22,7 +22,7 @@ from hypernav.worlds.navmesh.detour.geometry_kernels import (
 
 NOWHERE = -1
 _REACH = (np.float32(2.0), np.float32(4.0), np.float32(2.0))
-"""Half the sides of the box that habitat-sim looks for a polygon in, metres."""
+"""Half the sides of habitat-sim's search box, metres."""
 _ON_BOUNDARY = (np.uint8(1), np.uint8(4), np.uint8(16))
 """Flags of a detail triangle's edges 0-1, 1-2 and 2-0."""
 _FINEST = np.float32(65535.0)
@@ -60,7 +60,7 @@ def height_on(mesh, polygon, p):
         )
         if found:
             return True, height
-    # Rounding may lose a point between two triangles.
+    # By rounding a point may lie in none of the triangles.
     return True, _on_detail_edges(mesh, polygon, p, False)[1]
 
 
@@ -93,7 +93,7 @@ def nearest(mesh, p, islands, island):
         mesh: Navigation mesh.
         p: Point.
         islands: Island of every polygon.
-        island: The only island to look at; `NOWHERE` takes all.
+        island: The only island to search; `NOWHERE` searches all.
 
     Returns:
         The polygon (`NOWHERE` if there is none in reach) and the point.

@@ -1,7 +1,7 @@
 """Shortest paths over a navigation mesh (numba kernels).
 
-The string is pulled through a corridor of polygons as by ``dtNavMeshQuery::findStraightPath``, and
-asked for as by habitat-sim's ``PathFinder``.
+String pulling through a corridor of polygons as in ``dtNavMeshQuery::findStraightPath``, called as
+in habitat-sim's ``PathFinder``.
 """
 
 import numpy as np
@@ -31,7 +31,7 @@ _NEAR_SQUARED = np.float32(1e-6)
 
 @njit(cache=True)
 def _append(points, count, point):
-    """Add a point to a path unless it is there already; returns the number of points."""
+    """Add a point to a path unless it equals the last; returns the number of points."""
     if count > 0 and is_same(
         (points[count - 1, 0], points[count - 1, 1], points[count - 1, 2]), point
     ):
@@ -45,7 +45,7 @@ def straight_path(mesh, path, start, end):
     """The string pulled tight through a corridor of polygons.
 
     Returns:
-        Its corners with both ends; none if they are more than habitat-sim has room for.
+        Its corners with both ends; none if there are more than habitat-sim's limit.
     """
     points = np.empty((MOST_POLYGONS, 3), dtype=np.float32)
     count = len(path)
@@ -168,7 +168,7 @@ def nearest_goal(
         ends: Positions of the goals.
         end_polygons: Polygons nearest to them, `NOWHERE` for those that are off the mesh.
         end_points: Points on those polygons.
-        bounds: Least length that the path to each goal can have; the lengths found replace theirs.
+        bounds: Lower bounds of the lengths of the paths to the goals; updated with lengths found.
 
     Returns:
         Its number (`NOWHERE` if no path leads anywhere), and the length and corners of the path.

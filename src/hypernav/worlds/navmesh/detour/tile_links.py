@@ -17,10 +17,10 @@ WITHIN = 255
 """Side of a link within a tile."""
 _TOWARDS = {0: (1, 0), 2: (0, 1), 4: (-1, 0), 6: (0, -1)}
 _MOST_BORDER_EDGES = 20_000
-"""Joining borders takes time with the square of this; a large building has some hundred."""
+"""Largest number of border edges; the time grows with its square. Buildings have some hundred."""
 _MOST_CONNECTIONS = 4
 _APART_M = np.float32(0.01)
-"""Borders of two tiles lie no farther apart, and edges that only touch at an end aren't joined."""
+"""Largest distance between borders of two tiles. Edges that only touch at an end are not joined."""
 
 
 class Links(NamedTuple):
@@ -31,8 +31,8 @@ class Links(NamedTuple):
         polygon: Polygon that a link leads to.
         edge: Edge that it leads over.
         side: Direction of the tile that it leads to, `WITHIN` in the same tile.
-        low: Where on the edge it begins, of 255.
-        high: Where on the edge it ends, of 255.
+        low: Where on the edge it begins, 0 to 255.
+        high: Where on the edge it ends, 0 to 255.
     """
 
     start: Int32[np.ndarray, "starts"]
@@ -57,7 +57,7 @@ def links_between(tiles: Sequence[NavmeshTile], first: Sequence[int]) -> Links:
         [_within(tile, start) for tile, start in zip(tiles, first, strict=True)], dtype=np.int32
     )
     outer = np.array(list(_across(tiles, first)), dtype=np.int32).reshape(-1, 6)
-    # Detour puts each new link before the older ones, those within a tile by edges first of all.
+    # Detour puts each new link before the older ones; first come those within a tile, by edges.
     rank = np.concatenate([inner[:, 2], -1 - np.arange(len(outer), dtype=np.int32)])
     links = np.concatenate([inner, outer])
     links = links[np.lexsort((rank, links[:, 0]))]
@@ -113,7 +113,7 @@ class _Border(NamedTuple):
 
 
 def _across(tiles: Sequence[NavmeshTile], first: Sequence[int]) -> Iterator[tuple[int, ...]]:
-    """Rows as of `_within` for links between tiles, in the order in which Detour makes them."""
+    """Rows as from `_within` for links between tiles, in the order in which Detour makes them."""
     borders = [_Border.of(tile) for tile in tiles]
     edges = sum(len(border.edge) for border in borders)
     expect(
@@ -181,7 +181,7 @@ def _connections(
 
 
 def _slab(ends: Float32[np.ndarray, "n 2 3"], along: int) -> Float32[np.ndarray, "n 2 2"]:
-    """Edges as lower and upper end, each with its place along the border and its height."""
+    """Edges as lower and upper end, each with its position along the border and its height."""
     flipped = ends[:, 0, along] >= ends[:, 1, along]
     ordered = np.where(flipped[:, None, None], ends[:, ::-1], ends)
     return ordered[:, :, [along, 1]]

@@ -1,4 +1,4 @@
-"""What must hold of a navigation mesh before it is used: a file may say anything."""
+"""Checks of a navigation mesh before it is used, because a file may hold anything."""
 
 import numpy as np
 
@@ -12,14 +12,14 @@ from hypernav.worlds.navmesh.files.file_format import (
 
 _FARTHEST_M = 1e5
 _REFERENCE_BITS = 22
-"""Bits of a polygon's reference that Detour leaves to the numbers of tiles and polygons."""
+"""Bits of a polygon's reference that Detour uses for the numbers of tiles and polygons."""
 
 
 def expect(holds: bool | np.bool_, message: str) -> None:
     """Refuse a file.
 
     Raises:
-        NavmeshError: Something that it must keep does not hold.
+        NavmeshError: The condition does not hold.
     """
     if not holds:
         raise NavmeshError(message)
@@ -54,7 +54,7 @@ def check_tile(tile: NavmeshTile, name: str) -> None:
     """Check that everything in a tile lies in bounds, and that searches in it end.
 
     Raises:
-        NavmeshError: It doesn't; the message calls the tile by the name.
+        NavmeshError: Something is out of bounds; the message names the tile.
     """
     _check_header(tile.header, name)
     _check_positions(tile.vertices, f"{name}: a vertex")
@@ -65,14 +65,14 @@ def check_tile(tile: NavmeshTile, name: str) -> None:
 
 
 def _bits(most: int) -> int:
-    """Bits that number so many things."""
+    """Number of bits needed to number a count of things."""
     return max(most - 1, 0).bit_length()
 
 
 def _check_positions(positions: np.ndarray, what: str) -> None:
     # The comparison is False for NaN.
     near = np.abs(positions) <= _FARTHEST_M
-    expect(near.all(), f"{what} lies more than {_FARTHEST_M:g} m away or nowhere")
+    expect(near.all(), f"{what} lies more than {_FARTHEST_M:g} m away or is not a number")
 
 
 def _check_header(header: np.void, name: str) -> None:
@@ -113,7 +113,7 @@ def _check_polygons(tile: NavmeshTile, name: str) -> None:
     outwards = (neighbours & EXTERNAL) != 0
     expect(
         np.isin(neighbours[outwards] & 0xFF, SIDES).all(),
-        f"{name}: an edge leads to another tile in no direction that there is",
+        f"{name}: an edge leads to another tile in an unknown direction",
     )
     inwards = neighbours[~outwards]
     expect(

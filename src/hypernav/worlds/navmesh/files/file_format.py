@@ -3,7 +3,8 @@
 A file is a `SET_HEADER`, from version 2 on the `SETTINGS` that the mesh was computed with, and its
 tiles: each a `TILE_REFERENCE` and the data that Detour's ``dtCreateNavMeshData`` made. These are a
 `TILE_HEADER` and the arrays of `TILE_ARRAYS`, whose lengths it gives, each padded to four bytes.
-Integers and floats have the byte order of the machine that wrote the file; its magic numbers tell.
+Integers and floats have the byte order of the machine that wrote the file, shown by its magic
+numbers.
 Positions are in Habitat's frame: x right, y up, metres.
 """
 
@@ -130,7 +131,7 @@ TILE_ARRAYS = (
     TileArray("detail_triangles", "detail_triangles", np.dtype(("u1", 4))),
     TileArray("tree", "tree_nodes", TREE_NODE),
 )
-"""In the order of the file. Links are room that Detour fills when it loads the tile."""
+"""In the order of the file. The space for links is filled by Detour when it loads the tile."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,7 +18,7 @@ class PolygonMesh:
 
     Attributes:
         vertices: Corners, scene frame (z up), metres.
-        polygons: Corners of every polygon, against the clock seen from above, padded with -1.
+        polygons: Corners of every polygon, counter-clockwise seen from above, padded with -1.
     """
 
     vertices: Float64[np.ndarray, "v 3"]
@@ -28,10 +28,10 @@ class PolygonMesh:
     def of(
         vertices: Float64[np.ndarray, "v 3"], polygons: Sequence[Sequence[int]]
     ) -> "PolygonMesh":
-        """Take polygons of 3 to 6 corners.
+        """Create it from polygons of 3 to 6 corners.
 
         Raises:
-            NavmeshError: A file has no room for so many, or a polygon has other numbers of corners.
+            NavmeshError: A file cannot hold so many, or a polygon has another number of corners.
         """
         sizes = {len(polygon) for polygon in polygons}
         if not polygons or not sizes <= set(range(3, VERTICES_PER_POLYGON + 1)):

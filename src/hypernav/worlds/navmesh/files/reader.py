@@ -1,7 +1,7 @@
 """Navigation mesh files of habitat-sim, read and checked.
 
-Everything that a file says about itself is checked here: what `read_navmesh` returns can be used
-without looking again. The memory that it takes is in proportion to the length of the file.
+The whole content of a file is checked here, so the result of `read_navmesh` needs no further
+checks. The memory that it takes is proportional to the length of the file.
 """
 
 from pathlib import Path
@@ -34,8 +34,8 @@ def read_navmesh(path: Path) -> NavmeshFile:
     """Read a file.
 
     Raises:
-        NavmeshError: It is missing, no navigation mesh, of an unknown version, cut off, or holds
-            what no navigation mesh can.
+        NavmeshError: It is missing, no navigation mesh, of an unknown version, truncated, or has
+            impossible content.
     """
     try:
         content = read_file(path, most=_MOST_BYTES)

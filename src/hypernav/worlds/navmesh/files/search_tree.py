@@ -1,4 +1,4 @@
-"""The tree in which Detour searches for polygons near a position, as ``createBVTree`` makes it."""
+"""The tree in which Detour searches for polygons near a position, as built by ``createBVTree``."""
 
 import numpy as np
 from jaxtyping import UInt16
@@ -6,7 +6,7 @@ from jaxtyping import UInt16
 from hypernav.worlds.navmesh.files.file_format import TREE_NODE
 
 MOST_STEPS = 0xFFFF
-"""Greatest number that a box can have."""
+"""Largest coordinate of a box."""
 
 
 def search_tree(low: UInt16[np.ndarray, "p 3"], high: UInt16[np.ndarray, "p 3"]) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""What a navigation mesh is computed with, as habitat-sim's ``NavMeshSettings`` has it."""
+"""Settings for computing a navigation mesh: habitat-sim's ``NavMeshSettings``."""
 
 import math
 
@@ -8,7 +8,7 @@ from hypernav.core.embodiment import BodyConfig
 from hypernav.worlds.navmesh.files.file_format import SETTINGS, VERTICES_PER_POLYGON
 
 _DEFAULT_ROBOT = BodyConfig(radius_m=0.1, height_m=1.5)
-"""habitat-sim takes a file that doesn't say for one of this robot."""
+"""Robot of a file without settings, as habitat-sim assumes."""
 
 
 def settings_for(body: BodyConfig, cell_m: float = 0.05) -> np.ndarray:
@@ -18,7 +18,7 @@ def settings_for(body: BodyConfig, cell_m: float = 0.05) -> np.ndarray:
     rest is ``NavMeshSettings::setDefaults``.
 
     Args:
-        body: Radius and height count.
+        body: The robot; only radius and height are used.
         cell_m: Side of the voxels, metres.
 
     Returns:
@@ -38,7 +38,7 @@ def settings_for(body: BodyConfig, cell_m: float = 0.05) -> np.ndarray:
 
 
 def robot_in_voxels(settings: np.ndarray | np.void) -> tuple[int, int, int]:
-    """Height, climb and radius of the robot as Recast rounds them to voxels."""
+    """Height, climb and radius of the robot, rounded to voxels as by Recast."""
     height = math.ceil(settings["agent_height"] / settings["cell_height"])
     climb = math.floor(settings["agent_max_climb"] / settings["cell_height"])
     return height, climb, math.ceil(settings["agent_radius"] / settings["cell_size"])
@@ -47,11 +47,11 @@ def robot_in_voxels(settings: np.ndarray | np.void) -> tuple[int, int, int]:
 def is_mesh_of(settings: np.ndarray | np.void | None, body: BodyConfig) -> bool:
     """Whether a mesh with these settings is the one that habitat-sim would compute for a robot.
 
-    habitat-sim compares the numbers themselves; here a height or a radius that Recast rounds to the
-    same voxels is the same, so that a robot of 1.0 m may stand for Habitat's of 0.88 m.
+    habitat-sim compares the exact numbers; here heights or radii that Recast rounds to the same
+    voxels are equal, so that a robot of 1.0 m is accepted for Habitat's of 0.88 m.
 
     Args:
-        settings: Settings of the file; None in version 1 of the format, which doesn't say.
+        settings: Settings of the file; None in version 1 of the format, which has none.
         body: The robot.
     """
     known = settings_for(_DEFAULT_ROBOT) if settings is None else settings

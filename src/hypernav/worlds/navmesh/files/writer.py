@@ -32,15 +32,15 @@ _EDGE_FLAGS = (0b000001, 0b000100, 0b010000)
 def navmesh_bytes(
     mesh: PolygonMesh, body: BodyConfig, *, cell_m: float = 0.05, version: int = 2
 ) -> bytes:
-    """The content of a file that habitat-sim takes as computed by itself.
+    """The content of a file that habitat-sim accepts as computed by itself.
 
-    habitat-sim throws a mesh away and computes its own if the settings of the file differ in
-    anything from those that it would compute with. So the file states these, whatever the mesh was
-    made with: its defaults, with the radius and the height of its robot.
+    habitat-sim discards a mesh and computes its own if any setting in the file differs from those
+    that it would use. So the file states habitat-sim's defaults with the radius and the height of
+    its robot, however the mesh was made.
 
     Args:
         mesh: Polygons on which the middle of the robot may be.
-        body: Robot as Habitat is configured for it; radius and height have to be the same there.
+        body: Robot; Habitat has to be configured with the same radius and height.
         cell_m: Accuracy of the mesh, metres.
         version: Version of the format, 1 or 2.
     """
@@ -75,9 +75,9 @@ def file_of_tile(
     """The content of a file of one tile.
 
     Args:
-        header: Record of type `TILE_HEADER`: the robot, the bounds and the steps of the tree; the
-            rest is filled in.
-        arrays: The arrays of `TILE_ARRAYS`, but links.
+        header: Record of type `TILE_HEADER` with the robot, the bounds and the steps of the tree;
+            the rest is filled in.
+        arrays: The arrays of `TILE_ARRAYS` except links.
         settings: What the mesh was computed with; None for version 1 of the format.
     """
     polygons = arrays["polygons"]
@@ -120,7 +120,7 @@ def polygon_records(
 
 
 def _fans(sizes: Int64[np.ndarray, " p"]) -> np.ndarray:
-    """Detail triangles of polygons of so many corners: three corners and the flags of the edges."""
+    """Detail triangles of polygons with a number of corners: three corners and the edge flags."""
     triangles = []
     for size in sizes.tolist():
         for k in range(1, size - 1):

@@ -1,1 +1,1 @@
-"""Grids of standable cells turned into the polygons of a navigation mesh."""
+"""Turns grids of standable cells into the polygons of a navigation mesh."""

@@ -15,8 +15,9 @@ _TOLERANCE = 0.34
 def mesh_from_grid(walkable: WalkableGrid) -> PolygonMesh:
     """Polygons over all standable cells, equal in area.
 
-    Large polygons lead Detour's search over the middles of their sides better than small ones, so
-    nothing is cut more than the outlines ask for. Heights are those of the floor at the outlines.
+    Detour's search runs over the middles of sides, for which large polygons are better than small
+    ones, so polygons are cut only as the outlines require. Heights are those of the floor at the
+    outlines.
 
     Args:
         walkable: The walkable surface.

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
 _TOWARDS = ((0, 1), (1, 0), (0, -1), (-1, 0))
-"""Steps in rows and columns along the sides of a cell, against the clock: each turns left."""
+"""Steps in rows and columns along the sides of a cell, counter-clockwise: each turns left."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -14,7 +14,7 @@ class Outline:
     """A closed line around standable cells, or around a hole in them.
 
     Attributes:
-        points: Corners in cells (x, y), with what is standable on the left.
+        points: Corners in cells (x, y), with the standable cells on the left.
         cells: Standable cell ``[row, column]`` at every corner.
     """
 
@@ -25,18 +25,18 @@ class Outline:
 def outlines(standable: Bool[np.ndarray, "rows columns"], tolerance: float) -> list[Outline]:
     """The outlines of all standable cells.
 
-    They run through the middles of the cells' sides, so that the stairs that stand for a slanting
-    line are nearly straight. Cells that only touch at a corner have outlines of their own.
+    They run through the middles of the cells' sides, so that the staircase of a slanting line is
+    nearly straight. Cells that only touch at a corner have separate outlines.
 
     Args:
         standable: The cells.
-        tolerance: Greatest distance of a corner that is left out from the outline, cells.
+        tolerance: Largest distance between the outline and an omitted corner, cells.
     """
     return [_straightened(line, tolerance) for line in _traced(np.pad(standable, 1))]
 
 
 def _traced(free: Bool[np.ndarray, "rows columns"]) -> list[Outline]:
-    """Outlines as they are; the grid has one blocked cell all around, which isn't counted."""
+    """Exact outlines; the grid has a border of one blocked cell, which isn't counted."""
     # A side is the cell and its direction of travel, with the cell on the left.
     sides: dict[tuple[int, int, int], None] = {}
     beyond = {0: (-1, 0), 1: (0, 1), 2: (1, 0), 3: (0, -1)}
@@ -62,7 +62,7 @@ def _traced(free: Bool[np.ndarray, "rows columns"]) -> list[Outline]:
 def _next(
     free: Bool[np.ndarray, "rows columns"], row: int, column: int, direction: int
 ) -> tuple[int, int, int]:
-    """The side that follows: of this cell, of the one ahead, or of the one that is in the way."""
+    """The next side: of this cell, of the one ahead, or of the one diagonally ahead."""
     ahead = row + _TOWARDS[direction][0], column + _TOWARDS[direction][1]
     if not free[ahead]:
         return row, column, (direction + 1) % 4
@@ -74,7 +74,7 @@ def _next(
 
 
 def _straightened(line: Outline, tolerance: float) -> Outline:
-    """Leave out corners as Douglas and Peucker do, between two that are far apart."""
+    """Simplify by Douglas and Peucker's algorithm, between two corners that are far apart."""
     points = line.points
     far = int(np.argmax(((points - points[0]) ** 2).sum(axis=1)))
     kept = {0, far}
@@ -91,7 +91,7 @@ def _straightened(line: Outline, tolerance: float) -> Outline:
             kept.add(middle)
             waiting += [(first, middle), (middle, last)]
     order = sorted(kept)
-    if len(order) < 3:  # A thin outline needs an area.
+    if len(order) < 3:  # A thin outline must keep an area.
         order = list(range(len(points)))
     return Outline(points[order], line.cells[order])
 

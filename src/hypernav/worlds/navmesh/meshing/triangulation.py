@@ -16,14 +16,14 @@ def fill(
 ) -> tuple[Float64[np.ndarray, "m k"], Int64[np.ndarray, "t 3"]]:
     """Triangles that fill closed lines.
 
-    A side that Delaunay's triangulation of the points lacks is halved until it has all of them.
+    A side that is missing in the Delaunay triangulation is halved until all parts are in it.
 
     Args:
         points: Points; the first two columns are x and y, the others are interpolated.
-        sides: Sides of the lines as numbers of points; what is inside lies on their left.
+        sides: Sides of the lines as numbers of points; the inside is on their left.
 
     Returns:
-        The points with those that were added, and the triangles, against the clock.
+        All points, including added ones, and the triangles, counter-clockwise.
 
     Raises:
         NavmeshError: Two sides cross.
@@ -47,12 +47,12 @@ def fill(
 def _inside(
     mesh: Delaunay, points: Float64[np.ndarray, "n k"], sides: Int64[np.ndarray, "s 2"]
 ) -> Int64[np.ndarray, "t 3"]:
-    """The triangles on the left of the sides, and all that can be reached without crossing one."""
+    """The triangles on the left of the sides, and all that are reachable without crossing one."""
     triangles = mesh.simplices.astype(np.int64)
     a, b, c = (points[triangles[:, i], :2] for i in range(3))
     areas = ((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]) / 2.0
     triangles = np.where(areas[:, None] < 0.0, triangles[:, ::-1], triangles)
-    # Points in a row may make triangles without area at the rim.
+    # Points on a line may make triangles without area at the border.
     triangles = triangles[np.abs(areas) > _LEAST_AREA_M2]
     number = len(points)
     along = {a * number + b for a, b in sides.tolist()}
@@ -103,13 +103,13 @@ def join(
 
 
 def _joined(left: list[int], right: list[int], a: int, b: int) -> list[int]:
-    """Two polygons without the side from a to b, which is the left one's, between them."""
+    """Two polygons merged at the side from a to b of the left one."""
     i, j = left.index(b), right.index(a)
     return [*left[i:], *left[:i], *right[j + 1 :], *right[:j]][: len(left) + len(right) - 2]
 
 
 def _is_convex(plane: Float64[np.ndarray, "n 2"], corners: list[int]) -> bool:
-    """Whether corners make a convex polygon that a tile has room for."""
+    """Whether corners make a convex polygon with at most as many corners as a tile allows."""
     if len(corners) > VERTICES_PER_POLYGON or len(set(corners)) < len(corners):
         return False
     around = plane[corners]

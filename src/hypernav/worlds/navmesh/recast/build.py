@@ -1,4 +1,4 @@
-"""Navigation meshes from triangles: one stage of Recast after the other."""
+"""Navigation meshes from triangles: runs the stages of Recast."""
 
 import math
 from typing import NamedTuple
@@ -35,7 +35,7 @@ _MOST_CORNERS = 0xFFFE
 
 
 class _Polygons(NamedTuple):
-    """Polygons as Recast makes them.
+    """Polygons of Recast.
 
     Attributes:
         vertices: Column x, height in voxels, column z.
@@ -55,12 +55,12 @@ def compute_navmesh(
 
     Args:
         vertices: Positions in Habitat's frame, metres; they also set the bounds.
-        triangles: Vertex numbers, counter-clockwise seen from the side that can be stood on. Where
-            surfaces touch, their order counts.
+        triangles: Vertex numbers, counter-clockwise seen from the walkable side. Where surfaces
+            touch, the order of triangles matters.
         settings: Record of type `SETTINGS`, see `settings_for`.
 
     Returns:
-        The content of the file; only its links are left to those who load it.
+        The content of the file; only its links are made at loading.
 
     Raises:
         NavmeshError: There is nothing to walk on, or more than a mesh can hold.
@@ -165,7 +165,7 @@ def _file(
         "details": details,
         "detail_vertices": points[is_extra],
         "detail_triangles": triangles,
-        # Detour leaves room for one node more than it needs.
+        # Detour reserves space for one node more than it needs.
         "tree": np.concatenate([search_tree(low, high), np.zeros(1, TREE_NODE)]),
     }
     return file_of_tile(header, arrays, settings)

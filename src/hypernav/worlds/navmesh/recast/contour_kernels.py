@@ -1,8 +1,8 @@
 """Outlines of regions, traced and simplified (numba kernels), as ``RecastContour.cpp``.
 
-A corner is a row of column x, height in voxels, column z, and what lies beyond the side that
-begins there: the region's number, and `AREA_BORDER` where the robot could walk but for its radius.
-Outlines that run the other way round are holes.
+A corner is a row of column x, height in voxels, column z, and what is beyond the side that begins
+there: the region's number, with `AREA_BORDER` where only the robot's radius prevents walking.
+Outlines of opposite direction are holes.
 """
 
 import numpy as np
@@ -25,8 +25,9 @@ def trace_contours(space, regions, most_error, longest):
     Args:
         space: Open space, eroded.
         regions: Region of every span.
-        most_error: Columns by which a simplified outline may leave the true one, single precision.
-        longest: Columns that a side along a wall may be long.
+        most_error: Columns by which a simplified outline may differ from the true one, single
+            precision.
+        longest: Largest length of a side along a wall, columns.
 
     Returns:
         Corners of all outlines, first corner of every outline with the number of corners, and the
@@ -58,7 +59,7 @@ def trace_contours(space, regions, most_error, longest):
 
 @njit(cache=True, nogil=True)
 def _open_sides(space, regions):
-    """For every span the sides, as bits, beyond which there is another region or none."""
+    """For every span a bit for each side beyond which there is another region or none."""
     flags = np.zeros(len(regions), dtype=np.uint8)
     for i in range(len(regions)):
         if regions[i] == 0:
@@ -117,7 +118,7 @@ def _corner_height(space, i, direction):
 
 @njit(cache=True, nogil=True)
 def _simplified(raw, most_error, longest):
-    """Fewer corners, those between regions among them; with what lies beyond each side."""
+    """Simplified corners, including those between regions, with what is beyond each side."""
     count = len(raw)
     chosen = np.empty(count + 2, dtype=np.int64)
     length = _first_corners(raw, chosen)
@@ -180,7 +181,7 @@ def _is_before(a, b):
 def _farthest(raw, a, b, most_error):
     """The true corner farthest from a side, if too far; -1 if none. Only sides along borders."""
     count = len(raw)
-    # Neighbours trace a common side in opposite directions and have to agree.
+    # Neighbours trace a common side in opposite directions and must get the same result.
     step, begin, end = 1, a, b
     if not _is_before(raw[a], raw[b]):
         step, begin, end = count - 1, b, a
@@ -226,7 +227,7 @@ def _middle(raw, a, b, longest):
 
 @njit(cache=True, nogil=True)
 def _without_equal(corners):
-    """Drop corners that lie where the next one does."""
+    """Drop corners at the same position as the next one."""
     length = len(corners)
     k = 0
     while k < length:

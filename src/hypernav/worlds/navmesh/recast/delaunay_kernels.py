@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 
 _OPEN = -1
-"""A face of an edge that is not known yet."""
+"""Marks a face of an edge that is not known yet."""
 _HULL = -2
 _NONE = -1
 _LEAST_CROSS = np.float32(1e-5)
@@ -33,7 +33,7 @@ def triangles_of_hull(vertices, hull, corners):
     Args:
         vertices: All vertices.
         hull: Numbers of those on the hull, in order.
-        corners: Number of the polygon's own corners, which come first of the vertices.
+        corners: Number of the polygon's own corners, which come first among the vertices.
     """
     count = len(hull)
     start, left, right = 0, 1, count - 1
@@ -96,7 +96,7 @@ def _find(edges, count, a, b):
 
 @njit(cache=True, nogil=True)
 def _add(edges, count, a, b, face):
-    """Add an edge with the face on its left, unless it is there or there is no room."""
+    """Add an edge with the face on its left, unless it exists or there is no space."""
     if count == len(edges) or _find(edges, count, a, b) != _NONE:
         return count
     edges[count, 0], edges[count, 1], edges[count, 2], edges[count, 3] = a, b, face, _OPEN

@@ -39,8 +39,8 @@ def detail_meshes(space, regions, vertices, polygons, owner, origin, cell, heigh
         cell: Side of a column, metres.
         height: Height of a voxel, metres.
         spacing: Distance of samples, metres.
-        error: Greatest accepted error of a height, metres; and columns around a sample in which a
-            height is looked for.
+        error: Largest accepted error of a height, metres; and columns around a sample in which a
+            height is searched.
 
     Returns:
         Vertices of all detail meshes in Habitat's frame, those of the polygon first of each; first
@@ -120,7 +120,7 @@ def _sampled_side(outline, first, last, points, count, hull, hulled, heights, sp
         The number of vertices, and of those on the hull.
     """
     a, b = outline[first], outline[last]
-    # Polygons on both sides have to agree.
+    # Polygons on both sides must get the same result.
     swapped = a[2] > b[2] if abs(a[0] - b[0]) < _SAME else a[0] > b[0]
     if swapped:
         a, b = b, a
@@ -200,7 +200,7 @@ def _to_segment_in_plane(x, z, a, b):
 
 @njit(cache=True, nogil=True)
 def _extent(outline):
-    """The least width of a polygon."""
+    """The smallest width of a polygon."""
     least = _FARTHEST
     count = len(outline)
     for i in range(count):
@@ -266,7 +266,7 @@ def _jitter(i, factor):
 
 @njit(cache=True, nogil=True)
 def _worst_sample(samples, points, triangles, cell, height, spacing, most_error):
-    """The sample whose height is farthest from the triangles', if that is too far."""
+    """The sample whose height differs most from the triangles', if by too much."""
     worst, gap = _NONE, _ZERO
     for i in range(len(samples)):
         if samples[i, 1] == _NONE:
@@ -283,7 +283,7 @@ def _worst_sample(samples, points, triangles, cell, height, spacing, most_error)
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _height_gap(p, a, b, c):
-    """Distance in height of a point to a triangle; the greatest number beside it."""
+    """Distance in height of a point to a triangle; the largest number beside the triangle."""
     ux, uy, uz = c[0] - a[0], c[1] - a[1], c[2] - a[2]
     vx, vy, vz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
     wx, wz = p[0] - a[0], p[2] - a[2]

@@ -1,4 +1,4 @@
-"""Solid spans that a robot can't stand on (numba kernels), as ``RecastFilter.cpp``.
+"""Filters solid spans that a robot can't stand on (numba kernels), as ``RecastFilter.cpp``.
 
 Spans are rows of lowest voxel, voxel above, and 1 where a robot can stand; column after column.
 """
@@ -8,13 +8,13 @@ from numba import njit
 
 _LOW, _HIGH, _WALKABLE = 0, 1, 2
 _OPEN = 0xFFFF
-"""Where a column's highest span has no ceiling."""
+"""Ceiling of a column's highest span, which has none."""
 _DIRECTIONS = np.array([[-1, 0], [0, 1], [1, 0], [0, -1]], dtype=np.int32)
 
 
 @njit(cache=True, nogil=True)
 def keep_low_obstacles(start, spans, climb):
-    """Let the robot stand on what lies on a walkable span and is no higher than it climbs."""
+    """Make low obstacles on walkable spans walkable if the robot can climb them."""
     for column in range(len(start) - 1):
         was_walkable = False
         for i in range(start[column], start[column + 1]):
@@ -27,7 +27,7 @@ def keep_low_obstacles(start, spans, climb):
 
 @njit(cache=True, nogil=True)
 def drop_ledges(start, spans, width, height, climb):
-    """Take away spans beside a drop, or on a slope, that is more than the robot climbs."""
+    """Make spans not walkable beside a drop, or on a slope, that the robot can't climb."""
     depth = (len(start) - 1) // width
     for z in range(depth):
         for x in range(width):
@@ -41,7 +41,7 @@ def drop_ledges(start, spans, width, height, climb):
 
 @njit(cache=True, nogil=True)
 def drop_low_ceilings(start, spans, height):
-    """Take away spans over which there is less room than the robot is high."""
+    """Make spans not walkable if the robot is too high for the space above them."""
     for column in range(len(start) - 1):
         for i in range(start[column], start[column + 1]):
             if _ceiling(spans, i, start[column + 1]) - spans[i, _HIGH] < height:
@@ -66,7 +66,7 @@ def _is_ledge(start, spans, i, x, z, width, depth, height, climb):
             continue
         column = nx + nz * width
         begin, end = start[column], start[column + 1]
-        # From below everything to the first span.
+        # from minus infinity to the first span
         gap_top = spans[begin, _LOW] if begin < end else _OPEN
         if min(ceiling, gap_top) - max(floor, -climb) > height:
             drop = min(drop, -climb - floor)

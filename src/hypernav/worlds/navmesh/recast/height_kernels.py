@@ -21,7 +21,7 @@ _SHIFT = np.float32(0.01)
 
 @njit(cache=True, nogil=True)
 def height_patch(space, regions, region, vertices, corners):
-    """Heights over a polygon's box: those of its region, grown to what can be walked to from there.
+    """Heights over a polygon's box: those of its region, extended to connected spans.
 
     Args:
         space: Open space, eroded.
@@ -76,7 +76,7 @@ def height_patch(space, regions, region, vertices, corners):
 
 @njit(cache=True, nogil=True)
 def height_at(patch, x_low, z_low, x, y, z, per_cell, cell_height, reach):
-    """Height at a point, voxels; if unset there, of the entries around it that nearest to its own.
+    """Height at a point, voxels; if unset, that of the nearest height among entries around it.
 
     Args:
         patch: The patch.
@@ -87,7 +87,7 @@ def height_at(patch, x_low, z_low, x, y, z, per_cell, cell_height, reach):
         z: As x.
         per_cell: Columns per metre.
         cell_height: Height of a voxel, metres.
-        reach: Columns up to which others are asked.
+        reach: Columns within which other entries are searched.
     """
     column = math.floor(x * per_cell + _SHIFT) - x_low
     row = math.floor(z * per_cell + _SHIFT) - z_low
@@ -98,7 +98,7 @@ def height_at(patch, x_low, z_low, x, y, z, per_cell, cell_height, reach):
         if height != UNSET:
             return height
         nearest = _FARTHEST
-        # Around the ring in the order of Recast, which decides between equal ones.
+        # Around the ring in the order of Recast, which decides ties.
         dx, dz = ring, 1 - ring
         step_x, step_z = 0, 1
         for _ in range(8 * ring):
@@ -146,7 +146,7 @@ def _span_at_middle(space, points, patch, x_low, z_low):
         if x == middle_x and z == middle_z:
             break
         straight = (1 if middle_z > z else 3) if x == middle_x else 2 if middle_x > x else 0
-        # The last one that is put onto the stack is the next one taken.
+        # The last one pushed onto the stack is the next one popped.
         directions[straight], directions[3] = directions[3], directions[straight]
         for direction in directions:
             beside = space.neighbours[i, direction]

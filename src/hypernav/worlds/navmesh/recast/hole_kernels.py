@@ -27,8 +27,8 @@ def join_holes(corners, start, owner, regions):
         regions: Number of regions.
 
     Returns:
-        Corners, first corner and number of corners of every contour; a hole has none left, unless
-        no bridge to it was found.
+        Corners, first corner and number of corners of every contour; a joined hole has no corners
+        of its own.
     """
     count = len(owner)
     begin, length = start[:-1].copy(), start[1:] - start[:-1]
@@ -47,7 +47,7 @@ def join_holes(corners, start, owner, regions):
 
 @njit(cache=True, nogil=True)
 def _runs_back(corners):
-    """Whether a contour is a hole's; one of a single column's area, or less, never is."""
+    """Whether a contour is that of a hole; one with the area of a column or less never is."""
     area = 0
     for k in range(len(corners)):
         area += corners[k, 0] * corners[k - 1, 2] - corners[k - 1, 0] * corners[k, 2]
@@ -83,7 +83,7 @@ def _join(corners, begin, length, outline, holes):
 
 @njit(cache=True, nogil=True)
 def _bridge(corners, begin, length, outline, holes, k, best, nearest):
-    """The nearest corner of the outline that is seen from a corner of a hole."""
+    """The nearest corner of the outline that is visible from a corner of a hole."""
     corner = corners[begin[holes[k]] + best]
     count = length[outline]
     line = corners[begin[outline] : begin[outline] + count]
@@ -97,7 +97,7 @@ def _bridge(corners, begin, length, outline, holes, k, best, nearest):
     order = np.argsort(gaps[:found], kind="mergesort")
     nearest[:found] = candidates[:found][order]
     for j in range(found):
-        # Recast leaves out the sides at the k-th nearest corner, whichever corner it tries.
+        # Recast always ignores the sides at the k-th nearest corner, whichever corner it tries.
         blocked = _is_blocked(line[nearest[j]], corner, nearest[k], line)
         for other in holes[k:]:
             if not blocked:

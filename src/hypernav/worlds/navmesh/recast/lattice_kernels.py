@@ -1,4 +1,4 @@
-"""Plane geometry on whole numbers (numba kernels), as ``RecastContour.cpp`` and ``RecastMesh.cpp``.
+"""Plane geometry on integers (numba kernels), as ``RecastContour.cpp`` and ``RecastMesh.cpp``.
 
 Points are rows whose first and third number are x and z. "Left" is seen with z downwards, which is
 the inner side of an outline as it is traced here.
@@ -59,7 +59,7 @@ def is_in_cone(before, corner, after, point):
 
 @njit(cache=True, nogil=True)
 def is_in_closed_cone(before, corner, after, point):
-    """The same, with the sides of a convex corner."""
+    """The same, including the sides of a convex corner."""
     if area2(before, corner, after) <= 0:
         return area2(corner, point, before) <= 0 and area2(point, corner, after) <= 0
     return not (area2(corner, point, after) <= 0 and area2(point, corner, before) <= 0)

@@ -11,20 +11,20 @@ from jaxtyping import Bool, Int32
 from numba import njit
 
 NOTHING = -1
-"""A neighbour that there is none of."""
+"""Marks a missing neighbour."""
 
 _LOW, _HIGH, _WALKABLE = 0, 1, 2
 _OPEN = 0xFFFF
 _MOST_ROOM = 0xFF
 _MOST_LAYERS = 63
-"""Spans of a column that its neighbours can be linked to."""
+"""Largest number of spans of a column that can be linked."""
 _FAR = 0xFFFF
 _STRAIGHT, _DIAGONAL = 2, 3
 _DIRECTIONS = np.array([[-1, 0], [0, 1], [1, 0], [0, -1]], dtype=np.int32)
 
 
 class OpenSpace(NamedTuple):
-    """Spans of open space, column after column, each from below.
+    """Spans of open space, column after column, each from bottom to top.
 
     Attributes:
         width: Columns along x.
@@ -101,7 +101,7 @@ def erode(space, radius):
 def smooth_distances(space):
     """Distance of every span to a border, smoothed, and the greatest before smoothing.
 
-    In half columns; the inner ones of what was eroded have a distance as well.
+    In half columns; inner eroded spans have a distance as well.
     """
     distance = _distances(space, _FAR)
     smooth = distance.copy()

@@ -7,11 +7,11 @@ from hypernav.worlds.navmesh.recast.lattice_kernels import area2, squared_gap
 from hypernav.worlds.navmesh.recast.triangulation_kernels import triangulate
 
 MOST_CORNERS = 6
-"""Corners that a polygon may have."""
+"""Largest number of corners of a polygon."""
 _NONE = -1
 _BUCKETS = 1 << 12
 _SAME_HEIGHT = 2
-"""Voxels by which two corners at the same place may differ to be one."""
+"""Largest difference in height, voxels, of two corners at one position that are merged."""
 
 
 @njit(cache=True, nogil=True)
@@ -154,7 +154,8 @@ def _size(polygon):
 def _common_side(one, other, vertices):
     """The squared length of the side over which two polygons can be joined, and its numbers.
 
-    The length is -1 if there is none, or if the polygon had too many corners or were not convex.
+    The length is -1 if there is none, or if the merged polygon would have too many corners or would
+    not be convex.
     """
     n, m = _size(one), _size(other)
     if n + m - 2 > MOST_CORNERS:

@@ -11,7 +11,7 @@ from numba import njit
 _ONE = np.float32(1.0)
 _ZERO = np.float32(0.0)
 _HIGHEST = 8191
-"""Voxels above each other that a span can count."""
+"""Largest height of a span, voxels."""
 _MOST_CORNERS = 12
 _X, _Z = 0, 2
 _LOW, _HIGH, _WALKABLE, _NEXT = 0, 1, 2, 3
@@ -19,7 +19,7 @@ _LOW, _HIGH, _WALKABLE, _NEXT = 0, 1, 2, 3
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def walkable_triangles(vertices, triangles, least_up):
-    """Whether the upward part of each triangle's unit normal is more than this."""
+    """Whether the upward component of each triangle's unit normal is above a limit."""
     walkable = np.zeros(len(triangles), dtype=np.bool_)
     for i in range(len(triangles)):
         a, b, c = vertices[triangles[i, 0]], vertices[triangles[i, 1]], vertices[triangles[i, 2]]
@@ -37,13 +37,13 @@ def rasterize(vertices, triangles, walkable, bounds, width, depth, cell, cell_he
     Args:
         vertices: Corners, Habitat's frame, metres, single precision.
         triangles: Vertex numbers.
-        walkable: Whether a robot can stand on each triangle, as far as its slope tells.
+        walkable: Whether each triangle's slope is walkable.
         bounds: Lowest and highest corner of the voxels, metres.
         width: Columns along x.
         depth: Columns along z.
         cell: Side of a column, metres.
         cell_height: Height of a voxel, metres.
-        climb: Voxels that the robot climbs; tops no farther apart count as one surface.
+        climb: Voxels that the robot climbs; tops within that distance count as one surface.
 
     Returns:
         First span of every column and the number of spans, and per span, from below: lowest voxel,
@@ -153,7 +153,7 @@ def _split(points, count, near, far, border, axis):
 
 @njit(cache=True, nogil=True)
 def _insert(first, spans, column, new, free, climb):
-    """Put a span into its column, joined with those that it touches; returns the free spans."""
+    """Insert a span into its column, merged with those that it touches; returns the free spans."""
     before, span = -1, first[column]
     while span >= 0 and spans[span, _LOW] <= spans[new, _HIGH]:
         after = spans[span, _NEXT]

@@ -1,7 +1,7 @@
-"""Regions joined with their neighbours, or dropped, where they are small (numba kernels).
+"""Merges small regions with their neighbours, or drops them (numba kernels).
 
-As ``mergeAndFilterRegions``. Lists of all regions lie in one pool: each has a beginning and a
-length, and one that grows moves to the end.
+As ``mergeAndFilterRegions``. Lists of all regions are in one pool: each has a beginning and a
+length, and a list that grows moves to the end.
 """
 
 import numpy as np
@@ -10,20 +10,20 @@ from numba import njit
 from hypernav.worlds.navmesh.recast.open_space_kernels import NOTHING
 
 _MOST_EDGES = 40_000
-"""Edges of an outline that are looked at."""
+"""Largest number of edges of an outline that are followed."""
 _LARGEST = 0xFFFFFFF
 
 
 @njit(cache=True, nogil=True)
 def join_regions(space, regions, count, least, mergeable):
-    """Number the regions anew, without those that are too small.
+    """Renumber the regions, without those that are too small.
 
     Args:
         space: Open space, eroded.
-        regions: Region of every span; written anew.
+        regions: Region of every span; changed in place.
         count: Number of regions with region 0.
-        least: Spans that connected regions must have together to stay.
-        mergeable: Spans up to which a region is joined with a neighbour.
+        least: Smallest number of spans of connected regions together.
+        mergeable: Largest number of spans of a region that is merged with a neighbour.
 
     Returns:
         The number of regions without region 0.
@@ -84,7 +84,7 @@ def _append(lists, region, values):
 
 @njit(cache=True, nogil=True)
 def _floors(space, regions, count, overlaps):
-    """Regions above and below every region; marks those that lie above themselves."""
+    """Regions above and below every region; marks those that overlap themselves."""
     pairs = np.empty(1024, dtype=np.int64)
     used = 0
     for column in range(len(space.start) - 1):
@@ -213,7 +213,7 @@ def _partner(borders, floors, sizes, ids, overlaps, region):
 
 @njit(cache=True, nogil=True)
 def _fits(borders, floors, region, other):
-    """Whether another region touches this one at most once and lies nowhere above or below it."""
+    """Whether another region touches this one at most once and is nowhere above or below it."""
     touches = (_list(borders, region) == other).sum()
     return touches <= 1 and not (_list(floors, region) == other).any()
 
@@ -269,7 +269,7 @@ def _replace(borders, floors, region, old, new):
 
 @njit(cache=True, nogil=True)
 def _renumber(regions, ids):
-    """Number the regions without gaps, in the order of the first of those that were joined."""
+    """Renumber the regions without gaps, in the order of the first of the merged regions."""
     number = np.zeros(len(ids), dtype=np.int32)
     used = 0
     for region in range(len(ids)):

@@ -10,10 +10,10 @@ _HALF_ANGLE = np.float32(0.70710683)
 
 
 def habitat_vertices(scene: Scene) -> Float32[np.ndarray, "v 3"]:
-    """All vertices of a scene in Habitat's frame, metres, as habitat-sim has them.
+    """All vertices of a scene in Habitat's frame, metres, equal to habitat-sim's.
 
-    A scan is stored z up. habitat-sim turns it by a matrix in single precision that is not quite a
-    rotation (``CoordinateFrame::rotationFrameToWorld``); now and then that decides about a voxel.
+    A scan is stored z up. habitat-sim turns it by a matrix in single precision that is not exactly
+    a rotation (``CoordinateFrame::rotationFrameToWorld``), which sometimes changes a voxel.
     """
     x, y, z = scene.vertices.T
     if not scene.stored_z_up:

@@ -1,4 +1,4 @@
-"""Outlines cut into triangles by their ears (numba kernels), as ``triangulate`` of ``RecastMesh``.
+"""Triangulates outlines by ear clipping (numba kernels), as ``triangulate`` of ``RecastMesh``.
 
 Corners are rows as in `contour_kernels`.
 """
@@ -21,7 +21,7 @@ def triangulate(corners):
     """Cut an outline into triangles, the ear with the shortest cut first.
 
     Returns:
-        Corners of every triangle; less triangles where the outline runs over itself.
+        Corners of every triangle; fewer triangles if the outline overlaps itself.
     """
     left = len(corners)
     numbers = np.arange(left)
@@ -63,9 +63,9 @@ def _shortest_ear(corners, numbers, ears, left):
 
 @njit(cache=True, nogil=True)
 def _loose_ear(corners, numbers, left):
-    """An ear where sides may overlap, by the length to the corner behind the cut, as Recast has it.
+    """An ear whose sides may overlap, by the length to the corner behind the cut, as in Recast.
 
-    This happens where an outline runs over itself.
+    Needed where an outline overlaps itself.
     """
     best, shortest = -1, -1
     for i in range(left):
@@ -106,7 +106,7 @@ def _is_loose_diagonal(corners, numbers, left, i, j):
 
 @njit(cache=True, nogil=True)
 def _is_beside(left, i, j, k, a, b, p, q):
-    """Whether the k-th side, from p to q, begins or ends at an end of a line, so that it may."""
+    """Whether the k-th side, from p to q, shares an end with a line, so that it may touch it."""
     after = (k + 1) % left
     if k in (i, j) or after in (i, j):
         return True

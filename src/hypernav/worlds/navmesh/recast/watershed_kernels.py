@@ -10,7 +10,7 @@ from hypernav.worlds.navmesh.recast.open_space_kernels import NOTHING
 
 _STACKS = 8
 _STEPS = 8
-"""Steps that regions grow at each level before new ones begin."""
+"""Number of steps by which regions grow at each level before new ones begin."""
 _FAR = 0xFFFF
 
 
@@ -42,7 +42,7 @@ def watershed(space, distance, greatest):
         if turn == 0:
             _by_level(space, distance, regions, level, cells, bounds)
             left = 0
-        # This level's own spans come first, then those that the level before has left.
+        # This level's spans come first, then those left over from the level before.
         own = bounds[turn + 1] - bounds[turn]
         remaining = stack[:left].copy()
         size = 0
@@ -94,7 +94,7 @@ def _by_level(space, distance, regions, level, cells, bounds):
 
 @njit(cache=True, nogil=True)
 def _expand(space, regions, gaps, stack, size, changed, steps):
-    """Grow regions over the spans of a stack, one step after the other; -1 for as many as it takes.
+    """Grow regions over the spans of a stack for a number of steps; -1 for as many as needed.
 
     Spans that have got a region are replaced by `NOTHING`.
     """

@@ -1,4 +1,4 @@
-// The camera image, with what was seen in it.
+// The camera image with detections.
 
 import { COLORS } from "./vocabulary.js";
 

@@ -1,4 +1,4 @@
-// What the operator says: a goal for a robot that waits, and STOP.
+// The operator's controls: a goal for a waiting robot, and STOP.
 
 import { Refused, getJson, pause, post, rememberToken, connection } from "./server.js";
 import { element } from "./elements.js";
@@ -80,7 +80,7 @@ function waitingWords(robots, free) {
   return "No robot waits for a goal.";
 }
 
-/** The button that always wins: pressed once, it is sent until the server has it. */
+/** The STOP button: pressed once, it is sent until the server has confirmed it. */
 export function armStop() {
   const button = byId("stop");
   const alarm = byId("alarm");
@@ -113,7 +113,7 @@ export function armStop() {
   });
 }
 
-/** Asks for the token when the server does. */
+/** Asks for the token when the server requires it. */
 export function armToken() {
   const dialog = byId("token-dialog");
   const words = byId("token-words");

@@ -33,12 +33,12 @@ export class Follower {
         const status = await this.get(query, { waitMs: WAIT_S * 1000 });
         await this.update(status);
         version = status.version;
-        // Nothing changes any more.
+        // The search is over.
         if (status.state === "ended") return;
       } catch (error) {
         if (this.ended.signal.aborted) return;
         if (error instanceof Refused && error.status === 404) return;
-        version = -1; // a server that was started again counts from 0
+        version = -1; // a restarted server counts from 0
         await pause(RETRY_MS);
       }
       await pause(Math.max(SHORTEST_ROUND_MS - (performance.now() - began), 0));

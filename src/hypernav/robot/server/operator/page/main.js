@@ -98,7 +98,7 @@ function driven(steps, last) {
 let imageShown = null;
 let isFetching = false;
 
-/** Images come one after the other; those that are late are passed over. */
+/** Images come one after the other; late ones are skipped. */
 async function showCamera(from, step) {
   if (isFetching || imageShown === step) return;
   isFetching = true;

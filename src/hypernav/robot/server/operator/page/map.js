@@ -1,4 +1,4 @@
-// The map from above, with the robot and what it is about.
+// The map from above, with the robot and its plan.
 
 import { COLORS } from "./vocabulary.js";
 

@@ -53,11 +53,11 @@ export async function request(path, { method = "GET", body, waitMs = 0, signal }
 
 export const getJson = async (path, options) => parse(await (await request(path, options)).text());
 
-// Controls, and changes of the reading direction: shown, not obeyed.
+// Control characters and changes of the reading direction are made visible.
 const OBEYED = /[\u0000-\u0009\u000b-\u001f\u007f-\u009f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]/g;
 const escaped = (sign) => `\\u${sign.charCodeAt(0).toString(16).padStart(4, "0")}`;
 
-/** JSON of the server, whose texts may come from strangers. */
+/** JSON of the server, whose texts may come from outside. */
 export const parse = (text) => JSON.parse(text, (_, value) => (typeof value === "string" ? value.replace(OBEYED, escaped) : value));
 export const post = (path, body) => getJson(path, { method: "POST", body });
 

@@ -28,7 +28,7 @@ export class Timeline {
     return this.isLive ? this.steps.length - 1 : Math.min(Number(this.slider.value), this.steps.length - 1);
   }
 
-  /** Begin anew, with another search. */
+  /** Starts again with another search. */
   reset() {
     this.isLive = true;
     this.steps = [];
