@@ -61,7 +61,7 @@ def _is_large(parts: Sequence[NamedPart]) -> bool:
 
 def _as_one(thing: _Thing, taken: dict[str, int]) -> Iterator[MeshPart]:
     names = thing.parts[0].names
-    node = unique_name("/".join(names[: thing.level]), taken)
+    node = unique_name("/".join(name for name in names[: thing.level] if name), taken)
     within = names[thing.level - 1 :]
     telling = next((name for name in within if is_meaningful(name)), names[thing.level - 1])
     for item in thing.parts:

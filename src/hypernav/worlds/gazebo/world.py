@@ -30,7 +30,7 @@ from hypernav.worlds.scenes.scene import Material
 from hypernav.worlds.scenes.scene_assembly import MeshPart, placed
 
 _MOST_BYTES = 100_000_000
-_MOST_PARTS, _DEEPEST = 20_000, 20
+_MOST_MODELS, _MOST_PARTS, _DEEPEST = 10_000, 50_000, 20
 _BYTES_PER_TRIANGLE = 150
 _INVISIBLE = 0.95
 _GROUND, _SUN = "ground_plane", "sun"
@@ -107,6 +107,7 @@ class _World:
         self._names: dict[str, int] = {}
         self._moved: dict[str, Matrix] = {}
         self._plain = self.meshes.add(_PLAIN)
+        self._models = 0
 
     def read(self) -> None:
         root = self._document(self._file.path)
@@ -140,6 +141,9 @@ class _World:
         self, element: ElementTree.Element, parent: ElementTree.Element, place: _Place
     ) -> None:
         """Show a model or an included one; a broken one is left out and named."""
+        self._models += 1
+        if self._models > _MOST_MODELS:
+            raise OSError(errno.EFBIG, f"it has more than {_MOST_MODELS:,} models")
         uri = (element.findtext("uri") or "").strip() if element.tag == "include" else ""
         name = element.get("name") or element.findtext("name") or _last_of(uri) or "model"
         if not place.names:
@@ -185,7 +189,7 @@ class _World:
         kind = _last_of(uri).lower().replace(" ", "_")
         if kind == _GROUND:
             ground = replace(endless_ground(), material=self._plain)
-            self._add(ground, place.within(_GROUND, matrix), _GROUND)
+            self._add(ground, place.within(name, matrix), "")
         elif kind != _SUN:
             raise ValueError(f"no model {_last_of(uri):.40}")
 
@@ -254,9 +258,10 @@ class _World:
             corners = np.concatenate([part.vertices for part in chosen])
             middle = (corners.min(axis=0) + corners.max(axis=0)) / 2.0
             matrix[:3, 3] = -matrix[:3, :3] @ middle
+        to_scene = place.to_scene @ matrix
         for part in parts:
             shown = part if material is None else replace(part, material=material)
-            self._add(placed(shown, matrix), place, part.descriptive_name)
+            self._add(shown, replace(place, to_scene=to_scene), part.descriptive_name)
 
     def _add(self, part: MeshPart, place: _Place, node: str) -> None:
         if len(self.parts) == _MOST_PARTS:

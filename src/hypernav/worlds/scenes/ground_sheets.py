@@ -14,7 +14,6 @@ from hypernav.worlds.scenes.scene_assembly import MeshPart
 
 _LEAST_SIDE_M, _MOST_HEIGHT_M = 50.0, 1.0
 _TIMES_THE_REST = 4.0
-_MARGIN_M = 0.5
 _MOST_FACES = 10_000
 
 _Corner = Float64[np.ndarray, "k"]
@@ -28,7 +27,7 @@ def are_sheets(parts: Sequence[MeshPart]) -> Bool[np.ndarray, "parts"]:
 def cut_to(
     sheet: MeshPart, low: Float64[np.ndarray, "3"], high: Float64[np.ndarray, "3"]
 ) -> MeshPart | None:
-    """A ground within half a metre of a box in the plane; None if it is no larger than fits.
+    """A ground within a box in the plane; None if it is no larger than fits.
 
     Args:
         sheet: A part that may be a ground.
@@ -39,7 +38,7 @@ def cut_to(
     size = np.ptp(corners.reshape(-1, 2), axis=0)
     if size.prod() <= _TIMES_THE_REST * (high - low)[:2].prod():
         return None
-    low, high = low[:2] - _MARGIN_M, high[:2] + _MARGIN_M
+    low, high = low[:2], high[:2]
     beyond = (corners.max(axis=1) < low).any(axis=1) | (corners.min(axis=1) > high).any(axis=1)
     rows = _rows(sheet)
     polygons = [_cut(rows[k], low, high) for k in np.flatnonzero(~beyond).tolist()]

@@ -13,12 +13,12 @@ _FILE_SUFFIX = re.compile(
 _PREFIXES = frozenset(
     {"sm", "sk", "bp", "st", "geo", "grp", "mesh", "prop", "model", "obj", "asset", "aws"}
 )
-_SETTINGS = frozenset({"residential", "retail", "hospital", "warehouse"})
+_SETTINGS = frozenset({"residential", "retail", "hospital", "warehouse", "racetrack"})
 _IDENTIFIER = re.compile(r"[0-9a-f]{8}-?(?:[0-9a-f]{4}-?){3}[0-9a-f]{12}", re.IGNORECASE)
 _TAILS = frozenset(
     """
     mesh geo geometry lod low lowpoly high highpoly poly model prop asset copy instance inst grp
-    group mat material default primitive node obj object visual collision link
+    group mat material default primitive node obj object visual collision link clone
     """.split()  # noqa: SIM905
 )
 _MEANINGLESS = frozenset(
@@ -44,7 +44,15 @@ _SIDES = frozenset(
 )
 """Words after the name of a part of the building that say which one it is."""
 _STRUCTURAL_PAIRS = frozenset(
-    {"door frame", "window frame", "skirting board", "crown molding", "door jamb", "wall panel"}
+    {
+        "door frame",
+        "window frame",
+        "skirting board",
+        "crown molding",
+        "door jamb",
+        "wall panel",
+        "ground plane",
+    }
 )
 
 
@@ -60,8 +68,9 @@ def words_of(name: str) -> tuple[str, ...]:
         words.pop()
     while len(words) > 1 and words[0] in _PREFIXES:
         words.pop(0)
-    if words[:1] == ["robomaker"] and len(words) > 1:  # aws_robomaker_residential_Sofa_01
-        words = words[1:] if words[1] not in _SETTINGS else words[2:]
+    if "robomaker" in words[:-1]:  # Amazon's worlds: aws_robomaker_residential_Sofa_01
+        words = words[words.index("robomaker") + 1 :]
+        words = words[1:] if words[0] in _SETTINGS and len(words) > 1 else words
     return tuple(words)
 
 
