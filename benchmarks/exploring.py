@@ -24,7 +24,7 @@ from hypernav.build.agents import build_search
 from hypernav.build.presets import HyPerNavConfig, preset
 from hypernav.build.scenes import load_scene
 from hypernav.core.config import layered
-from hypernav.core.episode import Episode
+from hypernav.core.episodes.episode import Episode
 from hypernav.core.geometry.boxes import Detection
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal

@@ -31,7 +31,7 @@ from hypernav.build.component_specs import (  # noqa: E402
 from hypernav.build.presets import preset  # noqa: E402
 from hypernav.build.scenes import load_scene  # noqa: E402
 from hypernav.core.config import layered  # noqa: E402
-from hypernav.core.episode import Episode  # noqa: E402
+from hypernav.core.episodes.episode import Episode  # noqa: E402
 from hypernav.core.goal import Goal  # noqa: E402
 from hypernav.worlds.episode_run import EpisodeRun  # noqa: E402
 from hypernav.worlds.simulation import SimulatedWorld  # noqa: E402

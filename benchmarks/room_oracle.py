@@ -33,9 +33,9 @@ from hypernav.build.agents import build_search
 from hypernav.build.presets import preset
 from hypernav.build.scenes import building_of, load_scene
 from hypernav.core.config import layered
-from hypernav.core.episode import Episode
+from hypernav.core.episodes.episode import Episode
+from hypernav.core.exploring.overview import Block, BlockChoice, Overview, Prospects
 from hypernav.core.goal import Goal
-from hypernav.core.overview import Block, BlockChoice, Overview, Prospects
 from hypernav.core.trace import ExchangeLog
 from hypernav.evaluation.data_sources import DATA_SOURCES, DatasetRequest
 from hypernav.houses.generator import plan_of

@@ -24,7 +24,7 @@ from hypernav.build.component_specs import ComponentSpecs, PresetName
 from hypernav.build.presets import preset
 from hypernav.build.scenes import load_scene
 from hypernav.core.config import layered
-from hypernav.core.episode import Episode
+from hypernav.core.episodes.episode import Episode
 from hypernav.core.goal import Goal
 from hypernav.worlds.episode_run import EpisodeResult, EpisodeRun
 from hypernav.worlds.simulation import SimulatedWorld

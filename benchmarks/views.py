@@ -10,7 +10,7 @@ import numpy as np
 from hypernav.build.agents import build_agent
 from hypernav.build.presets import preset
 from hypernav.build.scenes import load_scene
-from hypernav.core.episode import Episode
+from hypernav.core.episodes.episode import Episode
 from hypernav.core.goal import Goal
 from hypernav.show.video.frame import EpisodeInfo
 from hypernav.show.views.foxglove_view import McapView

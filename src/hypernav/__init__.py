@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     )
     from hypernav.core.config import RoomConfig
     from hypernav.core.embodiment import Embodiment
-    from hypernav.core.episode import Episode, Outcome
+    from hypernav.core.episodes.episode import Episode, Outcome
     from hypernav.core.errors import (
         ConfigError,
         ContractError,
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
         SensorError,
         StartError,
     )
-    from hypernav.core.exploration import Destination
+    from hypernav.core.exploring.exploration import Destination
     from hypernav.core.geometry.boxes import Box, Detection
     from hypernav.core.geometry.camera import PinholeCamera
     from hypernav.core.geometry.grid import OccupancyGrid
@@ -177,10 +177,10 @@ _MODULES = {
     "PresenceCheck": "hypernav.core.components.protocols",
     "Segmenter": "hypernav.core.components.protocols",
     "RoomConfig": "hypernav.core.config",
-    "Destination": "hypernav.core.exploration",
+    "Destination": "hypernav.core.exploring.exploration",
     "Embodiment": "hypernav.core.embodiment",
-    "Episode": "hypernav.core.episode",
-    "Outcome": "hypernav.core.episode",
+    "Episode": "hypernav.core.episodes.episode",
+    "Outcome": "hypernav.core.episodes.episode",
     "ConfigError": "hypernav.core.errors",
     "ContractError": "hypernav.core.errors",
     "GoalError": "hypernav.core.errors",

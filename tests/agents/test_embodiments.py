@@ -10,7 +10,7 @@ from hypernav.build.component_specs import PresetName
 from hypernav.build.presets import preset
 from hypernav.build.scenes import load_scene
 from hypernav.core.config import layered
-from hypernav.core.episode import Outcome
+from hypernav.core.episodes.episode import Outcome
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import Ending, ExchangeLog

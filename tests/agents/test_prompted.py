@@ -16,7 +16,7 @@ from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.native import native_config
 from hypernav.core.actions import Action
 from hypernav.core.embodiment import Embodiment, MotionConfig
-from hypernav.core.exploration import Destination
+from hypernav.core.exploring.exploration import Destination
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import Ending, ExchangeLog, without_timings

@@ -11,7 +11,7 @@ from hypernav.build.agents import build_search
 from hypernav.build.component_specs import PresetName
 from hypernav.core.actions import Action
 from hypernav.core.components.protocols import Agent, ExplainsItself
-from hypernav.core.episode import Outcome
+from hypernav.core.episodes.episode import Outcome
 from hypernav.core.errors import WorldError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal

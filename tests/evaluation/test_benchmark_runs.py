@@ -13,7 +13,7 @@ from hypernav.cli.agent_options import AgentOptions
 from hypernav.cli.eval import config_of, plan_of
 from hypernav.cli.eval_options import Options
 from hypernav.cli.main import main
-from hypernav.core.episode import Outcome
+from hypernav.core.episodes.episode import Outcome
 from hypernav.core.errors import EpisodeError
 from hypernav.evaluation.datasets import load_episodes, select
 from hypernav.evaluation.report.report_text import warnings

@@ -16,13 +16,13 @@ import cv2
 import numpy as np
 import pytest
 
-from hypernav.core.arrows import TURN_AROUND, ArrowChoice, ArrowView
 from hypernav.core.chat import Question
+from hypernav.core.exploring.arrows import TURN_AROUND, ArrowChoice, ArrowView
+from hypernav.core.exploring.guidance import GuideChoice, GuideView
+from hypernav.core.exploring.overview import Block, Overview
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.goal import Goal
-from hypernav.core.guidance import GuideChoice, GuideView
 from hypernav.core.observation import Observation
-from hypernav.core.overview import Block, Overview
 from hypernav.core.trace import ExchangeLog
 from hypernav.models.chat.vlm_families import family_named
 from hypernav.perception.explorers.vlm_reasoner import VlmReasoner

@@ -3,7 +3,7 @@ import math
 import pytest
 
 from hypernav.core.actions import Action
-from hypernav.core.episode import Outcome
+from hypernav.core.episodes.episode import Outcome
 from hypernav.core.errors import StartError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.worlds.episode_run import EpisodeRun

@@ -18,10 +18,10 @@ from hypernav.core.components.protocols import ArrowReasoner, ChatModel, Explore
 from hypernav.core.config import RoomConfig
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import WorldError
-from hypernav.core.exploration import Destination, ExplorationView
+from hypernav.core.exploring.exploration import Destination, ExplorationView
+from hypernav.core.exploring.insight import Insight
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.goal import Goal
-from hypernav.core.insight import Insight
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending, ExchangeLog, Mode, StepTrace
 from hypernav.mapping.config import MappingConfig

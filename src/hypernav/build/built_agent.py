@@ -15,7 +15,7 @@ from hypernav.core.components.abilities import (
     warning_of,
 )
 from hypernav.core.components.protocols import Agent, Detector, Guide, SceneScorer, Segmenter
-from hypernav.core.episode_truth import EpisodeTruth
+from hypernav.core.episodes.truth import EpisodeTruth
 from hypernav.core.goal import Goal
 from hypernav.models.chat.ledger import Ledger
 

@@ -7,7 +7,7 @@ from hypernav.build.built_agent import BuiltAgent
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.scenes import load_scene
 from hypernav.core.components.protocols import Agent
-from hypernav.core.episode import MAX_STEPS, Episode
+from hypernav.core.episodes.episode import MAX_STEPS, Episode
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.worlds.episode_run import EpisodeRun

@@ -21,9 +21,9 @@ from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.terminal import Terminal
 from hypernav.cli.warnings_shown import warnings_on
 from hypernav.core.config import MOST_THREADS, check_option
-from hypernav.core.episode import MAX_STEPS, Episode
+from hypernav.core.episodes.episode import MAX_STEPS, Episode
+from hypernav.core.episodes.metrics import SUCCESS_DISTANCE_M
 from hypernav.core.errors import ConfigError, GoalError
-from hypernav.core.metrics import SUCCESS_DISTANCE_M
 from hypernav.datasets.benchmarks import benchmark_of
 from hypernav.evaluation.run_plan import RunPlan, Selection
 from hypernav.evaluation.run_session import RunSession, available_cores

@@ -28,7 +28,7 @@ from hypernav.cli.warnings_shown import (
     warnings_on,
 )
 from hypernav.core.config import check_option
-from hypernav.core.episode import MAX_STEPS, Episode, Outcome
+from hypernav.core.episodes.episode import MAX_STEPS, Episode, Outcome
 from hypernav.core.errors import ConfigError, ModelSetupError, OutputError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal

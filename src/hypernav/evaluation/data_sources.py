@@ -16,11 +16,11 @@ import numpy as np
 from hypernav.build.scenes import SCENES, load_scene
 from hypernav.core.components.registry import Entry, Registry
 from hypernav.core.embodiment import Embodiment
-from hypernav.core.episode import Episode
+from hypernav.core.episodes.episode import Episode
 from hypernav.core.errors import EpisodeError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.whole_numbers import is_whole_number
+from hypernav.core.text.whole_numbers import is_whole_number
 from hypernav.datasets.benchmark_files import SCENES_FOLDER, scene_below, scene_in, split_of
 from hypernav.datasets.benchmarks import BENCHMARKS, Benchmark
 from hypernav.datasets.habitat_episodes import episodes_of, read_split

@@ -8,8 +8,8 @@ from typing import Any
 
 from hypernav.build.component_specs import BenchmarkName, WorldName
 from hypernav.build.presets import HyPerNavConfig
-from hypernav.core.episode import MAX_STEPS, Episode
-from hypernav.core.metrics import SUCCESS_DISTANCE_M
+from hypernav.core.episodes.episode import MAX_STEPS, Episode
+from hypernav.core.episodes.metrics import SUCCESS_DISTANCE_M
 from hypernav.datasets.benchmarks import benchmark_of
 from hypernav.evaluation.data_sources import Progress
 from hypernav.evaluation.datasets import (

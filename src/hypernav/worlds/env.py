@@ -18,11 +18,11 @@ from pydantic import Field
 from hypernav.core.actions import Action
 from hypernav.core.config import MOST_STEPS, RoomConfig
 from hypernav.core.embodiment import Embodiment
-from hypernav.core.episode import Episode
+from hypernav.core.episodes.episode import Episode
+from hypernav.core.episodes.metrics import SUCCESS_DISTANCE_M
 from hypernav.core.errors import GoalError, WorldError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.metrics import SUCCESS_DISTANCE_M
 from hypernav.core.observation import Observation
 from hypernav.worlds.config import SimulationConfig
 from hypernav.worlds.scans.loading import open_scene
@@ -68,8 +68,8 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
     `hypernav.core.actions.Action`.
 
     STOP terminates the episode; the step limit truncates it. The reward is 1 for a STOP at the
-    goal and 0 otherwise. ``info`` holds the measures of `hypernav.core.metrics.EpisodeMetrics`,
-    ``steps`` and ``collided``.
+    goal and 0 otherwise. ``info`` holds the measures of
+    `hypernav.core.episodes.metrics.EpisodeMetrics`, ``steps`` and ``collided``.
 
     `reset` takes the options ``goal`` (text) and ``start`` (``(x, y, yaw)`` in the scene frame).
     Without them the goal is the constructor's, else drawn from the categories with view points, and

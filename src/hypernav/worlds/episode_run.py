@@ -11,11 +11,11 @@ from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
 from hypernav.core.components.abilities import BuiltForRobot
 from hypernav.core.components.protocols import Agent, ExplainsItself
-from hypernav.core.episode import Episode, Outcome
-from hypernav.core.episode_truth import EpisodeTruth
+from hypernav.core.episodes.episode import Episode, Outcome
+from hypernav.core.episodes.metrics import EpisodeMetrics
+from hypernav.core.episodes.truth import EpisodeTruth
 from hypernav.core.errors import ConfigError, ModelSetupError, ModelUnavailableError
 from hypernav.core.geometry.grid import OccupancyGrid
-from hypernav.core.metrics import EpisodeMetrics
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending, Mode, StepTrace
 from hypernav.core.world import World

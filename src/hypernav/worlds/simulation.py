@@ -8,7 +8,7 @@ from jaxtyping import Float32, Float64
 from hypernav.core.actions import Action
 from hypernav.core.components.abilities import Closes
 from hypernav.core.embodiment import Embodiment
-from hypernav.core.episode import Episode
+from hypernav.core.episodes.episode import Episode
 from hypernav.core.errors import WorldError
 from hypernav.core.geometry.camera import optical_to_base
 from hypernav.core.geometry.depth import is_measured

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from hypernav.core.episode_truth import PathLeft
+from hypernav.core.episodes.truth import PathLeft
 from hypernav.worlds.trial import Trial
 
 

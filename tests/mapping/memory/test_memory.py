@@ -6,9 +6,9 @@ import numpy as np
 
 from hypernav.build.agents import build_search
 from hypernav.core.embodiment import Embodiment
+from hypernav.core.exploring.sightings import SeenThing
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.sightings import SeenThing
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.memory import Memory

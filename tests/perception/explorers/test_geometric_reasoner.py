@@ -4,9 +4,9 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
+from hypernav.core.exploring.overview import Block, Overview, Prospects, prospects_of_boundaries
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.overview import Block, Overview, Prospects, prospects_of_boundaries
 from hypernav.core.trace import ExchangeLog
 from hypernav.perception.explorers.geometric_reasoner import GeometricConfig, GeometricReasoner
 

@@ -11,10 +11,10 @@ from certainty import certain
 from chat_models import Parrot
 from exploration_views import exploration_view
 from hypernav.core.embodiment import CameraConfig, Embodiment
+from hypernav.core.exploring.guidance import Direction, GuideChoice, GuideView
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.guidance import Direction, GuideChoice, GuideView
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels
 from hypernav.core.trace import ExchangeLog

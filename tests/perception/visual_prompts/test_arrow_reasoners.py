@@ -5,13 +5,13 @@ import pytest
 from arrow_views import HERE, arrow, room_with_wall, view_of
 from chat_models import Parrot
 from exploration_views import exploration_view
-from hypernav.core.arrows import TURN_AROUND, ArrowChoice
 from hypernav.core.components.abilities import wants_named_things
 from hypernav.core.embodiment import CameraConfig, Embodiment
+from hypernav.core.exploring.arrows import TURN_AROUND, ArrowChoice
+from hypernav.core.exploring.sightings import SeenThing
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.sightings import SeenThing
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.memory import SearchMemory

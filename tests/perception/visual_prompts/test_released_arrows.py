@@ -5,9 +5,9 @@ import pytest
 from arrow_views import arrow, room_with_wall, view_of
 from chat_models import Parrot
 from exploration_views import exploration_view
-from hypernav.core.arrows import ArrowChoice
 from hypernav.core.embodiment import CameraConfig, Embodiment
 from hypernav.core.errors import ModelUnavailableError
+from hypernav.core.exploring.arrows import ArrowChoice
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog

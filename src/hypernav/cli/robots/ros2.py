@@ -21,7 +21,7 @@ from hypernav.cli.views.opening import Views, check_views
 from hypernav.cli.warnings_shown import warnings_on
 from hypernav.core.components.extras import require
 from hypernav.core.config import layered
-from hypernav.core.episode import Outcome
+from hypernav.core.episodes.episode import Outcome
 from hypernav.core.errors import (
     ConfigError,
     LinkLostError,

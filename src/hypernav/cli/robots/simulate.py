@@ -27,10 +27,10 @@ from hypernav.cli.terminal import Terminal
 from hypernav.cli.views.opening import Views, check_views
 from hypernav.core.config import check_option, layered
 from hypernav.core.embodiment import Embodiment
-from hypernav.core.episode import Episode, Outcome
+from hypernav.core.episodes.episode import Episode, Outcome
+from hypernav.core.episodes.metrics import SUCCESS_DISTANCE_M, EpisodeMetrics, measure
 from hypernav.core.errors import RequestRefusedError, RobotLinkError
 from hypernav.core.goal import Goal
-from hypernav.core.metrics import SUCCESS_DISTANCE_M, EpisodeMetrics, measure
 from hypernav.robot.client.links import HttpLink, HttpServer, Link, ServerAddress
 from hypernav.robot.client.robot_client import RobotClient
 from hypernav.robot.client.stop_listener import StopListener

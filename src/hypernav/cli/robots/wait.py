@@ -15,7 +15,7 @@ from hypernav.cli.find import check_start
 from hypernav.cli.robot_options import Wait
 from hypernav.cli.terminal import Terminal
 from hypernav.core.config import layered
-from hypernav.core.episode import MAX_STEPS, Episode
+from hypernav.core.episodes.episode import MAX_STEPS, Episode
 from hypernav.core.errors import ConfigError, LinkLostError, RequestRefusedError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal

@@ -11,9 +11,9 @@ from gymnasium import spaces
 from gymnasium.utils.env_checker import check_env
 
 from hypernav.core.actions import Action
+from hypernav.core.episodes.metrics import EpisodeMetrics
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.transforms import wrap_angle
-from hypernav.core.metrics import EpisodeMetrics
 from hypernav.evaluation.checks.faults import Faults, While
 
 _KEYS = ("rgb", "depth", "pose", "goal")

@@ -16,7 +16,7 @@ from jaxtyping import UInt8
 from hypernav.build.scenes import load_scene
 from hypernav.build.worlds import open_world
 from hypernav.core.actions import Action
-from hypernav.core.episode import Episode
+from hypernav.core.episodes.episode import Episode
 from hypernav.core.errors import EpisodeError, WorldError
 from hypernav.evaluation.habitat_lab.configuration import plan_of
 from hypernav.evaluation.habitat_lab.episodes import category_numbers, category_of, passes

@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from hypernav.core.episode import Episode
+from hypernav.core.episodes.episode import Episode
 from hypernav.core.errors import RunFolderError, SceneError
 from hypernav.core.files.json_text import parse_json
 from hypernav.core.files.reading import read_file

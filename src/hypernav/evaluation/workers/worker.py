@@ -18,10 +18,10 @@ from hypernav.build.scenes import load_scene
 from hypernav.build.worlds import open_world
 from hypernav.core.components.abilities import Closes, looks_at_colours
 from hypernav.core.components.protocols import Agent
-from hypernav.core.episode import Episode, Outcome
+from hypernav.core.episodes.episode import Episode, Outcome
+from hypernav.core.episodes.metrics import measure
 from hypernav.core.errors import CameraError, SceneError, StartError, WorldError
 from hypernav.core.geometry.transforms import Transform
-from hypernav.core.metrics import measure
 from hypernav.core.trace import Ending, StepTrace
 from hypernav.evaluation.failures.classification import Facts, Verdict, classify
 from hypernav.evaluation.failures.decisive_step import decisive_step

@@ -7,15 +7,15 @@ import numpy as np
 from pydantic import Field
 
 from hypernav.core.config import RoomConfig
-from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.goal import Goal
-from hypernav.core.overview import (
+from hypernav.core.exploring.overview import (
     Block,
     BlockChoice,
     Overview,
     prospects_of_boundaries,
     straight_legs_m,
 )
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
 from hypernav.core.trace import Exchange, ExchangeLog
 from hypernav.perception.explorers.tour_kernels import soonest_tour, unseen_after
 

@@ -7,9 +7,9 @@ from pydantic import Field
 
 from hypernav.core.chat import Question
 from hypernav.core.config import RoomConfig
+from hypernav.core.exploring.overview import Block, Overview
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.overview import Block, Overview
 
 _CONTEXT = (
     "A robot searches an unknown building for: {goal}. The picture is the map that it has drawn so "

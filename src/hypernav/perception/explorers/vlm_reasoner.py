@@ -4,8 +4,8 @@ from typing import Any
 
 from hypernav.core.chat import Answer, Question
 from hypernav.core.components.protocols import BlockReasoner, ChatModel
+from hypernav.core.exploring.overview import BlockChoice, Overview
 from hypernav.core.goal import Goal
-from hypernav.core.overview import BlockChoice, Overview
 from hypernav.core.trace import ExchangeLog
 from hypernav.models.chat.answer_parsing import shortened, without_thinking
 from hypernav.perception.exchanges import exchange_of

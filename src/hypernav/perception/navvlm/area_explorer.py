@@ -16,12 +16,12 @@ from pydantic import Field
 from hypernav.core.components.protocols import Guide
 from hypernav.core.config import RoomConfig
 from hypernav.core.embodiment import Embodiment
-from hypernav.core.exploration import Destination, ExplorationView
+from hypernav.core.exploring.exploration import Destination, ExplorationView
+from hypernav.core.exploring.guidance import Direction, GuideView
+from hypernav.core.exploring.insight import ImageWindow, Insight
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.guidance import Direction, GuideView
-from hypernav.core.insight import ImageWindow, Insight
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.config import MappingConfig

@@ -5,8 +5,8 @@ from pydantic import Field
 from hypernav.core.chat import Question
 from hypernav.core.components.protocols import ChatModel
 from hypernav.core.config import RoomConfig
+from hypernav.core.exploring.guidance import Direction, GuideChoice, GuideView
 from hypernav.core.goal import Goal
-from hypernav.core.guidance import Direction, GuideChoice, GuideView
 from hypernav.core.trace import ExchangeLog
 from hypernav.models.chat.answer_parsing import shortened, without_thinking
 from hypernav.perception.exchanges import exchange_of

@@ -1,7 +1,7 @@
 """A stand-in for a model that says directions: what is really in view, and a table of rooms."""
 
+from hypernav.core.exploring.guidance import Direction, GuideChoice, GuideView
 from hypernav.core.goal import Goal
-from hypernav.core.guidance import Direction, GuideChoice, GuideView
 from hypernav.core.trace import Exchange, ExchangeLog
 from hypernav.perception.vlfm.truth_scorer import chance_in_view
 

@@ -4,10 +4,10 @@ import math
 from dataclasses import replace
 from functools import cache
 
-from hypernav.core.arrows import TURN_AROUND
 from hypernav.core.components.protocols import ArrowReasoner
 from hypernav.core.embodiment import Embodiment
-from hypernav.core.exploration import Destination, ExplorationView
+from hypernav.core.exploring.arrows import TURN_AROUND
+from hypernav.core.exploring.exploration import Destination, ExplorationView
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.config import MappingConfig

@@ -7,11 +7,11 @@ from functools import partial
 
 import numpy as np
 
-from hypernav.core.arrows import Arrow, ArrowView
 from hypernav.core.embodiment import Embodiment
-from hypernav.core.exploration import Destination, ExplorationView
+from hypernav.core.exploring.arrows import Arrow, ArrowView
+from hypernav.core.exploring.exploration import Destination, ExplorationView
+from hypernav.core.exploring.insight import ImageMark, Insight
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.insight import ImageMark, Insight
 from hypernav.perception.visual_prompts.config import ArrowsConfig
 from hypernav.perception.visual_prompts.free_range import all_headings, free_ranges
 from hypernav.perception.visual_prompts.marks import mark_of

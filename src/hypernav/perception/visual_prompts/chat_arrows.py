@@ -4,10 +4,10 @@ import json
 import re
 from typing import Any
 
-from hypernav.core.arrows import TURN_AROUND, ArrowChoice, ArrowView
 from hypernav.core.chat import Question
 from hypernav.core.components.protocols import ChatModel
 from hypernav.core.errors import ModelUnavailableError
+from hypernav.core.exploring.arrows import TURN_AROUND, ArrowChoice, ArrowView
 from hypernav.core.goal import Goal
 from hypernav.core.trace import Exchange, ExchangeLog
 from hypernav.models.chat.answer_parsing import shortened, without_thinking

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hypernav.core.arrows import TURN_AROUND, ArrowChoice, ArrowView
+from hypernav.core.exploring.arrows import TURN_AROUND, ArrowChoice, ArrowView
 from hypernav.core.goal import Goal
 from hypernav.core.trace import Exchange, ExchangeLog
 from hypernav.perception.visual_prompts.config import ArrowsConfig

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hypernav.core.exploring.insight import RememberedThing, ThingGraph
+from hypernav.core.exploring.sightings import SeenThing
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.insight import RememberedThing, ThingGraph
 from hypernav.core.labels import normalise, same_name
-from hypernav.core.sightings import SeenThing
 from hypernav.perception.room_kinds.room_table import room_table
 
 _SAME_WITHIN_M = 1.0

@@ -14,9 +14,9 @@ from pydantic import Field
 from hypernav.core.components.protocols import SceneScorer
 from hypernav.core.config import RoomConfig
 from hypernav.core.embodiment import Embodiment
-from hypernav.core.exploration import Destination, ExplorationView
+from hypernav.core.exploring.exploration import Destination, ExplorationView
+from hypernav.core.exploring.insight import Insight, ValueImage
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
-from hypernav.core.insight import Insight, ValueImage
 from hypernav.core.trace import Exchange, ExchangeLog
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.frontiers import Frontier, find_frontiers

@@ -7,8 +7,8 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Bool, Float64, UInt8
 
+from hypernav.core.exploring.sightings import SeenThing
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.sightings import SeenThing
 
 
 @dataclass(frozen=True)

@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
+from hypernav.core.exploring.sightings import SeenThing, Sightings
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.observation import Observation
-from hypernav.core.sightings import SeenThing, Sightings
 
 
 def view(depth_m: float) -> Observation:

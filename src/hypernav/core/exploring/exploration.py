@@ -4,13 +4,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from hypernav.core.exploring.insight import Insight
+from hypernav.core.exploring.overview import Block
+from hypernav.core.exploring.sightings import SeenThing
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.insight import Insight
 from hypernav.core.observation import Observation
-from hypernav.core.overview import Block
-from hypernav.core.sightings import SeenThing
 
 
 @dataclass(frozen=True, eq=False)

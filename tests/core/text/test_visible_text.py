@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hypernav.core.visible_text import visible
+from hypernav.core.text.visible_text import visible
 
 
 @pytest.mark.parametrize(

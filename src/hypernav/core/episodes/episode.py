@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float64
 
+from hypernav.core.episodes.metrics import SUCCESS_DISTANCE_M
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.metrics import SUCCESS_DISTANCE_M
 
 MAX_STEPS = 500
 """Habitat's step limit."""

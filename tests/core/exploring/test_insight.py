@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hypernav.core.actions import Action
-from hypernav.core.insight import ImageMark, Insight, ValueImage
+from hypernav.core.exploring.insight import ImageMark, Insight, ValueImage
 from hypernav.core.trace import Mode, StepTrace
 
 

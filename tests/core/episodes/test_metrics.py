@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hypernav.core.metrics import measure
+from hypernav.core.episodes.metrics import measure
 
 lengths = st.one_of(st.floats(0, 100), st.just(math.inf))
 
