@@ -12,10 +12,10 @@ import time
 import pytest
 
 from eval_runs import SMALL, timeless_lines, write_room
-from hypernav.cli.agent_options import AgentOptions
 from hypernav.cli.eval import worker_count
-from hypernav.cli.eval_options import Options
 from hypernav.cli.main import main
+from hypernav.cli.options.agent import AgentOptions
+from hypernav.cli.options.eval import Options
 from hypernav.evaluation.run_session import available_cores
 
 QUICK = ("--workers", "1", "--max-steps", "30", *SMALL)

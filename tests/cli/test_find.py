@@ -6,7 +6,7 @@ import pytest
 
 from box_scenes import room_glb
 from hypernav.cli.main import main
-from hypernav.cli.warnings_shown import no_such_object_line
+from hypernav.cli.screen.warnings_shown import no_such_object_line
 from hypernav.core.goal import Goal
 
 SMALL = ("--set", "embodiment.camera.width=160", "embodiment.camera.height=120")

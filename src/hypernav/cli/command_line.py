@@ -1,7 +1,7 @@
 """The words of a command line: which command is meant, and its options.
 
 A fast start: help and mistakes are answered from the options alone. For a command NAME, the module
-``NAME_options`` holds the class ``Options`` and imports next to nothing; the module ``NAME`` holds
+``options.NAME`` holds the class ``Options`` and imports next to nothing; the module ``NAME`` holds
 the function ``run``, imports all that it needs, and is loaded only to be called.
 """
 
@@ -18,7 +18,7 @@ from typing import Any, NoReturn
 
 import tyro
 
-from hypernav.cli.terminal import Terminal
+from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.errors import ConfigError
 
 COMMANDS = {
@@ -81,7 +81,7 @@ def _parse(name: str, arguments: list[str]) -> Any:
     try:
         with _help_on_terminal(), contextlib.redirect_stderr(said):
             return tyro.cli(
-                importlib.import_module(f"hypernav.cli.{name}_options").Options,
+                importlib.import_module(f"hypernav.cli.options.{name}").Options,
                 prog=f"hypernav {name}",
                 description=COMMANDS[name],
                 args=arguments,
@@ -126,7 +126,7 @@ def _completion(arguments: Sequence[str]) -> NoReturn:
     if len(arguments) != 1 or arguments[0] not in _SHELLS:
         raise ConfigError(f"--completion takes one shell: {', '.join(_SHELLS)}")
     options = {
-        name: importlib.import_module(f"hypernav.cli.{name}_options").Options for name in COMMANDS
+        name: importlib.import_module(f"hypernav.cli.options.{name}").Options for name in COMMANDS
     }
     with _help_on_terminal():
         tyro.extras.subcommand_cli_from_dict(

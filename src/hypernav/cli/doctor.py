@@ -5,8 +5,8 @@ from collections.abc import Iterator
 from rich.markup import escape
 
 from hypernav.build.presets import preset
-from hypernav.cli.doctor_options import Options
-from hypernav.cli.terminal import Terminal
+from hypernav.cli.options.doctor import Options
+from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.checkup import Finding, State
 from hypernav.core.config import layered
 from hypernav.core.errors import ConfigError

@@ -14,15 +14,15 @@ from rich.markup import escape
 from rich.status import Status
 
 from hypernav.build.scenes import load_scene
-from hypernav.cli.agent_options import check_steps_and_seed
-from hypernav.cli.find_options import Options
 from hypernav.cli.guards.crashes import crash_report
 from hypernav.cli.guards.interruptions import Terminated, interruptions_put_off
 from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
-from hypernav.cli.terminal import Terminal
-from hypernav.cli.views.opening import Views, check_views, opened_views
-from hypernav.cli.warnings_shown import (
+from hypernav.cli.options.agent import check_steps_and_seed
+from hypernav.cli.options.find import Options
+from hypernav.cli.screen.terminal import Terminal
+from hypernav.cli.screen.views import Views, check_views, opened_views
+from hypernav.cli.screen.warnings_shown import (
     no_such_object_line,
     unusable_answers_line,
     warnings_on,

@@ -9,8 +9,8 @@ from rich.table import Table
 from hypernav.build.scenes import building_of
 from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
-from hypernav.cli.houses_options import Episodes, Export, Show, Splits
-from hypernav.cli.terminal import Terminal
+from hypernav.cli.options.houses import Episodes, Export, Show, Splits
+from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.errors import ConfigError, EpisodeError
 from hypernav.core.interruptions import interruptions_of_kernels
 from hypernav.core.text.whole_numbers import is_whole_number

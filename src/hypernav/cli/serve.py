@@ -8,8 +8,8 @@ from rich.markup import escape
 
 from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
-from hypernav.cli.serve_options import Options
-from hypernav.cli.terminal import Terminal
+from hypernav.cli.options.serve import Options
+from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.components.extras import require
 from hypernav.core.config import check_option
 from hypernav.core.errors import ConfigError

@@ -13,9 +13,9 @@ from hypernav.agents.search import SearchAgent
 from hypernav.cli.guards.crashes import crash_report
 from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
-from hypernav.cli.robot_options import Replay
-from hypernav.cli.terminal import Terminal
-from hypernav.cli.views.opening import check_views, opened_views
+from hypernav.cli.options.robot import Replay
+from hypernav.cli.screen.terminal import Terminal
+from hypernav.cli.screen.views import check_views, opened_views
 from hypernav.core.config import check_option
 from hypernav.core.errors import ConfigError
 from hypernav.core.goal import Goal

@@ -3,7 +3,7 @@
 A server's error, a goal or a path may hold characters that a terminal or a browser obeys instead of
 showing them: escape sequences, their one-character forms (C1), overrides of the reading direction.
 Texts are kept as they came; they are made visible where they are shown, once for all: on the
-terminal by `hypernav.cli.terminal`, on pages by `hypernav.show.pages.templating`.
+terminal by `hypernav.cli.screen.terminal`, on pages by `hypernav.show.pages.templating`.
 """
 
 import re

@@ -9,8 +9,8 @@ import pytest
 from rich.table import Table
 
 from hypernav.cli.main import main
-from hypernav.cli.terminal import Terminal
-from hypernav.cli.warnings_shown import warnings_on
+from hypernav.cli.screen.terminal import Terminal
+from hypernav.cli.screen.warnings_shown import warnings_on
 
 EVIL = "\x1b]0;owned\x07 \x9b31m \u202e red"
 SHOWN = r"\x1b]0;owned"
@@ -57,7 +57,7 @@ def ended(command: str) -> tuple[int, str, str]:
     """Status and outputs of a line of shell; ``$say 1`` writes long to a stream."""
     script = (
         "import sys\n"
-        "from hypernav.cli.terminal import Terminal\n"
+        "from hypernav.cli.screen.terminal import Terminal\n"
         "from hypernav.core.errors import OutputError\n"
         "terminal = Terminal(stderr=sys.argv[1] == '2')\n"
         "try:\n"

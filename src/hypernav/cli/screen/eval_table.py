@@ -7,7 +7,7 @@ from pathlib import Path
 from rich.markup import escape
 from rich.table import Table
 
-from hypernav.cli.warnings_shown import unusable_answers_line
+from hypernav.cli.screen.warnings_shown import unusable_answers_line
 from hypernav.evaluation.failures.classification import Failure
 from hypernav.evaluation.runner import RunProgress
 from hypernav.evaluation.statistics import Estimate

@@ -6,7 +6,7 @@ from pathlib import Path
 import tyro
 
 from hypernav.build.component_specs import BenchmarkName, WorldName
-from hypernav.cli.agent_options import AgentOptions, FlatAgentOptions
+from hypernav.cli.options.agent import AgentOptions, FlatAgentOptions
 from hypernav.evaluation.save_choice import SaveChoice
 
 

@@ -7,8 +7,8 @@ from typing import Annotated, Literal
 import tyro
 
 from hypernav.build.component_specs import RobotPresetName
-from hypernav.cli.agent_options import AgentOptions, FlatAgentOptions
-from hypernav.cli.views.options import FlatRobotViewOptions, RobotViewOptions
+from hypernav.cli.options.agent import AgentOptions, FlatAgentOptions
+from hypernav.cli.options.views import FlatRobotViewOptions, RobotViewOptions
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ import tyro
 
 from hypernav.build.choosing import choose_components
 from hypernav.build.component_specs import ComponentSpecs
-from hypernav.cli.agent_options import AgentOptions
 from hypernav.cli.command_line import _with_one_set
+from hypernav.cli.options.agent import AgentOptions
 from hypernav.core.errors import ConfigError, HyPerNavError
 
 VLM = "openai:http://localhost:8000/v1#Qwen/Qwen2.5-VL-7B-Instruct"

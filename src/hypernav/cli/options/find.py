@@ -6,8 +6,8 @@ from typing import Annotated
 
 import tyro
 
-from hypernav.cli.agent_options import AgentOptions, FlatAgentOptions
-from hypernav.cli.views.options import FlatViewOptions, ViewOptions
+from hypernav.cli.options.agent import AgentOptions, FlatAgentOptions
+from hypernav.cli.options.views import FlatViewOptions, ViewOptions
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ from typing import Annotated
 import tyro
 
 from hypernav.build.component_specs import PresetName
-from hypernav.cli import eval_options
-from hypernav.cli.agent_options import AgentOptions
+from hypernav.cli.options.agent import AgentOptions
+from hypernav.cli.options.eval import Options as EvalOptions
 from hypernav.evaluation.ablation.study_name import StudyName
 
 
@@ -21,7 +21,7 @@ class _VariedAgent(AgentOptions):
 
 
 @dataclass(frozen=True)
-class Options(eval_options.Options):
+class Options(EvalOptions):
     """The episodes, the method and its variants; all else is as in hypernav eval."""
 
     who: Annotated[_VariedAgent, tyro.conf.arg(name="")] = field(default_factory=_VariedAgent)

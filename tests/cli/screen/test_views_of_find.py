@@ -14,8 +14,8 @@ from websockets.typing import Subprotocol
 
 from box_scenes import room_glb
 from hypernav.cli.main import main
-from hypernav.cli.views import opening
-from hypernav.cli.views.options import ViewOptions
+from hypernav.cli.options.views import ViewOptions
+from hypernav.cli.screen import views as opening
 from hypernav.core.errors import ConfigError
 from mcap_files import counts_of
 from rrd_files import images_in
@@ -145,7 +145,7 @@ def test_a_search_waits_for_foxglove_and_sends_it_every_step(glb, tmp_path, monk
                     break
         gone.set()
 
-    monkeypatch.setattr("hypernav.cli.views.opening.Views", Told)
+    monkeypatch.setattr("hypernav.cli.screen.views.Views", Told)
     options = ("--view", "foxglove", "--pace", 1000, "--quiet")
     assert hypernav("find", "bed", "--scene", glb, "--out", tmp_path, *options, *SMALL) == 0
     assert waiting.is_set()

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from hypernav.cli.agent_options import AgentOptions, FlatAgentOptions
+from hypernav.cli.options.agent import AgentOptions, FlatAgentOptions
 
 
 @dataclass(frozen=True)
