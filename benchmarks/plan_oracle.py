@@ -26,8 +26,8 @@ from rich.console import Console
 from rich.table import Table
 
 from hypernav.agents.search import SearchAgent
+from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import HyPerNavConfig
-from hypernav.build.scenes import load_scene
 from hypernav.core.episodes.episode import Episode
 from hypernav.core.exploring.exploration import Destination, ExplorationView
 from hypernav.core.geometry.grid import Cell, OccupancyGrid

@@ -26,8 +26,8 @@ from rich.console import Console
 from rich.table import Table
 
 from hypernav.build.agents import build_explorer, build_search
+from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import preset
-from hypernav.build.scenes import load_scene
 from hypernav.core.actions import Action
 from hypernav.core.components.abilities import Learns
 from hypernav.core.episodes.episode import Episode

@@ -20,9 +20,9 @@ from hypernav.core.exploring.exploration import Destination
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import Ending, ExchangeLog, without_timings
-from hypernav.evaluation.checks.box_room import BoxRoom
+from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.mapping.config import MappingConfig
-from hypernav.worlds.episode_run import EpisodeRun
+from hypernav.worlds.box_room import BoxRoom
 from hypernav.worlds.simulation import SimulatedWorld
 from small_episodes import episode_from
 from small_worlds import small_config, two_rooms

@@ -8,8 +8,8 @@ from pydantic import BaseModel, ValidationError
 from hypernav.build.presets import HyPerNavConfig, preset
 from hypernav.core.config import layered
 from hypernav.core.errors import ConfigError
+from hypernav.episodes.env import ObjectNavConfig
 from hypernav.worlds.drawing.renderer import RenderConfig
-from hypernav.worlds.env import ObjectNavConfig
 
 
 def numbers(model: type[BaseModel]) -> Iterator[tuple[str, tuple[Any, Any]]]:

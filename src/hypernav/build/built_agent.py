@@ -35,7 +35,7 @@ class BuiltAgent:
         ledger: Ledger of the questions to the chat model; empty without one.
         price: Price of the chat model's tokens.
         truth: Truth that stand-ins for models wait to be told, see
-            `hypernav.worlds.episode_run.EpisodeRun`; nobody else asks for it.
+            `hypernav.episodes.episode_run.EpisodeRun`; nobody else asks for it.
     """
 
     agent: Agent

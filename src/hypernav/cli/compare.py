@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import preset
-from hypernav.build.scenes import load_scene
 from hypernav.build.worlds import open_world
 from hypernav.cli.options.agent import check_steps_and_seed
 from hypernav.cli.options.compare import Options

@@ -13,7 +13,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.status import Status
 
-from hypernav.build.scenes import load_scene
+from hypernav.build.data.scenes import load_scene
 from hypernav.cli.guards.crashes import crash_report
 from hypernav.cli.guards.interruptions import Terminated, interruptions_put_off
 from hypernav.cli.guards.outputs import check_folder
@@ -33,10 +33,10 @@ from hypernav.core.errors import ConfigError, ModelSetupError, OutputError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.interruptions import interruptions_of_kernels
-from hypernav.evaluation.recorder import EpisodeRecorder
-from hypernav.evaluation.warmup.background import warm_up_in_background
+from hypernav.episodes.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
+from hypernav.episodes.recorder import EpisodeRecorder
 from hypernav.show.video.frame import EpisodeInfo
-from hypernav.worlds.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
+from hypernav.warmup.background import warm_up_in_background
 from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
 

@@ -6,7 +6,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from hypernav.build.scenes import building_of
+from hypernav.build.data.scenes import building_of
 from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.options.houses import Episodes, Export, Show, Splits

@@ -1,6 +1,6 @@
 """The command `hypernav scene`: the navigation mesh of a scene."""
 
-from hypernav.build.scenes import load_scene
+from hypernav.build.data.scenes import load_scene
 from hypernav.cli.guards.outputs import check_file
 from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.options.scene import Options

@@ -13,7 +13,7 @@ from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.components.extras import require
 from hypernav.core.config import check_option
 from hypernav.core.errors import ConfigError
-from hypernav.evaluation.warmup.background import warm_up_in_background
+from hypernav.warmup.background import warm_up_in_background
 
 _MODULES = ("fastapi", "uvicorn", "websockets")
 

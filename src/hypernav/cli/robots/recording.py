@@ -6,7 +6,7 @@ from dataclasses import asdict
 
 from hypernav.cli.options.robot import Ros2, Simulate
 from hypernav.cli.screen.views import Views, opened_views
-from hypernav.evaluation.recorder import EpisodeRecorder
+from hypernav.episodes.recorder import EpisodeRecorder
 from hypernav.robot.wire.replies import SearchOpened
 from hypernav.show.video.frame import EpisodeInfo
 

@@ -19,7 +19,7 @@ from hypernav.cli.screen.views import check_views, opened_views
 from hypernav.core.config import check_option
 from hypernav.core.errors import ConfigError
 from hypernav.core.goal import Goal
-from hypernav.evaluation.recorder import EpisodeRecorder
+from hypernav.episodes.recorder import EpisodeRecorder
 from hypernav.robot.recordings.opening import open_recording
 from hypernav.robot.recordings.replay import UprightRecording, replayed
 from hypernav.robot.ros.topics import CameraTopics

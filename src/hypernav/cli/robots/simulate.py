@@ -14,8 +14,8 @@ import numpy as np
 from rich.markup import escape
 from rich.status import Status
 
+from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import HyPerNavConfig
-from hypernav.build.scenes import load_scene
 from hypernav.cli.find import OUTCOME_WORDS, check_start, start_pose
 from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus

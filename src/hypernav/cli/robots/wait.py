@@ -8,8 +8,8 @@ import numpy as np
 from rich.markup import escape
 from rich.status import Status
 
+from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import HyPerNavConfig
-from hypernav.build.scenes import load_scene
 from hypernav.cli.find import check_start
 from hypernav.cli.options.agent import check_steps_and_seed
 from hypernav.cli.options.robot import Wait

@@ -15,8 +15,8 @@ class EpisodeTruth:
     """What stand-ins for models are told of the running episode, and what no model ever gets.
 
     A component asks for it in its constructor, by the name ``truth``; whoever runs an episode tells
-    it anew (`hypernav.worlds.episode_run.EpisodeRun`). On a robot nobody does, so a stand-in can't
-    work there.
+    it anew (`hypernav.episodes.episode_run.EpisodeRun`). On a robot nobody does, so a stand-in
+    can't work there.
     """
 
     def __init__(self) -> None:

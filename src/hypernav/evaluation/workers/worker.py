@@ -13,8 +13,8 @@ import numpy as np
 from hypernav.build.agents import build_agent
 from hypernav.build.built_agent import BuiltAgent
 from hypernav.build.component_specs import ComponentSpecs, WorldName
+from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import HyPerNavConfig
-from hypernav.build.scenes import load_scene
 from hypernav.build.worlds import open_world
 from hypernav.core.components.abilities import Closes, looks_at_colours
 from hypernav.core.components.protocols import Agent
@@ -23,19 +23,19 @@ from hypernav.core.episodes.metrics import measure
 from hypernav.core.errors import CameraError, SceneError, StartError, WorldError
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.trace import Ending, StepTrace
+from hypernav.episodes.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
+from hypernav.episodes.object_distance import object_distance
+from hypernav.episodes.recorder import EpisodeRecorder
+from hypernav.episodes.storyboard import Image, Storyboard
 from hypernav.evaluation.failures.classification import Facts, Verdict, classify
 from hypernav.evaluation.failures.decisive_step import decisive_step
 from hypernav.evaluation.failures.failure_evidence import FailureEvidence
 from hypernav.evaluation.record import EpisodeRecord
-from hypernav.evaluation.recorder import EpisodeRecorder
 from hypernav.evaluation.save_choice import SaveChoice
-from hypernav.evaluation.storyboard import Image, Storyboard
 from hypernav.perception.exchanges import unusable_answers
 from hypernav.show.captions import ITS_OWN
 from hypernav.worlds.drawing.renderer import CpuRenderer
-from hypernav.worlds.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
 from hypernav.worlds.habitat.simulator import HabitatRenderer
-from hypernav.worlds.object_distance import object_distance
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.simulation import SimulatedWorld
 

@@ -5,14 +5,14 @@ from types import SimpleNamespace
 
 import pytest
 
-from hypernav.evaluation.warmup import background as module
-from hypernav.evaluation.warmup.background import FIRST_RUN, warm_up_in_background
-from hypernav.evaluation.warmup.exercises import warm_up
 from hypernav.mapping import integrate_kernels
+from hypernav.warmup import background as module
+from hypernav.warmup.background import FIRST_RUN, warm_up_in_background
+from hypernav.warmup.exercises import warm_up
 
 PYTHON = f"py{sys.version_info.major}{sys.version_info.minor}"
 ENTER = (
-    "from hypernav.evaluation.warmup.background import is_compiled, warm_up_in_background\n"
+    "from hypernav.warmup.background import is_compiled, warm_up_in_background\n"
     "print(is_compiled())\n"
     "with warm_up_in_background(print): pass"
 )
@@ -25,7 +25,7 @@ def test_the_warm_up_runs_an_agent():
 def test_it_leaves_no_kernel_of_navigation_meshes_to_be_compiled():
     script = (
         "from numba.extending import is_jitted\n"
-        "from hypernav.evaluation.warmup.exercises import walk_on_mesh\n"
+        "from hypernav.warmup.exercises import walk_on_mesh\n"
         "from hypernav.worlds.navmesh import goal_paths, navmesh\n"
         "walk_on_mesh()\n"
         "for kernel in [*vars(navmesh).values(), *vars(goal_paths).values()]:\n"

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from box_scenes import room_boxes, scene_of
-from hypernav.worlds.object_distance import object_distance
+from hypernav.episodes.object_distance import object_distance
 
 LOW, HIGH = (1.0, 1.0), (1.5, 2.0)
 SCENE = scene_of(*room_boxes(6.0, 4.0), ("bed", (*LOW, 0.0), (*HIGH, 0.5)))

@@ -8,7 +8,7 @@ import pytest
 from hypernav.core.episodes.truth import EpisodeTruth
 from hypernav.core.errors import TruthMissingError
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.worlds.episode_run import EpisodeRun
+from hypernav.episodes.episode_run import EpisodeRun
 from small_episodes import episode_from
 from small_worlds import two_rooms
 

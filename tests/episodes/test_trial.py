@@ -12,10 +12,10 @@ from hypernav.core.errors import ConfigError, WorldError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import Ending, ExchangeLog
 from hypernav.core.world import SceneTruth, World
-from hypernav.evaluation.checks.box_room import DOOR, BoxRoom
+from hypernav.episodes.episode_run import EpisodeRun
+from hypernav.episodes.trial import Trial
 from hypernav.perception.local.ground_truth import GroundTruthDetector
-from hypernav.worlds.episode_run import EpisodeRun
-from hypernav.worlds.trial import Trial
+from hypernav.worlds.box_room import DOOR, BoxRoom
 from small_episodes import episode_from
 from small_worlds import small_config, two_rooms
 

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Int64
 
 from hypernav.core.observation import LabelledPixels
-from hypernav.worlds.referee import Referee
+from hypernav.episodes.referee import Referee
 
 MIN_VISIBLE_SHARE = 0.0005
 """Least share of the image that counts as seen: 12×12 pixels of 640×480."""

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from hypernav.build.scenes import SCENES, load_scene
+from hypernav.build.data.scenes import SCENES, load_scene
 from hypernav.core.components.registry import Entry, Registry
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.episodes.episode import Episode

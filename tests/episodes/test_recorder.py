@@ -7,9 +7,9 @@ import yaml
 from hypernav.build.agents import build_search
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import ExchangeLog, StepTrace
-from hypernav.evaluation.recorder import EpisodeRecorder
+from hypernav.episodes.episode_run import EpisodeRun
+from hypernav.episodes.recorder import EpisodeRecorder
 from hypernav.perception.local.ground_truth import GroundTruthDetector
-from hypernav.worlds.episode_run import EpisodeRun
 from small_episodes import episode_from
 from small_worlds import small_config, two_rooms
 

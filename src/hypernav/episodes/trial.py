@@ -9,7 +9,7 @@ from hypernav.core.errors import WorldError
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending
 from hypernav.core.world import World
-from hypernav.worlds.referee import Referee
+from hypernav.episodes.referee import Referee
 
 
 class Trial:

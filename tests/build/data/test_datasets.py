@@ -1,8 +1,8 @@
 import pytest
 
 from eval_runs import spec, write_room
+from hypernav.build.data.datasets import canonical_name, fingerprint, load_episodes, select
 from hypernav.core.errors import ConfigError, EpisodeError, SceneError
-from hypernav.evaluation.datasets import canonical_name, fingerprint, load_episodes, select
 from hypernav.worlds.scenes.loading import load_scene
 from hypernav.worlds.simulation import SimulatedWorld
 from small_worlds import small_config

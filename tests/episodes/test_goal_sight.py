@@ -8,9 +8,9 @@ from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels
 from hypernav.core.world import Instance
-from hypernav.worlds.episode_run import EpisodeRun
-from hypernav.worlds.goal_sight import GoalSight, PathParts
-from hypernav.worlds.referee import Referee
+from hypernav.episodes.episode_run import EpisodeRun
+from hypernav.episodes.goal_sight import GoalSight, PathParts
+from hypernav.episodes.referee import Referee
 from small_episodes import episode_from
 from small_worlds import two_rooms
 

@@ -6,7 +6,7 @@ from hypernav.core.actions import Action
 from hypernav.core.episodes.episode import Outcome
 from hypernav.core.errors import StartError
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.worlds.episode_run import EpisodeRun
+from hypernav.episodes.episode_run import EpisodeRun
 from small_episodes import episode_from
 from small_worlds import two_rooms
 

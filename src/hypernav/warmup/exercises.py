@@ -10,7 +10,7 @@ from hypernav.build.presets import preset
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.evaluation.checks.box_room import DOOR, BoxRoom
+from hypernav.worlds.box_room import DOOR, BoxRoom
 from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.navmesh.files.reader import navmesh_of
 from hypernav.worlds.navmesh.files.writer import navmesh_bytes

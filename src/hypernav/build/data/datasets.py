@@ -8,12 +8,12 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from hypernav.build.scenes import SCENES
+from hypernav.build.data.scenes import SCENES
+from hypernav.build.data.sources import DATA_SOURCES, DatasetRequest, Progress
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.episodes.episode import Episode
 from hypernav.core.errors import EpisodeError
 from hypernav.core.text.whole_numbers import is_whole_number
-from hypernav.evaluation.data_sources import DATA_SOURCES, DatasetRequest, Progress
 from hypernav.worlds.config import SimulationConfig
 
 

@@ -56,7 +56,7 @@ def warm_up_in_background(say: Callable[[str], object]) -> Iterator[None]:
         yield
         return
     silent = subprocess.DEVNULL
-    command = [sys.executable, "-m", "hypernav.evaluation.warmup.exercises"]
+    command = [sys.executable, "-m", "hypernav.warmup.exercises"]
     with subprocess.Popen(command, stdin=silent, stdout=silent, stderr=silent) as process:
         try:
             yield

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from hypernav.core.episodes.truth import PathLeft
-from hypernav.worlds.trial import Trial
+from hypernav.episodes.trial import Trial
 
 
 def true_paths(trial: Trial) -> PathLeft | None:

@@ -17,11 +17,11 @@ SCENES: Registry[Callable[..., Scene]] = Registry(
     "scene",
     "hypernav.scenes",
     [
-        Entry("builtin", "hypernav.build.scenes:builtin_house"),
-        Entry("houses", "hypernav.build.scenes:numbered_house", form="houses:N"),
-        Entry("offices", "hypernav.build.scenes:numbered_office", form="offices:N"),
-        Entry("shops", "hypernav.build.scenes:numbered_shop", form="shops:N"),
-        Entry("crowded", "hypernav.build.scenes:numbered_crowded_office", form="crowded:N"),
+        Entry("builtin", "hypernav.build.data.scenes:builtin_house"),
+        Entry("houses", "hypernav.build.data.scenes:numbered_house", form="houses:N"),
+        Entry("offices", "hypernav.build.data.scenes:numbered_office", form="offices:N"),
+        Entry("shops", "hypernav.build.data.scenes:numbered_shop", form="shops:N"),
+        Entry("crowded", "hypernav.build.data.scenes:numbered_crowded_office", form="crowded:N"),
     ],
 )
 """Scenes that are no files: functions of the text after the name."""

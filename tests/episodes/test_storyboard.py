@@ -16,12 +16,12 @@ from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Mode, StepTrace
+from hypernav.episodes.episode_run import EpisodeStep
+from hypernav.episodes.recorder import EpisodeRecorder
+from hypernav.episodes.storyboard import Storyboard
 from hypernav.evaluation.failures.classification import Failure
-from hypernav.evaluation.recorder import EpisodeRecorder
 from hypernav.evaluation.save_choice import SaveChoice
-from hypernav.evaluation.storyboard import Storyboard
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
-from hypernav.worlds.episode_run import EpisodeStep
 from small_episodes import episode_from
 from small_worlds import small_config
 

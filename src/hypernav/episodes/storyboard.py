@@ -9,8 +9,8 @@ from jaxtyping import UInt8
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.trace import StepTrace
-from hypernav.evaluation.recorder import EpisodeRecorder
-from hypernav.worlds.episode_run import EpisodeStep
+from hypernav.episodes.episode_run import EpisodeStep
+from hypernav.episodes.recorder import EpisodeRecorder
 
 MAX_FRAMES = 48
 

@@ -19,9 +19,9 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending, Mode, StepTrace
 from hypernav.core.world import World
-from hypernav.worlds.goal_sight import GoalSight, PathParts
-from hypernav.worlds.trial import Trial
-from hypernav.worlds.true_paths import true_paths
+from hypernav.episodes.goal_sight import GoalSight, PathParts
+from hypernav.episodes.trial import Trial
+from hypernav.episodes.true_paths import true_paths
 
 
 @dataclass(frozen=True, eq=False)

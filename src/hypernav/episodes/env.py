@@ -1,6 +1,7 @@
 """Object-goal navigation as a Gymnasium environment, ``hypernav/ObjectNav-v0``.
 
-Importing this module registers it: ``gymnasium.make("hypernav.worlds.env:hypernav/ObjectNav-v0")``.
+Importing this module registers it:
+``gymnasium.make("hypernav.episodes.env:hypernav/ObjectNav-v0")``.
 """
 
 import math
@@ -24,12 +25,12 @@ from hypernav.core.errors import GoalError, WorldError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
+from hypernav.episodes.trial import Trial
 from hypernav.worlds.config import SimulationConfig
 from hypernav.worlds.scans.loading import open_scene
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
-from hypernav.worlds.trial import Trial
 
 ENV_ID = "hypernav/ObjectNav-v0"
 
@@ -263,4 +264,4 @@ def _checked_goal(text: str) -> Goal:
 
 
 if ENV_ID not in gymnasium.registry:
-    gymnasium.register(ENV_ID, entry_point="hypernav.worlds.env:ObjectNavEnv")
+    gymnasium.register(ENV_ID, entry_point="hypernav.episodes.env:ObjectNavEnv")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from hypernav.core.goal import Goal
-from hypernav.worlds.referee import Referee
+from hypernav.episodes.referee import Referee
 from hypernav.worlds.surface.goal_regions import GoalRegion
 from hypernav.worlds.surface.walkable import WalkableGrid
 

@@ -1,0 +1,1 @@
+"""Scenes and data sets by name: where buildings and episodes come from."""
