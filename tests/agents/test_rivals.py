@@ -51,10 +51,10 @@ def test_the_bed_behind_the_wall_is_found_and_equal_seeds_give_equal_searches(ag
 @pytest.mark.slow
 @pytest.mark.parametrize("agent", RIVALS)
 def test_the_bed_of_a_real_house_is_found(agent, small_house):
-    from hypernav.worlds.scenes.loading import load_scene
+    from hypernav.worlds.scenes.loading import read_scene
 
     config = preset("default")
-    world = SimulatedWorld(load_scene(small_house), config.world, config.embodiment)
+    world = SimulatedWorld(read_scene(small_house), config.world, config.embodiment)
     rng = np.random.default_rng(0)
     start = random_start(world.walkable, rng, world.regions.of(Goal("bed")))
     parts = build_agent(config, ComponentSpecs(agent=agent))

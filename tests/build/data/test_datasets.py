@@ -3,7 +3,7 @@ import pytest
 from eval_runs import spec, write_room
 from hypernav.build.data.datasets import canonical_name, fingerprint, load_episodes, select
 from hypernav.core.errors import ConfigError, EpisodeError, SceneError
-from hypernav.worlds.scenes.loading import load_scene
+from hypernav.worlds.scenes.loading import read_scene
 from hypernav.worlds.simulation import SimulatedWorld
 from small_worlds import small_config
 
@@ -25,7 +25,7 @@ def test_a_scene_is_all_its_goals_from_seeded_starts(room):
     assert load_episodes(f"scene:{room}#3", world) == episodes
     # More starts leave those that were there as they are.
     assert set(episodes) < set(load_episodes(f"scene:{room}#4", world))
-    simulated = SimulatedWorld(load_scene(room), world)
+    simulated = SimulatedWorld(read_scene(room), world)
     for episode in episodes:
         assert simulated.walkable.is_standable(*episode.start.xy)
 

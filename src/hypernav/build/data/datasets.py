@@ -8,7 +8,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from hypernav.build.data.scenes import SCENES
+from hypernav.build.data.scenes import is_no_file
 from hypernav.build.data.sources import DATA_SOURCES, DatasetRequest, Progress
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.episodes.episode import Episode
@@ -135,11 +135,7 @@ def check_scenes(episodes: Sequence[Episode]) -> None:
         EpisodeError: A scene's file is missing.
     """
     scenes = dict.fromkeys(episode.scene_id for episode in episodes)
-    missing = [
-        scene
-        for scene in scenes
-        if not SCENES.knows(scene.partition(":")[0]) and not Path(scene).is_file()
-    ]
+    missing = [scene for scene in scenes if not is_no_file(scene) and not Path(scene).is_file()]
     if missing:
         raise EpisodeError(
             f"{len(missing)} of {len(scenes)} scenes are missing, the first is {missing[0]}; "

@@ -27,6 +27,11 @@ SCENES: Registry[Callable[..., Scene]] = Registry(
 """Scenes that are no files: functions of the text after the name."""
 
 
+def is_no_file(spec: str) -> bool:
+    """Whether a scene is one of those that are no files, such as ``houses:7``."""
+    return SCENES.knows(spec.partition(":")[0])
+
+
 def load_scene(spec: str) -> Scene:
     """Load a scene by name.
 
@@ -38,8 +43,8 @@ def load_scene(spec: str) -> Scene:
     Raises:
         SceneError: The file cannot be used, or there is no such building.
     """
-    name, colon, number = spec.partition(":")
-    if not SCENES.knows(name):
+    if not is_no_file(spec):
+        name, colon, number = spec.partition(":")
         close = difflib.get_close_matches(name, SCENES.names, n=1)
         if close and not Path(spec).suffix and not Path(spec).exists():
             raise SceneError(

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from hypernav.build.data.scenes import SCENES, load_scene
+from hypernav.build.data.scenes import is_no_file, load_scene
 from hypernav.core.components.registry import Entry, Registry
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.episodes.episode import Episode
@@ -150,7 +150,7 @@ def _scene_of(benchmark: Benchmark, folder: Path, scene_id: str) -> str:
 
 def _named_scene(folders: Sequence[Path], scene_id: str) -> str:
     """The scene that a scene id of an episode file names, in the first folder that has it."""
-    if SCENES.knows(scene_id.partition(":")[0]):
+    if is_no_file(scene_id):
         return scene_id
     if (file := scene_in(folders, scene_id, _releases_of(scene_id))) is not None:
         return str(file)

@@ -21,8 +21,8 @@ _MESH_SUFFIXES = (".obj", ".ply", ".stl", ".off")
 _LOGGER = logging.getLogger(__name__)
 
 
-def load_scene(path: Path) -> Scene:
-    """Open a scene.
+def read_scene(path: Path) -> Scene:
+    """Read a scene from a file that is no scan; `hypernav.load_scene` opens any.
 
     A file ``objects.json`` beside it says which nodes make up which object. Without it every node
     is an instance of its own, labelled by its name. glTF files (y up) become ``(x, -z, y)``; for
