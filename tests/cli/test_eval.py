@@ -129,7 +129,7 @@ def test_the_same_command_again_runs_nothing_and_another_one_is_refused(runs, ro
         (["houses-val", "--save", "all"], "videos"),
         (["houses-val", "--record", "x.jsonl"], "--record is for single searches"),
         (["houses-val", "--set", "search.endurence_steps=3"], "did you mean 'endurance_steps'"),
-        ([], "missing: houses-val, houses-ovon"),
+        ([], "missing from hypernav eval: DATASET houses-val, houses-ovon"),
     ],
 )
 def test_bad_input_is_one_line_with_the_remedy(arguments, words, capsys):

@@ -1,5 +1,6 @@
 """What a start of the program may load: the rest waits until it is needed."""
 
+import os
 import shutil
 import subprocess
 import sys
@@ -120,3 +121,22 @@ def test_every_command_of_the_list_can_be_asked_for_help(name, capsys):
         main([name, "--help"])
     assert stop.value.code == 0
     assert COMMANDS[name] in " ".join(capsys.readouterr().out.split())
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "ascii"])
+def test_a_mistake_is_one_line_in_every_encoding(encoding):
+    command = "from hypernav.cli.main import main; main(['find', 'bed', '--sede', '3'])"
+    ended = subprocess.run(
+        [sys.executable, "-c", command],
+        env={**os.environ, "PYTHONIOENCODING": encoding},
+        capture_output=True,
+        text=True,
+    )
+    assert ended.returncode == 2
+    assert ended.stderr.startswith(
+        "hypernav: Unrecognized options: --sede, 3; Perhaps you meant: --seed INT "
+    )
+    assert ended.stderr.endswith("; see hypernav find --help\n")
+    assert "--" not in ended.stderr.replace("--sede", "").replace("--seed", "").replace(
+        "--help", ""
+    )
