@@ -9,6 +9,7 @@ from hypernav.build.presets import HyPerNavConfig, preset
 from hypernav.core.config import layered
 from hypernav.core.errors import ConfigError
 from hypernav.episodes.env import ObjectNavConfig
+from hypernav.evaluation.ablation.config_fields import values_by_field
 from hypernav.worlds.drawing.renderer import RenderConfig
 
 
@@ -104,3 +105,8 @@ def test_values_that_together_take_too_much_memory_are_refused(assignments, word
     ]
     with pytest.raises(ConfigError, match=words):
         layered(preset("default"), environment={}, assignments=named)
+
+
+def test_there_are_at_most_200_values():
+    """Each needs a reason that a user could give; what nobody sets is a constant."""
+    assert len(values_by_field(HyPerNavConfig())) <= 200

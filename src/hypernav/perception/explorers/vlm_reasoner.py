@@ -16,6 +16,9 @@ from hypernav.perception.explorers.map_question import (
     offered_blocks,
 )
 
+_QUESTIONS = 2
+"""Number of questions, where answers give no number, before the fallback chooses."""
+
 
 class VlmReasoner:
     """Shows the map and asks which block to visit."""
@@ -54,7 +57,7 @@ class VlmReasoner:
         if len(numbers) == 1 and self._config.skip_only_block:
             return BlockChoice(numbers[0], f"block {numbers[0]} is the only one left")
         hint = ""
-        for _ in range(self._config.attempts):
+        for _ in range(_QUESTIONS):
             question = self.question(overview, goal, excluded, hint=hint)
             answer = self._chat.ask(question)
             choice = self._read(question, answer, numbers, excluded)

@@ -32,19 +32,18 @@ the one of the step before (VLFM's code)."""
 _STAY_MARGIN = 0.01
 """Amount by which the value of the present frontier may fall from one step to the next before the
 best is gone to (VLFM's code)."""
+_LEAST_POCKET_M2 = 1.5
+"""Area below which unknown floor in the middle of known floor counts as explored (VLFM's code)."""
 
 
 class ValueFrontierConfig(RoomConfig):
     """Choice of a frontier by the value map. Values are those of VLFM's code unless said ours.
 
     Attributes:
-        least_pocket_m2: Area below which unknown floor in the middle of known floor counts as
-            explored, square metres.
         visited_radius_m: Distance from a destination that was reached or given up, metres, within
             which frontiers are passed over; ours: the original goes on for ever.
     """
 
-    least_pocket_m2: float = Field(default=1.5, ge=0.0, le=100.0)
     visited_radius_m: float = Field(default=0.5, ge=0.0, le=100.0)
 
 
@@ -93,7 +92,7 @@ class ValueFrontierExplorer:
     def next_destination(self, view: ExplorationView) -> Destination | None:
         """The frontier of the step before, as long as its value holds; else the best one."""
         notes = self._notes(view)
-        known = without_pockets(view.grid, self._config.least_pocket_m2)
+        known = without_pockets(view.grid, _LEAST_POCKET_M2)
         for clearance_m in self._clearances_m:
             frontiers = find_frontiers(known, view.robot, self._mapping, clearance_m)
             fresh = [one.destination for one in frontiers if not self._was_visited(one, view)]
