@@ -39,12 +39,18 @@ def test_importing_the_package_loads_no_other():
 
 @pytest.mark.parametrize(
     "module",
-    ["cli.robots.ros2", "cli.robots.replay", "robot.server.serving", "robot.client.robot_client"],
+    [
+        "cli.serve",
+        "cli.robots.ros2",
+        "cli.robots.replay",
+        "robot.server.serving",
+        "robot.client.robot_client",
+    ],
 )
 def test_a_robot_that_writes_no_video_loads_nothing_that_draws_pages_or_reads_scenes(module):
     loaded = loaded_by(f"import hypernav.{module}, hypernav.build.agents")
     assert "numpy" in loaded
-    assert not loaded & {"av", "gymnasium", "matplotlib", "trimesh"}
+    assert not loaded & {"av", "embreex", "gymnasium", "matplotlib", "trimesh"}
 
 
 @pytest.mark.parametrize(
