@@ -18,7 +18,7 @@ import numpy as np
 import tyro
 from jaxtyping import Bool
 
-from hypernav.build.scenes import load_scene
+from hypernav.build.data.scenes import load_scene
 from hypernav.core.embodiment import CameraConfig
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.camera import PinholeCamera

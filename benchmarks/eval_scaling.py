@@ -22,8 +22,8 @@ from typing import get_args
 import tyro
 
 from hypernav.build.component_specs import ComponentSpecs
+from hypernav.build.data.datasets import load_episodes, select
 from hypernav.build.presets import HyPerNavConfig, preset
-from hypernav.evaluation.datasets import load_episodes, select
 from hypernav.evaluation.runner import RunProgress, run_episodes
 from hypernav.evaluation.save_choice import SaveChoice
 from hypernav.evaluation.store.run_store import RunStore

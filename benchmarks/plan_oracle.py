@@ -26,10 +26,10 @@ from rich.console import Console
 from rich.table import Table
 
 from hypernav.agents.search import SearchAgent
+from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import HyPerNavConfig
-from hypernav.build.scenes import load_scene
-from hypernav.core.episode import Episode
-from hypernav.core.exploration import Destination, ExplorationView
+from hypernav.core.episodes.episode import Episode
+from hypernav.core.exploring.exploration import Destination, ExplorationView
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.memory.memory import Memory

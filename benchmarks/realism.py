@@ -30,7 +30,7 @@ from hypernav.houses.generator import generate
 from hypernav.models.vision.yolox import YoloxConfig, YoloxDetector
 from hypernav.worlds.drawing.rays import RayCaster
 from hypernav.worlds.drawing.renderer import CpuRenderer
-from hypernav.worlds.scenes.loading import load_scene
+from hypernav.worlds.scenes.loading import read_scene
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.walkable import WalkableGrid
 
@@ -269,7 +269,7 @@ def main(
     views: list[View] = []
     numbers = [0] if scene is not None else list(range(first, first + count))
     for number in numbers:
-        one = load_scene(scene) if scene is not None else generate(house(number))
+        one = read_scene(scene) if scene is not None else generate(house(number))
         if kinds:
             one = replace(
                 one,

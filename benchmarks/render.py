@@ -24,7 +24,7 @@ from rich.table import Table
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
-from hypernav.worlds.scenes.loading import load_scene
+from hypernav.worlds.scenes.loading import read_scene
 from hypernav.worlds.scenes.scene import Scene
 
 TEST_DATA = Path(os.environ.get("HYPERNAV_TEST_DATA", "../shared/data"))
@@ -49,7 +49,7 @@ def main(
     """
     console = Console()
     start = time.perf_counter()
-    loaded = load_scene(scene)
+    loaded = read_scene(scene)
     console.print(f"{loaded.name}: loaded in {(time.perf_counter() - start) * 1e3:.0f} ms")
     views = standing_views(loaded, poses)
     title = "640×480, colour + depth + instances, ms"

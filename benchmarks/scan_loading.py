@@ -35,7 +35,7 @@ from hypernav.worlds.navmesh.robot_navmesh import computed_for
 from hypernav.worlds.scans.layout import ScanFiles
 from hypernav.worlds.scans.loading import load_scan
 from hypernav.worlds.scans.scan_cache import cached_scan
-from hypernav.worlds.scenes.loading import load_scene
+from hypernav.worlds.scenes.loading import read_scene
 from hypernav.worlds.simulation import SimulatedWorld
 from scan_writers.basis_bytes import ktx2
 from scan_writers.buildings import two_storeys
@@ -96,7 +96,7 @@ def draw(path: Path, cache: Path) -> None:
     """Draw views of the scan and of small_house in turns."""
     scan = open_world(path, cache).scene
     tell_memory()
-    small_house = load_scene(TEST_DATA / "scenes" / "small_house" / "scene.glb")
+    small_house = read_scene(TEST_DATA / "scenes" / "small_house" / "scene.glb")
     drawn = [(CpuRenderer(scene), standing_views(scene, VIEWS)) for scene in (scan, small_house)]
     seconds: list[list[float]] = [[], []]
     for turn in range(TURNS + 1):

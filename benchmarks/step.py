@@ -26,12 +26,12 @@ from rich.console import Console
 from rich.table import Table
 
 from hypernav.build.agents import build_explorer, build_search
+from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import preset
-from hypernav.build.scenes import load_scene
 from hypernav.core.actions import Action
 from hypernav.core.components.abilities import Learns
-from hypernav.core.episode import Episode
-from hypernav.core.exploration import ExplorationView
+from hypernav.core.episodes.episode import Episode
+from hypernav.core.exploring.exploration import ExplorationView
 from hypernav.core.geometry.camera import optical_to_base
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.transforms import Pose2

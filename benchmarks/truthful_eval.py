@@ -23,7 +23,7 @@ from hypernav.build.built_agent import BuiltAgent
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.cli.main import main
-from hypernav.evaluation.workers import worker
+from hypernav.evaluation.workers import searcher
 from servers.scripted import Asked, ScriptedServer
 from servers.truth import Truth, TruthfulBrain, watching
 
@@ -50,7 +50,7 @@ def ask_the_truth(open_ones: ExitStack) -> None:
         return _ColourBlind(**vars(build_agent(config, replace(specs, vlm=server.spec))))
 
     server.brain = answer
-    worker.build_agent = build  # pyright: ignore[reportPrivateImportUsage]
+    searcher.build_agent = build  # pyright: ignore[reportPrivateImportUsage]
 
 
 if __name__ == "__main__":

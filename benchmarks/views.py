@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 
 from hypernav.build.agents import build_agent
+from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import preset
-from hypernav.build.scenes import load_scene
-from hypernav.core.episode import Episode
+from hypernav.core.episodes.episode import Episode
 from hypernav.core.goal import Goal
+from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.show.video.frame import EpisodeInfo
 from hypernav.show.views.foxglove_view import McapView
 from hypernav.show.views.rerun_view import RrdView
-from hypernav.worlds.episode_run import EpisodeRun
 from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
 

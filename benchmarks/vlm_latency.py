@@ -33,8 +33,8 @@ from qwen25_vl import save_qwen25_vl
 from hypernav.core.chat import Answer, Question
 from hypernav.core.components.extras import require
 from hypernav.core.errors import HyPerNavError
+from hypernav.core.exploring.overview import Block
 from hypernav.core.goal import Goal
-from hypernav.core.overview import Block
 from hypernav.models.chat.config import ChatConfig
 from hypernav.models.chat.local_chat import LocalChat
 from hypernav.models.chat.vlm_families import family_named

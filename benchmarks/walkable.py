@@ -18,7 +18,7 @@ import tyro
 
 from hypernav.core.goal import Goal
 from hypernav.worlds.drawing.rays import RayCaster
-from hypernav.worlds.scenes.loading import load_scene
+from hypernav.worlds.scenes.loading import read_scene
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.goal_regions import GoalRegions
 from hypernav.worlds.surface.walkable import WalkableGrid
@@ -40,7 +40,7 @@ class Arguments:
 
 
 def main(arguments: Arguments) -> None:
-    scene = load_scene(arguments.scene)
+    scene = read_scene(arguments.scene)
     measure_scene(scene, arguments.repeats)
     large = refined(scene, arguments.triangles)
     WalkableGrid.from_scene(large)

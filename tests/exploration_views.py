@@ -5,13 +5,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from box_views import frame
-from hypernav.core.exploration import ExplorationView
+from hypernav.core.exploring.exploration import ExplorationView
+from hypernav.core.exploring.sightings import SeenThing
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.core.sightings import SeenThing
 from hypernav.mapping.memory.memory import SearchMemory
 
 _CAMERA = PinholeCamera.from_hfov(8, 6, 79.0)

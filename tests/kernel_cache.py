@@ -35,7 +35,7 @@ def _is_missing(source: Path) -> bool:
 
 def _compile_worlds() -> None:
     """Draw, and walk on a mesh."""
-    from hypernav.evaluation.warmup.exercises import draw_tile, walk_on_mesh
+    from hypernav.warmup.exercises import draw_tile, walk_on_mesh
 
     draw_tile()
     walk_on_mesh()
@@ -46,8 +46,8 @@ def _compile_searches() -> None:
     from hypernav.build.agents import build_agent
     from hypernav.build.component_specs import ComponentSpecs
     from hypernav.core.goal import Goal
-    from hypernav.evaluation.checks.box_room import BoxRoom
-    from hypernav.evaluation.warmup.exercises import search_room
+    from hypernav.warmup.exercises import search_room
+    from hypernav.worlds.box_room import BoxRoom
     from small_worlds import small_config, two_rooms
 
     search_room()

@@ -12,9 +12,9 @@ if TYPE_CHECKING:
     from hypernav.build.agents import build_agent, build_search
     from hypernav.build.built_agent import BuiltAgent
     from hypernav.build.component_specs import ComponentSpecs
+    from hypernav.build.data.scenes import load_scene
     from hypernav.build.native import native_config
     from hypernav.build.presets import HyPerNavConfig, preset
-    from hypernav.build.scenes import load_scene
     from hypernav.build.search import find
     from hypernav.core.actions import Action
     from hypernav.core.components.protocols import (
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     )
     from hypernav.core.config import RoomConfig
     from hypernav.core.embodiment import Embodiment
-    from hypernav.core.episode import Episode, Outcome
+    from hypernav.core.episodes.episode import Episode, Outcome
     from hypernav.core.errors import (
         ConfigError,
         ContractError,
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
         SensorError,
         StartError,
     )
-    from hypernav.core.exploration import Destination
+    from hypernav.core.exploring.exploration import Destination
     from hypernav.core.geometry.boxes import Box, Detection
     from hypernav.core.geometry.camera import PinholeCamera
     from hypernav.core.geometry.grid import OccupancyGrid
@@ -51,8 +51,9 @@ if TYPE_CHECKING:
     from hypernav.core.goal import Goal
     from hypernav.core.observation import Observation
     from hypernav.core.trace import StepTrace
+    from hypernav.episodes.env import ObjectNavEnv
+    from hypernav.episodes.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
     from hypernav.evaluation.checks.agents import check_agent
-    from hypernav.evaluation.checks.box_room import BoxRoom
     from hypernav.evaluation.checks.worlds import check_world
     from hypernav.evaluation.evaluate import evaluate
     from hypernav.evaluation.habitat_lab.benchmark import HabitatBenchmark
@@ -72,8 +73,7 @@ if TYPE_CHECKING:
     from hypernav.robot.driving.driven_robot import DrivenRobot
     from hypernav.robot.motion.velocity import Velocity
     from hypernav.robot.wire.requests import OpenSearch
-    from hypernav.worlds.env import ObjectNavEnv
-    from hypernav.worlds.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
+    from hypernav.worlds.box_room import BoxRoom
     from hypernav.worlds.scenes.scene import Scene
     from hypernav.worlds.simulation import SimulatedWorld
     from hypernav.worlds.surface.starts import random_start
@@ -166,7 +166,7 @@ _MODULES = {
     "native_config": "hypernav.build.native",
     "HyPerNavConfig": "hypernav.build.presets",
     "preset": "hypernav.build.presets",
-    "load_scene": "hypernav.build.scenes",
+    "load_scene": "hypernav.build.data.scenes",
     "find": "hypernav.build.search",
     "Action": "hypernav.core.actions",
     "Agent": "hypernav.core.components.protocols",
@@ -177,10 +177,10 @@ _MODULES = {
     "PresenceCheck": "hypernav.core.components.protocols",
     "Segmenter": "hypernav.core.components.protocols",
     "RoomConfig": "hypernav.core.config",
-    "Destination": "hypernav.core.exploration",
+    "Destination": "hypernav.core.exploring.exploration",
     "Embodiment": "hypernav.core.embodiment",
-    "Episode": "hypernav.core.episode",
-    "Outcome": "hypernav.core.episode",
+    "Episode": "hypernav.core.episodes.episode",
+    "Outcome": "hypernav.core.episodes.episode",
     "ConfigError": "hypernav.core.errors",
     "ContractError": "hypernav.core.errors",
     "GoalError": "hypernav.core.errors",
@@ -203,7 +203,7 @@ _MODULES = {
     "Observation": "hypernav.core.observation",
     "StepTrace": "hypernav.core.trace",
     "check_agent": "hypernav.evaluation.checks.agents",
-    "BoxRoom": "hypernav.evaluation.checks.box_room",
+    "BoxRoom": "hypernav.worlds.box_room",
     "check_world": "hypernav.evaluation.checks.worlds",
     "evaluate": "hypernav.evaluation.evaluate",
     "HabitatBenchmark": "hypernav.evaluation.habitat_lab.benchmark",
@@ -229,10 +229,10 @@ _MODULES = {
     "DrivenRobot": "hypernav.robot.driving.driven_robot",
     "Velocity": "hypernav.robot.motion.velocity",
     "OpenSearch": "hypernav.robot.wire.requests",
-    "ObjectNavEnv": "hypernav.worlds.env",
-    "EpisodeResult": "hypernav.worlds.episode_run",
-    "EpisodeRun": "hypernav.worlds.episode_run",
-    "EpisodeStep": "hypernav.worlds.episode_run",
+    "ObjectNavEnv": "hypernav.episodes.env",
+    "EpisodeResult": "hypernav.episodes.episode_run",
+    "EpisodeRun": "hypernav.episodes.episode_run",
+    "EpisodeStep": "hypernav.episodes.episode_run",
     "Scene": "hypernav.worlds.scenes.scene",
     "SimulatedWorld": "hypernav.worlds.simulation",
     "random_start": "hypernav.worlds.surface.starts",

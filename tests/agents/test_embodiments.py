@@ -7,17 +7,17 @@ import pytest
 
 from hypernav.build.agents import build_search
 from hypernav.build.component_specs import PresetName
+from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import preset
-from hypernav.build.scenes import load_scene
 from hypernav.core.config import layered
-from hypernav.core.episode import Outcome
+from hypernav.core.episodes.episode import Outcome
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import Ending, ExchangeLog
+from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.planning.bump_sensor import BumpSensor
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
-from hypernav.worlds.episode_run import EpisodeRun
 from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
 from small_episodes import episode_from

@@ -5,7 +5,7 @@ import pytest
 
 from hypernav.build.agents import build_search
 from hypernav.core.actions import Action
-from hypernav.core.episode import Episode
+from hypernav.core.episodes.episode import Episode
 from hypernav.core.geometry.camera import optical_to_base
 from hypernav.core.geometry.grid import Cell
 from hypernav.core.geometry.transforms import Pose2

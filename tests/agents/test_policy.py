@@ -15,8 +15,8 @@ from hypernav.core.errors import ConfigError, GoalError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.evaluation.checks.agents import check_agent
-from hypernav.evaluation.checks.box_room import BoxRoom
 from hypernav.models.policies.architecture import PIRLNAV, ZSON
+from hypernav.worlds.box_room import BoxRoom
 
 CAMERA = {"width": 640, "height": 480, "hfov_deg": 79.0, "height_m": 0.88, "pitch_deg": 0.0}
 SQUARE = {"width": 128, "height": 128, "hfov_deg": 90.0, "height_m": 1.25, "pitch_deg": 0.0}

@@ -16,13 +16,13 @@ from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.native import native_config
 from hypernav.core.actions import Action
 from hypernav.core.embodiment import Embodiment, MotionConfig
-from hypernav.core.exploration import Destination
+from hypernav.core.exploring.exploration import Destination
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import Ending, ExchangeLog, without_timings
-from hypernav.evaluation.checks.box_room import BoxRoom
+from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.mapping.config import MappingConfig
-from hypernav.worlds.episode_run import EpisodeRun
+from hypernav.worlds.box_room import BoxRoom
 from hypernav.worlds.simulation import SimulatedWorld
 from small_episodes import episode_from
 from small_worlds import small_config, two_rooms

@@ -9,12 +9,12 @@ import hypernav
 from hypernav.build.agents import build_agent, build_search
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.presets import preset
-from hypernav.core.episode import Outcome
+from hypernav.core.episodes.episode import Outcome
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog, without_timings
+from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.perception.local.ground_truth import GroundTruthDetector
-from hypernav.worlds.episode_run import EpisodeRun
 from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
 from small_episodes import episode_from
@@ -51,10 +51,10 @@ def test_the_bed_behind_the_wall_is_found_and_equal_seeds_give_equal_searches(ag
 @pytest.mark.slow
 @pytest.mark.parametrize("agent", RIVALS)
 def test_the_bed_of_a_real_house_is_found(agent, small_house):
-    from hypernav.worlds.scenes.loading import load_scene
+    from hypernav.worlds.scenes.loading import read_scene
 
     config = preset("default")
-    world = SimulatedWorld(load_scene(small_house), config.world, config.embodiment)
+    world = SimulatedWorld(read_scene(small_house), config.world, config.embodiment)
     rng = np.random.default_rng(0)
     start = random_start(world.walkable, rng, world.regions.of(Goal("bed")))
     parts = build_agent(config, ComponentSpecs(agent=agent))

@@ -11,13 +11,13 @@ from hypernav.build.agents import build_search
 from hypernav.build.component_specs import PresetName
 from hypernav.core.actions import Action
 from hypernav.core.components.protocols import Agent, ExplainsItself
-from hypernav.core.episode import Outcome
+from hypernav.core.episodes.episode import Outcome
 from hypernav.core.errors import WorldError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import Ending, ExchangeLog, Mode, without_timings
+from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.perception.local.ground_truth import GroundTruthDetector
-from hypernav.worlds.episode_run import EpisodeRun
 from hypernav.worlds.simulation import SimulatedWorld
 from small_episodes import episode_from
 from small_worlds import small_config, two_rooms

@@ -8,8 +8,9 @@ from pydantic import BaseModel, ValidationError
 from hypernav.build.presets import HyPerNavConfig, preset
 from hypernav.core.config import layered
 from hypernav.core.errors import ConfigError
+from hypernav.episodes.env import ObjectNavConfig
+from hypernav.evaluation.ablation.config_fields import values_by_field
 from hypernav.worlds.drawing.renderer import RenderConfig
-from hypernav.worlds.env import ObjectNavConfig
 
 
 def numbers(model: type[BaseModel]) -> Iterator[tuple[str, tuple[Any, Any]]]:
@@ -107,3 +108,8 @@ def test_values_that_together_take_too_much_memory_are_refused(assignments, word
     ]
     with pytest.raises(ConfigError, match=words):
         layered(preset("default"), environment={}, assignments=named)
+
+
+def test_there_are_at_most_200_values():
+    """Each needs a reason that a user could give; what nobody sets is a constant."""
+    assert len(values_by_field(HyPerNavConfig())) <= 200

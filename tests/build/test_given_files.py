@@ -7,7 +7,7 @@ from hypernav.build.choosing import choose_components
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.given_files import digests, given_files
 from hypernav.build.presets import HyPerNavConfig, with_changes
-from hypernav.cli.agent_options import AgentOptions
+from hypernav.cli.options.agent import AgentOptions
 
 
 def written(folder: Path, name: str) -> Path:

@@ -7,11 +7,11 @@ from hypernav.build.choosing import choose_components
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.native import native_config, step_limit_of
 from hypernav.build.presets import HyPerNavConfig, preset
-from hypernav.cli.agent_options import AgentOptions
 from hypernav.cli.command_line import run_command
+from hypernav.cli.options.agent import AgentOptions
 from hypernav.core.errors import ConfigError
-from hypernav.perception.arrows.config import ArrowsConfig
-from hypernav.perception.arrows.proposals import MOST_MOVE_M
+from hypernav.perception.visual_prompts.config import ArrowsConfig
+from hypernav.perception.visual_prompts.proposals import MOST_MOVE_M
 
 NATIVE = ("vlfm", "navvlm", "vlmnav", "pivot")
 

@@ -8,9 +8,9 @@ from chat_models import Parrot
 from drawn_grids import drawn
 from exploration_views import exploration_view
 from hypernav.build.presets import preset
+from hypernav.core.exploring.overview import Overview
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.overview import Overview
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.blocks import divide_into_blocks
 from hypernav.models.chat.vlm_families import family_named

@@ -74,7 +74,7 @@ def test_a_broken_episode_file_is_named(data, capsys):
 def test_compressed_textures_need_their_package(data, capsys, monkeypatch):
     folder = data / "scene_datasets" / "hm3d" / "val" / SCENE
     (folder / f"{HASH}.basis.glb").write_bytes(ktx2(np.zeros((1, 1, 3), int)))
-    monkeypatch.setattr("hypernav.evaluation.data_checkup.find_spec", lambda name: None)
+    monkeypatch.setattr("hypernav.evaluation.checks.data_folder.find_spec", lambda name: None)
     status, lines = examine(capsys, data)
     assert status == 1
     assert line_of(lines, "hm3d v1/val textures:").startswith("FAULT")

@@ -12,10 +12,10 @@ import time
 import pytest
 
 from eval_runs import SMALL, timeless_lines, write_room
-from hypernav.cli.agent_options import AgentOptions
 from hypernav.cli.eval import worker_count
-from hypernav.cli.eval_options import Options
 from hypernav.cli.main import main
+from hypernav.cli.options.agent import AgentOptions
+from hypernav.cli.options.eval import Options
 from hypernav.evaluation.run_session import available_cores
 
 QUICK = ("--workers", "1", "--max-steps", "30", *SMALL)
@@ -129,7 +129,7 @@ def test_the_same_command_again_runs_nothing_and_another_one_is_refused(runs, ro
         (["houses-val", "--save", "all"], "videos"),
         (["houses-val", "--record", "x.jsonl"], "--record is for single searches"),
         (["houses-val", "--set", "search.endurence_steps=3"], "did you mean 'endurance_steps'"),
-        ([], "missing: houses-val, houses-ovon"),
+        ([], "missing from hypernav eval: DATASET houses-val, houses-ovon"),
     ],
 )
 def test_bad_input_is_one_line_with_the_remedy(arguments, words, capsys):

@@ -6,7 +6,7 @@ import pytest
 
 from box_scenes import room_glb
 from hypernav.cli.main import main
-from hypernav.cli.warnings_shown import no_such_object_line
+from hypernav.cli.screen.warnings_shown import no_such_object_line
 from hypernav.core.goal import Goal
 
 SMALL = ("--set", "embodiment.camera.width=160", "embodiment.camera.height=120")
@@ -75,10 +75,10 @@ def test_screen_result_and_page_say_what_stands_in_for_the_papers_segmenter(glb,
         (["find", "bed", "--reasoner", "vlm"], "name it, for example --vlm openai:http://local"),
         (["find", "bed", "--agent", "fast"], "use hypernav, frontier, vlfm"),
         (["find", "bed", "--start", "1", "2"], "--start takes three numbers"),
-        (["find", "bed", "--start", "1", "a", "2"], "--start: expected FLOAT, got '1', 'a', '2'"),
+        (["find", "bed", "--start", "1", "a", "2"], "FLOAT ...]]}, got ['1', 'a', '2'];"),
         (["find", "bed", "--seed", "x"], "with base 10: 'x'; see hypernav find --help"),
         (["fnd", "bed"], "find"),
-        (["find"], "missing: The object to find"),
+        (["find"], "missing from hypernav find: GOAL The object to find"),
         (["find", "potted", "plant"], 'one name go in quotes, as in "potted plant"'),
         (["find", "bed", "--scene", "house:7"], "did you mean 'houses:7'?"),
         (["find", "bed", "--scene", "bultin"], "did you mean 'builtin'?"),

@@ -3,7 +3,7 @@ from pathlib import Path
 import pytest
 
 from box_houses import box_house
-from hypernav.build.scenes import load_scene
+from hypernav.build.data.scenes import load_scene
 from hypernav.cli import houses
 from hypernav.cli.main import main
 from hypernav.core.goal import Goal
@@ -118,7 +118,7 @@ def test_a_scene_that_is_no_house_is_one_line(number, capsys):
 
 
 def test_houses_are_scenes_by_name(monkeypatch):
-    monkeypatch.setattr("hypernav.build.scenes.cached_building", box_house)
+    monkeypatch.setattr("hypernav.build.data.scenes.cached_building", box_house)
     assert load_scene("houses:1234").name == "houses:1234"
     assert load_scene("builtin").name == "houses:0"
 
@@ -182,7 +182,7 @@ def test_other_buildings_are_shown_by_the_name_of_their_scene(tmp_path, monkeypa
 
 
 def test_offices_and_shops_are_scenes_by_name(monkeypatch):
-    monkeypatch.setattr("hypernav.build.scenes.cached_building", box_house)
+    monkeypatch.setattr("hypernav.build.data.scenes.cached_building", box_house)
     assert load_scene("offices:7").name == "offices:7"
     assert load_scene("shops:1234").name == "shops:1234"
 
@@ -195,7 +195,7 @@ def test_what_is_no_house_and_where_nothing_can_be_written_is_one_line(command, 
         (["offices:abc"], "there is no office 'abc'"),
         (["castles:7"], "there are no generated 'castles'; expected houses:N, offices:N, shops:N"),
         (["0", "--out", tmp_path / "file" / "in"], "cannot be written"),
-        ([], "missing: Number of a house"),
+        ([], "Number of a house"),
     ):
         assert hypernav("houses", command, *arguments) == 2
         said = capsys.readouterr().err

@@ -8,7 +8,7 @@ import numpy as np
 from rich.console import Console
 
 from hypernav.cli.robots import ros2
-from hypernav.cli.views.opening import Views
+from hypernav.cli.screen.views import Views
 from hypernav.core.actions import Action
 from hypernav.core.errors import LinkLostError, RosNetworkError
 from hypernav.core.geometry.camera import PinholeCamera

@@ -1,5 +1,6 @@
 """What a start of the program may load: the rest waits until it is needed."""
 
+import os
 import shutil
 import subprocess
 import sys
@@ -38,12 +39,18 @@ def test_importing_the_package_loads_no_other():
 
 @pytest.mark.parametrize(
     "module",
-    ["cli.robots.ros2", "cli.robots.replay", "robot.server.serving", "robot.client.robot_client"],
+    [
+        "cli.serve",
+        "cli.robots.ros2",
+        "cli.robots.replay",
+        "robot.server.serving",
+        "robot.client.robot_client",
+    ],
 )
 def test_a_robot_that_writes_no_video_loads_nothing_that_draws_pages_or_reads_scenes(module):
     loaded = loaded_by(f"import hypernav.{module}, hypernav.build.agents")
     assert "numpy" in loaded
-    assert not loaded & {"av", "gymnasium", "matplotlib", "trimesh"}
+    assert not loaded & {"av", "embreex", "gymnasium", "matplotlib", "trimesh"}
 
 
 @pytest.mark.parametrize(
@@ -120,3 +127,22 @@ def test_every_command_of_the_list_can_be_asked_for_help(name, capsys):
         main([name, "--help"])
     assert stop.value.code == 0
     assert COMMANDS[name] in " ".join(capsys.readouterr().out.split())
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "ascii"])
+def test_a_mistake_is_one_line_in_every_encoding(encoding):
+    command = "from hypernav.cli.main import main; main(['find', 'bed', '--sede', '3'])"
+    ended = subprocess.run(
+        [sys.executable, "-c", command],
+        env={**os.environ, "PYTHONIOENCODING": encoding},
+        capture_output=True,
+        text=True,
+    )
+    assert ended.returncode == 2
+    assert ended.stderr.startswith(
+        "hypernav: Unrecognized options: --sede, 3; Perhaps you meant: --seed INT "
+    )
+    assert ended.stderr.endswith("; see hypernav find --help\n")
+    assert "--" not in ended.stderr.replace("--sede", "").replace("--seed", "").replace(
+        "--help", ""
+    )

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from eval_runs import SMALL, timeless_lines
-from hypernav.cli.agent_options import AgentOptions
+from hypernav.build.data.datasets import load_episodes, select
 from hypernav.cli.eval import config_of, plan_of
-from hypernav.cli.eval_options import Options
 from hypernav.cli.main import main
-from hypernav.core.episode import Outcome
+from hypernav.cli.options.agent import AgentOptions
+from hypernav.cli.options.eval import Options
+from hypernav.core.episodes.episode import Outcome
 from hypernav.core.errors import EpisodeError
-from hypernav.evaluation.datasets import load_episodes, select
 from hypernav.evaluation.report.report_text import warnings
 from hypernav.evaluation.report.run_data import load_runs
 from hypernav.evaluation.run_plan import RunPlan, Selection

@@ -13,9 +13,9 @@ from hypernav.core.actions import Action
 from hypernav.core.embodiment import CameraConfig, Embodiment
 from hypernav.core.errors import ContractError
 from hypernav.core.trace import Ending, ExchangeLog, Mode, StepTrace
-from hypernav.evaluation.checks.box_room import BoxRoom
+from hypernav.episodes.env import ObjectNavConfig, ObjectNavEnv
 from hypernav.perception.local.ground_truth import GroundTruthDetector
-from hypernav.worlds.env import ObjectNavConfig, ObjectNavEnv
+from hypernav.worlds.box_room import BoxRoom
 from small_worlds import small_config
 
 CONFIG = ObjectNavConfig(embodiment=Embodiment(camera=CameraConfig(width=32, height=24)))

@@ -1,6 +1,6 @@
 import pytest
 
-from hypernav.evaluation.datasets import fingerprint, load_episodes
+from hypernav.build.data.datasets import fingerprint, load_episodes
 
 FROZEN = {
     "offices-val": "cecb77ebb4bc1fb0",

@@ -9,8 +9,8 @@ import pytest
 
 from box_houses import box_house
 from eval_runs import write_room
+from hypernav.build.data.datasets import fingerprint, load_episodes
 from hypernav.core.errors import EpisodeError
-from hypernav.evaluation.datasets import fingerprint, load_episodes
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
 from hypernav.houses.building import Building
 from hypernav.houses.episodes import episode_cache, split_files

@@ -3,8 +3,8 @@
 import pytest
 
 from eval_runs import spec
+from hypernav.build.data.datasets import select
 from hypernav.core.errors import EpisodeError
-from hypernav.evaluation.datasets import select
 from hypernav.evaluation.workers.worker import folder_name
 
 NAMESAKES = [spec("0", "a/room.glb"), spec("0", "b/room.glb")]

@@ -13,7 +13,7 @@ import pytest
 
 from certainty import certain
 from eval_runs import SMALL, timeless_lines, write_room
-from hypernav.evaluation.datasets import load_episodes
+from hypernav.build.data.datasets import load_episodes
 from hypernav.evaluation.runner import run_episodes
 from hypernav.evaluation.store.run_store import RunStore, read_records
 from hypernav.evaluation.workers.process_pool import ProcessPool

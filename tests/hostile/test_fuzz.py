@@ -27,7 +27,7 @@ from hypernav.models.chat.answer_parsing import parse_answer
 from hypernav.models.chat.recording import ReplayChat
 from hypernav.models.chat.vlm_families import FAMILIES
 from hypernav.perception.local.grounding_format import read_grounding
-from hypernav.worlds.scenes.loading import load_scene
+from hypernav.worlds.scenes.loading import read_scene
 
 pytestmark = pytest.mark.slow
 
@@ -72,7 +72,7 @@ def test_scenes(folder, content):
     (folder / "objects.json").unlink(missing_ok=True)
     try:
         with bounded():
-            scene = load_scene(path)
+            scene = read_scene(path)
     except SceneError:
         return
     assert len(scene.faces) > 0
@@ -86,7 +86,7 @@ def test_descriptions_of_objects(folder, content):
     path = SOUND.write(folder / "scene.glb")
     (folder / "objects.json").write_bytes(content)
     with contextlib.suppress(SceneError), bounded():
-        load_scene(path)
+        read_scene(path)
 
 
 YAML = st.text(alphabet="ab:{}[]-,&*!|>'\"%#?~ \n\t0.1_enxf", max_size=40)

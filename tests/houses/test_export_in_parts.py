@@ -6,10 +6,10 @@ import json
 import pytest
 
 from box_houses import box_house
+from hypernav.build.data.datasets import load_episodes
 from hypernav.cli import houses
 from hypernav.cli.main import main
 from hypernav.core.errors import EpisodeError
-from hypernav.evaluation.datasets import load_episodes
 from hypernav.houses.episodes import episode_cache
 from hypernav.houses.episodes.split_files import of_scene
 from hypernav.houses.episodes.splits import load_split

@@ -17,7 +17,7 @@ from hypernav.houses.export.files import ExportedBuilding, export_building
 from hypernav.houses.export.page import building_page
 from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.navmesh.surface import NavmeshSurface
-from hypernav.worlds.scenes.loading import load_scene
+from hypernav.worlds.scenes.loading import read_scene
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.walkable import WalkableGrid
 
@@ -31,7 +31,7 @@ def exported(tmp_path_factory: pytest.TempPathFactory) -> ExportedBuilding:
 
 @pytest.fixture(scope="module")
 def loaded(exported: ExportedBuilding) -> Scene:
-    return load_scene(exported.glb)
+    return read_scene(exported.glb)
 
 
 def test_all_instances_come_back_with_their_labels(builtin_scene: Scene, loaded: Scene):

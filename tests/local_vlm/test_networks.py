@@ -14,6 +14,7 @@ from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
+from hypernav.models.vision import sam, zero_shot
 from hypernav.models.vision.sam import SamConfig, SamSegmenter
 from hypernav.models.vision.similarity import ImageTextSimilarity, SimilarityConfig
 from hypernav.models.vision.zero_shot import ZeroShotConfig, ZeroShotDetector
@@ -32,13 +33,17 @@ def observe(height: int, width: int) -> Observation:
 @pytest.mark.parametrize("name", ["sam", "sam2"])
 @pytest.mark.parametrize("size", [(48, 64), (96, 72)])
 def test_masks_have_the_images_size_and_stay_in_the_box(
-    tiny: Tiny, device: str, name: str, size: tuple[int, int]
+    tiny: Tiny,
+    device: str,
+    name: str,
+    size: tuple[int, int],
+    monkeypatch: pytest.MonkeyPatch,
 ):
     view = observe(*size)
-    free = SamSegmenter(str(tiny(name)), SamConfig(device=device, clip_to_box=False)).segment(
-        view, BOX
-    )
-    clipped = SamSegmenter(str(tiny(name)), SamConfig(device=device)).segment(view, BOX)
+    segmenter = SamSegmenter(str(tiny(name)), SamConfig(device=device))
+    clipped = segmenter.segment(view, BOX)
+    monkeypatch.setattr(sam, "clipped_to_box", lambda mask, box: mask)
+    free = segmenter.segment(view, BOX)
     assert free.shape == clipped.shape == size
     assert free.dtype == clipped.dtype == np.bool_
     inside = np.zeros(size, bool)
@@ -48,8 +53,11 @@ def test_masks_have_the_images_size_and_stay_in_the_box(
 
 
 @pytest.mark.parametrize("name", ["sam", "sam2"])
-def test_another_box_gives_another_mask(tiny: Tiny, device: str, name: str):
-    segmenter = SamSegmenter(str(tiny(name)), SamConfig(device=device, clip_to_box=False))
+def test_another_box_gives_another_mask(
+    tiny: Tiny, device: str, name: str, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(sam, "clipped_to_box", lambda mask, box: mask)
+    segmenter = SamSegmenter(str(tiny(name)), SamConfig(device=device))
     view = observe(48, 64)
     first = segmenter.segment(view, Box(0.0, 0.0, 8.0, 8.0))
     second = segmenter.segment(view, Box(40.0, 20.0, 64.0, 48.0))
@@ -62,8 +70,11 @@ def test_a_box_outside_the_image_holds_nothing(tiny: Tiny):
 
 
 @pytest.mark.parametrize("name", ["owlv2", "grounding_dino"])
-def test_open_vocabulary_boxes_lie_in_the_image_best_first(tiny: Tiny, device: str, name: str):
-    config = ZeroShotConfig(device=device, score_threshold=0.0, min_side_px=0.0)
+def test_open_vocabulary_boxes_lie_in_the_image_best_first(
+    tiny: Tiny, device: str, name: str, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(zero_shot, "_MIN_SIDE_PX", 0.0)
+    config = ZeroShotConfig(device=device, score_threshold=0.0)
     detector = ZeroShotDetector(str(tiny(name)), config)
     found = detector.detect(observe(48, 64), Goal("red sofa"))
     assert found
@@ -94,9 +105,12 @@ def test_the_corners_of_a_box_reach_the_network_exactly(tiny: Tiny, device: str,
 
 
 @pytest.mark.parametrize("name", ["owlv2", "grounding_dino"])
-def test_boxes_are_scaled_to_pixels_exactly(tiny: Tiny, device: str, name: str):
+def test_boxes_are_scaled_to_pixels_exactly(
+    tiny: Tiny, device: str, name: str, monkeypatch: pytest.MonkeyPatch
+):
     """Edges computed in bfloat16 would be up to 1.25 pixels off."""
-    config = ZeroShotConfig(device=device, dtype="bfloat16", score_threshold=0.0, min_side_px=0.0)
+    monkeypatch.setattr(zero_shot, "_MIN_SIDE_PX", 0.0)
+    config = ZeroShotConfig(device=device, dtype="bfloat16", score_threshold=0.0)
     detector = ZeroShotDetector(str(tiny(name)), config)
     said: list[Any] = []
     detector._model.register_forward_hook(lambda _, args, outputs: said.append(outputs.pred_boxes))

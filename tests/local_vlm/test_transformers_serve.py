@@ -12,11 +12,11 @@ from certainty import certain
 from chat_models import image
 from hypernav.core.chat import Fault, Question
 from hypernav.core.errors import ModelRejectedError, ModelUnavailableError
+from hypernav.core.exploring.overview import Block, Overview
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.core.overview import Block, Overview
 from hypernav.core.trace import ExchangeLog
 from hypernav.models.chat.config import ChatConfig
 from hypernav.models.chat.ledger import Ledger, LedgerChat

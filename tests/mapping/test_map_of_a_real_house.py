@@ -13,7 +13,7 @@ from hypernav.mapping.blocks import divide_into_blocks
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.frontiers import find_frontiers
 from hypernav.mapping.top_down_map import TopDownMap
-from hypernav.worlds.scenes.loading import load_scene
+from hypernav.worlds.scenes.loading import read_scene
 
 CONFIG = MappingConfig()
 BAND = (0.10, 0.95)
@@ -47,7 +47,7 @@ def world_map(observations):
 @pytest.fixture(scope="module")
 def surfaces(small_house):
     """Points ``(x, y)`` all over the triangles in the height band, metres."""
-    scene = load_scene(small_house)
+    scene = read_scene(small_house)
     corners = scene.vertices[scene.faces].astype(np.float64)
     low, high = corners[..., 2].min(axis=1), corners[..., 2].max(axis=1)
     band = (high > BAND[0]) & (low < BAND[1])

@@ -19,7 +19,6 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending, Mode, StepTrace
-from hypernav.evaluation.checks.box_room import BoxRoom
 from hypernav.robot.server.agents import AgentPlan, PlanAgent
 from hypernav.robot.server.guard import Access
 from hypernav.robot.server.limits import ServerLimits
@@ -28,6 +27,7 @@ from hypernav.robot.server.serving import RobotServer, listening
 from hypernav.robot.wire.frames import pack_observation
 from hypernav.robot.wire.requests import ObservationFacts, OpenSearch
 from hypernav.robot.wire.values import PlanarPose
+from hypernav.worlds.box_room import BoxRoom
 
 TOKEN = "a-secret-of-many-characters"
 

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
+from hypernav.core.exploring.overview import Block, Overview
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.overview import Block, Overview
 from servers.scripted import Asked
 from servers.truth import Errors, Truth, TruthfulBrain
 from small_episodes import episode_from

@@ -16,26 +16,26 @@ import cv2
 import numpy as np
 import pytest
 
-from hypernav.core.arrows import TURN_AROUND, ArrowChoice, ArrowView
 from hypernav.core.chat import Question
+from hypernav.core.exploring.arrows import TURN_AROUND, ArrowChoice, ArrowView
+from hypernav.core.exploring.guidance import GuideChoice, GuideView
+from hypernav.core.exploring.overview import Block, Overview
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.goal import Goal
-from hypernav.core.guidance import GuideChoice, GuideView
 from hypernav.core.observation import Observation
-from hypernav.core.overview import Block, Overview
 from hypernav.core.trace import ExchangeLog
 from hypernav.models.chat.vlm_families import family_named
-from hypernav.perception.areas.chat_guide import ChatGuide
-from hypernav.perception.areas.truth_guide import TruthGuide
-from hypernav.perception.arrows.chat_arrows import ChatArrowReasoner
-from hypernav.perception.arrows.stop_checks import ChatStopCheck, TruthStopCheck
 from hypernav.perception.explorers.vlm_reasoner import VlmReasoner
 from hypernav.perception.local.crop_check import crop_of
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.perception.local.presence import VlmPresenceCheck
 from hypernav.perception.local.vlm_detector import CROP_MARGIN, VlmDetector
-from hypernav.perception.values.chat_scorer import ChatScorer
-from hypernav.perception.values.truth_scorer import chance_in_view
+from hypernav.perception.navvlm.chat_guide import ChatGuide
+from hypernav.perception.navvlm.truth_guide import TruthGuide
+from hypernav.perception.visual_prompts.chat_arrows import ChatArrowReasoner
+from hypernav.perception.visual_prompts.stop_checks import ChatStopCheck, TruthStopCheck
+from hypernav.perception.vlfm.chat_scorer import ChatScorer
+from hypernav.perception.vlfm.truth_scorer import chance_in_view
 from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.goal_regions import GoalRegion
 from servers.scripted import Asked

@@ -2,9 +2,7 @@
 
 import numpy as np
 
-from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
-from hypernav.core.geometry.grid import OccupancyGrid
-from hypernav.core.insight import (
+from hypernav.core.exploring.insight import (
     ImageMark,
     ImageWindow,
     Insight,
@@ -12,6 +10,8 @@ from hypernav.core.insight import (
     ThingGraph,
     ValueImage,
 )
+from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
+from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.show.drawing import palette
 from hypernav.show.drawing.arrows import ArrowStyle, draw_arrows, foot_pixel
 from hypernav.show.drawing.graph_overlay import draw_graph

@@ -247,9 +247,9 @@ def test_random_starts_can_reach_the_goal():
 
 
 def test_a_robot_in_a_real_house_sees_it(small_house):
-    from hypernav.worlds.scenes.loading import load_scene
+    from hypernav.worlds.scenes.loading import read_scene
 
-    world = SimulatedWorld(load_scene(small_house))
+    world = SimulatedWorld(read_scene(small_house))
     region = world.regions.of(Goal("sofa"))
     start = random_start(world.walkable, np.random.default_rng(2), region)
     observation = world.reset(episode_from(start))

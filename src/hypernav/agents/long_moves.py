@@ -4,7 +4,7 @@ import math
 
 from hypernav.core.actions import Action
 from hypernav.core.embodiment import MotionConfig
-from hypernav.core.exploration import Destination
+from hypernav.core.exploring.exploration import Destination
 from hypernav.core.geometry.transforms import Pose2
 
 _PAPER = MotionConfig()

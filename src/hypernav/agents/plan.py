@@ -6,10 +6,10 @@ from dataclasses import dataclass, field, replace
 from hypernav.agents.config import SearchConfig
 from hypernav.agents.patience import Endurance, Progress, patience_of
 from hypernav.core.actions import Action
-from hypernav.core.exploration import Destination
+from hypernav.core.exploring.exploration import Destination
+from hypernav.core.exploring.insight import Insight
+from hypernav.core.exploring.overview import Block
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.insight import Insight
-from hypernav.core.overview import Block
 from hypernav.planning.route import Route
 
 Position = tuple[float, float]

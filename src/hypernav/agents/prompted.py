@@ -18,18 +18,18 @@ from hypernav.core.components.protocols import ArrowReasoner, ChatModel, Explore
 from hypernav.core.config import RoomConfig
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import WorldError
-from hypernav.core.exploration import Destination, ExplorationView
+from hypernav.core.exploring.exploration import Destination, ExplorationView
+from hypernav.core.exploring.insight import Insight
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.goal import Goal
-from hypernav.core.insight import Insight
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending, ExchangeLog, Mode, StepTrace
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.memory import Floor, Memory
-from hypernav.perception.arrows.arrow_explorer import vlmnav
-from hypernav.perception.arrows.config import ArrowsConfig
-from hypernav.perception.arrows.pivot import PivotExplorer
-from hypernav.perception.arrows.stop_checks import (
+from hypernav.perception.visual_prompts.arrow_explorer import vlmnav
+from hypernav.perception.visual_prompts.config import ArrowsConfig
+from hypernav.perception.visual_prompts.pivot import PivotExplorer
+from hypernav.perception.visual_prompts.stop_checks import (
     ChatStopCheck,
     StopCheck,
     StopCheckConfig,

@@ -9,7 +9,7 @@ from hypernav.agents.config import SearchConfig
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
 from hypernav.core.embodiment import MotionConfig
-from hypernav.core.exploration import ExplorationView
+from hypernav.core.exploring.exploration import ExplorationView
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal

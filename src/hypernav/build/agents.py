@@ -24,7 +24,7 @@ from hypernav.core.components.protocols import (
     Segmenter,
 )
 from hypernav.core.components.registry import Choice, check_protocol
-from hypernav.core.episode_truth import EpisodeTruth
+from hypernav.core.episodes.truth import EpisodeTruth
 from hypernav.core.trace import ExchangeLog
 from hypernav.models.chat.ledger import Ledger
 from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner

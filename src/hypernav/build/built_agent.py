@@ -15,7 +15,7 @@ from hypernav.core.components.abilities import (
     warning_of,
 )
 from hypernav.core.components.protocols import Agent, Detector, Guide, SceneScorer, Segmenter
-from hypernav.core.episode_truth import EpisodeTruth
+from hypernav.core.episodes.truth import EpisodeTruth
 from hypernav.core.goal import Goal
 from hypernav.models.chat.ledger import Ledger
 
@@ -35,7 +35,7 @@ class BuiltAgent:
         ledger: Ledger of the questions to the chat model; empty without one.
         price: Price of the chat model's tokens.
         truth: Ground truth for stand-ins only, set by
-            `hypernav.worlds.episode_run.EpisodeRun`.
+            `hypernav.episodes.episode_run.EpisodeRun`.
     """
 
     agent: Agent

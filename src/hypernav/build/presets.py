@@ -19,9 +19,6 @@ from hypernav.models.vision.sam import SamConfig
 from hypernav.models.vision.sam_onnx import OnnxSamConfig
 from hypernav.models.vision.yolox import YoloxConfig
 from hypernav.models.vision.zero_shot import ZeroShotConfig
-from hypernav.perception.areas.area_explorer import AreaConfig
-from hypernav.perception.areas.chat_guide import ChatGuideConfig
-from hypernav.perception.arrows.config import ArrowsConfig
 from hypernav.perception.explorers.block_explorer import OverviewConfig
 from hypernav.perception.explorers.geometric_reasoner import GeometricConfig
 from hypernav.perception.explorers.map_question import VlmReasonerConfig
@@ -31,10 +28,13 @@ from hypernav.perception.local.depth_cut import DepthCutConfig
 from hypernav.perception.local.noisy_detector import DetectorQuality
 from hypernav.perception.local.presence import PresenceConfig
 from hypernav.perception.local.vlm_detector import VlmDetectorConfig
-from hypernav.perception.values.chat_scorer import ChatScorerConfig
-from hypernav.perception.values.similarity_scorer import SimilarityScorerConfig
-from hypernav.perception.values.truth_scorer import TruthScorerConfig
-from hypernav.perception.values.value_frontier import ValueFrontierConfig
+from hypernav.perception.navvlm.area_explorer import AreaConfig
+from hypernav.perception.navvlm.chat_guide import ChatGuideConfig
+from hypernav.perception.visual_prompts.config import ArrowsConfig
+from hypernav.perception.vlfm.chat_scorer import ChatScorerConfig
+from hypernav.perception.vlfm.similarity_scorer import SimilarityScorerConfig
+from hypernav.perception.vlfm.truth_scorer import TruthScorerConfig
+from hypernav.perception.vlfm.value_frontier import ValueFrontierConfig
 from hypernav.planning.config import PlanningConfig
 from hypernav.worlds.config import SimulationConfig
 

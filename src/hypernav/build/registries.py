@@ -122,20 +122,20 @@ SCORERS: Registry[Factory] = Registry(
     [
         Entry(
             "truth",
-            "hypernav.perception.values.truth_scorer:TruthScorer",
+            "hypernav.perception.vlfm.truth_scorer:TruthScorer",
             words="the truth in view (stand-in)",
             section="truth_scorer",
         ),
         Entry(
             "similarity",
-            "hypernav.perception.values.similarity_scorer:SimilarityScorer",
+            "hypernav.perception.vlfm.similarity_scorer:SimilarityScorer",
             form="similarity:PATH_OR_ID",
             words="similarity by {files}",
             section="similarity_scorer",
         ),
         Entry(
             "vlm",
-            "hypernav.perception.values.chat_scorer:ChatScorer",
+            "hypernav.perception.vlfm.chat_scorer:ChatScorer",
             words="{model}",
             section="chat_scorer",
         ),
@@ -149,13 +149,13 @@ ARROW_REASONERS: Registry[Factory] = Registry(
     [
         Entry(
             "geometric",
-            "hypernav.perception.arrows.geometric_arrows:GeometricArrowReasoner",
+            "hypernav.perception.visual_prompts.geometric_arrows:GeometricArrowReasoner",
             words="free floor (stand-in)",
             section="arrows",
         ),
         Entry(
             "vlm",
-            "hypernav.perception.arrows.chat_arrows:ChatArrowReasoner",
+            "hypernav.perception.visual_prompts.chat_arrows:ChatArrowReasoner",
             words="{model}",
             section="arrows",
         ),
@@ -170,12 +170,12 @@ GUIDES: Registry[Factory] = Registry(
     [
         Entry(
             "truth",
-            "hypernav.perception.areas.truth_guide:TruthGuide",
+            "hypernav.perception.navvlm.truth_guide:TruthGuide",
             words="the truth in view (stand-in)",
         ),
         Entry(
             "vlm",
-            "hypernav.perception.areas.chat_guide:ChatGuide",
+            "hypernav.perception.navvlm.chat_guide:ChatGuide",
             words="{model}",
             section="chat_guide",
         ),
@@ -224,31 +224,31 @@ AGENTS: Registry[Factory] = Registry(
         ),
         Entry(
             "vlfm",
-            "hypernav.perception.values.value_frontier:ValueFrontierExplorer",
+            "hypernav.perception.vlfm.value_frontier:ValueFrontierExplorer",
             words="VLFM's frontiers by value",
             section="value_frontier",
         ),
         Entry(
             "navvlm",
-            "hypernav.perception.areas.area_explorer:AreaExplorer",
+            "hypernav.perception.navvlm.area_explorer:AreaExplorer",
             words="NavVLM's areas",
             section="navvlm",
         ),
         Entry(
             "vlmnav",
-            "hypernav.perception.arrows.arrow_explorer:vlmnav",
+            "hypernav.perception.visual_prompts.arrow_explorer:vlmnav",
             words="VLMnav's arrows",
             section="arrows",
         ),
         Entry(
             "pivot",
-            "hypernav.perception.arrows.pivot:PivotExplorer",
+            "hypernav.perception.visual_prompts.pivot:PivotExplorer",
             words="PIVOT's marks",
             section="arrows",
         ),
         Entry(
             "dynavlm-style",
-            "hypernav.perception.arrows.arrow_explorer:dynavlm_style",
+            "hypernav.perception.visual_prompts.arrow_explorer:dynavlm_style",
             words="points in DyNaVLM's style",
             section="arrows",
         ),

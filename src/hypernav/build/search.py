@@ -4,13 +4,13 @@ import numpy as np
 
 from hypernav.build.agents import build_agent
 from hypernav.build.built_agent import BuiltAgent
+from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import HyPerNavConfig
-from hypernav.build.scenes import load_scene
 from hypernav.core.components.protocols import Agent
-from hypernav.core.episode import MAX_STEPS, Episode
+from hypernav.core.episodes.episode import MAX_STEPS, Episode
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.worlds.episode_run import EpisodeRun
+from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start

@@ -1,7 +1,7 @@
 """Reads a command line: the command and its options.
 
 The start is fast because help and errors need only the options. For a command NAME, the module
-``NAME_options`` holds the class ``Options`` and imports very little; the module ``NAME`` holds the
+``options.NAME`` holds the class ``Options`` and imports very little; the module ``NAME`` holds the
 function ``run``, imports all that it needs, and is loaded only to be called.
 """
 
@@ -10,7 +10,6 @@ import difflib
 import importlib
 import io
 import itertools
-import re
 from collections.abc import Sequence
 from dataclasses import make_dataclass
 from importlib.metadata import version
@@ -18,7 +17,7 @@ from typing import Any, NoReturn
 
 import tyro
 
-from hypernav.cli.terminal import Terminal
+from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.errors import ConfigError
 
 COMMANDS = {
@@ -34,16 +33,14 @@ COMMANDS = {
     "houses": "Generated buildings: pages about them, files for other programs, splits, episodes.",
 }
 _SHELLS = ("bash", "zsh", "tcsh")
-_BOX = re.compile(r"[\u2500-\u257f]+|(?<!\S)-{3,}(?!\S)")
-_KIND_OF_ERROR = re.compile(
-    r"^(Value error Error parsing|(Invalid|Missing|Required|Unrecognized) \w+) (?=[-\w])"
-)
-_MISSING = re.compile(r"^Missing from hypernav [\w -]+: [A-Z|]+ (.*?)\.? \(required\)")
-_UNQUOTED = re.compile(r"^Unrecognized options: (?!-)")
-_NO_TYPE = re.compile(
-    r"no type matching (?:\{None\}\|)?[{\[]*(\w+).*? could be instantiated from \[(.*?)\]"
-)
-_ITS_HELP = re.compile(r"\.?( Got errors:.*)?( Argument helptext:.*)? For full helptext.*")
+_PLAINER = {
+    "Error parsing ": "",
+    "Missing from hypernav ": "missing from hypernav ",
+    "{None}|": "",
+    "no type matching ": "expected ",
+    " could be instantiated from ": ", got ",
+}
+"""Plainer words for some of tyro's."""
 
 
 def run_command(arguments: Sequence[str]) -> int:
@@ -81,10 +78,11 @@ def _parse(name: str, arguments: list[str]) -> Any:
     try:
         with _help_on_terminal(), contextlib.redirect_stderr(said):
             return tyro.cli(
-                importlib.import_module(f"hypernav.cli.{name}_options").Options,
+                importlib.import_module(f"hypernav.cli.options.{name}").Options,
                 prog=f"hypernav {name}",
                 description=COMMANDS[name],
                 args=arguments,
+                config=(tyro.conf.PositionalMetavarFromFieldName,),
             )
     except SystemExit as stop:
         if stop.code == 0:
@@ -93,12 +91,26 @@ def _parse(name: str, arguments: list[str]) -> Any:
 
 
 def _plain(said: str) -> str:
-    """An error of tyro in one line, without its names of types and its help."""
-    line = " ".join(_BOX.sub(" ", said).split())
-    line = _KIND_OF_ERROR.sub("", _ITS_HELP.sub("", line))
-    if _UNQUOTED.match(line):
-        line += '; several words that are one name go in quotes, as in "potted plant"'
-    return _NO_TYPE.sub(r"expected \1, got \2", _MISSING.sub(r"missing: \1", line))
+    """An error of tyro in one line, without its help.
+
+    tyro has no public form of an error but the text that it prints: a box with a title, and in it
+    what is wrong, a ruled line, and help.
+    """
+    parts = [""]
+    for line in said.splitlines()[1:-1]:
+        text = line.strip("│ ")
+        if text.startswith(("──", "---")):  # without UTF-8 there is no frame, and the rules are -
+            parts.append("")
+        else:
+            parts[-1] += f" {text}"
+    wrong, *help_texts = (" ".join(part.split()) for part in parts if part.strip())
+    wrong = wrong.partition(" Got errors:")[0].removesuffix(".")
+    for word, plainer in _PLAINER.items():
+        wrong = wrong.replace(word, plainer)
+    similar = [text for text in help_texts if text.startswith(("Perhaps you meant", "Available"))]
+    if wrong.startswith("Unrecognized options: ") and "--" not in wrong:
+        similar.append('several words that are one name go in quotes, as in "potted plant"')
+    return "; ".join([wrong, *similar])
 
 
 def _help() -> NoReturn:
@@ -126,7 +138,7 @@ def _completion(arguments: Sequence[str]) -> NoReturn:
     if len(arguments) != 1 or arguments[0] not in _SHELLS:
         raise ConfigError(f"--completion takes one shell: {', '.join(_SHELLS)}")
     options = {
-        name: importlib.import_module(f"hypernav.cli.{name}_options").Options for name in COMMANDS
+        name: importlib.import_module(f"hypernav.cli.options.{name}").Options for name in COMMANDS
     }
     with _help_on_terminal():
         tyro.extras.subcommand_cli_from_dict(

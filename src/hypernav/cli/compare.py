@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import preset
-from hypernav.build.scenes import load_scene
 from hypernav.build.worlds import open_world
-from hypernav.cli.agent_options import check_steps_and_seed
-from hypernav.cli.compare_options import Options
-from hypernav.cli.terminal import Terminal
+from hypernav.cli.options.agent import check_steps_and_seed
+from hypernav.cli.options.compare import Options
+from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.config import check_option
 from hypernav.core.errors import SceneError
 from hypernav.datasets.benchmarks import BENCHMARKS

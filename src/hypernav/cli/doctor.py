@@ -5,12 +5,12 @@ from collections.abc import Iterator
 from rich.markup import escape
 
 from hypernav.build.presets import preset
-from hypernav.cli.doctor_options import Options
-from hypernav.cli.terminal import Terminal
+from hypernav.cli.options.doctor import Options
+from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.checkup import Finding, State
 from hypernav.core.config import layered
 from hypernav.core.errors import ConfigError
-from hypernav.evaluation.data_checkup import check_data
+from hypernav.evaluation.checks.data_folder import check_data
 from hypernav.models.chat.vlm_spec import open_chat, parse_vlm_spec
 from hypernav.perception.vlm_checkup import check_up
 

@@ -12,18 +12,18 @@ from rich.live import Live
 from rich.markup import escape
 
 from hypernav.build.presets import HyPerNavConfig
-from hypernav.cli.agent_options import check_steps_and_seed
-from hypernav.cli.eval_options import Options
-from hypernav.cli.eval_table import outcome_lines, progress_line, progress_table
 from hypernav.cli.guards.crashes import crash_report
 from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
-from hypernav.cli.terminal import Terminal
-from hypernav.cli.warnings_shown import warnings_on
+from hypernav.cli.options.agent import check_steps_and_seed
+from hypernav.cli.options.eval import Options
+from hypernav.cli.screen.eval_table import outcome_lines, progress_line, progress_table
+from hypernav.cli.screen.terminal import Terminal
+from hypernav.cli.screen.warnings_shown import warnings_on
 from hypernav.core.config import MOST_THREADS, check_option
-from hypernav.core.episode import MAX_STEPS, Episode
+from hypernav.core.episodes.episode import MAX_STEPS, Episode
+from hypernav.core.episodes.metrics import SUCCESS_DISTANCE_M
 from hypernav.core.errors import ConfigError, GoalError
-from hypernav.core.metrics import SUCCESS_DISTANCE_M
 from hypernav.datasets.benchmarks import benchmark_of
 from hypernav.evaluation.run_plan import RunPlan, Selection
 from hypernav.evaluation.run_session import RunSession, available_cores

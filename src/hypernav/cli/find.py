@@ -13,30 +13,30 @@ from rich.console import Console
 from rich.markup import escape
 from rich.status import Status
 
-from hypernav.build.scenes import load_scene
-from hypernav.cli.agent_options import check_steps_and_seed
-from hypernav.cli.find_options import Options
+from hypernav.build.data.scenes import load_scene
 from hypernav.cli.guards.crashes import crash_report
 from hypernav.cli.guards.interruptions import Terminated, interruptions_put_off
 from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
-from hypernav.cli.terminal import Terminal
-from hypernav.cli.views.opening import Views, check_views, opened_views
-from hypernav.cli.warnings_shown import (
+from hypernav.cli.options.agent import check_steps_and_seed
+from hypernav.cli.options.find import Options
+from hypernav.cli.screen.terminal import Terminal
+from hypernav.cli.screen.views import Views, check_views, opened_views
+from hypernav.cli.screen.warnings_shown import (
     no_such_object_line,
     unusable_answers_line,
     warnings_on,
 )
 from hypernav.core.config import check_option
-from hypernav.core.episode import MAX_STEPS, Episode, Outcome
+from hypernav.core.episodes.episode import MAX_STEPS, Episode, Outcome
 from hypernav.core.errors import ConfigError, ModelSetupError, OutputError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.interruptions import interruptions_of_kernels
-from hypernav.evaluation.recorder import EpisodeRecorder
-from hypernav.evaluation.warmup.background import warm_up_in_background
+from hypernav.episodes.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
+from hypernav.episodes.recorder import EpisodeRecorder
 from hypernav.show.video.frame import EpisodeInfo
-from hypernav.worlds.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
+from hypernav.warmup.background import warm_up_in_background
 from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
 

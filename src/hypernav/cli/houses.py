@@ -6,14 +6,14 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from hypernav.build.scenes import building_of
+from hypernav.build.data.scenes import building_of
 from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
-from hypernav.cli.houses_options import Episodes, Export, Show, Splits
-from hypernav.cli.terminal import Terminal
+from hypernav.cli.options.houses import Episodes, Export, Show, Splits
+from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.errors import ConfigError, EpisodeError
 from hypernav.core.interruptions import interruptions_of_kernels
-from hypernav.core.whole_numbers import is_whole_number
+from hypernav.core.text.whole_numbers import is_whole_number
 from hypernav.houses.building import NOUNS, Building
 from hypernav.houses.episodes.difficulty import Difficulty, difficulty
 from hypernav.houses.episodes.split_files import is_file_name, write_split

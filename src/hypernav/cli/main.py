@@ -14,7 +14,7 @@ from hypernav.cli.guards.crashes import ReportedCrashError, crash_report
 from hypernav.cli.guards.interruptions import Terminated, sigterm_as_interruption
 from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.core.errors import HyPerNavError, ModelUnavailableError
-from hypernav.core.visible_text import visible
+from hypernav.core.text.visible_text import visible
 
 _LONG_WORD = re.compile(r"\S{300,}")
 

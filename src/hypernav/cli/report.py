@@ -2,8 +2,8 @@
 
 from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
-from hypernav.cli.report_options import Options
-from hypernav.cli.terminal import Terminal
+from hypernav.cli.options.report import Options
+from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.errors import ConfigError
 from hypernav.evaluation.report.report_page import write_report
 from hypernav.evaluation.report.run_data import load_runs

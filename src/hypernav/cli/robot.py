@@ -2,7 +2,7 @@
 
 import importlib
 
-from hypernav.cli.robot_options import Replay, Report, Ros2, Simulate, Wait
+from hypernav.cli.options.robot import Replay, Report, Ros2, Simulate, Wait
 
 _MODULES = {
     Simulate: "simulate",

@@ -1,10 +1,10 @@
 """The command `hypernav scene`: the navigation mesh of a scene."""
 
-from hypernav.build.scenes import load_scene
+from hypernav.build.data.scenes import load_scene
 from hypernav.cli.guards.outputs import check_file
 from hypernav.cli.guards.statuses import ExitStatus
-from hypernav.cli.scene_options import Options
-from hypernav.cli.terminal import Terminal
+from hypernav.cli.options.scene import Options
+from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.config import check_option
 from hypernav.core.embodiment import BodyConfig
 from hypernav.core.errors import OutputError

@@ -8,12 +8,12 @@ from rich.markup import escape
 
 from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
-from hypernav.cli.serve_options import Options
-from hypernav.cli.terminal import Terminal
+from hypernav.cli.options.serve import Options
+from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.components.extras import require
 from hypernav.core.config import check_option
 from hypernav.core.errors import ConfigError
-from hypernav.evaluation.warmup.background import warm_up_in_background
+from hypernav.warmup.background import warm_up_in_background
 
 _MODULES = ("fastapi", "uvicorn", "websockets")
 

@@ -15,7 +15,7 @@ from pydantic import (
 )
 
 from hypernav.core.actions import Action
-from hypernav.core.insight import Insight
+from hypernav.core.exploring.insight import Insight
 
 
 class Mode(StrEnum):

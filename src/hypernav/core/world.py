@@ -12,7 +12,7 @@ from jaxtyping import Float32, Float64, Int32, UInt8
 
 from hypernav.core.actions import Action
 from hypernav.core.embodiment import Embodiment
-from hypernav.core.episode import Episode
+from hypernav.core.episodes.episode import Episode
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.goal import Goal

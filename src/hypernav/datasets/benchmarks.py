@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from hypernav.core.embodiment import BodyConfig, CameraConfig, Embodiment, MotionConfig
-from hypernav.core.episode import MAX_STEPS
+from hypernav.core.episodes.episode import MAX_STEPS
+from hypernav.core.episodes.metrics import SUCCESS_DISTANCE_M
 from hypernav.core.errors import ConfigError
-from hypernav.core.metrics import SUCCESS_DISTANCE_M
 
 _HABITAT_STEP_M = 0.2
 """Habitat's navigation meshes: a robot climbs edges of up to 0.2 m, so also stairs."""

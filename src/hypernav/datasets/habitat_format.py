@@ -16,11 +16,11 @@ import numpy as np
 from jaxtyping import Float64
 from pydantic import AllowInfNan, BaseModel, ConfigDict, Field, StrictFloat, StrictInt
 
-from hypernav.core.episode import ObjectName
+from hypernav.core.episodes.episode import ObjectName
 from hypernav.core.errors import EpisodeError
 from hypernav.core.files.json_text import Items
 from hypernav.core.goal import Goal
-from hypernav.core.whole_numbers import is_whole_number
+from hypernav.core.text.whole_numbers import is_whole_number
 from hypernav.datasets.habitat_frames import positions_from_habitat
 
 Number = StrictInt | Annotated[StrictFloat, AllowInfNan(False)]

@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar
 
 from pydantic import AllowInfNan, BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer
 
-from hypernav.core.episode import Outcome
+from hypernav.core.episodes.episode import Outcome
 from hypernav.evaluation.failures.classification import Failure
 
 Length = Annotated[

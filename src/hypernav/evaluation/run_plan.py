@@ -7,18 +7,18 @@ from pathlib import Path
 from typing import Any
 
 from hypernav.build.component_specs import BenchmarkName, WorldName
-from hypernav.build.presets import HyPerNavConfig
-from hypernav.core.episode import MAX_STEPS, Episode
-from hypernav.core.metrics import SUCCESS_DISTANCE_M
-from hypernav.datasets.benchmarks import benchmark_of
-from hypernav.evaluation.data_sources import Progress
-from hypernav.evaluation.datasets import (
+from hypernav.build.data.datasets import (
     canonical_name,
     check_scenes,
     fingerprint,
     load_episodes,
     select,
 )
+from hypernav.build.data.sources import Progress
+from hypernav.build.presets import HyPerNavConfig
+from hypernav.core.episodes.episode import MAX_STEPS, Episode
+from hypernav.core.episodes.metrics import SUCCESS_DISTANCE_M
+from hypernav.datasets.benchmarks import benchmark_of
 from hypernav.evaluation.protocol import StopRule
 from hypernav.worlds.navmesh.robot_navmesh import is_computed
 from hypernav.worlds.scans.layout import ScanFiles
@@ -44,7 +44,7 @@ class RunPlan:
     """Everything that decides about the results of a run; the number of workers does not.
 
     Attributes:
-        dataset: Its name, as for `hypernav.evaluation.datasets.load_episodes`.
+        dataset: Its name, as for `hypernav.build.data.datasets.load_episodes`.
         selection: Selection of its episodes.
         who: Description of the agent and its components in words, for people and reports.
         config: Values of the method, the robot and the camera.

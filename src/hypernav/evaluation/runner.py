@@ -4,7 +4,7 @@ import logging
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from hypernav.core.episode import Episode
+from hypernav.core.episodes.episode import Episode
 from hypernav.core.errors import CrashError, HyPerNavError, ModelUnavailableError
 from hypernav.evaluation.failures.classification import Failure
 from hypernav.evaluation.record import EpisodeRecord

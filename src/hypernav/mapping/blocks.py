@@ -4,9 +4,9 @@ import cv2
 import numpy as np
 from jaxtyping import Bool, Int64, UInt8
 
+from hypernav.core.exploring.overview import Block
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.overview import Block
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.distance_kernels import nearest_open_cell
 from hypernav.mapping.reachable_area import ReachableArea

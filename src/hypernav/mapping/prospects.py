@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 from jaxtyping import Float64, Int64
 
-from hypernav.core.overview import Prospects
+from hypernav.core.exploring.overview import Prospects
 from hypernav.mapping.distance_kernels import travel_cells
 from hypernav.mapping.reachable_area import ReachableArea
 from hypernav.mapping.unseen import OPEN_M

@@ -3,11 +3,11 @@
 import numpy as np
 
 from hypernav.core.chat import Image
+from hypernav.core.exploring.overview import Block, Overview
 from hypernav.core.geometry.boxes import Box
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.overview import Block, Overview
 from hypernav.perception.explorers.block_explorer import OverviewConfig
 from hypernav.show.drawing.question_map import draw_question_map
 

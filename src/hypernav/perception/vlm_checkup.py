@@ -6,6 +6,7 @@ a question that a free model would answer at length.
 """
 
 from collections.abc import Generator, Iterator
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from hypernav.core.errors import ChatError, ConfigError, ModelRejectedError, Mod
 from hypernav.core.geometry.boxes import Box
 from hypernav.core.goal import Goal
 from hypernav.models.chat.answer_parsing import shortened, without_thinking
-from hypernav.models.chat.server.openai_chat import OpenAiChat
+from hypernav.models.chat.server.detection import ServerInfo
 from hypernav.models.chat.vlm_families import VlmFamily, family_named, family_of
 from hypernav.perception.explorers.block_explorer import OverviewConfig
 from hypernav.perception.explorers.block_replies import chosen_number
@@ -47,6 +48,19 @@ _NO_WORDS = "let the model answer without thinking first; the server's log may s
 _WAIT = "look into the server's log; --set chat.timeout_s=… waits longer for an answer"
 
 
+@runtime_checkable
+class _BehindServer(ChatModel, Protocol):
+    """A chat model behind a server, which can be asked for itself."""
+
+    @property
+    def url(self) -> str: ...
+
+    @property
+    def dropped(self) -> tuple[str, ...]: ...
+
+    def server(self) -> ServerInfo: ...
+
+
 def check_up(
     chat: ChatModel,
     grounding: VlmDetectorConfig,
@@ -65,7 +79,7 @@ def check_up(
     """
     try:
         answers = True
-        if isinstance(chat, OpenAiChat):
+        if isinstance(chat, _BehindServer):
             answers = yield from _check_server(chat)
         if answers and (yield from _check_vision(chat)):
             yield from _check_coordinates(chat, grounding)
@@ -78,7 +92,7 @@ def check_up(
         yield Finding("answers", State.FAULT, str(error), _WAIT)
 
 
-def _check_server(chat: OpenAiChat) -> Generator[Finding, None, bool]:
+def _check_server(chat: _BehindServer) -> Generator[Finding, None, bool]:
     """Whether the server can be reached and has the model."""
     try:
         server = chat.server()
@@ -164,7 +178,7 @@ def _check_constraints(chat: ChatModel) -> Iterator[Finding]:
     answer = chat.ask(
         Question("constraint", text, allowed=("alpha", "bravo", "charlie"), max_tokens=24)
     )
-    rejected = isinstance(chat, OpenAiChat) and "constraint" in chat.dropped
+    rejected = isinstance(chat, _BehindServer) and "constraint" in chat.dropped
     if answer.fault is None and not rejected:
         told = "with" if answer.probabilities else "without"
         said = f"only what is allowed comes back, {told} probabilities"

@@ -8,7 +8,7 @@ from jaxtyping import Float32, Float64
 from hypernav.core.actions import Action
 from hypernav.core.components.abilities import Closes
 from hypernav.core.embodiment import Embodiment
-from hypernav.core.episode import Episode
+from hypernav.core.episodes.episode import Episode
 from hypernav.core.errors import WorldError
 from hypernav.core.geometry.camera import optical_to_base
 from hypernav.core.geometry.depth import is_measured
@@ -75,8 +75,8 @@ class SimulatedWorld:
         self.embodiment: Embodiment = embodiment or Embodiment()
         self.walkable: WalkableSurface = walkable or self._surface_at(self.config.floor_z)
         self._renderer = renderer or CpuRenderer(scene)
-        rays = self._renderer.rays if isinstance(self._renderer, CpuRenderer) else RayCaster(scene)
-        self._rays = rays
+        # A renderer may have a ray caster of the scene, so that no second one is built.
+        self._rays: RayCaster = getattr(self._renderer, "rays", None) or RayCaster(scene)
         self.regions: GoalRegions = self._regions_on(self.walkable)
         self._storeys = [(self.walkable, self.regions)]
         self._camera = self.embodiment.camera.intrinsics

@@ -16,7 +16,7 @@ from hypernav.agents.step import Decision, Phase, Step, turn_towards
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
 from hypernav.core.embodiment import CameraConfig, Embodiment, MotionConfig
-from hypernav.core.exploration import Destination
+from hypernav.core.exploring.exploration import Destination
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal

@@ -122,7 +122,7 @@ def test_a_terminal_that_goes_cuts_no_end_short(tmp_path):
         "from contextlib import contextmanager\n"
         "from hypernav.cli import main\n"
         "from hypernav.cli.guards.interruptions import UninterruptedEnd\n"
-        "from hypernav.cli.terminal import Terminal\n"
+        "from hypernav.cli.screen.terminal import Terminal\n"
         "import hypernav.cli.command_line as line\n"
         "os.open(os.ttyname(0), os.O_RDWR)  # becomes the terminal of the session\n"
         "console = Terminal()\n"

@@ -12,8 +12,8 @@ from hypernav.build.agents import build_agent
 from hypernav.build.component_specs import ComponentSpecs, PresetName
 from hypernav.core.errors import TruthMissingError
 from hypernav.core.geometry.transforms import Pose2
+from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
-from hypernav.worlds.episode_run import EpisodeRun
 from small_episodes import episode_from
 from small_worlds import small_config, two_rooms
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 import pytest
 
 from eval_runs import timeless_lines, write_room
+from hypernav.build.data.datasets import load_episodes
 from hypernav.core.errors import HyPerNavError, RunFolderError
-from hypernav.evaluation.datasets import load_episodes
 from hypernav.evaluation.runner import run_episodes
 from hypernav.evaluation.store.run_store import RunStore
 from hypernav.evaluation.workers.process_pool import ProcessPool

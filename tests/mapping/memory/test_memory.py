@@ -6,14 +6,14 @@ import numpy as np
 
 from hypernav.build.agents import build_search
 from hypernav.core.embodiment import Embodiment
+from hypernav.core.exploring.sightings import SeenThing
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.sightings import SeenThing
 from hypernav.core.trace import ExchangeLog
+from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.memory import Memory
 from hypernav.perception.local.ground_truth import GroundTruthDetector
-from hypernav.worlds.episode_run import EpisodeRun
 from small_episodes import episode_from
 from small_worlds import small_config, two_rooms
 

@@ -3,9 +3,9 @@ import numpy as np
 from certainty import certain
 from exploration_views import exploration_view
 from hypernav.core.embodiment import Embodiment
+from hypernav.core.exploring.overview import BlockChoice
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.overview import BlockChoice
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.memory import Memory, SearchMemory

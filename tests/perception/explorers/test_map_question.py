@@ -2,10 +2,10 @@ import math
 
 import numpy as np
 
+from hypernav.core.exploring.overview import Block, Overview
+from hypernav.core.exploring.sightings import SeenThing
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.overview import Block, Overview
-from hypernav.core.sightings import SeenThing
 from hypernav.perception.explorers.map_question import VlmReasonerConfig, map_question
 
 CHAIR = Goal("the chair in the office")

@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hypernav.core.episode_truth import EpisodeTruth
+from hypernav.core.episodes.truth import EpisodeTruth
 from hypernav.core.errors import ConfigError, TruthMissingError
+from hypernav.core.exploring.overview import Block, Overview
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.overview import Block, Overview
 from hypernav.core.trace import ExchangeLog
 from hypernav.perception.explorers.map_question import VlmReasonerConfig
 from hypernav.perception.explorers.noisy_reasoner import NoisyReasoner, RandomReasoner

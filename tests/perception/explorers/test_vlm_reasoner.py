@@ -6,9 +6,9 @@ from hypothesis import strategies as st
 from chat_models import Parrot
 from hypernav.core.chat import Answer, Question
 from hypernav.core.errors import ModelUnavailableError
+from hypernav.core.exploring.overview import Block, Overview
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.overview import Block, Overview
 from hypernav.core.trace import ExchangeLog
 from hypernav.perception.explorers.block_replies import summarised
 from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner

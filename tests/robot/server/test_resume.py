@@ -8,9 +8,9 @@ import pytest
 from hypernav.core.actions import Action
 from hypernav.core.errors import RunFolderError
 from hypernav.core.trace import without_timings
-from hypernav.evaluation.checks.box_room import BoxRoom
 from hypernav.robot.server.limits import ServerLimits
 from hypernav.robot.server.searches import Searches
+from hypernav.worlds.box_room import BoxRoom
 from servers.robots import body_of, drive, real_plan, robot_server, scripted_plan
 
 

@@ -10,8 +10,8 @@ import pytest
 from hypernav.core.actions import Action
 from hypernav.core.errors import ModelUnavailableError, RunFolderError
 from hypernav.core.files.append_only import AppendOnlyFile
-from hypernav.evaluation.checks.box_room import BoxRoom
 from hypernav.robot.server.state.journal import Journal
+from hypernav.worlds.box_room import BoxRoom
 from servers.robots import body_of, drive, real_plan, robot_server
 
 

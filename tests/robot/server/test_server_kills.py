@@ -14,7 +14,7 @@ import pytest
 
 from hypernav.core.actions import Action
 from hypernav.core.trace import without_timings
-from hypernav.evaluation.checks.box_room import BoxRoom
+from hypernav.worlds.box_room import BoxRoom
 from servers.robots import RobotLink, body_of
 from servers.scripted import Asked, ScriptedServer
 

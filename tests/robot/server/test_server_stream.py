@@ -11,9 +11,9 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
 from hypernav.core.actions import Action
-from hypernav.evaluation.checks.box_room import BoxRoom
 from hypernav.robot.server.limits import ServerLimits
 from hypernav.robot.wire.frames import MOST_BODY_BYTES
+from hypernav.worlds.box_room import BoxRoom
 from servers.robots import TOKEN, RobotLink, body_of, drive, real_plan, robot_server
 
 

@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
+from hypernav.core.exploring.overview import Block
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.overview import Block
 from hypernav.core.trace import BlockRecord, StepTrace
 from hypernav.show.drawing import palette
 from hypernav.show.drawing.map_images import draw_map, draw_result, write_map_png

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from drawn_grids import drawn
+from hypernav.core.exploring.overview import Block
+from hypernav.core.exploring.sightings import SeenThing
 from hypernav.core.geometry.grid import Cell
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.overview import Block
-from hypernav.core.sightings import SeenThing
 from hypernav.show.drawing import palette
 from hypernav.show.drawing.map_view import MapView
 from hypernav.show.drawing.question_map import QuestionStyle, draw_question_map, filled

@@ -11,7 +11,7 @@ from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.worlds.drawing.geometry_kernels import fill_rays
 from hypernav.worlds.drawing.rasterizer import Rasterizer
 from hypernav.worlds.drawing.rays import RayCaster
-from hypernav.worlds.scenes.loading import load_scene
+from hypernav.worlds.scenes.loading import read_scene
 from hypernav.worlds.scenes.scene import Scene
 
 CAMERA = PinholeCamera.from_hfov(160, 120, 79.0)
@@ -91,7 +91,7 @@ def test_behind_the_camera_is_nothing() -> None:
 
 @pytest.mark.parametrize("place", [(-3.0, -4.0, 0.5), (2.0, 0.0, 2.2), (-1.0, 2.0, -1.6)])
 def test_a_furnished_house_looks_as_rays_see_it(small_house, place) -> None:
-    scene = load_scene(small_house)
+    scene = read_scene(small_house)
     pose = Pose2(*place).to_transform() @ optical_to_base(0.88)
     by_rays, by_drawing = cast(scene, pose), drawn(scene, pose)
     seen = [np.where(f >= 0, scene.face_instance[f], -1) for f in (by_rays, by_drawing)]

@@ -14,7 +14,7 @@ from hypernav.core.errors import MissingExtraError
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
-from hypernav.worlds.scenes.loading import load_scene
+from hypernav.worlds.scenes.loading import read_scene
 from hypernav.worlds.scenes.scene import Material, Scene, Wrap
 
 CAMERA = PinholeCamera.from_hfov(80, 60, 79.0)
@@ -157,7 +157,7 @@ def test_images_of_a_file_hang_the_right_way_round(tmp_path: Path) -> None:
     writer.document["materials"][material]["extensions"] = {"KHR_materials_unlit": {}}
     primitive = writer.square(material=material, TEXCOORD_0=writer.array(SQUARE_UV))
     writer.node(name="picture", mesh=writer.mesh(primitive))
-    scene = load_scene(writer.write(tmp_path / "a.glb"))
+    scene = read_scene(writer.write(tmp_path / "a.glb"))
     # The square faces -y of the scene: look along +y from in front of it.
     camera = PinholeCamera.from_hfov(64, 64, 90.0)
     view = CpuRenderer(scene).render(camera, looking(0.5, -0.5, 90.0, 0.5))
@@ -333,7 +333,7 @@ def test_a_machine_without_embree_is_told_so(room: Scene, monkeypatch: pytest.Mo
 
 
 def test_small_house_is_closed_and_bright(small_house: Path) -> None:
-    renderer = CpuRenderer(load_scene(small_house))
+    renderer = CpuRenderer(read_scene(small_house))
     view = renderer.render(CAMERA, looking(0.45, -0.8, 90.0))
     assert (view.instance_ids >= 0).all()
     assert 100 < view.rgb.mean() < 220

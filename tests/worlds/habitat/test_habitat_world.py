@@ -10,12 +10,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import fake_habitat
+from hypernav.build.data.datasets import load_episodes
 from hypernav.build.worlds import open_world
 from hypernav.cli.main import main
 from hypernav.core.errors import MissingExtraError, SceneError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.world import Renderer
-from hypernav.evaluation.datasets import load_episodes
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
 from hypernav.evaluation.world_comparison import compare_worlds
 from hypernav.worlds.habitat.graphics import egl_devices, graphics_device

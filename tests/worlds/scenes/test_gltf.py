@@ -8,7 +8,7 @@ import pytest
 
 from gltf_writer import SQUARE, SQUARE_UV, GltfWriter
 from hypernav.core.errors import SceneError
-from hypernav.worlds.scenes.loading import load_scene
+from hypernav.worlds.scenes.loading import read_scene
 from hypernav.worlds.scenes.scene import Scene, Wrap
 
 RED_GREEN = np.array([[[255, 0, 0], [0, 255, 0]]], np.uint8)
@@ -23,7 +23,7 @@ def face_normals(scene: Scene) -> np.ndarray:
 def test_y_up_becomes_z_up(tmp_path: Path) -> None:
     writer = GltfWriter()
     writer.node(name="a", mesh=writer.mesh(writer.square()), translation=[10.0, 20.0, 30.0])
-    scene = load_scene(writer.write(tmp_path / "a.glb"))
+    scene = read_scene(writer.write(tmp_path / "a.glb"))
     expected = np.array([[10, -30, 20], [11, -30, 20], [11, -30, 21], [10, -30, 21]])
     np.testing.assert_allclose(scene.vertices, expected)
     # The square faced +z of glTF, towards the viewer: that is -y of the scene frame.
@@ -40,7 +40,7 @@ def test_transforms_chain_from_parent_to_child(tmp_path: Path) -> None:
     writer.node(
         name="parent", children=[child], rotation=[0.0, half, 0.0, half], translation=[5, 0, 0]
     )
-    scene = load_scene(writer.write(tmp_path / "a.glb"))
+    scene = read_scene(writer.write(tmp_path / "a.glb"))
     assert [instance.name for instance in scene.instances] == ["child"]
     np.testing.assert_allclose(scene.vertices[1], [5.0, 2.0, 0.0], atol=1e-6)
 
@@ -51,7 +51,7 @@ def test_matrix_is_read_column_by_column(tmp_path: Path) -> None:
     matrix[:3, 3] = [1.0, 2.0, 3.0]
     mesh = writer.mesh(writer.square())
     writer.node(name="a", mesh=mesh, matrix=matrix.T.ravel().tolist())
-    scene = load_scene(writer.write(tmp_path / "a.glb"))
+    scene = read_scene(writer.write(tmp_path / "a.glb"))
     np.testing.assert_allclose(scene.vertices[0], [1.0, -3.0, 2.0])
 
 
@@ -60,7 +60,7 @@ def test_mirrored_nodes_keep_their_outside(tmp_path: Path) -> None:
     normals = writer.array(np.tile(np.array([[0, 0, 1]], np.float32), (4, 1)))
     mesh = writer.mesh(writer.square(NORMAL=normals))
     writer.node(name="a", mesh=mesh, scale=[-1.0, 1.0, 1.0])
-    scene = load_scene(writer.write(tmp_path / "a.glb"))
+    scene = read_scene(writer.write(tmp_path / "a.glb"))
     assert scene.vertices[:, 0].min() == -1.0
     np.testing.assert_allclose(face_normals(scene), [[0, -1, 0], [0, -1, 0]], atol=1e-6)
     assert scene.normals is not None
@@ -77,7 +77,7 @@ def test_normals_of_a_stretched_node_stay_at_right_angles(tmp_path: Path) -> Non
         "indices": writer.square()["indices"],
     }
     writer.node(name="a", mesh=writer.mesh(primitive), scale=[3.0, 1.0, 1.0])
-    scene = load_scene(writer.write(tmp_path / "a.glb"))
+    scene = read_scene(writer.write(tmp_path / "a.glb"))
     assert scene.normals is not None
     for corner in range(3):
         np.testing.assert_allclose(scene.normals[:, corner], face_normals(scene), atol=1e-5)
@@ -88,7 +88,7 @@ def test_one_mesh_under_several_nodes(tmp_path: Path) -> None:
     mesh = writer.mesh(writer.square(), writer.square())
     writer.node(name="Chair_1", mesh=mesh)
     writer.node(name="Chair_2", mesh=mesh, translation=[3.0, 0.0, 0.0])
-    scene = load_scene(writer.write(tmp_path / "a.glb"))
+    scene = read_scene(writer.write(tmp_path / "a.glb"))
     assert len(scene.faces) == 8
     assert scene.face_instance.tolist() == [0, 0, 0, 0, 1, 1, 1, 1]
     assert scene.instances[1].box_min == (3.0, 0.0, 0.0)
@@ -101,7 +101,7 @@ def test_label_comes_from_the_next_name_above_that_says_something(tmp_path: Path
     sofa = writer.node(root=False, name="Sofa.003", children=[leaf])
     writer.node(name="RootNode", children=[sofa])
     writer.node(mesh=writer.mesh(writer.square(), name="Lamp"))
-    scene = load_scene(writer.write(tmp_path / "a.glb"))
+    scene = read_scene(writer.write(tmp_path / "a.glb"))
     names = {i.name: i.label.category if i.label else None for i in scene.instances}
     assert names == {"Object_4": "sofa", "Lamp": "lamp"}
 
@@ -112,7 +112,7 @@ def test_strips_and_fans_are_unrolled_with_one_outside(tmp_path: Path, mode: int
     order = [0, 1, 3, 2] if mode == 5 else [0, 1, 2, 3]
     primitive = {"attributes": {"POSITION": writer.array(SQUARE[order])}, "mode": mode}
     writer.node(name="a", mesh=writer.mesh(primitive))
-    scene = load_scene(writer.write(tmp_path / "a.glb"))
+    scene = read_scene(writer.write(tmp_path / "a.glb"))
     np.testing.assert_allclose(face_normals(scene), [[0, -1, 0], [0, -1, 0]], atol=1e-6)
 
 
@@ -121,7 +121,7 @@ def test_textures_bring_colour_wrap_and_upward_v(tmp_path: Path) -> None:
     material = writer.textured(RED_GREEN, wrapS=33071, wrapT=33648)
     uv = writer.array(SQUARE_UV)
     writer.node(name="a", mesh=writer.mesh(writer.square(material=material, TEXCOORD_0=uv)))
-    scene = load_scene(writer.write(tmp_path / "a.glb"))
+    scene = read_scene(writer.write(tmp_path / "a.glb"))
     used = scene.materials[scene.face_material[0]]
     assert used.texture is not None
     np.testing.assert_array_equal(used.texture, RED_GREEN)
@@ -137,7 +137,7 @@ def test_equal_images_are_kept_once(tmp_path: Path) -> None:
     for name in ("a", "b"):
         primitive = writer.square(material=writer.textured(RED_GREEN), TEXCOORD_0=uv)
         writer.node(name=name, mesh=writer.mesh(primitive))
-    scene = load_scene(writer.write(tmp_path / "a.glb"))
+    scene = read_scene(writer.write(tmp_path / "a.glb"))
     assert scene.materials[0].texture is scene.materials[1].texture
 
 
@@ -151,7 +151,7 @@ def test_holes_of_a_texture(tmp_path: Path, mode: str, holes: list[list[bool]] |
     writer.document["materials"][material]["alphaMode"] = mode
     primitive = writer.square(material=material, TEXCOORD_0=writer.array(SQUARE_UV))
     writer.node(name="a", mesh=writer.mesh(primitive))
-    opaque = load_scene(writer.write(tmp_path / "a.glb")).materials[0].opaque
+    opaque = read_scene(writer.write(tmp_path / "a.glb")).materials[0].opaque
     assert (opaque is None) if holes is None else np.array_equal(np.asarray(opaque), holes)
 
 
@@ -165,7 +165,7 @@ def test_texture_transform(tmp_path: Path) -> None:
     other = writer.array(np.zeros((4, 2), np.float32))
     primitive = writer.square(material=material, TEXCOORD_0=other, TEXCOORD_1=writer.array(uv))
     writer.node(name="a", mesh=writer.mesh(primitive))
-    scene = load_scene(writer.write(tmp_path / "a.glb"))
+    scene = read_scene(writer.write(tmp_path / "a.glb"))
     # Scaled to (2, 0), turned counter-clockwise in the image to (0, -2), moved to (0.5, -2).
     np.testing.assert_allclose(scene.uv[0, 1], [0.5, 1.0 - -2.0], atol=1e-6)
 
@@ -177,7 +177,7 @@ def test_colours_are_stored_as_srgb(tmp_path: Path) -> None:
     colors = np.tile(np.array([[0, 128, 255, 255]], np.uint8), (4, 1))
     color = writer.array(colors, normalized=True)
     writer.node(name="a", mesh=writer.mesh(writer.square(material=material, COLOR_0=color)))
-    scene = load_scene(writer.write(tmp_path / "a.glb"))
+    scene = read_scene(writer.write(tmp_path / "a.glb"))
     np.testing.assert_allclose(scene.materials[0].color, [0.5019, 0.0, 1.0], atol=1e-3)
     np.testing.assert_array_equal(scene.colors[0, 0], [0, 188, 255])
 
@@ -187,10 +187,10 @@ def test_unlit_materials_make_an_unlit_scene(tmp_path: Path) -> None:
     scan = writer.add("materials", {"extensions": {"KHR_materials_unlit": {}}})
     writer.document["extensionsRequired"] = ["KHR_materials_unlit"]
     writer.node(name="a", mesh=writer.mesh(writer.square(material=scan)))
-    assert load_scene(writer.write(tmp_path / "a.glb")).unlit
+    assert read_scene(writer.write(tmp_path / "a.glb")).unlit
     plain = writer.add("materials", {})
     writer.node(name="b", mesh=writer.mesh(writer.square(material=plain)))
-    assert not load_scene(writer.write(tmp_path / "b.glb")).unlit
+    assert not read_scene(writer.write(tmp_path / "b.glb")).unlit
 
 
 def test_quantised_and_sparse_positions(tmp_path: Path) -> None:
@@ -207,7 +207,7 @@ def test_quantised_and_sparse_positions(tmp_path: Path) -> None:
     }
     primitive = {"attributes": {"POSITION": positions}, "indices": writer.square()["indices"]}
     writer.node(name="a", mesh=writer.mesh(primitive))
-    scene = load_scene(writer.write(tmp_path / "a.glb"))
+    scene = read_scene(writer.write(tmp_path / "a.glb"))
     np.testing.assert_allclose(scene.vertices, [[0, 0, 0], [1, 0, 0], [1, -1, 1], [0, 0, 1]])
 
 
@@ -233,7 +233,7 @@ def test_missing_normals_are_smooth_over_flat_edges_only(tmp_path: Path) -> None
         "indices": writer.array(faces),
     }
     writer.node(name="a", mesh=writer.mesh(primitive))
-    scene = load_scene(writer.write(tmp_path / "a.glb"))
+    scene = read_scene(writer.write(tmp_path / "a.glb"))
     assert scene.normals is not None
     flat = face_normals(scene)
     np.testing.assert_allclose(np.linalg.norm(scene.normals, axis=2), 1.0, atol=1e-5)
@@ -248,7 +248,7 @@ def test_gltf_with_files_beside_it_and_embedded_data(tmp_path: Path) -> None:
     uv = writer.array(SQUARE_UV)
     primitive = writer.square(material=writer.textured(RED_GREEN), TEXCOORD_0=uv)
     writer.node(name="a", mesh=writer.mesh(primitive))
-    whole = load_scene(writer.write(tmp_path / "a.glb"))
+    whole = read_scene(writer.write(tmp_path / "a.glb"))
     for uri in (
         "my%20data.bin",
         "data:application/octet-stream;base64," + base64.b64encode(writer.binary).decode(),
@@ -256,14 +256,14 @@ def test_gltf_with_files_beside_it_and_embedded_data(tmp_path: Path) -> None:
         writer.document["buffers"] = [{"byteLength": len(writer.binary), "uri": uri}]
         (tmp_path / "my data.bin").write_bytes(writer.binary)
         (tmp_path / "a.gltf").write_text(json.dumps(writer.document))
-        scene = load_scene(tmp_path / "a.gltf")
+        scene = read_scene(tmp_path / "a.gltf")
         np.testing.assert_array_equal(scene.vertices, whole.vertices)
         np.testing.assert_array_equal(scene.uv, whole.uv)
     (tmp_path / "my data.bin").unlink()
     writer.document["buffers"][0]["uri"] = "my%20data.bin"
     (tmp_path / "a.gltf").write_text(json.dumps(writer.document))
     with pytest.raises(SceneError, match=r"my data\.bin"):
-        load_scene(tmp_path / "a.gltf")
+        read_scene(tmp_path / "a.gltf")
 
 
 def invalid(path: list[Any], value: Any) -> GltfWriter:
@@ -306,7 +306,7 @@ def invalid(path: list[Any], value: Any) -> GltfWriter:
 def test_broken_documents(tmp_path: Path, path: list[Any], value: Any, words: str) -> None:
     file = invalid(path, value).write(tmp_path / "a.glb")
     with pytest.raises(SceneError) as caught:
-        load_scene(file)
+        read_scene(file)
     message = str(caught.value)
     assert words in message
     assert "a.glb" in message
@@ -328,7 +328,7 @@ def test_a_texture_that_is_missing_or_broken_leaves_a_plain_colour(
     writer = invalid(["images", 0], image)
     surface = writer.document["materials"][0]["pbrMetallicRoughness"]
     surface["baseColorFactor"] = [1.0, 0.0, 0.0, 1.0]
-    scene = load_scene(writer.write(tmp_path / "a.glb"))
+    scene = read_scene(writer.write(tmp_path / "a.glb"))
     used = scene.materials[scene.face_material[0]]
     assert used.texture is None
     assert used.color == pytest.approx((1.0, 0.0, 0.0))
@@ -343,11 +343,11 @@ def test_a_node_that_is_listed_twice_is_shown_once(tmp_path: Path) -> None:
     writer.document["scenes"][0]["nodes"].append(lamp)
     writer.node(name="Room", children=[lamp])
     writer.document["nodes"][lamp]["children"] = [lamp]
-    scene = load_scene(writer.write(tmp_path / "a.glb"))
+    scene = read_scene(writer.write(tmp_path / "a.glb"))
     assert [instance.name for instance in scene.instances] == ["Lamp"]
 
 
 def test_text_that_is_no_gltf(tmp_path: Path) -> None:
     (tmp_path / "a.gltf").write_text("hello")
     with pytest.raises(SceneError, match="JSON part cannot be read"):
-        load_scene(tmp_path / "a.gltf")
+        read_scene(tmp_path / "a.gltf")

@@ -9,7 +9,7 @@ from trimesh.visual import ColorVisuals
 
 from gltf_writer import GltfWriter
 from hypernav.core.errors import SceneError
-from hypernav.worlds.scenes.loading import load_scene
+from hypernav.worlds.scenes.loading import read_scene
 from hypernav.worlds.scenes.scene import Scene
 
 
@@ -32,7 +32,7 @@ def test_every_node_is_an_instance_labelled_by_its_name(tmp_path: Path) -> None:
     path = write_squares(
         tmp_path / "home.glb", "Bed_01", "RoomWall_02", "Object_3", "arm-chair.001"
     )
-    scene = load_scene(path)
+    scene = read_scene(path)
     assert scene.name == "home"
     assert labels_of(scene) == {
         "Bed_01": "bed",
@@ -45,14 +45,14 @@ def test_every_node_is_an_instance_labelled_by_its_name(tmp_path: Path) -> None:
 
 
 def test_nodes_of_the_same_name_stay_apart(tmp_path: Path) -> None:
-    scene = load_scene(write_squares(tmp_path / "home.glb", "Bed", "Bed", "Bed"))
+    scene = read_scene(write_squares(tmp_path / "home.glb", "Bed", "Bed", "Bed"))
     assert [instance.name for instance in scene.instances] == ["Bed", "Bed#2", "Bed#3"]
 
 
 def test_a_scene_file_of_a_general_name_goes_by_its_folder(tmp_path: Path) -> None:
     folder = tmp_path / "my_flat"
     folder.mkdir()
-    assert load_scene(write_squares(folder / "scene.glb", "Bed")).name == "my_flat"
+    assert read_scene(write_squares(folder / "scene.glb", "Bed")).name == "my_flat"
 
 
 def write_objects(folder: Path, *objects: dict[str, Any]) -> None:
@@ -75,7 +75,7 @@ def test_objects_json_says_what_the_nodes_are(tmp_path: Path) -> None:
         },
         {"name": "shell", "category": "wall", "structural": True, "nodes": ["n3"]},
     )
-    scene = load_scene(path)
+    scene = read_scene(path)
     assert labels_of(scene) == {"couch": "sofa", "shell": None, "Lamp_7": "lamp"}
     couch = scene.instances[0]
     assert couch.label is not None
@@ -89,7 +89,7 @@ def test_objects_json_says_what_the_nodes_are(tmp_path: Path) -> None:
 
 def assert_scene_error(path: Path, *words: str) -> None:
     with pytest.raises(SceneError) as caught:
-        load_scene(path)
+        read_scene(path)
     message = str(caught.value)
     assert "\n" not in message
     for word in words:
@@ -179,7 +179,7 @@ def test_ply_with_colours_is_a_scan(tmp_path: Path) -> None:
     colours = np.tile(np.array([[200, 100, 50, 255]], np.uint8), (8, 1))
     box.visual = ColorVisuals(box, vertex_colors=colours)
     box.export(tmp_path / "scan.ply")
-    scene = load_scene(tmp_path / "scan.ply")
+    scene = read_scene(tmp_path / "scan.ply")
     assert scene.unlit
     assert len(scene.faces) == 12
     np.testing.assert_array_equal(scene.colors[0, 0], [200, 100, 50])
@@ -187,7 +187,7 @@ def test_ply_with_colours_is_a_scan(tmp_path: Path) -> None:
 
 def test_obj_is_read_y_up(tmp_path: Path) -> None:
     (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\nf 1 2 3\nf 1 3 4\n")
-    scene = load_scene(tmp_path / "a.obj")
+    scene = read_scene(tmp_path / "a.obj")
     np.testing.assert_allclose(scene.vertices.min(axis=0), [0.0, -3.0, 0.0])
     np.testing.assert_allclose(scene.vertices.max(axis=0), [1.0, 0.0, 2.0])
     assert not scene.unlit
@@ -200,7 +200,7 @@ def test_text_instead_of_a_mesh(tmp_path: Path, name: str) -> None:
 
 
 def test_small_house_matches_its_description(small_house: Path) -> None:
-    scene = load_scene(small_house)
+    scene = read_scene(small_house)
     described = json.loads(small_house.with_name("objects.json").read_text())["objects"]
     assert scene.name == "small_house"
     assert len(scene.faces) == sum(item["triangles"] for item in described)

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from box_scenes import scene_of
 from gltf_writer import GltfWriter
-from hypernav.build.scenes import load_scene
+from hypernav.build.data.scenes import load_scene
 from hypernav.core.errors import SceneError
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.scenes.scene_assembly import MeshPart

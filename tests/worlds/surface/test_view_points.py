@@ -120,9 +120,9 @@ def test_surface_points_lie_on_the_surface_spread_by_area_and_repeat():
 
 
 def test_the_view_points_of_a_real_house_are_reachable(small_house):
-    from hypernav.worlds.scenes.loading import load_scene
+    from hypernav.worlds.scenes.loading import read_scene
 
-    scene = load_scene(small_house)
+    scene = read_scene(small_house)
     walkable = WalkableGrid.from_scene(scene)
     regions = GoalRegions(scene, walkable, RayCaster(scene))
     rng = np.random.default_rng(0)

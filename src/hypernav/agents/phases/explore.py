@@ -12,7 +12,7 @@ from hypernav.agents.plan import Plan
 from hypernav.agents.step import Decision, Phase, Step, turn_towards
 from hypernav.core.actions import Action
 from hypernav.core.components.abilities import answers_at_once
-from hypernav.core.exploration import Destination
+from hypernav.core.exploring.exploration import Destination
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.trace import Mode
 from hypernav.mapping.memory.memory import Memory

@@ -4,9 +4,9 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import asdict
 
-from hypernav.cli.robot_options import Ros2, Simulate
-from hypernav.cli.views.opening import Views, opened_views
-from hypernav.evaluation.recorder import EpisodeRecorder
+from hypernav.cli.options.robot import Ros2, Simulate
+from hypernav.cli.screen.views import Views, opened_views
+from hypernav.episodes.recorder import EpisodeRecorder
 from hypernav.robot.wire.replies import SearchOpened
 from hypernav.show.video.frame import EpisodeInfo
 

@@ -5,25 +5,33 @@ from contextlib import closing
 from dataclasses import asdict
 from datetime import datetime
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
 
 from rich.markup import escape
 
-from hypernav.agents.search import SearchAgent
+from hypernav.agents.components import SearchComponents
 from hypernav.cli.guards.crashes import crash_report
 from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
-from hypernav.cli.robot_options import Replay
-from hypernav.cli.terminal import Terminal
-from hypernav.cli.views.opening import check_views, opened_views
+from hypernav.cli.options.robot import Replay
+from hypernav.cli.screen.terminal import Terminal
+from hypernav.cli.screen.views import check_views, opened_views
 from hypernav.core.config import check_option
 from hypernav.core.errors import ConfigError
 from hypernav.core.goal import Goal
-from hypernav.evaluation.recorder import EpisodeRecorder
+from hypernav.episodes.recorder import EpisodeRecorder
 from hypernav.robot.recordings.opening import open_recording
 from hypernav.robot.recordings.replay import UprightRecording, replayed
 from hypernav.robot.ros.topics import CameraTopics
 from hypernav.show.video.frame import EpisodeInfo
+
+
+@runtime_checkable
+class _SeesByItself(Protocol):
+    """An agent whose map and local perception can be asked without it."""
+
+    @property
+    def components(self) -> SearchComponents: ...
 
 
 def run(options: Replay) -> int:
@@ -68,7 +76,7 @@ def _mapped(options: Replay, folder: Path, upright: UprightRecording) -> ExitSta
     console, began = Terminal(quiet=options.quiet), time.perf_counter()
     detector, recording = "nothing: only the map is drawn", upright.recording
     with closing(options.who.build(config)) as parts, console.status("reading …") as status:
-        if not isinstance(parts.agent, SearchAgent):
+        if not isinstance(parts.agent, _SeesByItself):
             raise ConfigError(f"--agent {options.who.agent} has no local perception of its own")
         if goal is not None:
             parts.check_goal(goal)

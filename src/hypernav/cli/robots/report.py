@@ -8,8 +8,8 @@ from rich.box import SIMPLE
 from rich.table import Table
 
 from hypernav.cli.guards.statuses import ExitStatus
-from hypernav.cli.robot_options import Report
-from hypernav.cli.terminal import Terminal
+from hypernav.cli.options.robot import Report
+from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.errors import ConfigError, OutputError, RunFolderError
 from hypernav.evaluation.field_study import StudyRow, TrialResult, study_rows
 from hypernav.robot.trials.field_trial import FieldTrial, read_trial

@@ -14,23 +14,23 @@ import numpy as np
 from rich.markup import escape
 from rich.status import Status
 
+from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import HyPerNavConfig
-from hypernav.build.scenes import load_scene
-from hypernav.cli.agent_options import check_steps_and_seed
 from hypernav.cli.find import OUTCOME_WORDS, check_start, start_pose
 from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
-from hypernav.cli.robot_options import Simulate
+from hypernav.cli.options.agent import check_steps_and_seed
+from hypernav.cli.options.robot import Simulate
 from hypernav.cli.robots.own_server import server_at
 from hypernav.cli.robots.recording import recording
-from hypernav.cli.terminal import Terminal
-from hypernav.cli.views.opening import Views, check_views
+from hypernav.cli.screen.terminal import Terminal
+from hypernav.cli.screen.views import Views, check_views
 from hypernav.core.config import check_option, layered
 from hypernav.core.embodiment import Embodiment
-from hypernav.core.episode import Episode, Outcome
+from hypernav.core.episodes.episode import Episode, Outcome
+from hypernav.core.episodes.metrics import SUCCESS_DISTANCE_M, EpisodeMetrics, measure
 from hypernav.core.errors import RequestRefusedError, RobotLinkError
 from hypernav.core.goal import Goal
-from hypernav.core.metrics import SUCCESS_DISTANCE_M, EpisodeMetrics, measure
 from hypernav.robot.client.links import HttpLink, HttpServer, Link, ServerAddress
 from hypernav.robot.client.robot_client import RobotClient
 from hypernav.robot.client.stop_listener import StopListener

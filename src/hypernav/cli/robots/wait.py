@@ -8,14 +8,14 @@ import numpy as np
 from rich.markup import escape
 from rich.status import Status
 
+from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import HyPerNavConfig
-from hypernav.build.scenes import load_scene
-from hypernav.cli.agent_options import check_steps_and_seed
 from hypernav.cli.find import check_start
-from hypernav.cli.robot_options import Wait
-from hypernav.cli.terminal import Terminal
+from hypernav.cli.options.agent import check_steps_and_seed
+from hypernav.cli.options.robot import Wait
+from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.config import layered
-from hypernav.core.episode import MAX_STEPS, Episode
+from hypernav.core.episodes.episode import MAX_STEPS, Episode
 from hypernav.core.errors import ConfigError, LinkLostError, RequestRefusedError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal

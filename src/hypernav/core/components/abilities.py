@@ -4,10 +4,10 @@ from collections.abc import Collection, Mapping
 from typing import Any, Protocol, runtime_checkable
 
 from hypernav.core.embodiment import Embodiment
-from hypernav.core.exploration import ExplorationView
+from hypernav.core.exploring.exploration import ExplorationView
+from hypernav.core.exploring.sightings import SeenThing
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.core.sightings import SeenThing
 
 
 @runtime_checkable

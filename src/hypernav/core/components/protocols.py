@@ -6,15 +6,15 @@ import numpy as np
 from jaxtyping import Bool
 
 from hypernav.core.actions import Action
-from hypernav.core.arrows import ArrowChoice, ArrowView
 from hypernav.core.chat import Answer, Image, Question
-from hypernav.core.exploration import Destination, ExplorationView
+from hypernav.core.exploring.arrows import ArrowChoice, ArrowView
+from hypernav.core.exploring.exploration import Destination, ExplorationView
+from hypernav.core.exploring.guidance import GuideChoice, GuideView
+from hypernav.core.exploring.overview import BlockChoice, Overview
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.goal import Goal
-from hypernav.core.guidance import GuideChoice, GuideView
 from hypernav.core.observation import Observation
-from hypernav.core.overview import BlockChoice, Overview
 from hypernav.core.trace import StepTrace
 
 

@@ -13,8 +13,8 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending, StepTrace
-from hypernav.evaluation.checks.box_room import DOOR, BoxRoom
 from hypernav.evaluation.checks.faults import Faults, While
+from hypernav.worlds.box_room import DOOR, BoxRoom
 
 _ACTIONS = ", ".join(action.name for action in Action)
 

@@ -11,9 +11,9 @@ from gymnasium import spaces
 from gymnasium.utils.env_checker import check_env
 
 from hypernav.core.actions import Action
+from hypernav.core.episodes.metrics import EpisodeMetrics
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.transforms import wrap_angle
-from hypernav.core.metrics import EpisodeMetrics
 from hypernav.evaluation.checks.faults import Faults, While
 
 _KEYS = ("rgb", "depth", "pose", "goal")
@@ -26,11 +26,11 @@ _EXPLORED = 40
 def check_world(env: Any, *, seed: int = 0) -> None:
     """Check a world against the contract of object-goal navigation, and list what breaks it.
 
-    The world is a Gymnasium environment like `hypernav.worlds.env.ObjectNavEnv`: observations with
-    ``rgb``, ``depth`` (float32 metres, 0 where there is no return), ``pose`` (x forward, y left,
-    yaw counter-clockwise, from the start pose) and ``goal``; Habitat's four actions; STOP ends an
-    episode; ``info`` carries the measures. Gymnasium's own checker runs last. That the depth is
-    measured along the optical axis, not along each ray, cannot be told from outside.
+    The world is a Gymnasium environment like `hypernav.episodes.env.ObjectNavEnv`: observations
+    with ``rgb``, ``depth`` (float32 metres, 0 where there is no return), ``pose`` (x forward, y
+    left, yaw counter-clockwise, from the start pose) and ``goal``; Habitat's four actions; STOP
+    ends an episode; ``info`` carries the measures. Gymnasium's own checker runs last. That the
+    depth is measured along the optical axis, not along each ray, cannot be told from outside.
 
     Args:
         env: The world; the check resets it and moves its robot.

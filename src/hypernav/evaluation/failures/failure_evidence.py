@@ -12,6 +12,7 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.observation import LabelledPixels
 from hypernav.core.trace import DetectionRecord, Ending
 from hypernav.core.world import GoalTruth, Instance, SceneTruth
+from hypernav.episodes.episode_run import EpisodeResult, EpisodeStep
 from hypernav.evaluation.failures.classification import (
     MISPLACED_M,
     BelievedTarget,
@@ -20,7 +21,6 @@ from hypernav.evaluation.failures.classification import (
 )
 from hypernav.houses.near_misses import near_misses
 from hypernav.planning.planner import Planner
-from hypernav.worlds.episode_run import EpisodeResult, EpisodeStep
 
 _SPACING_M = 0.05
 _BESIDE_M = 1.5

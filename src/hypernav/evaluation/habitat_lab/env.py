@@ -13,17 +13,17 @@ import numpy as np
 from gymnasium import spaces
 from jaxtyping import UInt8
 
-from hypernav.build.scenes import load_scene
+from hypernav.build.data.scenes import load_scene
 from hypernav.build.worlds import open_world
 from hypernav.core.actions import Action
-from hypernav.core.episode import Episode
+from hypernav.core.episodes.episode import Episode
 from hypernav.core.errors import EpisodeError, WorldError
+from hypernav.episodes.referee import Referee
 from hypernav.evaluation.habitat_lab.configuration import plan_of
 from hypernav.evaluation.habitat_lab.episodes import category_numbers, category_of, passes
 from hypernav.evaluation.habitat_lab.sensors import observed, semantic_ids_of, sensor_spaces
 from hypernav.evaluation.habitat_lab.task import HabitatTask
 from hypernav.evaluation.run_plan import RunPlan
-from hypernav.worlds.referee import Referee
 from hypernav.worlds.simulation import SimulatedWorld
 
 

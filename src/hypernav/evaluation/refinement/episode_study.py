@@ -12,11 +12,12 @@ from jaxtyping import Bool
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.core.components.abilities import ChecksGoal
 from hypernav.core.components.protocols import Agent, Detector, Segmenter
-from hypernav.core.episode import Episode
+from hypernav.core.episodes.episode import Episode
 from hypernav.core.errors import GoalError
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.observation import Observation
 from hypernav.core.world import GoalTruth
+from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.evaluation.refinement.area_record import AreaRecord, BoxSource, MaskSource
 from hypernav.evaluation.refinement.boxes import is_wide_enough, jittered, matching
 from hypernav.evaluation.refinement.footprint import Footprint, OffTarget
@@ -26,7 +27,6 @@ from hypernav.perception.local.config import LocalConfig
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.perception.local.refinement import eroded, projected
 from hypernav.worlds.drawing.renderer import CpuRenderer
-from hypernav.worlds.episode_run import EpisodeRun
 from hypernav.worlds.simulation import SimulatedWorld
 
 

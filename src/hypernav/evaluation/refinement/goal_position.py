@@ -8,12 +8,12 @@ from jaxtyping import Float64
 from scipy.spatial import KDTree
 
 from hypernav.build.presets import HyPerNavConfig
+from hypernav.core.episodes.metrics import SUCCESS_DISTANCE_M
 from hypernav.core.geometry.camera import optical_to_base
 from hypernav.core.geometry.transforms import Pose2, Transform
-from hypernav.core.metrics import SUCCESS_DISTANCE_M
 from hypernav.core.world import GoalTruth, Renderer
+from hypernav.episodes.goal_sight import MIN_VISIBLE_SHARE
 from hypernav.mapping.memory.goal_area import GoalArea
-from hypernav.worlds.goal_sight import MIN_VISIBLE_SHARE
 from hypernav.worlds.simulation import SimulatedWorld
 
 

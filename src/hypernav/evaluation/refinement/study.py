@@ -7,11 +7,11 @@ from typing import Any
 from hypernav.build.agents import build_agent
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.construction import make, section_of
+from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.registries import DETECTORS, SEGMENTERS, Factory
-from hypernav.build.scenes import load_scene
 from hypernav.core.components.registry import Choice
-from hypernav.core.episode import Episode
+from hypernav.core.episodes.episode import Episode
 from hypernav.evaluation.refinement.area_record import AreaRecord, EpisodeAreas
 from hypernav.evaluation.refinement.episode_study import EpisodeStudy
 from hypernav.evaluation.store.record_file import RecordFile

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from hypernav.episodes.goal_sight import MIN_VISIBLE_SHARE
 from hypernav.evaluation.failures.classification import MISPLACED_M, Failure
 from hypernav.evaluation.report.run_data import RunData
 from hypernav.evaluation.report.tables import Pair
@@ -10,7 +11,6 @@ from hypernav.evaluation.summary import Summary
 from hypernav.houses.building import NOUNS
 from hypernav.show import captions
 from hypernav.worlds.config import NoiseConfig
-from hypernav.worlds.goal_sight import MIN_VISIBLE_SHARE
 
 SIGNIFICANT = 0.05
 

@@ -12,11 +12,11 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from hypernav.core.episode import Episode
+from hypernav.build.data.sources import Progress
+from hypernav.core.episodes.episode import Episode
 from hypernav.core.errors import RunFolderError, SceneError
 from hypernav.core.files.json_text import parse_json
 from hypernav.core.files.reading import read_file
-from hypernav.evaluation.data_sources import Progress
 from hypernav.evaluation.store.run_files import write_whole
 from hypernav.evaluation.store.run_store import RunStore
 from hypernav.worlds.scans.layout import ScanFiles

@@ -15,7 +15,7 @@ from pathlib import Path
 from types import FrameType
 from typing import NoReturn
 
-from hypernav.core.episode import Episode
+from hypernav.core.episodes.episode import Episode
 from hypernav.core.errors import HyPerNavError
 from hypernav.core.interruptions import interruptions_of_kernels
 from hypernav.evaluation.record import EpisodeRecord

@@ -9,7 +9,7 @@ import socket
 from typing import Any
 
 from hypernav.core.components.extras import require
-from hypernav.core.episode import Episode
+from hypernav.core.episodes.episode import Episode
 from hypernav.core.errors import HyPerNavError, RunFolderError
 from hypernav.evaluation.record import EpisodeRecord
 from hypernav.evaluation.workers.process_pool import ONE_THREAD

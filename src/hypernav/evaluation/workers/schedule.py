@@ -3,7 +3,7 @@
 from collections import Counter, deque
 from collections.abc import Iterable
 
-from hypernav.core.episode import Episode
+from hypernav.core.episodes.episode import Episode
 from hypernav.evaluation.record import EpisodeKey
 
 ATTEMPTS = 3

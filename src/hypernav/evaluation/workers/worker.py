@@ -10,32 +10,30 @@ from pathlib import Path
 
 import numpy as np
 
-from hypernav.build.agents import build_agent
-from hypernav.build.built_agent import BuiltAgent
 from hypernav.build.component_specs import ComponentSpecs, WorldName
+from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import HyPerNavConfig
-from hypernav.build.scenes import load_scene
 from hypernav.build.worlds import open_world
-from hypernav.core.components.abilities import Closes, looks_at_colours
+from hypernav.core.components.abilities import Closes
 from hypernav.core.components.protocols import Agent
-from hypernav.core.episode import Episode, Outcome
+from hypernav.core.episodes.episode import Episode, Outcome
+from hypernav.core.episodes.metrics import measure
 from hypernav.core.errors import CameraError, SceneError, StartError, WorldError
 from hypernav.core.geometry.transforms import Transform
-from hypernav.core.metrics import measure
 from hypernav.core.trace import Ending, StepTrace
+from hypernav.episodes.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
+from hypernav.episodes.object_distance import object_distance
+from hypernav.episodes.recorder import EpisodeRecorder
+from hypernav.episodes.storyboard import Image, Storyboard
 from hypernav.evaluation.failures.classification import Facts, Verdict, classify
 from hypernav.evaluation.failures.decisive_step import decisive_step
 from hypernav.evaluation.failures.failure_evidence import FailureEvidence
 from hypernav.evaluation.record import EpisodeRecord
-from hypernav.evaluation.recorder import EpisodeRecorder
 from hypernav.evaluation.save_choice import SaveChoice
-from hypernav.evaluation.storyboard import Image, Storyboard
+from hypernav.evaluation.workers.searcher import searcher_of
 from hypernav.perception.exchanges import unusable_answers
-from hypernav.show.captions import ITS_OWN
 from hypernav.worlds.drawing.renderer import CpuRenderer
-from hypernav.worlds.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
 from hypernav.worlds.habitat.simulator import HabitatRenderer
-from hypernav.worlds.object_distance import object_distance
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.simulation import SimulatedWorld
 
@@ -84,8 +82,7 @@ class EpisodeWorker:
             HyPerNavError: The agent can't be built.
         """
         self._job = job
-        self._agent, self._words, self._needs_colours, self._parts = _agent_of(job)
-        self._truth = self._parts.truth if isinstance(self._parts, BuiltAgent) else None
+        self._searcher = searcher_of(job.config, job.specs, job.make_agent)
         self._scene: _OpenScene | None = None
 
     def run(self, episode: Episode) -> EpisodeRecord:
@@ -99,13 +96,13 @@ class EpisodeWorker:
         """
         try:
             scene = self._scene_of(episode.scene_id)
-            scene.renderer.colours = self._needs_colours or self._job.save == "videos"
+            scene.renderer.colours = self._searcher.looks_at_colours or self._job.save == "videos"
             run = EpisodeRun(
-                self._agent,
+                self._searcher.agent,
                 scene.world,
                 episode,
                 rng=np.random.default_rng(episode.seed(self._job.seed)),
-                told=self._truth,
+                told=self._searcher.truth,
             )
             return self._watch(run, scene)
         except _SIMULATOR_ERRORS as error:
@@ -114,8 +111,8 @@ class EpisodeWorker:
     def close(self) -> None:
         """Close scene and agent; no episode is run afterwards."""
         self._leave_scene()
-        if isinstance(self._parts, Closes):
-            self._parts.close()
+        if isinstance(self._searcher.whole, Closes):
+            self._searcher.whole.close()
 
     def _leave_scene(self) -> None:
         if self._scene is not None:
@@ -183,9 +180,9 @@ class EpisodeWorker:
         return EpisodeRecorder(
             self._job.folder / SAVED_FOLDER / folder_name(episode),
             goal=episode.goal.text,
-            agent=self._words["agent"],
-            detector=self._words["detector"],
-            reasoner=self._words["reasoner"],
+            agent=self._searcher.words["agent"],
+            detector=self._searcher.words["detector"],
+            reasoner=self._searcher.words["reasoner"],
             step_limit=episode.max_steps,
         )
 
@@ -202,7 +199,7 @@ class EpisodeWorker:
                 "goal": episode.goal.text,
                 "scene": episode.scene_id,
                 "episode": episode.episode_id,
-                **self._words,
+                **self._searcher.words,
                 "outcome": result.outcome.value,
                 "failure": verdict.failure.words if verdict is not None else "",
                 "why": verdict.why if verdict is not None else "",
@@ -270,23 +267,6 @@ def folder_name(episode: Episode) -> str:
     scene = Path(episode.scene_id).stem if "/" in episode.scene_id else episode.scene_id
     text = f"{scene}-{episode.episode_id}-{episode.goal.text}".lower()
     return f"{re.sub(r'[^a-z0-9]+', '-', text).strip('-')[:110]}-{key}"
-
-
-def _agent_of(job: Job) -> tuple[Agent, dict[str, str], bool, object]:
-    """The agent, its components, whether it needs colours, and what to close."""
-    if job.make_agent is not None:
-        agent = job.make_agent()
-        kinds = ("detector", "reasoner", "segmenter")
-        words = {"agent": type(agent).__name__} | dict.fromkeys(kinds, ITS_OWN)
-        return agent, words, looks_at_colours(agent), agent
-    parts = build_agent(job.config, job.specs)
-    words = {
-        "agent": job.specs.name,
-        "detector": parts.detector_words,
-        "reasoner": parts.reasoner_words,
-        "segmenter": parts.segmenter.words,
-    }
-    return parts.agent, words, parts.looks_at_colours, parts
 
 
 def _count(step: EpisodeStep, questions: Counter[str], tokens: Counter[str]) -> None:

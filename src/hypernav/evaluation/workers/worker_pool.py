@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
-from hypernav.core.episode import Episode
+from hypernav.core.episodes.episode import Episode
 from hypernav.evaluation.record import EpisodeRecord
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from hypernav.core.errors import EpisodeError
-from hypernav.core.whole_numbers import is_whole_number
+from hypernav.core.text.whole_numbers import is_whole_number
 from hypernav.datasets.habitat_format import EpisodeDataset, ObjectNavEpisode
 from hypernav.houses.building import Building
 from hypernav.houses.episodes.episode_cache import cached_episodes

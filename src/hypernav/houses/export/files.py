@@ -52,7 +52,7 @@ class ExportedBuilding:
 def export_building(building: Building, out_dir: Path) -> ExportedBuilding:
     """Write a building to a folder.
 
-    ``house_N.glb`` and ``objects.json`` open with `hypernav.worlds.load_scene`; the rest is for
+    ``house_N.glb`` and ``objects.json`` open with `hypernav.load_scene`; the rest is for
     Habitat: the semantics in the form of HM3D's (``house_N.semantic.glb`` with vertex colours,
     ``house_N.semantic.txt``), and the walkable surface of the default robot, ``house_N.navmesh``.
     `hypernav.houses.export.dataset_config` tells it about them.

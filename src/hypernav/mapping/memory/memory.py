@@ -14,9 +14,9 @@ import numpy as np
 from jaxtyping import Bool
 
 from hypernav.core.embodiment import Embodiment
+from hypernav.core.exploring.sightings import Sightings
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.observation import Observation
-from hypernav.core.sightings import Sightings
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.goal_evidence import GoalEvidence
 from hypernav.mapping.top_down_map import TopDownMap

@@ -24,7 +24,6 @@ class ChatConfig(RoomConfig):
 
     Attributes:
         timeout_s: Longest wait for one attempt, during which a robot stands still.
-        connect_timeout_s: Longest wait for one of the server's addresses to connect.
         patience_s: Time after which an unanswered question is given up. Failed attempts are
             repeated until then; 0 asks once.
         first_wait_s: Wait between the first two attempts; doubled each time.
@@ -44,7 +43,6 @@ class ChatConfig(RoomConfig):
     """
 
     timeout_s: float = Field(default=60.0, gt=0.0, le=86_400.0)
-    connect_timeout_s: float = Field(default=5.0, gt=0.0, le=86_400.0)
     patience_s: float = Field(default=120.0, ge=0.0, le=86_400.0)
     first_wait_s: float = Field(default=0.5, ge=0.0, le=3600.0)
     longest_wait_s: float = Field(default=8.0, gt=0.0, le=3600.0)

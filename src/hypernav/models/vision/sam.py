@@ -31,12 +31,10 @@ class SamConfig(RoomConfig):
     """How a SAM model is used.
 
     Attributes:
-        clip_to_box: Whether to remove the part of the mask outside the box.
         device: "auto", "cpu", "cuda", "mps".
         dtype: "auto" is bfloat16 if the device supports it.
     """
 
-    clip_to_box: bool = True
     device: str = "auto"
     dtype: Literal["auto", "bfloat16", "float16", "float32"] = "auto"
 
@@ -82,7 +80,7 @@ class SamSegmenter:
             )
         masks = self._processor.post_process_masks(outputs.pred_masks.float().cpu(), *sizes)
         mask = masks[0].reshape(-1, height, width)[0].numpy().astype(bool)
-        return clipped_to_box(mask, box) if self.config.clip_to_box else mask
+        return clipped_to_box(mask, box)
 
 
 def clipped_to_box(

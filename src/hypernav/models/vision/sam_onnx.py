@@ -45,12 +45,10 @@ class OnnxSamConfig(RoomConfig):
 
     Attributes:
         side_px: Longest side of the images that the encoder was trained on.
-        clip_to_box: Whether to remove the part of the mask outside the box.
         threads: Threads of onnxruntime.
     """
 
     side_px: int = Field(default=1024, ge=64, le=4096)
-    clip_to_box: bool = True
     threads: int = Field(default=2, ge=1, le=MOST_THREADS)
 
 
@@ -98,7 +96,7 @@ class OnnxSamSegmenter:
             raise ModelError(
                 f"the SAM decoder gave a mask of {mask.shape} for an image of {(height, width)}"
             )
-        return clipped_to_box(mask, box) if self.config.clip_to_box else mask
+        return clipped_to_box(mask, box)
 
     def _embedding(self, image: Image) -> Any:
         if self._encoded is None or self._encoded[0] is not image:

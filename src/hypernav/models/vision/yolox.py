@@ -34,6 +34,8 @@ _SAME_BOX_IOU = 0.3
 """Overlap from which on a box in such a part is the one that it was made for."""
 _MIN_BOX_PX = 2.0
 """Boxes with a shorter side are dropped."""
+_FREE_INPUT_PX = 640
+"""Side of the input for an export whose own input size is not fixed; YOLOX's own."""
 
 
 class YoloxConfig(RoomConfig):
@@ -46,14 +48,12 @@ class YoloxConfig(RoomConfig):
             closer.
         threads: Threads of onnxruntime.
         classes: Names in the order of the network's outputs.
-        fallback_input_px: Side of the input for an export whose own input size is not fixed.
     """
 
     score_threshold: float = Field(default=0.1, ge=0.0, le=1.0)
     look_closer_below: float = Field(default=0.6, ge=0.0, le=1.0)
     threads: int = Field(default=2, ge=1, le=MOST_THREADS)
     classes: tuple[str, ...] = COCO_CLASSES
-    fallback_input_px: int = Field(default=640, ge=32, le=4096, multiple_of=32)
 
 
 class YoloxDetector:
@@ -179,10 +179,7 @@ class YoloxDetector:
                 f"{self.path} is not a YOLOX export: expected one float input "
                 f"[1, 3, height, width], found {found}"
             )
-        sides = [
-            side if isinstance(side, int) else self.config.fallback_input_px
-            for side in inputs[0].shape[2:]
-        ]
+        sides = [side if isinstance(side, int) else _FREE_INPUT_PX for side in inputs[0].shape[2:]]
         return inputs[0].name, sides[0], sides[1]
 
     def _anchors(self) -> tuple[Float64[np.ndarray, "anchors 2"], Float64[np.ndarray, "anchors 1"]]:

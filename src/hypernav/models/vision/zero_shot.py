@@ -23,19 +23,20 @@ from hypernav.models.torch_device import (
     moved_to_device,
 )
 
+_MIN_SIDE_PX = 4.0
+"""Boxes with a shorter side are dropped."""
+
 
 class ZeroShotConfig(RoomConfig):
     """How an open-vocabulary detector is used.
 
     Attributes:
         score_threshold: Detections below this are dropped.
-        min_side_px: Boxes with a shorter side are dropped.
         device: "auto", "cpu", "cuda", "mps".
         dtype: "auto" is bfloat16 if the device supports it.
     """
 
     score_threshold: float = Field(default=0.3, ge=0.0, le=1.0)
-    min_side_px: float = Field(default=4.0, ge=0.0, le=8192.0)
     device: str = "auto"
     dtype: Literal["auto", "bfloat16", "float16", "float32"] = "auto"
 
@@ -91,7 +92,7 @@ class ZeroShotDetector:
         detections = []
         for score, corners in zip(found["scores"].tolist(), found["boxes"].tolist(), strict=True):
             box = Box(*corners).clipped(width, height)
-            if min(box.x_max - box.x_min, box.y_max - box.y_min) >= self.config.min_side_px:
+            if min(box.x_max - box.x_min, box.y_max - box.y_min) >= _MIN_SIDE_PX:
                 detections.append(Detection(box, min(max(score, 0.0), 1.0), goal.text))
         return sorted(detections, key=lambda detection: -detection.score)
 

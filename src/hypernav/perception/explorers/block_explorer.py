@@ -14,8 +14,8 @@ from hypernav.core.components.abilities import answers_at_once
 from hypernav.core.components.protocols import BlockReasoner
 from hypernav.core.config import RoomConfig
 from hypernav.core.embodiment import Embodiment
-from hypernav.core.exploration import Destination, ExplorationView
-from hypernav.core.overview import Block, Overview, Prospects
+from hypernav.core.exploring.exploration import Destination, ExplorationView
+from hypernav.core.exploring.overview import Block, Overview, Prospects
 from hypernav.mapping.blocks import blocks_of
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.frontiers import find_frontiers, nearest_frontier

@@ -7,53 +7,52 @@ import numpy as np
 from pydantic import Field
 
 from hypernav.core.config import RoomConfig
-from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.goal import Goal
-from hypernav.core.overview import (
+from hypernav.core.exploring.overview import (
     Block,
     BlockChoice,
     Overview,
     prospects_of_boundaries,
     straight_legs_m,
 )
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
 from hypernav.core.trace import Exchange, ExchangeLog
 from hypernav.perception.explorers.tour_kernels import soonest_tour, unseen_after
 
 _NEVER_SEEN_M2 = 1e-3
 """What is left when all was seen: of tours that show nothing more, the shortest is the best."""
+_TOUR_STOPS = 10
+"""Largest number of blocks on a tour."""
+_TRAVEL_SCALE_M = 3.0
+"""Length of path over which the value of a block falls to 1/e."""
+_TURN_COST_M = 0.8
+"""Cost of the first turn towards a block, metres of path per radian, where order is "greedy".
+
+A tour counts metres only: what changes with every turn on the spot would change the tour, too.
+"""
 
 
 class GeometricConfig(RoomConfig):
-    """Weights of the blocks. The paper always asks a model, so these values are ours.
+    """Choice of a block. The paper always asks a model, so these values are ours.
 
     Attributes:
         gain: What a block is worth: the length of its "boundary" to the unknown, or the area of
             unknown floor that its "view" would show.
         order: Whether the block of the greatest value comes next, "greedy", or the first one of a
             "tour" over the most valuable ones.
-        tour_stops: Largest number of blocks on a tour.
         min_frontier_cells: Length of unexplored boundary, cells, below which a block holds nothing
             new; with 0, a block without any may be visited as well, after all others.
-        travel_scale_m: Length of path over which the value of a block falls to 1/e, metres.
-        turn_cost_m: Cost of the first turn towards a block, metres of path per radian, where order
-            is "greedy". A tour counts metres only: what changes with every turn on the spot would
-            change the tour, too.
-        gain_exponent: Exponent of the gain in the value; 0 ignores the gain.
     """
 
     gain: Literal["boundary", "view"] = "view"
     order: Literal["greedy", "tour"] = "tour"
-    tour_stops: int = Field(default=10, ge=1, le=12)
     min_frontier_cells: int = Field(default=6, ge=0, le=1_000_000)
-    travel_scale_m: float = Field(default=3.0, ge=0.01, le=1000.0)
-    turn_cost_m: float = Field(default=0.8, ge=0.0, le=1000.0)
-    gain_exponent: float = Field(default=1.0, ge=0.0, le=10.0)
 
 
 class GeometricReasoner:
     """Prefers blocks that are near and would show much of the unknown; does not use the goal.
 
-    The value of a block is ``gain**gain_exponent * exp(-cost / travel_scale)``, where the cost is
+    The value of a block is ``gain * exp(-cost / travel scale)``, where the cost is
     the path there and a turn to begin with: the trade of information gain against travel cost of
     González-Baños and Latombe, "Navigation Strategies for Exploring Indoor Environments", 2002.
 
@@ -73,7 +72,7 @@ class GeometricReasoner:
 
         Args:
             log: Log of all choices, for the trace.
-            config: Weights of the blocks.
+            config: What a block is worth, and which one comes next.
         """
         self._log = log
         self._config = config or GeometricConfig()
@@ -117,22 +116,22 @@ class GeometricReasoner:
         gains = [float(gain) for gain in prospects.gains_m2]
         costs = [self._cost_m(block, overview.robot) for block in blocks]
         values = [
-            gain**config.gain_exponent * math.exp(-cost / config.travel_scale_m)
+            gain * math.exp(-cost / _TRAVEL_SCALE_M)
             for gain, cost in zip(gains, costs, strict=True)
         ]
         best_first = sorted(range(len(blocks)), key=lambda k: -values[k])  # the nearer of equals
         best = best_first[0]
         if config.order == "tour":
-            stops = best_first[: config.tour_stops]
+            stops = best_first[:_TOUR_STOPS]
             legs_m = (overview.legs_m if by_view else straight_legs_m)([blocks[k] for k in stops])
             unseen = unseen_after(prospects.areas_m2, prospects.shows[stops]) + _NEVER_SEEN_M2
             best = stops[soonest_tour(np.array([costs[k] for k in stops]), legs_m, unseen)[0]]
         return BlockChoice(blocks[best].number, self._reason(blocks[best], gains[best]))
 
     def _cost_m(self, block: Block, robot: Pose2) -> float:
-        if self._config.order == "tour" or self._config.turn_cost_m == 0.0:
+        if self._config.order == "tour":
             return block.travel_m
-        return block.travel_m + self._config.turn_cost_m * abs(robot.bearing_to(*block.destination))
+        return block.travel_m + _TURN_COST_M * abs(robot.bearing_to(*block.destination))
 
     def _reason(self, block: Block, gain: float) -> str:
         worth = f"{gain:.1f} m² of the unknown in view"

@@ -7,9 +7,9 @@ from pydantic import Field
 
 from hypernav.core.chat import Question
 from hypernav.core.config import RoomConfig
+from hypernav.core.exploring.overview import Block, Overview
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.overview import Block, Overview
 
 _CONTEXT = (
     "A robot searches an unknown building for: {goal}. The picture is the map that it has drawn so "
@@ -56,7 +56,6 @@ class VlmReasonerConfig(RoomConfig):
             new and is left out; 0 leaves none out (paper).
         max_blocks: Largest number of blocks to choose from, those with the longest boundaries; None
             for all.
-        attempts: Number of questions, where answers give no number, before the fallback chooses.
         max_tokens: Limit on the length of a free answer, tokens.
         skip_only_block: Whether to go without a question where only one block is left.
     """
@@ -67,7 +66,6 @@ class VlmReasonerConfig(RoomConfig):
     list_excluded: bool = False
     min_frontier_cells: int = Field(default=6, ge=0, le=1_000_000)
     max_blocks: int | None = Field(default=20, ge=1, le=10_000)
-    attempts: int = Field(default=2, ge=1, le=100)
     max_tokens: int = Field(default=300, ge=16, le=1_000_000)
     skip_only_block: bool = True
 

@@ -1,6 +1,6 @@
 """The classic baseline of exploration: the nearest frontier."""
 
-from hypernav.core.exploration import Destination, ExplorationView
+from hypernav.core.exploring.exploration import Destination, ExplorationView
 from hypernav.core.trace import Exchange, ExchangeLog
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.frontiers import nearest_frontier

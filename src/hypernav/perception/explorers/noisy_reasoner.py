@@ -3,10 +3,10 @@
 import math
 from collections.abc import Sequence
 
-from hypernav.core.episode_truth import EpisodeTruth
+from hypernav.core.episodes.truth import EpisodeTruth
 from hypernav.core.errors import ConfigError
+from hypernav.core.exploring.overview import Block, BlockChoice, Overview
 from hypernav.core.goal import Goal
-from hypernav.core.overview import Block, BlockChoice, Overview
 from hypernav.core.trace import Exchange, ExchangeLog
 from hypernav.perception.explorers.map_question import VlmReasonerConfig, offered_blocks
 

@@ -4,8 +4,8 @@ from typing import Any
 
 from hypernav.core.chat import Answer, Question
 from hypernav.core.components.protocols import BlockReasoner, ChatModel
+from hypernav.core.exploring.overview import BlockChoice, Overview
 from hypernav.core.goal import Goal
-from hypernav.core.overview import BlockChoice, Overview
 from hypernav.core.trace import ExchangeLog
 from hypernav.models.chat.answer_parsing import shortened, without_thinking
 from hypernav.perception.exchanges import exchange_of
@@ -15,6 +15,9 @@ from hypernav.perception.explorers.map_question import (
     map_question,
     offered_blocks,
 )
+
+_QUESTIONS = 2
+"""Number of questions, where answers give no number, before the fallback chooses."""
 
 
 class VlmReasoner:
@@ -54,7 +57,7 @@ class VlmReasoner:
         if len(numbers) == 1 and self._config.skip_only_block:
             return BlockChoice(numbers[0], f"block {numbers[0]} is the only one left")
         hint = ""
-        for _ in range(self._config.attempts):
+        for _ in range(_QUESTIONS):
             question = self.question(overview, goal, excluded, hint=hint)
             answer = self._chat.ask(question)
             choice = self._read(question, answer, numbers, excluded)

@@ -6,12 +6,12 @@ from functools import lru_cache
 import numpy as np
 
 from hypernav.core.errors import LabelsMissingError
+from hypernav.core.exploring.sightings import SeenThing
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels, Observation
-from hypernav.core.sightings import SeenThing
 
 MIN_AREA_SHARE = 0.0005
 """Share of the image below which objects are overlooked, as by a real detector: 12×12 pixels in

@@ -11,11 +11,11 @@ from jaxtyping import Bool
 from hypernav.core.components.abilities import NamesThings
 from hypernav.core.components.protocols import Detector, Segmenter
 from hypernav.core.embodiment import CameraConfig
+from hypernav.core.exploring.sightings import Sightings
 from hypernav.core.geometry.boxes import Detection
 from hypernav.core.geometry.transforms import wrap_angle
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.core.sightings import Sightings
 from hypernav.core.trace import DetectionRecord
 from hypernav.mapping.memory.goal_area import GoalArea
 from hypernav.mapping.memory.memory import Floor

@@ -9,10 +9,10 @@ import yaml
 from pydantic import Field, ValidationError
 
 from hypernav.core.config import RoomConfig
+from hypernav.core.episodes.metrics import EpisodeMetrics, measure
 from hypernav.core.errors import RunFolderError
 from hypernav.core.files.reading import read_file
 from hypernav.core.files.yaml_text import parse_yaml
-from hypernav.core.metrics import EpisodeMetrics, measure
 from hypernav.robot.server.state.journal import Journal
 from hypernav.robot.wire.frames import first_mistake, unpack_observation
 from hypernav.robot.wire.replies import SearchEnding

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from hypernav.core.insight import ThingGraph
-from hypernav.core.sightings import SeenThing
+from hypernav.core.exploring.insight import ThingGraph
+from hypernav.core.exploring.sightings import SeenThing
 from hypernav.show.drawing import palette, shapes
 from hypernav.show.drawing.map_painter import MapPainter
 

@@ -7,9 +7,9 @@ import numpy as np
 from jaxtyping import UInt8
 from PIL import Image
 
+from hypernav.core.exploring.insight import ThingGraph, ValueImage
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.insight import ThingGraph, ValueImage
 from hypernav.core.trace import StepTrace
 from hypernav.show.drawing import palette
 from hypernav.show.drawing.graph_overlay import draw_graph

@@ -6,10 +6,10 @@ from collections.abc import Collection, Iterable, Sequence
 import numpy as np
 from jaxtyping import Float64, UInt8
 
+from hypernav.core.exploring.overview import Block
+from hypernav.core.exploring.sightings import SeenThing
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.overview import Block
-from hypernav.core.sightings import SeenThing
 from hypernav.core.trace import BlockRecord
 from hypernav.show.drawing import palette, shapes
 from hypernav.show.drawing.hidden_weight import HiddenWeight

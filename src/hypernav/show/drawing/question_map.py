@@ -7,10 +7,10 @@ import cv2
 import numpy as np
 from jaxtyping import Float64, UInt8
 
+from hypernav.core.exploring.overview import Block
+from hypernav.core.exploring.sightings import SeenThing
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.overview import Block
-from hypernav.core.sightings import SeenThing
 from hypernav.show.drawing import palette
 from hypernav.show.drawing.map_painter import XY, MapPainter
 from hypernav.show.drawing.map_raster import CellColors

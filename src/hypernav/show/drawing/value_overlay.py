@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 from jaxtyping import UInt8
 
-from hypernav.core.insight import ValueImage
+from hypernav.core.exploring.insight import ValueImage
 from hypernav.show.drawing import palette, shapes
 from hypernav.show.drawing.map_view import MapView
 from hypernav.show.drawing.text import draw_text, text_width

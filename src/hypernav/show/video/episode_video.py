@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from jaxtyping import UInt8
 
+from hypernav.core.exploring.insight import ThingGraph, ValueImage
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.insight import ThingGraph, ValueImage
 from hypernav.core.trace import StepTrace
 from hypernav.show.drawing.map_images import draw_map, draw_result
 from hypernav.show.drawing.map_view import SteadyView

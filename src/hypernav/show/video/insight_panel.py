@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import UInt8
 
-from hypernav.core.insight import Insight
+from hypernav.core.exploring.insight import Insight
 from hypernav.show.drawing import palette, shapes
 from hypernav.show.drawing.arrows import ArrowStyle, draw_arrows
 from hypernav.show.drawing.text import draw_text, text_width

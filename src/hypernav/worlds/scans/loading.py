@@ -12,7 +12,7 @@ from hypernav.worlds.scans.scan_cache import cached_scan
 from hypernav.worlds.scans.semantic_mesh import colors_of_triangles
 from hypernav.worlds.scans.semantic_text import read_annotations
 from hypernav.worlds.scenes.gltf import read_gltf
-from hypernav.worlds.scenes.loading import load_scene
+from hypernav.worlds.scenes.loading import read_scene
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.scenes.scene_assembly import SceneObject, assemble
 
@@ -21,14 +21,14 @@ def open_scene(path: Path) -> Scene:
     """Open a scene from a file, whether it is a scan or not; large scans are kept in the cache.
 
     Args:
-        path: A file that `load_scene` reads.
+        path: A file that `read_scene` reads.
 
     Raises:
         SceneError: The file is missing, broken, empty or not a mesh.
     """
     files = ScanFiles.of(path)
     if files is None or not path.is_file():
-        return load_scene(path)
+        return read_scene(path)
     return cached_scan(files, load_scan)
 
 

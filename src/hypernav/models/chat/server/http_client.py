@@ -37,6 +37,9 @@ _PLAIN = re.compile(r"[!-~]+")
 _MOST_CONTAINERS = 200_000
 _LOCAL_HOSTS = {"localhost", "127.0.0.1", "::1"}
 
+_CONNECT_LIMIT_S = 5.0
+"""Longest wait for one of the server's addresses to connect."""
+
 LARGEST_REPLY_BYTES = 4 * 2**20
 """Limit of a reply: an answer has a few kilobytes, one with probabilities or a long list of models
 about one megabyte. Parsing the worst takes a second."""
@@ -103,7 +106,7 @@ class HttpClient:
                     headers=headers,
                     body=body,
                     deadline=deadline,
-                    connect_limit_s=self._config.connect_timeout_s,
+                    connect_limit_s=_CONNECT_LIMIT_S,
                 )
         except TimeoutError as error:
             raise ChatTimeoutError(

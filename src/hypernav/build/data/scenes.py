@@ -1,0 +1,105 @@
+"""Loads scenes by name."""
+
+import difflib
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+from hypernav.core.components.registry import Entry, Registry
+from hypernav.core.errors import SceneError
+from hypernav.core.text.whole_numbers import is_whole_number
+from hypernav.houses.building import BUILTIN_HOUSE, NOUNS, Building, house
+from hypernav.houses.house_cache import cached_building
+from hypernav.worlds.scans.loading import open_scene
+from hypernav.worlds.scenes.scene import Scene
+
+SCENES: Registry[Callable[..., Scene]] = Registry(
+    "scene",
+    "hypernav.scenes",
+    [
+        Entry("builtin", "hypernav.build.data.scenes:builtin_house"),
+        Entry("houses", "hypernav.build.data.scenes:numbered_house", form="houses:N"),
+        Entry("offices", "hypernav.build.data.scenes:numbered_office", form="offices:N"),
+        Entry("shops", "hypernav.build.data.scenes:numbered_shop", form="shops:N"),
+        Entry("crowded", "hypernav.build.data.scenes:numbered_crowded_office", form="crowded:N"),
+    ],
+)
+"""Scenes that are not files: functions of the text after the name."""
+
+
+def is_no_file(spec: str) -> bool:
+    """Whether a scene is one of those that are no files, such as ``houses:7``."""
+    return SCENES.knows(spec.partition(":")[0])
+
+
+def load_scene(spec: str) -> Scene:
+    """Load a scene by name.
+
+    Args:
+        spec: Name of the scene: ``builtin``, ``houses:N``, ``offices:N``, ``shops:N`` or
+            ``crowded:N`` for the generated building of number N, a name that an installed package
+            provides, or the path of a GLB, another model or a Gazebo world.
+
+    Raises:
+        SceneError: The file cannot be used, or there is no such building.
+    """
+    if not is_no_file(spec):
+        name, colon, number = spec.partition(":")
+        close = difflib.get_close_matches(name, SCENES.names, n=1)
+        if close and not Path(spec).suffix and not Path(spec).exists():
+            raise SceneError(
+                f"there is no scene '{spec:.40}'; did you mean '{close[0]}{colon}{number:.20}'?"
+            )
+        return open_scene(Path(spec))
+    choice = SCENES.find(spec)
+    return choice.load()(*choice.arguments)
+
+
+def builtin_house() -> Scene:
+    """The house that comes with this package."""
+    return cached_building(house(BUILTIN_HOUSE))
+
+
+def numbered_building(kind: str, number: str) -> Scene:
+    """A generated building.
+
+    Raises:
+        SceneError: The text is no number of a building.
+    """
+    return cached_building(building_of(f"{kind}:{number}"))
+
+
+numbered_house = partial(numbered_building, "houses")
+"""House of a number."""
+
+numbered_office = partial(numbered_building, "offices")
+"""Office of a number."""
+
+numbered_shop = partial(numbered_building, "shops")
+"""Shop of a number."""
+
+numbered_crowded_office = partial(numbered_building, "crowded")
+"""Crowded office of a number."""
+
+
+def building_of(scene: str) -> Building:
+    """The generated building that a scene's name means.
+
+    Args:
+        scene: For example ``offices:7``; a number alone, such as ``7``, is that of a house.
+
+    Raises:
+        SceneError: The text names no generated building.
+    """
+    kind, colon, number = scene.rpartition(":")
+    kind = kind if colon else "houses"
+    if kind not in NOUNS:
+        raise SceneError(
+            f"there are no generated '{kind:.40}'; expected {', '.join(f'{k}:N' for k in NOUNS)}"
+        )
+    if not is_whole_number(number):
+        raise SceneError(
+            f"there is no {NOUNS[kind]} '{number:.40}'; expected a whole number of at most nine "
+            f"digits, for example {kind}:1234"
+        )
+    return Building(kind, int(number))

@@ -1,0 +1,87 @@
+"""Exploration: what an explorer is shown, and where it sends the robot."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from hypernav.core.exploring.insight import Insight
+from hypernav.core.exploring.overview import Block
+from hypernav.core.exploring.sightings import SeenThing
+from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
+from hypernav.core.observation import Observation
+
+
+@dataclass(frozen=True, eq=False)
+class ExplorationView:
+    """Everything that an explorer may know when it chooses where to go.
+
+    Attributes:
+        goal: Target of the search.
+        observation: Present frame.
+        grid: Map of the floor that the robot is on, with this frame in it.
+        trajectory: Positions ``(x, y)`` of the robot on this floor at every step, the present one
+            included; ``map`` frame, metres.
+        visits: Destinations ``(x, y)`` on this floor that were reached or given up in the search
+            for this goal, the oldest first; metres. A turn on the spot is no visit.
+        things: Things that were seen on this floor, other than the goal.
+        floor: Number of the floor, in the order in which the robot came to know them.
+        notes: Explorers' own notes on this floor for this goal, each under a key of its own; the
+            only part of the view that they may change. The memory keeps them, so they hold plain
+            values, arrays or generators that can be copied, and no component.
+        may_be_here: Whether a component has just said that the goal is where the robot is.
+    """
+
+    goal: Goal
+    observation: Observation
+    grid: OccupancyGrid
+    trajectory: Sequence[tuple[float, float]]
+    visits: Sequence[tuple[float, float]] = ()
+    things: Sequence[SeenThing] = ()
+    floor: int = 0
+    notes: dict[str, Any] = field(default_factory=dict)
+    may_be_here: bool = False
+
+    @property
+    def robot(self) -> Pose2:
+        """Pose of the robot, ``map`` frame."""
+        return self.observation.robot
+
+
+@dataclass(frozen=True)
+class Destination:
+    """A position that the robot is going to, by global perception.
+
+    Attributes:
+        x: Position along the x axis, ``map`` frame, metres.
+        y: Position along the y axis, ``map`` frame, metres.
+        reason: Reason for the choice, in one short sentence for people.
+        blocks: Blocks that were offered, for the trace; empty for explorers without blocks.
+        insight: What the explorer looked at when it chose, for videos and pages.
+        floor: Number of the floor that it lies on; None for the floor that the robot is on.
+        is_sighting: Whether the goal is in sight in this direction; then no explorer chose it.
+        holds: Whether it stays valid whatever the map shows on the way: a move chosen from an
+            image is made to its end.
+        arrival_m: Distance within which it counts as reached, metres; None leaves it to the search.
+        face: Heading to turn to on arrival, ``map`` frame, radians; None keeps the heading.
+        most_steps: Number of steps after which the explorer is asked again; None sets no limit.
+            The same answer again is the same destination.
+    """
+
+    x: float
+    y: float
+    reason: str
+    blocks: tuple[Block, ...] = ()
+    insight: Insight | None = None
+    floor: int | None = None
+    is_sighting: bool = False
+    holds: bool = False
+    arrival_m: float | None = None
+    face: float | None = None
+    most_steps: int | None = None
+
+    @property
+    def xy(self) -> tuple[float, float]:
+        """The position, metres."""
+        return (self.x, self.y)

@@ -1,0 +1,130 @@
+"""The map as a question: numbered blocks, the image of them, and the answer."""
+
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Bool, Float64, UInt8
+
+from hypernav.core.exploring.sightings import SeenThing
+from hypernav.core.geometry.transforms import Pose2
+
+
+@dataclass(frozen=True)
+class Block:
+    """A labelled square of the explored map, the unit of a global answer.
+
+    Attributes:
+        number: Number on the label, from 1.
+        x_min: Lower left corner in the ``map`` frame, metres.
+        y_min: Lower left corner in the ``map`` frame, metres.
+        size_m: Side length, metres.
+        free_cells: Number of free cells in the block.
+        frontier_cells: Number of free cells in the block that touch unknown cells.
+        destination: Position ``(x, y)`` in the block that the robot would go to, metres; the middle
+            of a free cell.
+        travel_m: Length of the path there over the known map, metres; infinite if there is none.
+    """
+
+    number: int
+    x_min: float
+    y_min: float
+    size_m: float
+    free_cells: int
+    frontier_cells: int
+    destination: tuple[float, float]
+    travel_m: float
+
+    def holds(self, position: tuple[float, float]) -> bool:
+        """Whether a position ``(x, y)``, metres, lies in the block."""
+        x, y = position[0] - self.x_min, position[1] - self.y_min
+        return 0.0 <= x < self.size_m and 0.0 <= y < self.size_m
+
+
+@dataclass(frozen=True, eq=False)
+class Prospects:
+    """The unknown areas that visits to blocks would show.
+
+    Attributes:
+        areas_m2: Parts of the unknown floor, square metres.
+        shows: Whether a block shows a part.
+        positions: Centres ``(x, y)`` of the parts, ``map`` frame, metres.
+    """
+
+    areas_m2: Float64[np.ndarray, "areas"]
+    shows: Bool[np.ndarray, "blocks areas"]
+    positions: Float64[np.ndarray, "areas 2"]
+
+    @property
+    def gains_m2(self) -> Float64[np.ndarray, "blocks"]:
+        """Area that each block would show, square metres."""
+        return self.shows @ self.areas_m2
+
+
+def prospects_of_boundaries(blocks: Sequence[Block]) -> Prospects:
+    """Prospects from the blocks alone: each block shows its own boundary."""
+    boundaries = np.array([block.frontier_cells for block in blocks], dtype=np.float64)
+    return Prospects(boundaries, np.eye(len(blocks), dtype=bool), _destinations(blocks))
+
+
+def straight_legs_m(blocks: Sequence[Block]) -> Float64[np.ndarray, "blocks blocks"]:
+    """Straight-line distances between blocks, metres."""
+    positions = _destinations(blocks)
+    return np.linalg.norm(positions[:, None] - positions, axis=2)
+
+
+def _destinations(blocks: Sequence[Block]) -> Float64[np.ndarray, "blocks 2"]:
+    return np.array([block.destination for block in blocks], dtype=np.float64).reshape(-1, 2)
+
+
+@dataclass(frozen=True, eq=False)
+class Overview:
+    """Everything that a reasoner may know when it chooses a block.
+
+    Attributes:
+        draw: Function that draws the blocks with the first numbers and hatches those with the
+            second; not every reasoner calls it.
+        blocks: Blocks in the order of their numbers.
+        robot: Pose of the robot, ``map`` frame.
+        legend: Sentences that say what the colours and marks of the image mean.
+        trajectory: Positions of the robot so far, ``map`` frame, metres.
+        things: Things that were seen, other than the goal.
+        camera_image: Camera image of the robot, RGB; None if it is not kept.
+        prospects: Function that computes what given blocks would show; not every reasoner calls it.
+        legs_m: Function that computes the lengths of the paths between given blocks, metres.
+    """
+
+    draw: Callable[[Collection[int], Collection[int]], UInt8[np.ndarray, "height width 3"]]
+    blocks: tuple[Block, ...]
+    robot: Pose2
+    legend: str = ""
+    trajectory: Sequence[tuple[float, float]] = ()
+    things: Sequence[SeenThing] = ()
+    camera_image: UInt8[np.ndarray, "height width 3"] | None = None
+    prospects: Callable[[Sequence[Block]], Prospects] = prospects_of_boundaries
+    legs_m: Callable[[Sequence[Block]], Float64[np.ndarray, "blocks blocks"]] = straight_legs_m
+
+    @cached_property
+    def image(self) -> UInt8[np.ndarray, "height width 3"]:
+        """Map, all blocks, robot arrow and trajectory, drawn for a model and for people."""
+        return self.draw([block.number for block in self.blocks], ())
+
+    def block(self, number: int) -> Block:
+        """The block with this number."""
+        return next(block for block in self.blocks if block.number == number)
+
+
+@dataclass(frozen=True)
+class BlockChoice:
+    """Choice of the block to visit next.
+
+    Attributes:
+        number: Number of the chosen block; None if no block is worth a visit.
+        reason: Reason for the choice in words, for the trace.
+        probabilities: Probability of each block, if the reasoner gives it.
+    """
+
+    number: int | None
+    reason: str
+    probabilities: dict[int, float] = field(default_factory=dict)

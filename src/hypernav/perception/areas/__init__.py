@@ -1,1 +1,0 @@
-"""Exploration of areas that a model points to in the camera image (NavVLM)."""

@@ -1,1 +1,0 @@
-"""Exploration by numbered arrows in the camera image (VLMnav, PIVOT, DyNaVLM)."""

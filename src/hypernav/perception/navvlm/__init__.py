@@ -1,0 +1,1 @@
+"""NavVLM: exploration of areas that a model points to in the camera image."""

@@ -1,0 +1,89 @@
+"""The direction question of NavVLM to a chat model."""
+
+from pydantic import Field
+
+from hypernav.core.chat import Question
+from hypernav.core.components.protocols import ChatModel
+from hypernav.core.config import RoomConfig
+from hypernav.core.exploring.guidance import Direction, GuideChoice, GuideView
+from hypernav.core.goal import Goal
+from hypernav.core.trace import ExchangeLog
+from hypernav.models.chat.answer_parsing import shortened, without_thinking
+from hypernav.perception.exchanges import exchange_of
+
+_PROMPT = (
+    "A robot looks for a {goal} in a building. The{first} picture is what its camera sees now."
+    "{past} Where should it go to find a {goal}: to the left, to the right, straight on, or, if "
+    "nothing in the picture leads to a {goal}, should it explore more? Answer with one of: left, "
+    "right, straight, explore more."
+)
+_PAST = (
+    " The second shows what it saw at its last choice, beside the map that it has drawn: white is "
+    "free floor, dark is walls and furniture, grey is not yet explored; the arrow is the robot and "
+    "the blue line its path."
+)
+_ABSENT = ("explore", "not visible", "no sign", "cannot see", "can't see", "not see", "absent")
+
+
+class ChatGuideConfig(RoomConfig):
+    """The question, in substance NavVLM's, in our words.
+
+    Attributes:
+        max_tokens: Limit on the length of an answer, tokens; ours.
+    """
+
+    max_tokens: int = Field(default=64, ge=4, le=100_000)
+
+
+class ChatGuide:
+    """Asks a vision-language model which way leads to the goal."""
+
+    def __init__(
+        self, chat: ChatModel, log: ExchangeLog, config: ChatGuideConfig | None = None
+    ) -> None:
+        """Create the guide.
+
+        Args:
+            chat: Chat model to ask.
+            log: Log of all questions and answers, for the trace.
+            config: Configuration of the question.
+        """
+        self._chat = chat
+        self._log = log
+        self._config = config or ChatGuideConfig()
+
+    def direct(self, view: GuideView, goal: Goal) -> GuideChoice:
+        """The direction that the answer names; to explore more if it names none.
+
+        Raises:
+            ModelUnavailableError: The model did not answer within the configured patience.
+        """
+        later = len(view.images) > 1
+        template = _PROMPT.replace("{first}", " first" if later else "")
+        question = Question(
+            kind="choose direction",
+            text=goal.named_in(template.replace("{past}", _PAST if later else "")),
+            images=view.images,
+            max_tokens=self._config.max_tokens,
+        )
+        answer = self._chat.ask(question)
+        said = without_thinking(answer.text)
+        direction = Direction.EXPLORE if answer.fault is not None else direction_in(said)
+        remarks = [answer.detail] if answer.fault is not None else []
+        self._log.record(exchange_of(question, answer, remarks=remarks))
+        return GuideChoice(direction, f"{direction}: {shortened(said, 120)}")
+
+
+def direction_in(said: str) -> Direction:
+    """The direction in an answer, by the words in it, in NavVLM's order.
+
+    Absence and exploration come first, then left, right, straight: "left or right" is left. What
+    names nothing is to explore more.
+    """
+    text = said.lower()
+    if any(words in text for words in _ABSENT):
+        return Direction.EXPLORE
+    for direction in (Direction.LEFT, Direction.RIGHT, Direction.STRAIGHT):
+        if direction.value in text:
+            return direction
+    return Direction.EXPLORE

@@ -1,0 +1,1 @@
+"""The table of what stands in which kind of room."""

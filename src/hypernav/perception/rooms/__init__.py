@@ -1,1 +1,0 @@
-"""Rooms: what stands in which kind of them, and what was seen of them."""

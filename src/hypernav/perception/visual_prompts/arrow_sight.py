@@ -1,0 +1,198 @@
+"""What the arrow methods share: free directions in an image, marked moves, and destinations."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from hypernav.core.embodiment import Embodiment
+from hypernav.core.exploring.arrows import Arrow, ArrowView
+from hypernav.core.exploring.exploration import Destination, ExplorationView
+from hypernav.core.exploring.insight import ImageMark, Insight
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.perception.visual_prompts.config import ArrowsConfig
+from hypernav.perception.visual_prompts.free_range import all_headings, free_ranges
+from hypernav.perception.visual_prompts.marks import mark_of
+from hypernav.perception.visual_prompts.proposals import FreeDirections, Move
+from hypernav.perception.visual_prompts.ray_memory import RayMemory
+from hypernav.show.drawing.arrows import ArrowStyle, draw_arrows, foot_pixel
+
+_KEY = "arrows"
+"""Key of the notes."""
+_SPARE_STEPS = 2
+"""Actions that a move may take beyond those of a straight one; ours."""
+_TURN_REST = 3
+"""Number of choices after a turn around before the next may be offered (VLMnav's code)."""
+_ARRIVAL_M = 0.25
+"""Distance from the end of a move within which it is done; ours: the original moves through walls
+of no simulator at all, and exactly."""
+
+
+@dataclass
+class _Notes:
+    """What explorers by arrows note in the search for one goal.
+
+    Attributes:
+        explored: Where the robot has looked along the floor.
+        rested: Number of choices since the robot turned around.
+        asked: Number of questions so far.
+    """
+
+    explored: RayMemory
+    rested: int
+    asked: int = 0
+
+
+class ArrowSight:
+    """One image, where its floor is free, and the moves in it; made for one choice."""
+
+    def __init__(
+        self,
+        view: ExplorationView,
+        embodiment: Embodiment,
+        config: ArrowsConfig,
+        style: ArrowStyle,
+    ) -> None:
+        """Look at what an explorer is shown.
+
+        Args:
+            view: What it is shown, and its notes.
+            embodiment: Camera, step and turn of the robot.
+            config: Marks, and the step of an answer that names nothing.
+            style: Style of the arrows.
+        """
+        self.observation = view.observation
+        self._embodiment = embodiment
+        self._config = config
+        self._style = style
+        self._headings = all_headings(embodiment.camera)
+        fresh = _Notes(RayMemory(), _TURN_REST)
+        self._notes: _Notes = view.notes.setdefault(_KEY, fresh)
+        self._offered: tuple[Arrow, ...] = ()
+
+    @property
+    def may_turn(self) -> bool:
+        """Whether turning around may be offered: not soon after the last time."""
+        return self._notes.rested >= _TURN_REST
+
+    def look(self) -> FreeDirections:
+        """Where the floor of the latest image is free; it counts as explored from now on."""
+        free_m = free_ranges(self.observation, self._headings, self._embodiment.camera)
+        is_explored = self._notes.explored.look(self.observation.robot, self._headings, free_m)
+        fov = self.observation.camera.hfov
+        return FreeDirections(self._headings, free_m, is_explored, fov)
+
+    def marked(self, moves: Sequence[Move], directions: FreeDirections) -> tuple[Arrow, ...]:
+        """The moves whose ends can be marked in the image, numbered from 1.
+
+        Of moves whose marks would lie on each other the first is kept (ours).
+        """
+        arrows: list[Arrow] = []
+        apart = 2.0 * self._style.radius_px(self.observation.camera.height)
+        for move in moves:
+            pixel = mark_of(
+                self.observation, move.heading, move.length_m, slide=self._config.slide_marks
+            )
+            if pixel is not None and all(
+                math.dist(pixel, other.pixel) >= apart for other in arrows
+            ):
+                arrows.append(self.arrow(len(arrows) + 1, move, pixel, directions))
+        return tuple(arrows)
+
+    def arrow(
+        self, number: int, move: Move, pixel: tuple[float, float], directions: FreeDirections
+    ) -> Arrow:
+        """A move with its number and mark."""
+        robot = self.observation.robot
+        free_m, is_explored = directions.at(move.heading)
+        return Arrow(
+            number=number,
+            heading=move.heading,
+            length_m=move.length_m,
+            end=_ahead(robot, move.heading, move.length_m),
+            pixel=pixel,
+            free_m=free_m,
+            is_explored=is_explored,
+        )
+
+    def view(
+        self,
+        arrows: tuple[Arrow, ...],
+        *,
+        may_turn: bool,
+        wanted: int = 1,
+        facts: tuple[str, ...] = (),
+    ) -> ArrowView:
+        """The question about some arrows."""
+        self._offered = arrows
+        marks = {arrow.number: arrow.pixel for arrow in arrows}
+        draw = partial(
+            draw_arrows, self.observation.rgb, marks, self._foot, self._style, may_turn=may_turn
+        )
+        asked, self._notes.asked = self._notes.asked, self._notes.asked + 1
+        return ArrowView(draw, arrows, may_turn, wanted, asked, facts)
+
+    def _insight(self, taken: Arrow | None = None) -> Insight | None:
+        """The arrows of the latest question and the chosen one; None if none was asked."""
+        if not self._offered:
+            return None
+        marks = [
+            ImageMark(number=one.number, pixel=one.pixel, chosen=one is taken)
+            for one in self._offered
+        ]
+        return Insight(marks=marks, foot=self._foot if self._style.shafts else None)
+
+    @property
+    def _foot(self) -> tuple[float, float]:
+        seen = self.observation
+        to_base = seen.robot.to_transform().inverse() @ seen.camera_to_map
+        return foot_pixel(seen.camera, to_base)
+
+    def along(self, arrow: Arrow, reason: str) -> Destination:
+        """The destination at the end of an arrow."""
+        self._notes.rested += 1
+        motion = self._embodiment.motion
+        turns = math.ceil(abs(math.degrees(arrow.heading)) / motion.turn_angle_deg)
+        steps = math.ceil(arrow.length_m / motion.forward_m)
+        return self._move_to(arrow.end, reason, steps + turns, self._insight(arrow))
+
+    def around(self, reason: str) -> Destination:
+        """The destination that turns the robot around."""
+        self._notes.rested = 0
+        robot = self.observation.robot
+        turns = self._embodiment.motion.turns_of_a_circle
+        return Destination(
+            *robot.xy,
+            reason=reason,
+            insight=self._insight(),
+            holds=True,
+            arrival_m=_ARRIVAL_M,
+            face=robot.yaw + math.pi,
+            most_steps=turns,
+        )
+
+    def step_ahead(self, reason: str) -> Destination:
+        """The destination one step ahead, for an answer that names nothing."""
+        self._notes.rested += 1
+        length_m = self._config.blind_step_m or self._embodiment.motion.forward_m
+        end = _ahead(self.observation.robot, 0.0, length_m)
+        return self._move_to(end, reason, 1, self._insight())
+
+    def _move_to(
+        self, end: tuple[float, float], reason: str, steps: int, insight: Insight | None
+    ) -> Destination:
+        return Destination(
+            *end,
+            reason=reason,
+            insight=insight,
+            holds=True,
+            arrival_m=_ARRIVAL_M,
+            most_steps=steps + _SPARE_STEPS,
+        )
+
+
+def _ahead(robot: Pose2, heading: float, length_m: float) -> tuple[float, float]:
+    angle = robot.yaw + heading
+    return robot.x + length_m * float(np.cos(angle)), robot.y + length_m * float(np.sin(angle))

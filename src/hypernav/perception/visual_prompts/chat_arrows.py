@@ -1,0 +1,133 @@
+"""Choice of arrows by a vision-language model that looks at them in the image."""
+
+import json
+import re
+from typing import Any
+
+from hypernav.core.chat import Question
+from hypernav.core.components.protocols import ChatModel
+from hypernav.core.errors import ModelUnavailableError
+from hypernav.core.exploring.arrows import TURN_AROUND, ArrowChoice, ArrowView
+from hypernav.core.goal import Goal
+from hypernav.core.trace import Exchange, ExchangeLog
+from hypernav.models.chat.answer_parsing import shortened, without_thinking
+from hypernav.perception.exchanges import exchange_of
+from hypernav.perception.visual_prompts.config import ArrowsConfig
+
+_ONE = (
+    "You steer a robot that looks for the nearest {goal} in a building that it doesn't know, and "
+    "has to come as close to it as it can. The picture is what its camera sees now. {arrows}{turn} "
+    "Use what you know of how buildings are furnished. First say what you see, and whether "
+    "anything hints at a {goal}. Then say in which direction the robot should go, and which number "
+    "leads there best. It can't pass a closed door, and it needs no stairs.{facts} "
+    'End with that number as JSON: {{"action": NUMBER}}'
+)
+_SEVERAL = (
+    "You steer a robot on wheels that looks for a {goal} and can't go over or through things. The "
+    "picture is what its camera sees now. {arrows}{turn} Which {wanted} of them are the best to "
+    "go to, to find a {goal}? Explain nothing.{facts} Answer with their numbers, the best first, "
+    'as JSON: {{"actions": [NUMBER, …]}}'
+)
+_OBJECT = re.compile(r"\{[^{}]*\}")
+_NUMBERS = re.compile(r"-?\d+")
+
+
+class ChatArrowReasoner:
+    """Shows the arrows and asks for numbers: in substance VLMnav's and PIVOT's, in our words."""
+
+    def __init__(
+        self, chat: ChatModel, log: ExchangeLog, config: ArrowsConfig | None = None
+    ) -> None:
+        """Create the reasoner.
+
+        Args:
+            chat: Chat model to ask.
+            log: Log of all questions and answers, for the trace.
+            config: Configuration of the question.
+        """
+        self._chat = chat
+        self._log = log
+        self._config = config or ArrowsConfig()
+        self._unread = 0
+
+    def take_report(self) -> dict[str, Any]:
+        """Number of answers without a usable number since the last call."""
+        report, self._unread = {"unread_arrow_answers": self._unread}, 0
+        return report
+
+    def choose(self, view: ArrowView, goal: Goal) -> ArrowChoice:
+        """The arrows that the model names, the best first; none if it names none.
+
+        Raises:
+            ModelUnavailableError: The model did not answer within the configured patience, and this
+            isn't configured to count as an answer.
+        """
+        question = arrow_question(view, goal, self._config)
+        try:
+            answer = self._chat.ask(question)
+        except ModelUnavailableError as error:
+            if not self._config.outage_is_no_answer:
+                raise
+            self._unread += 1
+            self._log.record(
+                Exchange(
+                    kind=question.kind,
+                    asked="a model that is away",
+                    by_model=True,
+                    question=question.text,
+                    answer="",
+                    fault="unavailable",
+                    remarks=[str(error)],
+                )
+            )
+            return ArrowChoice((), f"no answer: {shortened(str(error))}")
+        said = without_thinking(answer.text)
+        numbers = () if answer.fault is not None else named_numbers(said, view)
+        remarks = [] if numbers else [answer.detail or "it names none of the numbers"]
+        self._unread += not numbers
+        first = numbers[0] if numbers else None
+        self._log.record(exchange_of(question, answer, chosen=first, remarks=remarks))
+        if not numbers:
+            return ArrowChoice((), f"no number in '{shortened(said)}'")
+        name = "turning around" if first == TURN_AROUND else f"arrow {first}"
+        return ArrowChoice(numbers, f"{name}: {shortened(said, 160)}")
+
+
+def arrow_question(view: ArrowView, goal: Goal, config: ArrowsConfig) -> Question:
+    """The question to a model about the arrows in an image."""
+    last = len(view.arrows)
+    if config.count_short and not view.may_turn:
+        last = max(last - 1, 1)
+    arrows = f"Red arrows with the numbers 1 to {last} show places that it can go to."
+    if last == 1:
+        arrows = "The red arrow with the number 1 shows a place that it can go to."
+    turn = " Number 0 turns it around." if view.may_turn else ""
+    facts = ""
+    if view.facts:
+        facts = f" It remembers what it saw before, from where it stands: {'; '.join(view.facts)}."
+    template = (_ONE if view.wanted == 1 else _SEVERAL).format(
+        goal="{goal}", arrows=arrows, turn=turn, facts=facts, wanted=view.wanted
+    )
+    return Question(
+        kind="choose arrow",
+        text=goal.named_in(template),
+        images=(view.image,),
+        max_tokens=config.max_tokens,
+    )
+
+
+def named_numbers(said: str, view: ArrowView) -> tuple[int, ...]:
+    """The numbers in the last JSON object of an answer that may be answered, the best first."""
+    objects = _OBJECT.findall(said)
+    if not objects:
+        return ()
+    try:
+        values = list(json.loads(objects[-1]).values())
+        text = str(values[-1]) if values else ""
+    except json.JSONDecodeError:
+        text = objects[-1]
+    possible = {arrow.number for arrow in view.arrows}
+    if view.may_turn:
+        possible.add(TURN_AROUND)
+    named = [int(found) for found in _NUMBERS.findall(text)]
+    return tuple(dict.fromkeys(number for number in named if number in possible))[: view.wanted]

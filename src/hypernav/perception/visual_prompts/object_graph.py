@@ -1,0 +1,127 @@
+"""A memory of things and what stands near what (as DyNaVLM is described to keep one).
+
+DyNaVLM's own thresholds and prompts were not published where we could read them: all here is ours.
+"""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from hypernav.core.exploring.insight import RememberedThing, ThingGraph
+from hypernav.core.exploring.sightings import SeenThing
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
+from hypernav.core.labels import normalise, same_name
+from hypernav.perception.room_kinds.room_table import room_table
+
+_SAME_WITHIN_M = 1.0
+"""Distance within which two things of one name are the same."""
+_NEAR_M = 2.0
+"""Distance below which two things are near each other."""
+_MOST_FACTS = 10
+"""Number of things that are told of."""
+
+
+@dataclass(frozen=True)
+class GraphFact:
+    """What is remembered of a thing, from where the robot stands.
+
+    Attributes:
+        name: Name of the thing.
+        distance_m: Distance from the robot, metres.
+        bearing: Direction from the robot's heading, radians, positive to the left.
+        near: Names of the things near it.
+    """
+
+    name: str
+    distance_m: float
+    bearing: float
+    near: tuple[str, ...]
+
+    @property
+    def words(self) -> str:
+        """The fact for a prompt: "bed, 3.2 m, 40° to the left, near nightstand"."""
+        degrees = round(math.degrees(self.bearing))
+        side = "straight ahead" if degrees == 0 else f"{abs(degrees)}° to the "
+        side += "" if degrees == 0 else ("left" if degrees > 0 else "right")
+        near = f", near {', '.join(self.near)}" if self.near else ""
+        return f"{self.name}, {self.distance_m:.1f} m, {side}{near}"
+
+
+class ObjectGraph:
+    """Things as nodes, and edges between those that are near each other."""
+
+    def __init__(self, things: Iterable[SeenThing] = ()) -> None:
+        """Make it.
+
+        Args:
+            things: Things in the order in which they were seen, with repetitions.
+        """
+        self._things: list[SeenThing] = []
+        self._near: list[set[int]] = []
+        for thing in things:
+            self._add(thing)
+
+    def _add(self, thing: SeenThing) -> None:
+        """Add a thing, unless one of its name is right there."""
+        for known in self._things:
+            away_m = math.dist(known.position, thing.position)
+            if away_m <= _SAME_WITHIN_M and same_name(known.label, thing.label):
+                return
+        number = len(self._things)
+        self._things.append(thing)
+        self._near.append(set())
+        for other, known in enumerate(self._things[:-1]):
+            if math.dist(known.position, thing.position) < _NEAR_M:
+                self._near[number].add(other)
+                self._near[other].add(number)
+
+    def retrieve(self, goal: Goal, robot: Pose2) -> list[GraphFact]:
+        """The things that are nearest in meaning to the goal, and of equal ones the nearest."""
+        return [self._fact(number, robot) for number in self._likest(goal, robot)]
+
+    def shown(self, goal: Goal, robot: Pose2) -> ThingGraph:
+        """The whole graph for people, who see which things `retrieve` tells of."""
+        told = set(self._likest(goal, robot))
+        return ThingGraph(
+            things=[
+                RememberedThing(label=one.label, position=one.position, told=number in told)
+                for number, one in enumerate(self._things)
+            ],
+            near=[(a, b) for a, others in enumerate(self._near) for b in sorted(others) if a < b],
+        )
+
+    def _likest(self, goal: Goal, robot: Pose2) -> list[int]:
+        """Numbers of the things that are told of, the likest first."""
+        order = sorted(
+            range(len(self._things)),
+            key=lambda k: (
+                -_likeness(goal, self._things[k].label),
+                robot.distance_to(*self._things[k].position),
+            ),
+        )
+        return order[:_MOST_FACTS]
+
+    def _fact(self, number: int, robot: Pose2) -> GraphFact:
+        thing = self._things[number]
+        return GraphFact(
+            name=thing.label,
+            distance_m=robot.distance_to(*thing.position),
+            bearing=robot.bearing_to(*thing.position),
+            near=tuple(sorted({self._things[other].label for other in self._near[number]})),
+        )
+
+
+def _likeness(goal: Goal, name: str) -> float:
+    """How near a name is in meaning: common words first, then standing in the same rooms."""
+    common = set(normalise(goal.text).split()) & set(normalise(name).split())
+    if common:
+        return 1.0 + len(common)
+    table = room_table()
+    a, b = table.of_thing(goal.text), table.of_thing(name)
+    if a is None or b is None:
+        return 0.0
+    first, second = table.chances[a], table.chances[b]
+    return float(first @ second / (np.linalg.norm(first) * np.linalg.norm(second)))

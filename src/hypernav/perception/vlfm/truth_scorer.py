@@ -1,0 +1,142 @@
+"""A stand-in for a model that scores images: what is really in view, and a table of rooms."""
+
+import zlib
+from functools import lru_cache
+
+import numpy as np
+from jaxtyping import Float64
+from pydantic import Field
+
+from hypernav.core.config import RoomConfig
+from hypernav.core.errors import LabelsMissingError
+from hypernav.core.goal import Goal
+from hypernav.core.labels import ObjectLabel, canonical
+from hypernav.core.observation import Observation
+from hypernav.perception.room_kinds.room_table import RoomTable, room_table
+
+_STRIDE = 8
+"""Every 8th pixel in both directions is looked at."""
+_LEAST_PIXELS = 2
+"""Number of these that must show a thing."""
+
+
+class TruthScorerConfig(RoomConfig):
+    """Quality of the stand-in.
+
+    Attributes:
+        noise: Standard deviation of the errors that are added to the scores. The same view of the
+            same goal always has the same error.
+    """
+
+    noise: float = Field(default=0.0, ge=0.0, le=10.0)
+
+
+class TruthScorer:
+    """Scores a view by the chance that a room like the one in view holds the goal.
+
+    Which room it is tell the labels of the things in view, or where they name no room, the things
+    themselves by the table of what stands where (`hypernav.perception.room_kinds.room_table`).
+    Where the goal itself is in view the score is 1. It says what a value map is worth if images are
+    scored well; with noise, how well they must be. Ours; nothing like it was published.
+
+    Attributes:
+        looks_at_colours: See `hypernav.core.components.abilities.looks_at_colours`.
+        stands_in_for: What it is used in place of, and the remedy, for people.
+    """
+
+    looks_at_colours = False
+    stands_in_for = (
+        "a model that compares images with texts (--reasoner similarity:PATH_OR_ID, or --vlm)"
+    )
+
+    def __init__(self, config: TruthScorerConfig | None = None) -> None:
+        """Create the scorer.
+
+        Args:
+            config: Quality of the stand-in.
+        """
+        self._config = config or TruthScorerConfig()
+
+    def score(self, observation: Observation, goal: Goal) -> float:
+        """Chance of the goal in a room like the one in view, 0 to 1.
+
+        Raises:
+            LabelsMissingError: The world supplies no labels.
+        """
+        chance = chance_in_view(observation, goal)
+        score = _average(goal) if chance is None else chance
+        if self._config.noise > 0.0:
+            score += self._config.noise * self._error(observation, goal)
+        return min(max(score, 0.0), 1.0)
+
+    def _error(self, observation: Observation, goal: Goal) -> float:
+        """The error of this view, standard normal."""
+        robot = observation.robot
+        pose = [round(number * 1000.0) & 0xFFFFFFFF for number in (robot.x, robot.y, robot.yaw)]
+        seed = [0, zlib.crc32(goal.text.encode()), *pose]
+        return float(np.random.default_rng(seed).standard_normal())
+
+
+def chance_in_view(
+    observation: Observation, goal: Goal, columns: slice = slice(None)
+) -> float | None:
+    """Chance that a room like the one in view holds the goal; 1 where the goal is in view.
+
+    Args:
+        observation: Present frame.
+        goal: Target of the search.
+        columns: Columns of the image that count; all by default.
+
+    Returns:
+        0 to 1; None where nothing that tells a room is in view, or the table doesn't know the goal.
+
+    Raises:
+        LabelsMissingError: The world supplies no labels.
+    """
+    truth = observation.truth
+    if truth is None:
+        raise LabelsMissingError(
+            "scoring views by the truth needs a simulated world with labels, and this one supplies "
+            "none; choose a real model, for example --reasoner similarity:PATH_OR_ID"
+        )
+    ids = truth.ids[::_STRIDE, columns][:, ::_STRIDE]
+    pixels = np.bincount(ids[ids >= 0], minlength=1)
+    shown = {
+        truth.labels[number]: int(pixels[number])
+        for number in np.flatnonzero(pixels >= _LEAST_PIXELS).tolist()
+        if number in truth.labels
+    }
+    if any(_satisfies(label, goal) for label in shown):
+        return 1.0
+    table = room_table()
+    thing = table.of_thing(goal.text)
+    rooms = _rooms_in_view(table, shown)
+    return None if thing is None or rooms is None else float(rooms @ table.chances[thing])
+
+
+def _average(goal: Goal) -> float:
+    """Chance that an average room holds the goal; 0.5 if the table doesn't know it."""
+    thing = room_table().of_thing(goal.text)
+    return 0.5 if thing is None else float(room_table().chances[thing].mean())
+
+
+@lru_cache(maxsize=4096)
+def _satisfies(label: ObjectLabel, goal: Goal) -> bool:
+    return label.satisfies(goal)
+
+
+def _rooms_in_view(
+    table: RoomTable, shown: dict[ObjectLabel, int]
+) -> Float64[np.ndarray, " kinds"] | None:
+    """Probability of each kind of room, by the things in view and their pixels; None if untold."""
+    rooms = np.zeros(len(table.kinds))
+    for label, pixels in shown.items():
+        number = table.numbers.get(canonical(label.room)) if label.room else None
+        if number is not None:
+            rooms[number] += pixels
+    if not rooms.any():
+        things = sorted({name for one in shown if (name := table.of_thing(one.category))})
+        if not things:
+            return None
+        rooms = np.exp(sum(np.log(table.chances[thing]) for thing in things))
+    return rooms / rooms.sum()

@@ -1,0 +1,71 @@
+"""The work of the warm-up process: calls every kernel that a first search needs.
+
+It is run as a module, so that the waiting program imports none of this.
+"""
+
+import numpy as np
+
+from hypernav.build.agents import build_agent
+from hypernav.build.presets import preset
+from hypernav.core.embodiment import Embodiment
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
+from hypernav.worlds.box_room import DOOR, BoxRoom
+from hypernav.worlds.drawing.renderer import CpuRenderer
+from hypernav.worlds.navmesh.files.reader import navmesh_of
+from hypernav.worlds.navmesh.files.writer import navmesh_bytes
+from hypernav.worlds.navmesh.meshing.from_grid import mesh_from_grid
+from hypernav.worlds.navmesh.navmesh import Navmesh
+from hypernav.worlds.navmesh.surface import NavmeshSurface
+from hypernav.worlds.scenes.scene import Material
+from hypernav.worlds.scenes.scene_assembly import MeshPart, SceneObject, assemble
+from hypernav.worlds.surface.walkable import WalkableGrid
+
+_STEPS = 12
+
+
+def warm_up() -> None:
+    """Draw, then search, then walk on a mesh."""
+    draw_tile()
+    search_room()
+    walk_on_mesh()
+
+
+def draw_tile() -> None:
+    """Draw one triangle with a texture, in light."""
+    corners = np.array([[2.0, -1.0, 0.0], [2.0, 1.0, 0.0], [2.0, 0.0, 2.0]], np.float32)
+    part = MeshPart("tile", "tile", corners, np.array([[0, 1, 2]], np.int32), material=0)
+    glaze = Material("glaze", (0.3, 0.6, 0.3), texture=np.full((2, 2, 3), 160, np.uint8))
+    scene = assemble("tile", [part], [SceneObject("tile", frozenset({"tile"}), None)], [glaze])
+    camera = Embodiment().camera
+    pose = Pose2(0.0, 0.0, 0.0).to_transform() @ camera.camera_to_base
+    CpuRenderer(scene).render(camera.intrinsics, pose)
+
+
+def search_room() -> None:
+    """Let the default agent search an empty room for its door, and for a missing object."""
+    agent = build_agent(preset("default")).agent
+    for goal in (DOOR, "nothing of the kind"):
+        room = BoxRoom()
+        agent.reset(Goal(goal))
+        for _ in range(_STEPS):
+            action = agent.act(room.observe())
+            if action is None:
+                break
+            room.step(action)
+
+
+def walk_on_mesh() -> None:
+    """Step, slide and find paths on the navigation mesh of an empty room."""
+    room = mesh_from_grid(WalkableGrid.from_mask(np.ones((40, 40), dtype=bool)))
+    surface = NavmeshSurface(Navmesh(navmesh_of(navmesh_bytes(room, Embodiment().body))))
+    x, y = surface.random_point(np.random.default_rng(0))
+    here = surface.nearest_standable(x, y)
+    surface.move(here, 0.25, 0.0)
+    surface.move(here, 0.25, 0.0, sliding=True)
+    surface.distance(here, surface.nearest_standable(1.0, 1.0))
+    surface.goal_field(np.array([here])).distance(1.0, 1.0)
+
+
+if __name__ == "__main__":
+    warm_up()

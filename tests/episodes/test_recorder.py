@@ -1,0 +1,96 @@
+import json
+
+import av
+import pytest
+import yaml
+
+from hypernav.build.agents import build_search
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.trace import ExchangeLog, StepTrace
+from hypernav.episodes.episode_run import EpisodeRun
+from hypernav.episodes.recorder import EpisodeRecorder
+from hypernav.perception.local.ground_truth import GroundTruthDetector
+from small_episodes import episode_from
+from small_worlds import small_config, two_rooms
+
+
+def episode():
+    agent = build_search(small_config(), GroundTruthDetector(), ExchangeLog())
+    return EpisodeRun(agent, two_rooms(), episode_from(Pose2(2.5, 1.0, 0.0), max_steps=16))
+
+
+def recorder(folder):
+    return EpisodeRecorder(
+        folder, goal="bed", agent="hypernav", detector="truth", reasoner="none", step_limit=16
+    )
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("recorded")
+    with recorder(folder) as files:
+        for step in episode():
+            files.add(step.trace, step.grid, step.observation)
+        files.finish({"goal": "bed", "outcome": "not_found", "distance_to_goal_m": float("inf")})
+    return folder, files.steps
+
+
+def test_every_file_is_there(recorded):
+    folder, _ = recorded
+    assert {path.name for path in folder.iterdir()} == {
+        "episode.mp4",
+        "index.html",
+        "map.pgm",
+        "map.png",
+        "map.yaml",
+        "result.json",
+        "timings.jsonl",
+        "trace.jsonl",
+        "trajectory.tum",
+    }
+
+
+def test_the_trace_reads_back_as_it_was(recorded):
+    folder, steps = recorded
+    lines = (folder / "trace.jsonl").read_text().splitlines()
+    read = [StepTrace.model_validate_json(line) for line in lines]
+    assert read == [step.model_copy(update={"seconds": {}}) for step in steps]
+    timings = [json.loads(line) for line in (folder / "timings.jsonl").read_text().splitlines()]
+    assert timings == [{"step": step.step, "seconds": step.seconds} for step in steps]
+
+
+def test_infinite_lengths_are_null_in_json(recorded):
+    folder, _ = recorded
+    assert json.loads((folder / "result.json").read_text())["distance_to_goal_m"] is None
+
+
+def test_the_trajectory_has_a_line_a_step_with_unit_quaternions(recorded):
+    folder, steps = recorded
+    rows = [
+        [float(number) for number in line.split()]
+        for line in (folder / "trajectory.tum").read_text().splitlines()
+    ]
+    assert len(rows) == len(steps)
+    for row, step in zip(rows, steps, strict=True):
+        assert row[1:3] == pytest.approx(step.pose[:2], abs=1e-5)
+        assert sum(value**2 for value in row[4:]) == pytest.approx(1.0)
+
+
+def test_the_ros_map_is_named_in_its_yaml(recorded):
+    folder, _ = recorded
+    assert yaml.safe_load((folder / "map.yaml").read_text())["image"] == "map.pgm"
+
+
+def test_leaving_early_keeps_trace_and_a_playable_video(tmp_path):
+    def leave_after_three_steps():
+        with recorder(tmp_path) as files:
+            for count, step in enumerate(episode()):
+                files.add(step.trace, step.grid, step.observation)
+                if count == 2:
+                    raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        leave_after_three_steps()
+    assert len((tmp_path / "trace.jsonl").read_text().splitlines()) == 3
+    with av.open(str(tmp_path / "episode.mp4")) as video:
+        assert sum(1 for _ in video.decode(video=0)) >= 3
