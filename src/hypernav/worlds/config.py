@@ -61,8 +61,8 @@ class SimulationConfig(RoomConfig):
         noise: Noise of sensors and motion; none by default.
         labels: Whether observations carry ground-truth labels.
         navmesh: Mesh of a scan: the file's if it was made for such a robot, else one computed as
-            habitat-sim does ("auto"); always the file's ("file"); always computed, also where a
-            scene has no file ("robot").
+            habitat-sim does ("auto"); always the file's, also beside a house that was exported
+            ("file"); always computed, also where a scene has no file ("robot").
         cell_m: Side of the walkable surface's cells, metres; a navigation mesh has none.
         judge_eye_m: Height above the floor from which a goal must be visible for a view point of
             it, metres; None takes the camera's. It stays when only the camera is another.
