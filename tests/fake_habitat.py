@@ -4,6 +4,7 @@ It draws what our renderer draws, and walks on the mesh as our reader reads it; 
 a camera in the scene is its own arithmetic, from the quaternion on.
 """
 
+import json
 import sys
 from collections.abc import Sequence
 from enum import Enum
@@ -163,7 +164,9 @@ class Simulator:
             raise SystemExit(f"unable to find CUDA device {device}")  # the real one ends, too
         path = Path(configuration.sim_cfg.scene_id)
         scene = open_scene(path)
-        # The real one has a mesh already, but one that it may have computed for another robot.
+        # The real one takes a GLB for z up unless its configuration says otherwise.
+        assert scene.stored_z_up or _stands_upright(configuration.sim_cfg, path)
+        # The real one has the mesh of the file already, for whichever robot that was made.
         self.pathfinder = PathFinder()
         self._scene = scene
         self._renderer = CpuRenderer(scene, RenderConfig(threads=1))
@@ -219,6 +222,13 @@ def _annotated(path: Path, scene: Scene) -> list[int]:
         return [0, *(int(instance.name.rpartition("_")[2]) for instance in scene.instances[1:])]
     lines = path.with_suffix(".semantic.txt").read_text().splitlines()[1:]
     return [int(line.split(",")[0]) for line in lines]
+
+
+def _stands_upright(settings: SimulatorConfiguration, mesh: Path) -> bool:
+    configuration = Path(settings.scene_dataset_config_file)
+    stages = json.loads(configuration.read_text())["stages"]
+    known = [(configuration.parent / name).resolve() for name in stages["paths"][".glb"]]
+    return mesh.resolve() in known and stages["default_attributes"]["up"] == [0, 1, 0]
 
 
 def _turned(quaternion: tuple[float, ...], vector: tuple[float, ...]) -> np.ndarray:

@@ -1,6 +1,6 @@
 """Opens worlds: our own simulator, or habitat-sim."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from hypernav.build.component_specs import WorldName
@@ -8,7 +8,7 @@ from hypernav.build.presets import HyPerNavConfig
 from hypernav.core.errors import SceneError
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.worlds.habitat.path_finder import HabitatSurface
-from hypernav.worlds.habitat.simulator import HabitatRenderer
+from hypernav.worlds.habitat.simulator import HabitatRenderer, navmesh_of
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.simulation import SimulatedWorld
 
@@ -41,11 +41,13 @@ def open_world(
         SceneError: The robot fits nowhere, or habitat-sim can't open the scene.
         MissingExtraError: habitat-sim is not installed.
     """
+    mesh = Path(scene_id)
+    if config.world.navmesh == "file" and mesh.is_file():  # also of a house that was exported
+        scene = replace(scene, navmesh=navmesh_of(scene, mesh))
     if name == "native":
         renderer = CpuRenderer(scene, RenderConfig(threads=1))
         world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
         return OpenedWorld(world, renderer)
-    mesh = Path(scene_id)
     if not mesh.is_file():
         raise SceneError(f"{scene_id}: habitat-sim opens files only, such as those of hm3d:DIR")
     drawn = HabitatRenderer(scene, mesh, config.embodiment, config.world.navmesh)

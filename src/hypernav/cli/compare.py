@@ -3,6 +3,7 @@
 import os
 from contextlib import closing
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
@@ -13,10 +14,12 @@ from hypernav.cli.options.agent import check_steps_and_seed
 from hypernav.cli.options.compare import Options
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.config import check_option
+from hypernav.core.embodiment import BodyConfig
 from hypernav.core.errors import SceneError
 from hypernav.datasets.benchmarks import BENCHMARKS
 from hypernav.evaluation.world_comparison import PoseComparison, compare_worlds
 from hypernav.worlds.habitat.simulator import navmesh_of, require_habitat
+from hypernav.worlds.navmesh.robot_navmesh import is_computed
 
 _MOST_POSES = 10_000
 
@@ -45,15 +48,12 @@ def run(options: Options) -> int:
         navmesh = navmesh_of(scene, options.scene)
         # Elsewhere an exported house uses our own walkable surface; here both use the same one.
         scene = replace(scene, navmesh=navmesh)
+        if navmesh is None:  # and where there is none, both compute it
+            walked = config.world.model_copy(update={"navmesh": "robot"})
+            config = config.model_copy(update={"world": walked})
         native = open_world(scene, scene_id, config)
         habitat = open_world(scene, scene_id, config, "habitat")
-    surface = (
-        f"both walk on {navmesh.name}"
-        if navmesh is not None
-        else "there is no navigation mesh beside the scene: habitat-sim uses the one that it "
-        "computed, and hypernav its own surface, so steps and paths may differ"
-    )
-    console.print(surface, markup=False)
+    console.print(_walked_on(navmesh, robot.body), markup=False)
     rng = np.random.default_rng(options.seed)
     with closing(native.world), closing(habitat.world):
         found = []
@@ -63,6 +63,14 @@ def run(options: Options) -> int:
     same = sum(comparison.is_same for comparison in found)
     console.print(f"{same} of {len(found)} poses agree in depth, steps and paths", markup=False)
     return 0 if same == len(found) else 1
+
+
+def _walked_on(navmesh: Path | None, body: BodyConfig) -> str:
+    if navmesh is None:
+        return "there is no navigation mesh beside the scene: each computes one for the robot"
+    if is_computed(navmesh, body, "auto"):
+        return f"{navmesh.name} was made for another robot: each computes a mesh for this one"
+    return f"both walk on {navmesh.name}"
 
 
 def _line(comparison: PoseComparison) -> str:

@@ -61,8 +61,8 @@ class SimulationConfig(RoomConfig):
         noise: Noise of sensors and motion; none by default.
         labels: Whether observations carry ground-truth labels.
         navmesh: Mesh of a scan: the file's if it was made for such a robot, else one computed as
-            by habitat-sim ("auto"); always the file's ("file"); always computed, even if the
-            scene has no file ("robot").
+            by habitat-sim ("auto"); always the file's, also beside an exported house ("file");
+            always computed, even if the scene has no file ("robot").
         cell_m: Side of the walkable surface's cells, metres; a navigation mesh has none.
         judge_eye_m: Height above the floor from which a goal must be visible at its view points,
             metres; None takes the camera's. Set it to compare different cameras.

@@ -2,7 +2,9 @@
 
 import ctypes
 import math
+import shutil
 from ctypes.util import find_library
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -21,7 +23,9 @@ from hypernav.evaluation.world_comparison import compare_worlds
 from hypernav.worlds.habitat.graphics import egl_devices, graphics_device
 from hypernav.worlds.habitat.path_finder import HabitatSurface
 from hypernav.worlds.habitat.simulator import HabitatRenderer, quaternion_of, require_habitat
+from hypernav.worlds.navmesh.surface import NavmeshSurface
 from hypernav.worlds.scans.loading import open_scene
+from hypernav.worlds.surface.walkable import WalkableGrid
 from hypernav.worlds.surface.walkable_surface import WalkableSurface
 from scan_writers.episodes import HASH, SCENE
 from small_worlds import small_config
@@ -44,7 +48,7 @@ def opened(mesh, name, config=CONFIG):
 
 
 def test_without_habitat_sim_the_error_says_how_to_get_it(mesh):
-    with pytest.raises(MissingExtraError, match="conda install habitat-sim"):
+    with pytest.raises(MissingExtraError, match="conda install 'habitat-sim>="):
         opened(mesh, "habitat")
 
 
@@ -128,6 +132,30 @@ def test_the_command_compares_pose_by_pose(mesh, capsys):
     said, *lines = capsys.readouterr().out.splitlines()
     assert said == f"both walk on {HASH}.basis.navmesh"
     assert [line[:4] for line in lines] == ["ok  ", "ok  ", "2 of"]
+
+
+@pytest.mark.usefixtures("_habitat")
+def test_the_command_says_where_each_computes_a_mesh(mesh, benchmark_data, capsys):
+    bare = benchmark_data / "scene_datasets" / "mp3d" / HASH / f"{HASH}.glb"
+    for scan, benchmark, said in (
+        (mesh, "ovon", f"{HASH}.basis.navmesh was made for another robot"),
+        (bare, "hm3d", "there is no navigation mesh beside the scene"),
+    ):
+        with pytest.raises(SystemExit) as stop:
+            main(["compare", str(scan), "--benchmark", benchmark, "--poses", "1"])
+        assert stop.value.code == 0
+        assert capsys.readouterr().out.startswith(said)
+
+
+def test_the_mesh_beside_any_scene_is_walked_on_where_it_is_asked_for(mesh, tmp_path):
+    scene_id = str(shutil.copy(mesh, tmp_path / "flat.glb"))
+    shutil.copy(mesh.with_suffix(".basis.navmesh"), tmp_path / "flat.navmesh")
+    scene = replace(open_scene(mesh), navmesh=None)
+    for choice, surface in (("auto", WalkableGrid), ("file", NavmeshSurface)):
+        config = CONFIG.model_copy(
+            update={"world": CONFIG.world.model_copy(update={"navmesh": choice})}
+        )
+        assert isinstance(open_world(scene, scene_id, config).world.walkable, surface)
 
 
 def test_the_first_cuda_device_draws_else_the_default(mesh, monkeypatch):

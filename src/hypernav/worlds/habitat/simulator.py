@@ -22,18 +22,13 @@ from hypernav.core.geometry.transforms import Transform
 from hypernav.core.world import RenderedView
 from hypernav.worlds.config import NavmeshChoice
 from hypernav.worlds.habitat.graphics import graphics_device
+from hypernav.worlds.habitat.scene_dataset import scene_dataset
 from hypernav.worlds.navmesh.robot_navmesh import is_computed
 from hypernav.worlds.scenes.loading import OBJECTS_FILE
 from hypernav.worlds.scenes.scene import Scene
 
 _OPTICAL_TO_GL = np.diag([1.0, -1.0, -1.0])
 _SCENE_TO_HABITAT = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
-_DATASET_CONFIGS = (
-    "hm3d_annotated_basis.scene_dataset_config.json",
-    "hm3d_basis.scene_dataset_config.json",
-    "mp3d.scene_dataset_config.json",
-    "hypernav.scene_dataset_config.json",
-)
 
 
 def require_habitat() -> ModuleType:
@@ -52,9 +47,10 @@ def require_habitat() -> ModuleType:
             ) from error
         raise MissingExtraError(
             "the world 'habitat' needs habitat-sim, which is not installed and which pip does not "
-            "have; try: conda install habitat-sim headless -c conda-forge -c aihabitat (Python "
-            "3.9), or build it: https://github.com/facebookresearch/habitat-sim. The native world "
-            "does not need it: leave out --world habitat"
+            "have; try: conda install 'habitat-sim>=0.3.4' headless -c conda-forge -c aihabitat "
+            "(older ones are for Python 3.9), or build it: "
+            "https://github.com/facebookresearch/habitat-sim. The native world does not need it: "
+            "leave out --world habitat"
         ) from error
 
 
@@ -87,7 +83,9 @@ class HabitatRenderer:
         self._habitat = habitat_sim
         self._camera = robot.camera.intrinsics
         try:
-            self._simulator: Any = habitat_sim.Simulator(_configuration(habitat_sim, mesh, robot))
+            with scene_dataset(scene, mesh) as dataset:
+                configuration = _configuration(habitat_sim, mesh, robot, dataset)
+                self._simulator: Any = habitat_sim.Simulator(configuration)
         except (RuntimeError, ValueError, OSError) as error:
             raise SceneError(f"{mesh}: habitat-sim can't open it ({error})") from error
         self.path_finder: Any = self._simulator.pathfinder
@@ -167,12 +165,13 @@ def quaternion_of(rotation: Float64[np.ndarray, "3 3"]) -> Float64[np.ndarray, "
     return values
 
 
-def _configuration(habitat_sim: ModuleType, mesh: Path, robot: Embodiment) -> Any:
+def _configuration(
+    habitat_sim: ModuleType, mesh: Path, robot: Embodiment, dataset: Path | None
+) -> Any:
     simulator = habitat_sim.SimulatorConfiguration()
     simulator.scene_id = str(mesh)
     simulator.enable_physics = False
     simulator.gpu_device_id = graphics_device()
-    dataset = _dataset_config(mesh)
     if dataset is not None:
         simulator.scene_dataset_config_file = str(dataset)
     kinds = habitat_sim.SensorType
@@ -206,15 +205,6 @@ def _sensor(habitat_sim: ModuleType, robot: Embodiment, name: str, kind: Any) ->
     sensor.hfov = robot.camera.hfov_deg
     sensor.position = [0.0, 0.0, 0.0]
     return sensor
-
-
-def _dataset_config(mesh: Path) -> Path | None:
-    """The scene-dataset configuration above a scene, which names its annotation."""
-    for folder in list(mesh.resolve().parents)[:4]:
-        for name in _DATASET_CONFIGS:
-            if (folder / name).is_file():
-                return folder / name
-    return None
 
 
 def _instance_numbers(scene: Scene, mesh: Path) -> Int32[np.ndarray, "numbers"]:
