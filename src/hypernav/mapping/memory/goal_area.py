@@ -34,12 +34,13 @@ def points_under_mask(
         max_depth_m: Upper limit of the sensor's range, metres.
         stride: Step between the pixels in use, in both directions.
     """
-    rows, columns = np.nonzero(mask[::stride, ::stride])
-    depth = observation.depth[::stride, ::stride][rows, columns].astype(np.float64)
+    left, top, width, height = cv2.boundingRect(mask.view(np.uint8))
+    row, column = top - top % stride, left - left % stride
+    rows, columns = np.nonzero(mask[row : top + height : stride, column : left + width : stride])
+    rows, columns = row + rows * stride, column + columns * stride
+    depth = observation.depth[rows, columns].astype(np.float64)
     measured = is_measured(depth, min_depth_m, max_depth_m)
-    points = observation.camera.unproject_pixels(
-        rows[measured] * stride, columns[measured] * stride, depth[measured]
-    )
+    points = observation.camera.unproject_pixels(rows[measured], columns[measured], depth[measured])
     return observation.camera_to_map.apply(points)
 
 
