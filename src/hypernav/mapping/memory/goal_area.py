@@ -240,9 +240,13 @@ class GoalArea:
 
     def covers(self, other: "GoalArea") -> float:
         """The share of another area's seen cells that lie in this area, 0 to 1."""
-        low = np.round((np.array(other.origin) - np.array(self.origin)) / self.resolution_m)
+        size = self.resolution_m
+        left, bottom = (round((b - a) / size) for a, b in zip(self.origin, other.origin, strict=True))
+        height, width = other.mask.shape
+        if not (-height < bottom < len(self.mask) and -width < left < self.mask.shape[1]):
+            return 0.0  # far apart, as most areas are
         rows, columns = np.nonzero(other.seen)
-        rows, columns = rows + int(low[1]), columns + int(low[0])
+        rows, columns = rows + bottom, columns + left
         inside = has_cell(self.mask.shape, rows, columns)
         hits = self.mask[rows[inside], columns[inside]].sum()
         return float(hits) / len(rows)
