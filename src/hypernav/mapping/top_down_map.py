@@ -11,7 +11,7 @@ from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import MapError
 from hypernav.core.files.allowance import MOST_BYTES, megabytes
 from hypernav.core.geometry.camera import PinholeCamera
-from hypernav.core.geometry.grid import Cell, OccupancyGrid
+from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.observation import Observation
 from hypernav.mapping.config import (

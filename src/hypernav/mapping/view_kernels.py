@@ -32,10 +32,13 @@ def unknown_in_view(cells, at, reach, rays, open_cells, side):
     shows = np.zeros((len(at), *shape), dtype=np.bool_)
     chance = np.zeros(shape)
     goes_on = np.exp(-np.arange(1, reach + 1) / open_cells)
+    ups, rights = np.empty(rays), np.empty(rays)
+    for ray in range(rays):
+        angle = 2.0 * math.pi * ray / rays
+        ups[ray], rights[ray] = math.sin(angle), math.cos(angle)
     for k in range(len(at)):
         for ray in range(rays):
-            angle = 2.0 * math.pi * ray / rays
-            up, right = math.sin(angle), math.cos(angle)
+            up, right = ups[ray], rights[ray]
             row, column, through = at[k, 0], at[k, 1], 0
             y, x = row + 0.5, column + 0.5
             for _ in range(reach):

@@ -62,9 +62,9 @@ class Costmap:
                 of an escape get a cost.
             clearance_m: Distance from obstacles that the robot's middle keeps, metres.
             is_squeezed: Whether that distance is less than it should be.
-            around: Points ``(x, y)`` in whose surroundings alone cells are looked at, metres, so
-                that the time taken does not grow with the map: what is farther than `SURROUNDINGS_M`
-                from all of them may count as closed. Without any, the whole map is.
+            around: Points ``(x, y)``, metres; what is farther than `SURROUNDINGS_M` from the box
+                around them may count as closed, so that the time taken does not grow with the map.
+                Without any, the whole map is priced.
         """
         grid = grid.cropped(_MARGIN_M)
         size = grid.resolution_m

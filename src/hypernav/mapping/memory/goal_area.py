@@ -167,10 +167,10 @@ class GoalArea:
         """The same area in a larger window."""
         shift = margin * self.resolution_m
         return GoalArea(
-            np.pad(self.mask, margin),
-            np.pad(self.views, margin),
-            np.pad(self.entry, margin),
-            np.pad(self.before, margin),
+            _padded(self.mask, margin),
+            _padded(self.views, margin),
+            _padded(self.entry, margin),
+            _padded(self.before, margin),
             (self.origin[0] - shift, self.origin[1] - shift),
             self.resolution_m,
             self.height_m,
@@ -241,7 +241,9 @@ class GoalArea:
     def covers(self, other: "GoalArea") -> float:
         """The share of another area's seen cells that lie in this area, 0 to 1."""
         size = self.resolution_m
-        left, bottom = (round((b - a) / size) for a, b in zip(self.origin, other.origin, strict=True))
+        left, bottom = (
+            round((b - a) / size) for a, b in zip(self.origin, other.origin, strict=True)
+        )
         height, width = other.mask.shape
         if not (-height < bottom < len(self.mask) and -width < left < self.mask.shape[1]):
             return 0.0  # far apart, as most areas are
@@ -289,3 +291,11 @@ def _are_before(
     farthest_m = np.linalg.norm(seen - camera, axis=1).max()
     is_nearer = np.linalg.norm(points - camera, axis=1) < farthest_m
     return is_nearer & (of_points >= of_seen.min()) & (of_points <= of_seen.max())
+
+
+def _padded(cells: np.ndarray, margin: int) -> np.ndarray:
+    """Cells with a margin of zeros; `np.pad` takes ten times as long."""
+    rows, columns = cells.shape
+    wide = np.zeros((rows + 2 * margin, columns + 2 * margin), dtype=cells.dtype)
+    wide[margin : margin + rows, margin : margin + columns] = cells
+    return wide
