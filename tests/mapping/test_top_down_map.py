@@ -80,7 +80,9 @@ def test_a_thin_pole_and_a_low_table_are_drawn():
 
 def test_at_eye_level_there_are_walls_and_poles_and_no_tables():
     world_map = map_of(ROOM, turning(1.5, 1.5))
-    before, eye_level = world_map.grid.copy(), world_map.eye_level
+    before = world_map.grid.copy()
+    everywhere = before.centres_of(np.argwhere(np.ones(before.cells.shape)))
+    eye_level = world_map.eye_level(everywhere)
     assert eye_level.state_at(2.51, 3.41) == Cell.OCCUPIED
     assert eye_level.state_at(4.02, 2.6) == Cell.FREE
     assert eye_level.occupied.sum() < before.occupied.sum()
@@ -88,6 +90,12 @@ def test_at_eye_level_there_are_walls_and_poles_and_no_tables():
     np.testing.assert_array_equal(world_map.grid.cells, before.cells)
     walls = eye_level.centres_of(np.argwhere(eye_level.occupied))
     assert distance_to_boxes(walls, ROOM, 0.8, 0.95).max() < 0.05
+    around = np.array([[2.01, 3.01], [2.99, 3.99]])
+    near = ((everywhere >= (2.0, 3.0)) & (everywhere <= (3.0, 4.0))).all(axis=1)
+    part = world_map.eye_level(around)
+    np.testing.assert_array_equal(
+        part.cells.ravel(), np.where(near, eye_level.cells.ravel(), Cell.UNKNOWN)
+    )
 
 
 @pytest.mark.parametrize("far", [3.0, 4.5])

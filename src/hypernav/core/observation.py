@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float32, Int32, UInt8
@@ -53,3 +54,8 @@ class Observation:
                 f"camera, colour and depth must have the same size, got camera {size}, "
                 f"colour {self.rgb.shape[:2]}, depth {self.depth.shape}"
             )
+
+    @cached_property
+    def farthest_m(self) -> Float32[np.ndarray, " width"]:
+        """Largest depth in every column of the image, metres."""
+        return self.depth.max(axis=0)

@@ -1,5 +1,7 @@
 """Division of the explored map into numbered squares."""
 
+from functools import lru_cache
+
 import cv2
 import numpy as np
 from jaxtyping import Bool, Int64, UInt8
@@ -92,11 +94,24 @@ def _counts(
 def _at_frontier(reach: ReachableArea, window: tuple[slice, slice]) -> tuple[int, int]:
     """The reachable cell before the middle of the largest frontier in a window, 8-connected."""
     frontier = np.ascontiguousarray(reach.frontier[window]).view(np.uint8)
-    _, _, stats, middles = cv2.connectedComponentsWithStats(frontier, connectivity=8)
+    row, column = _middle_of_largest(frontier.tobytes(), frontier.shape[1])
+    return reach.look_out(row + window[0].start, column + window[1].start)
+
+
+@lru_cache(maxsize=1024)
+def _middle_of_largest(frontier: bytes, columns: int) -> tuple[int, int]:
+    """Row and column of a frontier's cell; most squares are the same from one step to the next.
+
+    Args:
+        frontier: Cells of a square, row by row: 1 at a frontier, at least one, 0 elsewhere.
+        columns: Width of the square.
+    """
+    # A copy, since arrays that can't be written to need compilations of their own.
+    cells = np.frombuffer(frontier, dtype=np.uint8).reshape(-1, columns).copy()
+    _, _, stats, middles = cv2.connectedComponentsWithStats(cells, connectivity=8)
     largest = 1 + int(stats[1:, cv2.CC_STAT_AREA].argmax())
     middle = (round(middles[largest, 1]), round(middles[largest, 0]))
-    row, column = nearest_open_cell(frontier, *middle, max(frontier.shape))
-    return reach.look_out(row + window[0].start, column + window[1].start)
+    return nearest_open_cell(cells, *middle, max(cells.shape))
 
 
 def _nearest(

@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.mapping.view_kernels import clear_lines
 
 
 def lines_are_clear(
@@ -23,15 +24,18 @@ def lines_are_clear(
         ends: End of every line, metres.
         through: Positions whose cells hide nothing, such as those of the object that is looked at.
     """
-    hides = grid.occupied
-    own = grid.cells_of(through)
-    own = own[grid.contains(own)]
-    hides[own[:, 0], own[:, 1]] = False
+    own = np.zeros(grid.cells.shape, dtype=bool)
+    cells = grid.cells_of(through)
+    cells = cells[grid.contains(cells)]
+    own[cells[:, 0], cells[:, 1]] = True
     lengths = np.linalg.norm(ends - starts, axis=1)
     samples = math.ceil(1.5 * float(lengths.max(initial=0.0)) / grid.resolution_m) + 1
-    share = np.linspace(0.0, 1.0, samples)[None, :, None]
-    cells = grid.cells_of((starts[:, None] + share * (ends - starts)[:, None]).reshape(-1, 2))
-    known = grid.contains(cells)
-    hidden = np.zeros(len(cells), dtype=bool)
-    hidden[known] = hides[cells[known, 0], cells[known, 1]]
-    return np.logical_not(hidden.reshape(len(starts), samples).any(axis=1))
+    return clear_lines(
+        grid.cells,
+        own,
+        np.array(grid.origin),
+        grid.resolution_m,
+        starts,
+        ends - starts,
+        np.linspace(0.0, 1.0, samples),
+    )

@@ -1,6 +1,7 @@
 """The map that the robot draws as it goes."""
 
 import math
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +11,7 @@ from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import MapError
 from hypernav.core.files.allowance import MOST_BYTES, megabytes
 from hypernav.core.geometry.camera import PinholeCamera
-from hypernav.core.geometry.grid import Cell, OccupancyGrid
+from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.observation import Observation
 from hypernav.mapping.config import (
@@ -110,16 +111,23 @@ class TopDownMap:
         size = self.config.cell_size_m
         return OccupancyGrid(cells, size, (self._first_column * size, self._first_row * size))
 
-    @property
-    def eye_level(self) -> OccupancyGrid:
+    def eye_level(self, around: Float64[np.ndarray, "n 2"]) -> OccupancyGrid:
         """What stands at the camera's height or above it: walls and cupboards, but no tables.
 
         A copy of the map in which all else that is explored counts as free.
+
+        Args:
+            around: Points ``(x, y)``, metres; beyond the box around them all is left unknown, so
+                that the time taken does not grow with the map.
         """
-        grid = self.grid.copy()
-        is_high = self._arrays.raised >= np.uint32(1 << self._eye_layer)
-        grid.cells[grid.occupied & ~is_high] = Cell.FREE
-        return grid
+        grid = self.grid
+        corners = grid.cells_of(np.array([around.min(axis=0), around.max(axis=0)]))
+        window = tuple(slice(max(a, 0), max(b + 1, 0)) for a, b in corners.T.tolist())
+        here = grid.cells[window]
+        is_low = self._arrays.raised[window] < np.uint32(1 << self._eye_layer)
+        cells = np.zeros(grid.cells.shape, dtype=np.uint8)
+        cells[window] = np.where((here == OCCUPIED) & is_low, np.uint8(FREE), here)
+        return replace(grid, cells=cells)
 
     def integrate(self, observation: Observation) -> None:
         """Add one frame to the map.

@@ -32,10 +32,13 @@ def unknown_in_view(cells, at, reach, rays, open_cells, side):
     shows = np.zeros((len(at), *shape), dtype=np.bool_)
     chance = np.zeros(shape)
     goes_on = np.exp(-np.arange(1, reach + 1) / open_cells)
+    ups, rights = np.empty(rays), np.empty(rays)
+    for ray in range(rays):
+        angle = 2.0 * math.pi * ray / rays
+        ups[ray], rights[ray] = math.sin(angle), math.cos(angle)
     for k in range(len(at)):
         for ray in range(rays):
-            angle = 2.0 * math.pi * ray / rays
-            up, right = math.sin(angle), math.cos(angle)
+            up, right = ups[ray], rights[ray]
             row, column, through = at[k, 0], at[k, 1], 0
             y, x = row + 0.5, column + 0.5
             for _ in range(reach):
@@ -55,3 +58,32 @@ def unknown_in_view(cells, at, reach, rays, open_cells, side):
                     chance[patch] = max(chance[patch], goes_on[through])
                     through += 1
     return shows, chance
+
+
+@njit(cache=True, nogil=True)
+def clear_lines(cells, own, origin, size, starts, legs, shares):
+    """Whether straight lines meet no obstacle.
+
+    Args:
+        cells: uint8 (rows, columns), states of the map's cells; beyond them nothing hides.
+        own: bool (rows, columns), cells that hide nothing.
+        origin: float64 (2,), lower left corner of the map, ``(x, y)``, metres.
+        size: Side of a cell, metres.
+        starts: float64 (n, 2), start of every line, metres.
+        legs: float64 (n, 2), from there to its end, metres.
+        shares: float64 (samples,), parts of the line at which cells are looked at, 0 to 1.
+
+    Returns:
+        bool (n,).
+    """
+    rows, columns = cells.shape
+    clear = np.ones(len(starts), dtype=np.bool_)
+    for k in range(len(starts)):
+        for share in shares:
+            column = math.floor((starts[k, 0] + share * legs[k, 0] - origin[0]) / size)
+            row = math.floor((starts[k, 1] + share * legs[k, 1] - origin[1]) / size)
+            inside = 0 <= row < rows and 0 <= column < columns
+            if inside and cells[row, column] == OCCUPIED and not own[row, column]:
+                clear[k] = False
+                break
+    return clear

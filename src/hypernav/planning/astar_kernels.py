@@ -60,8 +60,9 @@ def expand(costs, start_row, start_column, targets, box, slack):
 
     Returns:
         Flat arrays with a rim of one cell around the grid: float32, the cost of the path to every
-        cell that was looked at, in cells, infinite for others; int32, the cell before it, -1 if
-        none. Then the flat index of the cheapest target, -1 if there is no path.
+        cell that was looked at, in cells, infinite for others; int32, the cell before it, -1 at
+        the start, undefined for others. Then the flat index of the cheapest target, -1 if there is
+        no path.
     """
     width = costs.shape[1] + 2
     size = width * (costs.shape[0] + 2)
@@ -70,17 +71,18 @@ def expand(costs, start_row, start_column, targets, box, slack):
     least = octile_to_box(start_row, start_column, box)
     spent = np.full(size, np.float32(np.inf), dtype=np.float32)
     estimate = np.empty(size, dtype=np.float32)
-    came_from = np.full(size, -1, dtype=np.int32)
+    came_from = np.empty(size, dtype=np.int32)
     # Every bucket is a doubly linked list through its cells; -1 is "none".
-    following = np.full(size, -1, dtype=np.int32)
-    preceding = np.full(size, -1, dtype=np.int32)
-    bucket_of = np.full(size, -1, dtype=np.int32)
+    following = np.empty(size, dtype=np.int32)
+    preceding = np.empty(size, dtype=np.int32)
+    bucket_of = np.empty(size, dtype=np.int32)
     buckets = int(BUCKETS_PER_CELL * SQRT2 * (highest + 1.0)) + 3
     heads = np.full(buckets, -1, dtype=np.int32)
 
     start = (start_row + 1) * width + start_column + 1
     spent[start], estimate[start] = 0.0, least
     heads[0], bucket_of[start] = start, 0
+    came_from[start], following[start] = -1, -1
     waiting, level, found, last_level = 1, 0, -1, 0
     # Four straight steps, and to the left of each of them the side of a diagonal one.
     steps = np.array([1, -1, width, -width])
@@ -116,7 +118,8 @@ def expand(costs, start_row, start_column, targets, box, slack):
             cost = spent[cell] + length * (price[cell] + price[other])
             if not cost < spent[other]:
                 continue
-            if came_from[other] < 0:
+            if spent[other] == np.inf:  # never looked at before, so nothing is known of it
+                bucket_of[other] = -1
                 # Never longer than the true rest of the path, so A* is exact.
                 estimate[other] = octile_to_box(other // width - 1, other % width - 1, box)
             spent[other] = cost

@@ -1,5 +1,7 @@
 """The costmap: obstacles inflated, narrow and unknown cells dearer."""
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,11 +11,14 @@ from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.mapping.escape import Escape
 from hypernav.mapping.inflation import inflate
 from hypernav.planning.config import PlanningConfig
+from hypernav.planning.costmap_kernels import priced
 
 _MARGIN_M = 1.0
 """Distance beyond the explored part that a path may lead."""
 _ESCAPE_COST = np.float32(3.0)
 """Cost factor of an escape from an inflated obstacle: the robot may scrape along it."""
+SURROUNDINGS_M = 5.0
+"""Distance around the points that matter in which all costs are right."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +51,7 @@ class Costmap:
         clearance_m: float,
         *,
         is_squeezed: bool = False,
+        around: Sequence[tuple[float, float]] = (),
     ) -> "Costmap":
         """Inflate the obstacles of a map and give the other cells their costs.
 
@@ -56,26 +62,37 @@ class Costmap:
                 of an escape get a cost.
             clearance_m: Distance from obstacles that the robot's middle keeps, metres.
             is_squeezed: Whether that distance is less than it should be.
+            around: Points ``(x, y)``, metres; what is farther than `SURROUNDINGS_M` from the box
+                around them may count as closed, so that the time taken does not grow with the map.
+                Without any, the whole map is priced.
         """
         grid = grid.cropped(_MARGIN_M)
         size = grid.resolution_m
-        occupied = grid.cells == Cell.OCCUPIED
-        closed = inflate(occupied, clearance_m, size)
-        # One cost for every state of a cell, away from obstacles and near them.
-        prices = np.array([config.unknown_cost, 1.0, 1.0], dtype=np.float32)
-        prices = np.concatenate([prices, prices * np.float32(1.0 + config.comfort_cost)])
-        kind = grid.cells
+        margin_m = SURROUNDINGS_M + clearance_m + config.comfort_m
+        # The nearest free cell may be anywhere.
+        is_whole = config.start_in_obstacle == "nearest"
+        window = _window(grid, () if is_whole else around, margin_m)
+        occupied = np.zeros(grid.cells.shape, dtype=bool)
+        occupied[window] = grid.cells[window] == Cell.OCCUPIED
+        closed = inflate(occupied[window], clearance_m, size)
+        near = closed
         if config.comfort_cost > 0.0 and config.comfort_m > 0.0:
-            kind = kind + np.uint8(3) * inflate(closed, config.comfort_m, size)
-        costs = np.take(prices, kind)
-        costs[closed > 0] = 0.0
+            near = inflate(closed, config.comfort_m, size)
+        costs = np.zeros(grid.cells.shape, dtype=np.float32)
+        costs[window] = priced(
+            grid.cells[window] == Cell.UNKNOWN,
+            closed,
+            near,
+            np.float32(config.unknown_cost),
+            np.float32(1.0 + config.comfort_cost),
+        )
         is_open = (costs > 0.0).view(np.uint8)
         here = grid.cell_of(*robot)
         if config.start_in_obstacle == "nearest":
             escape = Escape.straight(is_open, grid.free, here)
         else:
             escape = Escape.find(occupied, is_open, here, size)
-        if escape is not None:
+        if escape is not None and escape.cells.any():
             costs[escape.cells & (is_open == 0)] = _ESCAPE_COST
         return Costmap(grid, costs, is_open, escape, clearance_m, is_squeezed)
 
@@ -88,3 +105,17 @@ class Costmap:
         """A point in continuous ``(row, column)`` cells."""
         origin, size = self.grid.origin, self.grid.resolution_m
         return ((y - origin[1]) / size, (x - origin[0]) / size)
+
+
+def _window(
+    grid: OccupancyGrid, points: Sequence[tuple[float, float]], margin_m: float
+) -> tuple[slice, slice]:
+    """Rows and columns of the box around some points, with a margin; all without points."""
+    if not points:
+        return (slice(None), slice(None))
+    margin = math.ceil(margin_m / grid.resolution_m)
+    cells = grid.cells_of(np.array(points))
+    # A robot off the map has the cells of its edge.
+    first = np.clip(cells.min(axis=0) - margin, 0, np.array(grid.cells.shape) - 1)
+    last = np.maximum(cells.max(axis=0) + margin, first)
+    return (slice(first[0], last[0] + 1), slice(first[1], last[1] + 1))

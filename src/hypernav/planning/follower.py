@@ -13,7 +13,7 @@ from hypernav.core.geometry.bounds import has_cell
 from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.planning.astar import costs_to_go
 from hypernav.planning.config import PlanningConfig
-from hypernav.planning.costmap import Costmap
+from hypernav.planning.costmap import SURROUNDINGS_M, Costmap
 from hypernav.planning.motion_kernels import plan_actions
 from hypernav.planning.planner import PlannedPath, is_blocked
 from hypernav.planning.route import Route, along_line
@@ -24,8 +24,6 @@ _HORIZON_M = 3.0
 """Length of path over which actions are searched: beyond the next door, and bend."""
 _LOOK_AHEAD_M = 4.0
 """Length of path to the point that the actions aim at; beyond the horizon."""
-_SURROUNDINGS_M = 5.0
-"""Half the side of the part of the map that actions are searched in."""
 _SIDEWAYS_M = 1.0
 """Length by which the path to the aim may grow in between."""
 _SAME_POSITION_M = 0.02
@@ -208,7 +206,7 @@ def _surroundings(
 ) -> tuple[Float32[np.ndarray, "rows columns"], tuple[int, int]]:
     """Costs of the cells around the robot, and row and column of their corner."""
     row, column = costmap.grid.cell_of(*robot.xy)
-    reach = math.ceil(_SURROUNDINGS_M / costmap.grid.resolution_m)
+    reach = math.ceil(SURROUNDINGS_M / costmap.grid.resolution_m)
     bottom, left = max(row - reach, 0), max(column - reach, 0)
     costs = costmap.costs[bottom : row + reach + 1, left : column + reach + 1]
     return np.ascontiguousarray(costs), (bottom, left)

@@ -16,6 +16,7 @@ from hypernav.planning.follower import PathFollower
 from hypernav.planning.planner import PlannedPath, Planner, is_blocked
 from hypernav.planning.route import DeadEnd, Route
 
+Points = tuple[tuple[float, float], ...]
 Destinations = tuple[Float64[np.ndarray, "_ 2"], ...]
 
 
@@ -57,8 +58,9 @@ class Navigator:
         route = replace(route, age=route.age + 1)
         if self._is_fresh(route, destinations):
             route = route.seen_from(robot)
-            costmap = self._costmap(grid, robot, route.clearance_m)
-            if not is_blocked(route.points_left(robot), costmap):
+            points = route.points_left(robot)
+            costmap = self._costmap(grid, points, route.clearance_m)
+            if not is_blocked(points, costmap):
                 action, route = self._follower.next_action(route, robot, costmap)
                 if action is not None or route.arrived:
                     return action, route
@@ -116,6 +118,9 @@ class Navigator:
                 yield costmap, path
         yield from tried
 
-    def _costmap(self, grid: OccupancyGrid, robot: Pose2, clearance_m: float) -> Costmap:
+    def _costmap(self, grid: OccupancyGrid, points: Points, clearance_m: float) -> Costmap:
+        """The costs along what is left of a path, from the robot on, and around it."""
         is_squeezed = clearance_m < self._clearances_m[0]
-        return Costmap.of(grid, self._config, robot.xy, clearance_m, is_squeezed=is_squeezed)
+        return Costmap.of(
+            grid, self._config, points[0], clearance_m, is_squeezed=is_squeezed, around=points
+        )

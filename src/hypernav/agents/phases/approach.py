@@ -68,7 +68,9 @@ def _goals(step: Step, memory: Memory, target: Target) -> list[Float64[np.ndarra
     """Sets of positions to go to, in the order of preference."""
     goals = [target.entry_points]
     if step.config.enter_in_sight:
-        in_sight = target.entry_points_in_sight(memory.floor.map.eye_level)
+        area = target.area
+        around = np.concatenate([area.entry_points, area.seen_points])
+        in_sight = target.entry_points_in_sight(memory.floor.map.eye_level(around))
         if 0 < len(in_sight) < len(goals[0]):
             goals.insert(0, in_sight)
     return goals

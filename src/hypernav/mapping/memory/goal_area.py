@@ -34,12 +34,13 @@ def points_under_mask(
         max_depth_m: Upper limit of the sensor's range, metres.
         stride: Step between the pixels in use, in both directions.
     """
-    rows, columns = np.nonzero(mask[::stride, ::stride])
-    depth = observation.depth[::stride, ::stride][rows, columns].astype(np.float64)
+    left, top, width, height = cv2.boundingRect(mask.view(np.uint8))
+    row, column = top - top % stride, left - left % stride
+    rows, columns = np.nonzero(mask[row : top + height : stride, column : left + width : stride])
+    rows, columns = row + rows * stride, column + columns * stride
+    depth = observation.depth[rows, columns].astype(np.float64)
     measured = is_measured(depth, min_depth_m, max_depth_m)
-    points = observation.camera.unproject_pixels(
-        rows[measured] * stride, columns[measured] * stride, depth[measured]
-    )
+    points = observation.camera.unproject_pixels(rows[measured], columns[measured], depth[measured])
     return observation.camera_to_map.apply(points)
 
 
@@ -166,10 +167,10 @@ class GoalArea:
         """The same area in a larger window."""
         shift = margin * self.resolution_m
         return GoalArea(
-            np.pad(self.mask, margin),
-            np.pad(self.views, margin),
-            np.pad(self.entry, margin),
-            np.pad(self.before, margin),
+            _padded(self.mask, margin),
+            _padded(self.views, margin),
+            _padded(self.entry, margin),
+            _padded(self.before, margin),
             (self.origin[0] - shift, self.origin[1] - shift),
             self.resolution_m,
             self.height_m,
@@ -239,9 +240,15 @@ class GoalArea:
 
     def covers(self, other: "GoalArea") -> float:
         """The share of another area's seen cells that lie in this area, 0 to 1."""
-        low = np.round((np.array(other.origin) - np.array(self.origin)) / self.resolution_m)
+        size = self.resolution_m
+        left, bottom = (
+            round((b - a) / size) for a, b in zip(self.origin, other.origin, strict=True)
+        )
+        height, width = other.mask.shape
+        if not (-height < bottom < len(self.mask) and -width < left < self.mask.shape[1]):
+            return 0.0  # far apart, as most areas are
         rows, columns = np.nonzero(other.seen)
-        rows, columns = rows + int(low[1]), columns + int(low[0])
+        rows, columns = rows + bottom, columns + left
         inside = has_cell(self.mask.shape, rows, columns)
         hits = self.mask[rows[inside], columns[inside]].sum()
         return float(hits) / len(rows)
@@ -284,3 +291,11 @@ def _are_before(
     farthest_m = np.linalg.norm(seen - camera, axis=1).max()
     is_nearer = np.linalg.norm(points - camera, axis=1) < farthest_m
     return is_nearer & (of_points >= of_seen.min()) & (of_points <= of_seen.max())
+
+
+def _padded(cells: np.ndarray, margin: int) -> np.ndarray:
+    """Cells with a margin of zeros; `np.pad` takes ten times as long."""
+    rows, columns = cells.shape
+    wide = np.zeros((rows + 2 * margin, columns + 2 * margin), dtype=cells.dtype)
+    wide[margin : margin + rows, margin : margin + columns] = cells
+    return wide

@@ -121,7 +121,8 @@ class Target:
 
     def distance_to(self, x: float, y: float) -> float:
         """Straight distance to the nearest entry point, metres."""
-        return float(np.linalg.norm(self.entry_points - np.array([x, y]), axis=1).min())
+        dx, dy = self.entry_points[:, 0] - x, self.entry_points[:, 1] - y
+        return math.sqrt((dx * dx + dy * dy).min())
 
     def barred_at(self, position: tuple[float, float]) -> "Target | None":
         """The same target, not to be entered around a position ``(x, y)``.

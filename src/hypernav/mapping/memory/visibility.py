@@ -36,7 +36,7 @@ def lies_open(
     """
     distance, pixels = _projected(positions, 0.0, observation)
     is_open = observation.camera.contains_columns(pixels[:, 0])
-    farthest = observation.depth.max(axis=0)[pixels[is_open, 0].astype(int)]
+    farthest = observation.farthest_m[pixels[is_open, 0].astype(int)]
     is_open[is_open] = farthest > distance[is_open]
     beside = np.linalg.norm(positions - np.array(observation.robot.xy), axis=1) < _BESIDE_M
     return is_open | beside
@@ -88,7 +88,7 @@ def should_be_visible(
     # camera, and the one at the object's height what is lower, such as a bed before a nightstand.
     # The object's own near side may be nearer than what was seen of it from another side.
     columns, rows = pixels[good].astype(int).T
-    is_open = observation.depth.max(axis=0)[columns] > distance[good] - 0.3
+    is_open = observation.farthest_m[columns] > distance[good] - 0.3
     is_open &= observation.depth[rows, columns] > distance[good] - _OWN_DEPTH_M
     return bool(is_open.mean() > 0.8)
 

@@ -12,6 +12,7 @@ from hypernav.core.geometry.depth import is_measured
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels, Observation
+from hypernav.perception.local.label_kernels import pixels_of_each
 
 MIN_AREA_SHARE = 0.0005
 """Share of the image below which objects are overlooked, as by a real detector: 12×12 pixels in
@@ -106,7 +107,7 @@ def true_labels(observation: Observation) -> LabelledPixels:
 
 def visible_objects(truth: LabelledPixels, min_area_share: float = MIN_AREA_SHARE) -> list[int]:
     """Labelled instances that cover at least this share of the image, largest first."""
-    pixels = np.bincount(truth.ids.ravel() + 1)[1:]
+    pixels = pixels_of_each(truth.ids, int(truth.ids.max(initial=-1)) + 1)
     enough = np.flatnonzero(pixels >= min_area_share * truth.ids.size)
     visible = [int(number) for number in enough if int(number) in truth.labels]
     return sorted(visible, key=lambda number: (-int(pixels[number]), number))

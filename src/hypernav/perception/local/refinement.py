@@ -27,7 +27,7 @@ def eroded(
     """
     kernel = np.ones((config.erosion_px, config.erosion_px), np.uint8)
     inner = cv2.erode(mask.astype(np.uint8), kernel).astype(bool)
-    vanishes = int(inner.sum()) < _LEAST_LEFT * int(mask.sum())
+    vanishes = np.count_nonzero(inner) < _LEAST_LEFT * np.count_nonzero(mask)
     return mask if vanishes and config.keep_thin_masks else inner
 
 
@@ -55,7 +55,7 @@ def projected(
         observation,
         min_depth_m=camera.min_depth_m,
         max_depth_m=camera.max_depth_m,
-        stride=2 if int(mask.sum()) > _MANY_PIXELS else 1,
+        stride=2 if np.count_nonzero(mask) > _MANY_PIXELS else 1,
     )
     if len(points) < config.min_points:
         return None
