@@ -21,6 +21,10 @@ from hypernav.worlds.scenes.node_names import category_of, is_structural, words_
         ("TV", "tv"),
         ("cabinet_lower_left", "cabinet lower left"),
         ("wall_clock_kitchen", "wall clock kitchen"),
+        ("aws_robomaker_residential_SofaC_01", "sofa"),
+        ("floor2_aws_robomaker_hospital_curtain_open", "curtain open"),
+        ("desk_brown_clone_clone", "desk brown"),
+        ("chair_visual", "chair"),
     ],
 )
 def test_names_become_words(name: str, category: str) -> None:
@@ -43,6 +47,8 @@ def test_names_become_words(name: str, category: str) -> None:
         "wall_north",
         "WallOuterLeft_02",
         "floor_kitchen",
+        "aws_HouseWallB_01_visual",
+        "ground_plane",
     ],
 )
 def test_the_building_itself_has_no_category(name: str) -> None:
@@ -51,7 +57,21 @@ def test_the_building_itself_has_no_category(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "name", ["Object_4", "Cube.003", "mesh", "RootNode", "node 12", "", "001", "Sketchfab_model"]
+    "name",
+    [
+        "Object_4",
+        "Cube.003",
+        "mesh",
+        "RootNode",
+        "node 12",
+        "",
+        "001",
+        "Sketchfab_model",
+        "SketchUp",
+        "link_0",
+        "collada_visual_scene_1",
+        "8c1e1fb2-0f3a-4d5e-9a7b-6c2d41e0f9aa",
+    ],
 )
 def test_names_that_say_nothing_have_no_category(name: str) -> None:
     assert category_of(name) is None

@@ -12,7 +12,7 @@ from hypernav.worlds.drawing.textures import linear_to_srgb
 from hypernav.worlds.scenes.gltf_file import GltfFile
 from hypernav.worlds.scenes.gltf_format import Node, Primitive, TextureTransform
 from hypernav.worlds.scenes.gltf_materials import read_materials
-from hypernav.worlds.scenes.node_names import is_meaningful
+from hypernav.worlds.scenes.node_names import is_meaningful, unique_name
 from hypernav.worlds.scenes.scene import Material
 from hypernav.worlds.scenes.scene_assembly import MeshPart
 
@@ -87,7 +87,7 @@ def _placed_nodes(file: GltfFile, to_scene: Float64[np.ndarray, "3 3"]) -> list[
             own = own or file.item(file.document.meshes, node.mesh, "mesh").name
         descriptive_name = own if is_meaningful(own) or not descriptive_name else descriptive_name
         if node.mesh is not None:
-            name = _unique(own or f"node {index}", names)
+            name = unique_name(own or f"node {index}", names)
             placed.append(_PlacedMesh(name, descriptive_name, node.mesh, to_scene))
         stack += [(child, to_scene, descriptive_name) for child in reversed(node.children)]
     return placed
@@ -99,17 +99,6 @@ def _roots(file: GltfFile) -> list[int]:
         return list(file.item(document.scenes, document.scene or 0, "scene").nodes)
     children = {child for node in document.nodes for child in node.children}
     return [index for index in range(len(document.nodes)) if index not in children]
-
-
-def _unique(name: str, taken: dict[str, int]) -> str:
-    """A name that no node has yet; `taken` holds the last number that was added to each."""
-    free, number = name, taken.get(name, 1)
-    while free in taken:
-        number += 1
-        free = f"{name}#{number}"
-    taken[name] = number
-    taken.setdefault(free, 1)
-    return free
 
 
 def _local_matrix(node: Node) -> Float64[np.ndarray, "4 4"]:

@@ -11,12 +11,14 @@ _FILE_SUFFIX = re.compile(
     r"\.(?:fbx|obj|dae|gltf|glb|blend|stl|ply|usdz?|cleaner.*)\b", re.IGNORECASE
 )
 _PREFIXES = frozenset(
-    {"sm", "sk", "bp", "st", "geo", "grp", "mesh", "prop", "model", "obj", "asset"}
+    {"sm", "sk", "bp", "st", "geo", "grp", "mesh", "prop", "model", "obj", "asset", "aws"}
 )
+_SETTINGS = frozenset({"residential", "retail", "hospital", "warehouse", "racetrack"})
+_IDENTIFIER = re.compile(r"[0-9a-f]{8}-?(?:[0-9a-f]{4}-?){3}[0-9a-f]{12}", re.IGNORECASE)
 _TAILS = frozenset(
     """
     mesh geo geometry lod low lowpoly high highpoly poly model prop asset copy instance inst grp
-    group mat material default primitive node obj object
+    group mat material default primitive node obj object visual collision link clone
     """.split()  # noqa: SIM905
 )
 _MEANINGLESS = frozenset(
@@ -24,6 +26,7 @@ _MEANINGLESS = frozenset(
     mesh node object objects geometry scene root group primitive default untitled cube plane
     sphere cylinder cone torus circle curve empty model world sketchfab collada armature material
     entity instance polygon polysurface surface shape component layer part static prefab
+    link body base visual collision id sketch up skp
     """.split()  # noqa: SIM905
 )
 _STRUCTURAL = frozenset(
@@ -41,7 +44,15 @@ _SIDES = frozenset(
 )
 """Words after the name of a part of the building that say which one it is."""
 _STRUCTURAL_PAIRS = frozenset(
-    {"door frame", "window frame", "skirting board", "crown molding", "door jamb", "wall panel"}
+    {
+        "door frame",
+        "window frame",
+        "skirting board",
+        "crown molding",
+        "door jamb",
+        "wall panel",
+        "ground plane",
+    }
 )
 
 
@@ -51,13 +62,21 @@ def words_of(name: str) -> tuple[str, ...]:
     ``Bed_01_001`` gives ``("bed",)``, ``dining-table.003`` gives ``("dining", "table")``,
     ``TVCabinet`` gives ``("tv", "cabinet")``.
     """
-    words = [word.lower() for word in _WORD.findall(_FILE_SUFFIX.sub(" ", name))]
+    words = [word.lower() for word in _WORD.findall(_undecorated(name))]
     words = [word for word in words if not word.isdigit()]
     while len(words) > 1 and (words[-1] in _TAILS or len(words[-1]) == 1):
         words.pop()
     while len(words) > 1 and words[0] in _PREFIXES:
         words.pop(0)
+    if "robomaker" in words[:-1]:  # Amazon's worlds: aws_robomaker_residential_Sofa_01
+        words = words[words.index("robomaker") + 1 :]
+        words = words[1:] if words[0] in _SETTINGS and len(words) > 1 else words
     return tuple(words)
+
+
+def _undecorated(name: str) -> str:
+    """A name without the suffix of a file and without what identifies it to machines."""
+    return _FILE_SUFFIX.sub(" ", _IDENTIFIER.sub(" ", name))
 
 
 def is_meaningful(name: str) -> bool:
@@ -84,3 +103,20 @@ def category_of(name: str) -> str | None:
     if not is_meaningful(name) or is_structural(name):
         return None
     return " ".join(words_of(name))
+
+
+def unique_name(name: str, taken: dict[str, int]) -> str:
+    """A name that no node has yet: itself, or with a number behind it.
+
+    Args:
+        name: Name that the file gives the node.
+        taken: Names that are taken, with the last number that was added to each; it gains the one
+            that is returned.
+    """
+    free, number = name, taken.get(name, 1)
+    while free in taken:
+        number += 1
+        free = f"{name}#{number}"
+    taken[name] = number
+    taken.setdefault(free, 1)
+    return free
