@@ -12,7 +12,11 @@ from hypernav.build.scenes import load_scene
 from hypernav.core.errors import SceneError
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.scenes.scene_assembly import MeshPart
-from hypernav.worlds.scenes.stray_parts import in_one_line, without_stray_parts
+from hypernav.worlds.scenes.stray_parts import (
+    in_one_line,
+    without_stray_parts,
+    without_surroundings,
+)
 from hypernav.worlds.surface.walkable import WalkableGrid
 
 
@@ -151,3 +155,40 @@ def test_nothing_of_the_small_house_is_left_out(
 ) -> None:
     load_scene(str(small_house))
     assert caplog.messages == []
+
+
+@pytest.mark.parametrize("side", [100.0, 1000.0])
+def test_a_ground_far_beyond_the_building_is_cut_to_it_and_stays_its_floor(side: float) -> None:
+    ground = box("ground", (-side / 2, -side / 2, -0.3), (side / 2, side / 2, -0.2))
+    house = [part for part in ROOM if part.node != "floor"]
+    kept, left_out = without_surroundings([ground, *house])
+    assert names(kept) == ["ground", *names(house)]
+    cut = kept[0].vertices[kept[0].faces].reshape(-1, 3)
+    low, high = (
+        np.min([p.vertices.min(0) for p in house], 0),
+        np.max([p.vertices.max(0) for p in house], 0),
+    )
+    np.testing.assert_allclose(cut.min(axis=0)[:2], low[:2], atol=1e-4)
+    np.testing.assert_allclose(cut.max(axis=0)[:2], high[:2], atol=1e-4)
+    assert len(left_out) == 1
+    assert "ground" in left_out[0]
+
+
+def test_a_cut_ground_keeps_its_texture_in_place() -> None:
+    corners = np.array([[-50, -50, 0], [50, -50, 0], [50, 50, 0], [-50, 50, 0]], np.float32)
+    faces = np.array([[0, 1, 2], [0, 2, 3]], np.int32)
+    ground = MeshPart("ground", "ground", corners, faces, 0, corners[faces][:, :, :2] / 10)
+    cut = without_surroundings([*ROOM[1:], ground])[0][-1]
+    assert cut.uv is not None
+    np.testing.assert_allclose(cut.uv, cut.vertices[cut.faces][:, :, :2] / 10, atol=1e-4)
+
+
+def test_a_large_floor_under_large_furniture_is_no_ground() -> None:
+    floor = box("floor", (0.0, 0.0, -0.1), (60.0, 40.0, 0.0))
+    hall = [floor, *(box(f"shelf {k}", (4.0 * k, 2, 0), (4.0 * k + 1, 36, 2)) for k in range(14))]
+    assert without_surroundings(hall) == (hall, [])
+
+
+def test_a_ground_alone_stays() -> None:
+    ground = box("ground", (-50.0, -50.0, -0.3), (50.0, 50.0, -0.2))
+    assert without_surroundings([ground]) == ([ground], [])

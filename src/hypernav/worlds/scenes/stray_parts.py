@@ -9,6 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Bool, Float64
 
+from hypernav.worlds.scenes.ground_sheets import are_sheets, cut_to
 from hypernav.worlds.scenes.scene_assembly import MeshPart
 
 _GAP_M = 20.0
@@ -53,6 +54,36 @@ def without_stray_parts(parts: Sequence[MeshPart]) -> tuple[list[MeshPart], list
         away = float(np.max(np.maximum(low[k] - highest, lowest - high[k])))
         reasons.setdefault(k, f"{away:.0f} m from the rest")
     return [part for k, part in enumerate(parts) if building[k]], _by_node(parts, reasons)
+
+
+def without_surroundings(parts: Sequence[MeshPart]) -> tuple[list[MeshPart], list[str]]:
+    """The parts that make up the building, with its ground cut to it, and what is left out.
+
+    Args:
+        parts: Parts of a file, scene frame.
+
+    Returns:
+        The parts to keep, in their order; for every node of which something is left out,
+        "NAME (why)".
+    """
+    sheets = are_sheets(parts)
+    others = [part for part, is_sheet in zip(parts, sheets, strict=True) if not is_sheet]
+    building, left_out = without_stray_parts(others) if others else ([], [])
+    if not building or not any(_area(part) for part in building):
+        return without_stray_parts(parts)
+    low, high = _box(*_boxes(building), np.ones(len(building), dtype=bool))
+    grounds = {k: cut_to(parts[k], low, high) for k in np.flatnonzero(sheets).tolist()}
+    if not any(grounds.values()):
+        return without_stray_parts(parts)
+    kept = set(map(id, building))
+    together = [
+        grounds.get(k) or part for k, part in enumerate(parts) if k in grounds or id(part) in kept
+    ]
+    for k, ground in grounds.items():
+        if ground is not None:
+            size = _size(*_boxes([parts[k]]))
+            left_out.append(f"what {parts[k].node} has around the rest ({size})")
+    return [part for part in together if len(part.faces)], left_out
 
 
 def in_one_line(left_out: Sequence[str]) -> str:
@@ -122,8 +153,8 @@ def _with_most_surface(
             return group
 
 
-def _size(low: Float64[np.ndarray, "3"], high: Float64[np.ndarray, "3"]) -> str:
-    return " × ".join(f"{side:.0f}" for side in high - low) + " m large"
+def _size(low: Float64[np.ndarray, "*n 3"], high: Float64[np.ndarray, "*n 3"]) -> str:
+    return " × ".join(f"{side:.0f}" for side in (high - low).ravel()) + " m large"
 
 
 def _by_node(parts: Sequence[MeshPart], reasons: dict[int, str]) -> list[str]:
