@@ -18,7 +18,7 @@ class Options:
     """The object to find: bed, "L-shaped sofa", …"""
     scene: str = "builtin"
     """The building: builtin, houses:N, offices:N or shops:N (any whole number N), or the path of a
-    GLB."""
+    GLB, another model or a Gazebo world."""
     who: FlatAgentOptions = field(default_factory=AgentOptions)
     """The options that configure the agent."""
     start: Annotated[tuple[float, ...] | None, tyro.conf.arg(metavar="X Y YAW")] = None

@@ -3,18 +3,15 @@
 import hashlib
 import logging
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 from typing import Any, TypeVar
 
-import cv2
 import numpy as np
-from jaxtyping import UInt8
 from pydantic import BaseModel, ValidationError
 
 from hypernav.core.errors import SceneError
 from hypernav.core.files.image_sizes import MOST_PIXELS, image_size
 from hypernav.worlds.drawing.textures import linear_to_srgb
-from hypernav.worlds.scenes.basis_images import basis_size, decode_basis, is_basis
+from hypernav.worlds.scenes.basis_images import basis_size, is_basis
 from hypernav.worlds.scenes.gltf_file import GltfFile
 from hypernav.worlds.scenes.gltf_format import (
     GltfMaterial,
@@ -22,6 +19,7 @@ from hypernav.worlds.scenes.gltf_format import (
     TextureInfo,
     TextureTransform,
 )
+from hypernav.worlds.scenes.images import DecodedImage, decode_image
 from hypernav.worlds.scenes.scene import Material, Wrap
 
 _WRAPS = {10497: Wrap.REPEAT, 33648: Wrap.MIRROR, 33071: Wrap.CLAMP}
@@ -30,19 +28,6 @@ _IMAGE_EXTENSIONS = ("EXT_texture_webp", "KHR_texture_basisu", "GOOGLE_texture_b
 _MIN_EMISSION = 0.5
 _LOGGER = logging.getLogger(__name__)
 _Part = TypeVar("_Part", bound=BaseModel)
-
-
-@dataclass(frozen=True, eq=False)
-class _Image:
-    """A decoded image.
-
-    Attributes:
-        rgb: Colours, sRGB.
-        opacity: Opacity, 0 to 255; None where all of it is opaque.
-    """
-
-    rgb: UInt8[np.ndarray, "height width 3"]
-    opacity: UInt8[np.ndarray, "height width"] | None
 
 
 def read_materials(file: GltfFile) -> tuple[list[Material], list[TextureTransform]]:
@@ -67,7 +52,7 @@ def read_materials(file: GltfFile) -> tuple[list[Material], list[TextureTransfor
 def _material(
     file: GltfFile,
     source: GltfMaterial,
-    images: dict[int, _Image],
+    images: dict[int, DecodedImage],
     opaque: dict[tuple[int, float], np.ndarray],
 ) -> Material:
     color, info = _base_color(file, source)
@@ -140,7 +125,7 @@ def _source(file: GltfFile, info: TextureInfo) -> int:
     return texture.source
 
 
-def _decode(file: GltfFile, numbers: list[int]) -> dict[int, _Image]:
+def _decode(file: GltfFile, numbers: list[int]) -> dict[int, DecodedImage]:
     """Decode images on all cores; equal bytes give one and the same image.
 
     Those that are missing or broken are left out.
@@ -161,7 +146,7 @@ def _decode(file: GltfFile, numbers: list[int]) -> dict[int, _Image]:
     keys = {number: hashlib.sha256(content).digest() for number, content in data.items()}
     distinct = {keys[number]: content for number, content in data.items()}
     with ThreadPoolExecutor() as pool:
-        decoded = dict(zip(distinct, pool.map(_decode_one, distinct.values()), strict=True))
+        decoded = dict(zip(distinct, pool.map(decode_image, distinct.values()), strict=True))
     found = {number: decoded[key] for number, key in keys.items()}
     broken += [_undecodable(file, number) for number, image in found.items() if image is None]
     if broken:
@@ -191,28 +176,3 @@ def _is_image(file: GltfFile, number: int, content: bytes) -> bool:
         )
     file.allowance.take(3 * width * height, what)
     return True
-
-
-def _decode_one(content: bytes) -> _Image | None:
-    if not content:
-        return None
-    if is_basis(content):
-        rgba = decode_basis(content)
-        return None if rgba is None else _with_opacity(rgba[..., :3], rgba[..., 3])
-    image = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_UNCHANGED)
-    if image is None or image.dtype not in (np.uint8, np.uint16):
-        return None
-    if image.dtype == np.uint16:
-        image = (image // np.uint16(257)).astype(np.uint8)
-    if image.ndim == 2:
-        return _Image(cv2.cvtColor(image, cv2.COLOR_GRAY2RGB), None)
-    if image.shape[2] == 3:
-        return _Image(cv2.cvtColor(image, cv2.COLOR_BGR2RGB), None)
-    return _with_opacity(cv2.cvtColor(image, cv2.COLOR_BGRA2RGB), image[..., 3])
-
-
-def _with_opacity(
-    rgb: UInt8[np.ndarray, "height width 3"], opacity: UInt8[np.ndarray, "height width"]
-) -> _Image:
-    is_opaque = bool(opacity.min() == 255)
-    return _Image(np.ascontiguousarray(rgb), None if is_opaque else np.ascontiguousarray(opacity))

@@ -11,13 +11,15 @@ from hypernav.core.labels import ObjectLabel
 from hypernav.worlds.scenes.gltf import read_gltf
 from hypernav.worlds.scenes.node_names import category_of
 from hypernav.worlds.scenes.objects_file import read_objects
-from hypernav.worlds.scenes.scene import Scene
+from hypernav.worlds.scenes.scene import Material, Scene
 from hypernav.worlds.scenes.scene_assembly import MeshPart, SceneObject, assemble
-from hypernav.worlds.scenes.stray_parts import in_one_line, without_stray_parts
+from hypernav.worlds.scenes.stray_parts import in_one_line, without_surroundings
 
 OBJECTS_FILE = "objects.json"
 _GLTF_SUFFIXES = (".glb", ".gltf")
 _MESH_SUFFIXES = (".obj", ".ply", ".stl", ".off")
+_COLLADA_SUFFIX = ".dae"
+_WORLD_SUFFIXES = (".world", ".sdf")
 _LOGGER = logging.getLogger(__name__)
 
 
@@ -26,11 +28,12 @@ def load_scene(path: Path) -> Scene:
 
     A file ``objects.json`` beside it says which nodes make up which object. Without it every node
     is an instance of its own, labelled by its name. glTF files (y up) become ``(x, -z, y)``; for
-    the other formats see `read_mesh`. Units are metres. Stray parts (`without_stray_parts`) are
+    the other formats see `read_mesh`. Units are metres. Stray parts (`without_surroundings`) are
     left out, with a warning that names them.
 
     Args:
-        path: A ``.glb``, ``.gltf``, ``.obj``, ``.ply``, ``.stl`` or ``.off`` file.
+        path: A ``.glb``, ``.gltf``, ``.dae``, ``.obj``, ``.ply``, ``.stl`` or ``.off`` file, or a
+            Gazebo world (``.world``, ``.sdf``).
 
     Raises:
         SceneError: The file is missing, broken, empty or not a mesh, or ``objects.json`` doesn't
@@ -38,26 +41,39 @@ def load_scene(path: Path) -> Scene:
     """
     path = Path(path)
     _check_readable(path)
-    suffix = path.suffix.lower()
     try:
-        if suffix in _GLTF_SUFFIXES:
-            parts, materials = read_gltf(path)
-        elif suffix in _MESH_SUFFIXES:
-            from hypernav.worlds.scenes.mesh_files import read_mesh
-
-            parts, materials = read_mesh(path)
-        else:
-            known = ", ".join((*_GLTF_SUFFIXES, *_MESH_SUFFIXES))
-            raise SceneError(f"{path}: unknown kind of file {suffix!r}; give one of {known}")
+        parts, materials, missing = _read(path)
     except OSError as error:
         raise SceneError(f"{path}: cannot be read ({error.strerror or error})") from error
     if not parts:
         raise SceneError(f"{path}: holds no triangles; export a mesh with faces")
     objects = _scene_objects(path, parts)
-    building, left_out = without_stray_parts(parts)
+    building, stray = without_surroundings(parts)
+    left_out = [*missing, *stray]
     if left_out:
         _LOGGER.warning("%s: leaves out %s", path, in_one_line(left_out))
     return assemble(_name(path), building, objects, materials)
+
+
+def _read(path: Path) -> tuple[list[MeshPart], list[Material], list[str]]:
+    """Parts and materials of a file, and what its reader leaves out."""
+    suffix = path.suffix.lower()
+    if suffix in _GLTF_SUFFIXES:
+        return *read_gltf(path), []
+    if suffix in _MESH_SUFFIXES:
+        from hypernav.worlds.scenes.mesh_files import read_mesh
+
+        return *read_mesh(path), []
+    if suffix == _COLLADA_SUFFIX:
+        from hypernav.worlds.collada.scene_file import read_collada_scene
+
+        return *read_collada_scene(path), []
+    if suffix in _WORLD_SUFFIXES:
+        from hypernav.worlds.gazebo.world import read_world
+
+        return read_world(path)
+    known = ", ".join((*_GLTF_SUFFIXES, _COLLADA_SUFFIX, *_MESH_SUFFIXES, *_WORLD_SUFFIXES))
+    raise SceneError(f"{path}: unknown kind of file {suffix!r}; give one of {known}")
 
 
 def _check_readable(path: Path) -> None:

@@ -56,7 +56,7 @@ class _FilesBeside(FilePathResolver):
         return content
 
 
-def read_mesh(path: Path) -> tuple[list[MeshPart], list[Material]]:
+def read_mesh(path: Path, *, z_up: bool = False) -> tuple[list[MeshPart], list[Material]]:
     """All triangles of a file, in the scene frame, and its materials.
 
     None of these formats says which way is up: OBJ is read as y up, as modelling tools write it,
@@ -65,6 +65,7 @@ def read_mesh(path: Path) -> tuple[list[MeshPart], list[Material]]:
 
     Args:
         path: A file that trimesh can read.
+        z_up: Whether it is z up, whatever its format.
 
     Raises:
         SceneError: The file cannot be read as a mesh.
@@ -83,7 +84,7 @@ def read_mesh(path: Path) -> tuple[list[MeshPart], list[Material]]:
         raise SceneError(
             f"{path}: cannot be read as a mesh ({error}); export the file again"
         ) from error
-    up = _Y_UP_TO_Z_UP if path.suffix.lower() == ".obj" else np.eye(4)
+    up = _Y_UP_TO_Z_UP if path.suffix.lower() == ".obj" and not z_up else np.eye(4)
     scanned = path.suffix.lower() == ".ply"
     parts: list[MeshPart] = []
     materials: list[Material] = []

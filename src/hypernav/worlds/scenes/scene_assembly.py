@@ -2,10 +2,10 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float32, Int32, UInt8
+from jaxtyping import Float32, Float64, Int32, UInt8
 
 from hypernav.core.errors import SceneError
 from hypernav.core.labels import ObjectLabel
@@ -38,6 +38,28 @@ class MeshPart:
     uv: Float32[np.ndarray, "faces 3 2"] | None = None
     colors: UInt8[np.ndarray, "faces 3 3"] | None = None
     normals: Float32[np.ndarray, "faces 3 3"] | None = None
+
+
+def placed(part: MeshPart, matrix: Float64[np.ndarray, "4 4"]) -> MeshPart:
+    """A part moved by a transform; one that mirrors turns its triangles around as well."""
+    linear, shift = matrix[:3, :3], matrix[:3, 3]
+    determinant = np.linalg.det(linear)
+    faces, uv, colors, normals = part.faces, part.uv, part.colors, part.normals
+    # Corners that end at infinity or nowhere are left out when the scene is assembled.
+    with np.errstate(all="ignore"):
+        if normals is not None:
+            normals = normals @ np.linalg.inv(linear) if abs(determinant) > 1e-30 else None
+        if normals is not None:
+            normals = np.nan_to_num(normals)
+            normals /= np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), 1e-30)
+            normals = normals.astype(np.float32)
+        vertices = (part.vertices.astype(np.float64) @ linear.T + shift).astype(np.float32)
+    if determinant < 0.0:
+        faces = np.ascontiguousarray(faces[:, ::-1])
+        uv = None if uv is None else uv[:, ::-1]
+        colors = None if colors is None else colors[:, ::-1]
+        normals = None if normals is None else normals[:, ::-1]
+    return replace(part, vertices=vertices, faces=faces, uv=uv, colors=colors, normals=normals)
 
 
 @dataclass(frozen=True)

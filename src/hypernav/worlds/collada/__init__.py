@@ -1,0 +1,1 @@
+"""Reading of COLLADA files (``.dae``)."""

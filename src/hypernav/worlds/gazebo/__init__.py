@@ -1,0 +1,1 @@
+"""Reading of Gazebo worlds (``.world`` and ``.sdf``)."""

@@ -1,0 +1,275 @@
+"""Reading of Gazebo worlds: models with their poses, and what they look like.
+
+A world is an SDF file that places models, most of them kept in folders of their own. What cannot be
+shown is left out and named; what remains is a building.
+"""
+
+import errno
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from hypernav.core.errors import SceneError
+from hypernav.core.files.allowance import Allowance
+from hypernav.core.files.reading import read_file
+from hypernav.core.files.xml_text import parse_xml
+from hypernav.worlds.collada.triangles import numbers_of
+from hypernav.worlds.gazebo.instances import NamedPart, named_instances
+from hypernav.worlds.gazebo.meshes import Meshes
+from hypernav.worlds.gazebo.model_folders import Found, ModelFolders, sdf_of
+from hypernav.worlds.gazebo.poses import Matrix, frame_of, matrix_of
+from hypernav.worlds.gazebo.shapes import endless_ground, shape_of
+from hypernav.worlds.gazebo.visual_paints import paint_of
+from hypernav.worlds.scenes.node_names import unique_name
+from hypernav.worlds.scenes.paints import Paint, materials_of
+from hypernav.worlds.scenes.scene import Material
+from hypernav.worlds.scenes.scene_assembly import MeshPart, placed
+
+_MOST_BYTES = 100_000_000
+_MOST_MODELS, _MOST_PARTS, _DEEPEST = 10_000, 50_000, 20
+_BYTES_PER_TRIANGLE = 150
+_INVISIBLE = 0.95
+_GROUND, _SUN = "ground_plane", "sun"
+_NO_SURFACE = ("actor", "road", "population")
+_PLAIN = Paint("default", (0.8, 0.8, 0.8))
+
+
+def read_world(path: Path) -> tuple[list[MeshPart], list[Material], list[str]]:
+    """All that a world shows, in the scene frame, and what is left out.
+
+    Args:
+        path: A ``.world`` or ``.sdf`` file, of a world or of one model.
+
+    Returns:
+        The parts, their materials, and "NAME (why)" for what is left out.
+
+    Raises:
+        SceneError: The file is broken, or nothing in it can be shown.
+        OSError: It cannot be read, or would take too much memory.
+    """
+    world = _World(path)
+    try:
+        world.read()
+    except ValueError as error:
+        raise SceneError(f"{path}: is no Gazebo world: {error}; save it again") from error
+    left_out = [f"{name} ({why})" for name, why in world.left_out.items()]
+    if not world.parts:
+        what = f": {', '.join(left_out[:3])}" if left_out else ""
+        raise SceneError(
+            f"{path}: nothing in this world can be shown{what}; put its models beside it, or their "
+            "folder into GAZEBO_MODEL_PATH"
+        )
+    parts = named_instances(world.parts)
+    return parts, materials_of(path, world.meshes.paints, world.allowance), left_out
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Where an element stands: in the world, in a file, in a model.
+
+    Attributes:
+        to_scene: Transform from its parent's frame to the scene.
+        names: Names of the models and the link around it, from the outside in.
+        file: The file that holds the element.
+        depth: Number of files and models around it.
+    """
+
+    to_scene: Matrix
+    names: tuple[str, ...]
+    file: Found
+    depth: int
+
+    def within(self, name: str, matrix: Matrix) -> "_Place":
+        """The place of what an element of this name here holds."""
+        return replace(
+            self,
+            to_scene=self.to_scene @ matrix,
+            names=(*self.names, name),
+            depth=self.depth + 1,
+        )
+
+
+class _World:
+    """Collects what a world shows."""
+
+    def __init__(self, path: Path) -> None:
+        self.parts: list[NamedPart] = []
+        self.left_out: dict[str, str] = {}
+        self.allowance = Allowance()
+        self.meshes = Meshes(self.allowance)
+        self._file = Found(path.resolve(), path.resolve().parent)
+        self._folders = ModelFolders(path)
+        self._documents: dict[Path, ElementTree.Element] = {}
+        self._names: dict[str, int] = {}
+        self._moved: dict[str, Matrix] = {}
+        self._plain = self.meshes.add(_PLAIN)
+        self._models = 0
+
+    def read(self) -> None:
+        root = self._document(self._file.path)
+        if root.tag not in ("sdf", "gazebo"):
+            raise ValueError(f"begins with {root.tag:.40}, expected sdf")
+        world = root.find("world")
+        content = root if world is None else world
+        for model in content.iterfind("state/model"):
+            # Where things stood when the world was saved; Gazebo puts them there again.
+            self._moved[model.get("name", "")] = matrix_of(model.find("pose"))
+        self._models_in(content, _Place(np.eye(4), (), self._file, 0))
+
+    def _document(self, path: Path) -> ElementTree.Element:
+        if path not in self._documents:
+            content = read_file(path, most=_MOST_BYTES)
+            self.allowance.take(len(content), "its content")
+            self._documents[path] = parse_xml(content, self.allowance)
+        return self._documents[path]
+
+    def _models_in(self, parent: ElementTree.Element, place: _Place) -> None:
+        if place.depth > _DEEPEST:
+            raise ValueError(f"holds models within models, more than {_DEEPEST} deep")
+        for element in parent:
+            if element.tag in ("model", "include"):
+                self._place_one(element, parent, place)
+            elif element.tag in _NO_SURFACE:
+                name = element.get("name") or element.tag
+                self.left_out.setdefault(name, f"{element.tag}s are not read")
+
+    def _place_one(
+        self, element: ElementTree.Element, parent: ElementTree.Element, place: _Place
+    ) -> None:
+        """Show a model or an included one; a broken one is left out and named."""
+        self._models += 1
+        if self._models > _MOST_MODELS:
+            raise OSError(errno.EFBIG, f"it has more than {_MOST_MODELS:,} models")
+        uri = (element.findtext("uri") or "").strip() if element.tag == "include" else ""
+        name = element.get("name") or element.findtext("name") or _last_of(uri) or "model"
+        if not place.names:
+            name = unique_name(name.strip(), self._names)
+        with self._left_out_if_broken(place, name):
+            if element.tag == "include":
+                self._include(name, uri, element, parent, place)
+            else:
+                self._model(name, element, self._matrix(element, parent, place), place)
+
+    @contextmanager
+    def _left_out_if_broken(self, place: _Place, name: str) -> Iterator[None]:
+        """Name what cannot be shown by the model in the world that it belongs to."""
+        try:
+            yield
+        except ValueError as error:
+            self.left_out.setdefault([*place.names, name][0], str(error))
+        except OSError as error:
+            if error.errno == errno.EFBIG:
+                raise
+            self.left_out.setdefault([*place.names, name][0], error.strerror or str(error))
+
+    def _include(
+        self,
+        name: str,
+        uri: str,
+        element: ElementTree.Element,
+        parent: ElementTree.Element,
+        place: _Place,
+    ) -> None:
+        found = self._folders.find(uri, place.file)
+        file = None if found is None else sdf_of(found, self.allowance)
+        if file is None:
+            self._builtin(name, uri, self._matrix(element, parent, place), place)
+            return
+        pose = None if element.find("pose") is None else self._matrix(element, parent, place)
+        for model in self._document(file.path).iterfind("model"):
+            matrix = matrix_of(model.find("pose")) if pose is None else pose
+            self._model(name, model, matrix, replace(place, file=file))
+
+    def _builtin(self, name: str, uri: str, matrix: Matrix, place: _Place) -> None:
+        """Show a model that comes with Gazebo; the sun has no surface."""
+        kind = _last_of(uri).lower().replace(" ", "_")
+        if kind == _GROUND:
+            ground = replace(endless_ground(), material=self._plain)
+            self._add(ground, place.within(name, matrix), "")
+        elif kind != _SUN:
+            raise ValueError(f"no model {_last_of(uri):.40}")
+
+    def _matrix(
+        self,
+        element: ElementTree.Element,
+        parent: ElementTree.Element,
+        place: _Place,
+        depth: int = 0,
+    ) -> Matrix:
+        """The transform of an element to its parent, also where its pose names a sibling."""
+        name = element.get("name") or element.findtext("name") or ""
+        if not place.names and name in self._moved:
+            return self._moved[name]
+        pose = element.find("pose")
+        matrix, frame = matrix_of(pose), frame_of(pose)
+        siblings = (s for s in parent if s.get("name") == frame and s is not element)
+        sibling = next(siblings, None) if frame and depth < _DEEPEST else None
+        if sibling is None:
+            return matrix
+        return self._matrix(sibling, parent, place, depth + 1) @ matrix
+
+    def _model(self, name: str, model: ElementTree.Element, matrix: Matrix, place: _Place) -> None:
+        inside = place.within(name, matrix)
+        for link in model.iterfind("link"):
+            frame = self._matrix(link, model, inside)
+            within = inside.within(link.get("name", "link"), frame)
+            for visual in link.iterfind("visual"):
+                with self._left_out_if_broken(within, ""):
+                    self._show(visual, link, within)
+        self._models_in(model, inside)
+
+    def _show(self, visual: ElementTree.Element, link: ElementTree.Element, place: _Place) -> None:
+        """Add a visual to the parts.
+
+        Raises:
+            ValueError: It is broken, or what it shows is not found.
+            OSError: A file of it cannot be read.
+        """
+        here = place.within(visual.get("name", "visual"), self._matrix(visual, link, place))
+        geometry = visual.find("geometry")
+        if geometry is None or float(visual.findtext("transparency") or 0.0) > _INVISIBLE:
+            return
+        paint = paint_of(visual.find("material"), self._folders, place.file)
+        material = None if paint is None else self.meshes.add(paint)
+        mesh = geometry.find("mesh")
+        if mesh is not None:
+            self._show_mesh(mesh, here, material)
+        elif (shape := shape_of(geometry)) is not None:
+            self._add(replace(shape, material=material or self._plain), here, "")
+        elif len(geometry) and geometry[0].tag != "empty":
+            raise ValueError(f"{geometry[0].tag:.40}s are not read")
+
+    def _show_mesh(self, mesh: ElementTree.Element, place: _Place, material: int | None) -> None:
+        uri = (mesh.findtext("uri") or "").strip()
+        file = self._folders.find(uri, place.file)
+        if file is None:
+            raise ValueError(f"no file {_last_of(uri):.60}")
+        wanted = (mesh.findtext("submesh/name") or "").strip()
+        whole = self.meshes.parts_of(file)
+        chosen = [part for part in whole if wanted in (part.node, part.node.partition("#")[0])]
+        parts = chosen or whole
+        scale = numbers_of(mesh.findtext("scale"))
+        matrix = np.diag([*scale, 1.0]) if len(scale) == 3 else np.eye(4)
+        if chosen and (mesh.findtext("submesh/center") or "").strip() in ("true", "1"):
+            corners = np.concatenate([part.vertices for part in chosen])
+            middle = (corners.min(axis=0) + corners.max(axis=0)) / 2.0
+            matrix[:3, 3] = -matrix[:3, :3] @ middle
+        to_scene = place.to_scene @ matrix
+        for part in parts:
+            shown = part if material is None else replace(part, material=material)
+            self._add(shown, replace(place, to_scene=to_scene), part.descriptive_name)
+
+    def _add(self, part: MeshPart, place: _Place, node: str) -> None:
+        if len(self.parts) == _MOST_PARTS:
+            raise OSError(errno.EFBIG, f"it has more than {_MOST_PARTS:,} parts; join its meshes")
+        self.allowance.take(len(part.faces) * _BYTES_PER_TRIANGLE, f"{len(part.faces):,} triangles")
+        self.parts.append(NamedPart((*place.names, node), placed(part, place.to_scene)))
+
+
+def _last_of(uri: str) -> str:
+    """The last name in a URI."""
+    return uri.rstrip("/").rpartition("/")[2]
