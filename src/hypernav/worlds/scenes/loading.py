@@ -59,15 +59,18 @@ def _read(path: Path) -> tuple[list[MeshPart], list[Material], list[str]]:
     """Parts and materials of a file, and what its reader leaves out."""
     suffix = path.suffix.lower()
     if suffix in _GLTF_SUFFIXES:
-        return *read_gltf(path), []
+        parts, materials = read_gltf(path)
+        return parts, materials, []
     if suffix in _MESH_SUFFIXES:
         from hypernav.worlds.scenes.mesh_files import read_mesh
 
-        return *read_mesh(path), []
+        parts, materials = read_mesh(path)
+        return parts, materials, []
     if suffix == _COLLADA_SUFFIX:
         from hypernav.worlds.collada.scene_file import read_collada_scene
 
-        return *read_collada_scene(path), []
+        parts, materials = read_collada_scene(path)
+        return parts, materials, []
     if suffix in _WORLD_SUFFIXES:
         from hypernav.worlds.gazebo.world import read_world
 
