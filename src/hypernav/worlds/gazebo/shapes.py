@@ -82,7 +82,7 @@ def _plane(kind: ElementTree.Element) -> MeshPart:
     width, length = _sizes(kind, "size", (1.0, 1.0))
     normal = _sizes(kind, "normal", (0.0, 0.0, 1.0))
     flat = _quads([_rectangle(2, 0, 1, np.array([width, length, 0.0]), 0.0)], max(width, length))
-    turn = trimesh.geometry.align_vectors((0.0, 0.0, 1.0), normal)[:3, :3]
+    turn = np.asarray(trimesh.geometry.align_vectors((0.0, 0.0, 1.0), normal))[:3, :3]
     if abs(normal[0]) + abs(normal[1]) < 1e-9 and normal[2] > 0.0:
         return flat
     return _part(flat.vertices @ turn.T, flat.faces, flat.uv)
