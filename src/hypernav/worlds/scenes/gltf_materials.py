@@ -126,7 +126,7 @@ def _source(file: GltfFile, info: TextureInfo) -> int:
 
 
 def _decode(file: GltfFile, numbers: list[int]) -> dict[int, DecodedImage]:
-    """Decode images on all cores; equal bytes give the same image object.
+    """Decode images on all cores; equal bytes give one and the same image.
 
     Those that are missing or broken are left out.
     """

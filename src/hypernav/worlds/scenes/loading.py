@@ -26,9 +26,9 @@ _LOGGER = logging.getLogger(__name__)
 def read_scene(path: Path) -> Scene:
     """Read a scene from a file that is no scan; `hypernav.load_scene` opens any.
 
-    A file ``objects.json`` beside it says which nodes form which object. Without it every node is
-    an instance, labelled by its name. glTF files (y up) become ``(x, -z, y)``; for the other
-    formats see `read_mesh`. Units are metres. Stray parts (`without_surroundings`) are
+    A file ``objects.json`` beside it says which nodes make up which object. Without it every node
+    is an instance of its own, labelled by its name. glTF files (y up) become ``(x, -z, y)``; for
+    the other formats see `read_mesh`. Units are metres. Stray parts (`without_surroundings`) are
     left out, with a warning that names them.
 
     Args:
