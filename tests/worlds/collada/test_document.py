@@ -6,12 +6,12 @@ import pytest
 
 from dae_writer import INPUTS, SHOWN, dae, write_dae
 from hypernav.core.errors import SceneError
-from hypernav.worlds.scenes.loading import load_scene
+from hypernav.worlds.scenes.loading import read_scene
 from hypernav.worlds.scenes.scene import Scene
 
 
 def loaded(folder: Path, text: str | None = None) -> Scene:
-    return load_scene(write_dae(folder / "room.dae", text))
+    return read_scene(write_dae(folder / "room.dae", text))
 
 
 def corners(scene: Scene) -> set[tuple[float, ...]]:

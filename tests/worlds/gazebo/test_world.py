@@ -5,7 +5,7 @@ import pytest
 
 from dae_writer import SHOWN, dae, write_dae
 from hypernav.core.errors import SceneError
-from hypernav.worlds.scenes.loading import load_scene
+from hypernav.worlds.scenes.loading import read_scene
 from hypernav.worlds.scenes.scene import Scene
 
 WALLS = "".join(
@@ -27,7 +27,7 @@ def loaded(folder: Path, *content: str) -> Scene:
     path = folder / "ws" / "worlds" / "test.world"
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(f'<sdf version="1.6"><world name="w">{"".join(content)}</world></sdf>')
-    return load_scene(path)
+    return read_scene(path)
 
 
 def model(folder: Path, name: str, *, pose: str = "", mesh: str = "", uri: str = "") -> None:
@@ -127,7 +127,7 @@ def test_what_is_no_world_is_refused(tmp_path: Path, text: str) -> None:
     path = tmp_path / "x.world"
     path.write_text(text)
     with pytest.raises(SceneError, match="Gazebo world"):
-        load_scene(path)
+        read_scene(path)
 
 
 def test_a_model_that_includes_itself_twice_ends(tmp_path: Path) -> None:

@@ -38,7 +38,7 @@ def load_scene(spec: str) -> Scene:
     Args:
         spec: Name of the scene: ``builtin``, ``houses:N``, ``offices:N``, ``shops:N`` or
             ``crowded:N`` for the generated building of number N, a name that an installed package
-            brings, or the path of a GLB, another model or a Gazebo world.
+            provides, or the path of a GLB, another model or a Gazebo world.
 
     Raises:
         SceneError: The file cannot be used, or there is no such building.
