@@ -7,8 +7,8 @@ the points in each voxel.
 
 The parts are timed on the recorded episode in small_house. Its poses are rendered again, so that
 colour and labels are there too; an agent that looks for a chair is shown it as well, though it
-would have driven elsewhere. The other steps are those of a search in a large generated house
-for a goal that is not there, until 500 steps are done or all is explored.
+would have driven elsewhere. The agent's other steps are those of a search in a large generated
+house for a goal that is not there, until 500 steps are done or all is explored.
 """
 
 import os
