@@ -80,7 +80,8 @@ class PlanExplorer:
     def __init__(self, plan: TopDownMap, config: HyPerNavConfig) -> None:
         """Take the finished map."""
         self._config = config
-        self._walls = plan.eye_level
+        ends = np.array([[0, 0], plan.grid.cells.shape]) - [[0, 0], [1, 1]]
+        self._walls = plan.eye_level(plan.grid.centres_of(ends))
 
     def learn(self, view: ExplorationView) -> None:
         """Note what an image shows."""

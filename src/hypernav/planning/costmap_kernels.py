@@ -18,11 +18,12 @@ def priced(unknown, closed, near, unknown_cost, near_factor):
     Returns:
         float32 (rows, columns), the costs.
     """
-    costs = np.empty(closed.shape, dtype=np.float32)
+    rows, columns = closed.shape
+    costs = np.empty((rows, columns), dtype=np.float32)
     # Without a table, and without jumps, many cells are worked on at a time.
     unknown_near = unknown_cost * near_factor
-    for row in range(costs.shape[0]):
-        for column in range(costs.shape[1]):
+    for row in range(rows):
+        for column in range(columns):
             is_near = near[row, column] != 0
             if unknown[row, column]:
                 cost = unknown_near if is_near else unknown_cost
