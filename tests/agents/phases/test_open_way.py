@@ -39,7 +39,7 @@ def test_without_it_the_goal_is_left():
     assert Mode.EXPLORE in {step.mode for step in steps[seen:]}
 
 
-def test_a_gap_that_fails_by_centimetres_is_looked_at_from_near_and_no_wider_one_is():
+def test_a_gap_that_fails_by_centimetres_is_looked_at_before_it_counts_as_closed():
     steps, _ = search_for_the_screen(board_m=0.8, aisle_m=0.32)
     looks = [step for step in steps if "looking from near" in step.reason]
     closed = [step for step in steps if "gap closed" in step.events]
