@@ -2,6 +2,8 @@
 
 from collections.abc import Callable, Mapping
 
+import numpy as np
+
 from hypernav.agents.phases.approach import approach
 from hypernav.agents.phases.end import end
 from hypernav.agents.phases.explore import explore
@@ -24,6 +26,10 @@ _PHASES: Mapping[Phase, Callable[[Step, Memory, Plan], tuple[Decision | Phase, P
 
 _DETOUR = 2.0
 """Ways are so much longer than straight lines, turns included."""
+_TURNS = 1.5
+"""So much longer a way is in actions than in steps straight on."""
+_MEASURED_EVERY = 10
+"""Steps after which the way to the likeliest candidate is measured again."""
 
 
 def decide(step: Step, memory: Memory, plan: Plan) -> tuple[Decision, Plan]:
@@ -43,10 +49,15 @@ def _first_phase(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Pha
     if _must_choose(step, memory):
         evidence = reconsidered(memory.search.evidence)
         memory.search.evidence = evidence or memory.search.evidence
+        if config.open_the_way:
+            plan = plan.approach(as_near_as_possible=True)
+            approaching = plan.approaching
     target = step.target(memory)
     if target is None or target.number != approaching.candidate:
         number = None if target is None else target.number
-        plan = plan.approach(second_look=None, candidate=number).with_new_patience(config)
+        plan = plan.approach(
+            second_look=None, candidate=number, opening=None, closed=()
+        ).with_new_patience(config)
         approaching = plan.approaching
     if target is None:
         return Phase.LOOK_AROUND, plan
@@ -63,6 +74,14 @@ def _must_choose(step: Step, memory: Memory) -> bool:
     best = likeliest(evidence)
     if best is None or (evidence.target is not None and evidence.target.is_last_chance):
         return False
+    left = config.max_steps - step.number
+    turns = 2 * motion.turns_of_a_circle
     straight = best.distance_to(*step.robot.xy) / motion.forward_m
-    needed = _DETOUR * straight + 2 * motion.turns_of_a_circle
-    return config.max_steps - step.number <= needed
+    if left <= _DETOUR * straight + turns:
+        return True
+    if not config.open_the_way or 2 * left > config.max_steps or left % _MEASURED_EVERY:
+        return False
+    with step.clock("plan"):
+        destinations = best.entry_points, np.array([best.nearest_view])
+        way_m = step.use.navigator.way_m(step.grid, step.robot, *destinations)
+    return way_m is not None and left <= _TURNS * way_m / motion.forward_m + turns

@@ -10,6 +10,7 @@ from hypernav.core.exploring.exploration import Destination
 from hypernav.core.exploring.insight import Insight
 from hypernav.core.exploring.overview import Block
 from hypernav.core.geometry.transforms import Pose2
+from hypernav.planning.gaps import Gap
 from hypernav.planning.route import Route
 
 Position = tuple[float, float]
@@ -64,6 +65,21 @@ class Exploring:
 
 
 @dataclass(frozen=True, eq=False)
+class Opening:
+    """A gap on the way to the goal that the robot looks at from near.
+
+    Attributes:
+        gap: The gap.
+        route: Path to where it is looked at from.
+        steps: Number of steps so far.
+    """
+
+    gap: Gap
+    route: Route = field(default_factory=Route)
+    steps: int = 0
+
+
+@dataclass(frozen=True, eq=False)
 class Approaching:
     """The part of the plan that leads to the goal.
 
@@ -78,6 +94,8 @@ class Approaching:
         second_look: Position from which to look at the target from another side; None if no second
             look is under way.
         second_look_steps: Number of its steps.
+        opening: Gap that is looked at because no path leads to the goal; None if there is none.
+        closed: Positions of the gaps that were looked at, and are closed.
     """
 
     patience: Progress | Endurance
@@ -88,6 +106,8 @@ class Approaching:
     as_near_as_possible: bool = False
     second_look: Position | None = None
     second_look_steps: int = 0
+    opening: Opening | None = None
+    closed: tuple[Position, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,6 +13,7 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.planning.config import PlanningConfig
 from hypernav.planning.costmap import Costmap
 from hypernav.planning.follower import PathFollower
+from hypernav.planning.gaps import HOPE_M, Gap, gap_on_the_way
 from hypernav.planning.planner import PlannedPath, Planner, is_blocked
 from hypernav.planning.route import DeadEnd, Route
 
@@ -65,6 +66,33 @@ class Navigator:
                 if action is not None or route.arrived:
                     return action, route
         return self._plan(route, grid, robot, destinations)
+
+    def way_m(
+        self, grid: OccupancyGrid, robot: Pose2, *destinations: Float64[np.ndarray, "_ 2"]
+    ) -> float | None:
+        """Length of the path that `towards` would take, metres; None if there is none."""
+        options = self._planner.options(grid, robot.xy, destinations)
+        return next((path.length_m for _, path in options if path is not None), None)
+
+    def gap_towards(
+        self,
+        grid: OccupancyGrid,
+        robot: Pose2,
+        points: Float64[np.ndarray, "n 2"],
+        closed: tuple[tuple[float, float], ...],
+    ) -> Gap | None:
+        """The gap to look at from near, where no path leads to a destination.
+
+        Args:
+            grid: The map.
+            robot: Pose of the robot.
+            points: Points of the destination, ``(x, y)``, metres.
+            closed: Gaps that were looked at before.
+        """
+        clearance_m = self._clearances_m[-1]
+        tight = self._costmap(grid, robot, clearance_m)
+        hopeful = self._costmap(grid, robot, max(clearance_m - HOPE_M, 0.0))
+        return gap_on_the_way(tight, hopeful, robot.xy, points, closed)
 
     def _is_fresh(self, route: Route, destinations: Destinations) -> bool:
         every = self._config.replan_every_steps

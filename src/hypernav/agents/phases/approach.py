@@ -3,6 +3,7 @@
 import numpy as np
 from jaxtyping import Float64
 
+from hypernav.agents.phases.open_way import open_way
 from hypernav.agents.plan import Plan
 from hypernav.agents.step import Decision, Phase, Step
 from hypernav.core.actions import Action
@@ -14,6 +15,8 @@ from hypernav.perception.local.belief import rejected
 
 _CLOSE_BY_M = 1.5
 """Length of path below which a stuck robot is at the goal area: something stands around it."""
+_WIDER_M = (0.3, 0.7)
+"""Distances from the goal area that must suffice when nothing else is left, if it is in sight."""
 
 
 def approach(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
@@ -21,13 +24,18 @@ def approach(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, 
     target, robot, config = step.target(memory), step.robot, step.config
     if target is None:
         return Phase.LOOK_AROUND, plan
-    goals = _goals(step, memory, target)
+    goals = _goals(step, memory, plan, target)
     if _distance_m(robot, goals[0]) > config.stop_distance_m:
         with step.clock("plan"):
             action, plan = _next_action(step, plan, target, goals)
         must_do, route = plan.approaching.as_near_as_possible, plan.approaching.route
         leads_there = route.path is not None and route.path.gap_m <= config.approach_gap_m
         if route.path is None or not (leads_there or must_do):
+            if config.open_the_way:
+                with step.clock("plan"):
+                    decision, plan = open_way(step, plan, np.concatenate(goals))
+                if decision is not None:
+                    return decision, _without_exploration(step, plan)
             return Phase.LOOK_AROUND, plan.with_new_patience(config)
         left_m = route.left_m(robot)
         if action is not None:
@@ -64,15 +72,29 @@ def _next_action(
     return action if is_near else None, plan.approach(inside=inside)
 
 
-def _goals(step: Step, memory: Memory, target: Target) -> list[Float64[np.ndarray, "_ 2"]]:
+def _goals(
+    step: Step, memory: Memory, plan: Plan, target: Target
+) -> list[Float64[np.ndarray, "_ 2"]]:
     """Sets of positions to go to, in the order of preference."""
-    goals = [target.entry_points]
-    if step.config.enter_in_sight:
-        area = target.area
-        around = np.concatenate([area.entry_points, area.seen_points])
-        in_sight = target.entry_points_in_sight(memory.floor.map.eye_level(around))
+    config, goals = step.config, [target.entry_points]
+    if not (config.enter_in_sight or config.open_the_way):
+        return goals
+    around = np.concatenate([target.area.entry_points, target.area.seen_points])
+    widest_m = max(config.approach_gap_m, *_WIDER_M)
+    corners = np.array([around.min(axis=0) - widest_m, around.max(axis=0) + widest_m])
+    eye_level = memory.floor.map.eye_level(corners)
+    if config.enter_in_sight:
+        in_sight = target.entry_points_in_sight(eye_level)
         if 0 < len(in_sight) < len(goals[0]):
             goals.insert(0, in_sight)
+    if not config.open_the_way:
+        return goals
+    beside = [target.points_beside_in_sight(eye_level, config.approach_gap_m)]
+    goals[1:1] = [points for points in beside if len(points)]
+    if plan.approaching.as_near_as_possible:
+        wider = [target.points_beside_in_sight(eye_level, gap_m) for gap_m in _WIDER_M]
+        goals += [points for points in wider if len(points)]
+        goals.append(np.array([target.nearest_view]))
     return goals
 
 

@@ -227,6 +227,16 @@ class GoalArea:
         points[number[self.seen]] = self.seen_points
         return points[number[self.entry]]
 
+    def beside(self, gap_m: float) -> tuple[Float64[np.ndarray, "n 2"], Float64[np.ndarray, "n 2"]]:
+        """Points within a gap of the entry points, and for each the nearest of `seen_points`."""
+        wide = self._widened(math.ceil(gap_m / self.resolution_m))
+        away = cv2.distanceTransform(
+            (~wide.entry).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE
+        )
+        is_beside = ~wide.entry & ~wide.seen & (away * self.resolution_m <= gap_m)
+        beside = replace(wide, entry=is_beside)
+        return beside.entry_points, beside.nearest_seen_points
+
     @cached_property
     def centre(self) -> tuple[float, float]:
         """Middle of the cells that the target was seen in, metres."""

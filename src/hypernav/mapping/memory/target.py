@@ -119,6 +119,27 @@ class Target:
         is_clear = lines_are_clear(eye_level, points, seen, through=area.seen_points)
         return points[is_clear | before]
 
+    def points_beside_in_sight(
+        self, eye_level: OccupancyGrid, gap_m: float
+    ) -> Float64[np.ndarray, "n 2"]:
+        """Points around the entry points, between which and the target nothing stands.
+
+        Args:
+            eye_level: Map of what is as high as the camera.
+            gap_m: Distance from an entry point, metres.
+        """
+        points, seen = self.area.beside(gap_m)
+        is_open = _far_from(points, self.barred)
+        points, seen = points[is_open], seen[is_open]
+        return points[lines_are_clear(eye_level, points, seen, through=self.area.seen_points)]
+
+    @property
+    def nearest_view(self) -> tuple[float, float]:
+        """Position ``(x, y)``, metres, nearest to the target of those from which it was seen."""
+        positions = [one.position for one in self.looks if one.weight > 0.0]
+        positions.append(self.best_view.robot.xy)
+        return min(positions, key=lambda position: self.area.distance_to(*position))
+
     def distance_to(self, x: float, y: float) -> float:
         """Straight distance to the nearest entry point, metres."""
         dx, dy = self.entry_points[:, 0] - x, self.entry_points[:, 1] - y

@@ -1,0 +1,77 @@
+"""Gaps that are closed by little: what a robot looks at from near before it gives a way up."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64
+
+from hypernav.core.geometry.bounds import has_cell
+from hypernav.mapping.inflation import disc
+from hypernav.planning.astar import astar
+from hypernav.planning.costmap import Costmap
+
+HOPE_M = 0.04
+"""So much a map may err on each side of a gap that is seen from afar, metres."""
+_PRICE = np.float32(10.0)
+"""Cost factor of a cell that may turn out to be closed: the way back, when it does."""
+_SAME_GAP_M = 0.5
+"""Radius around a gap that was looked at within which all is closed."""
+
+
+@dataclass(frozen=True)
+class Gap:
+    """A gap that the map shows as just too narrow.
+
+    Attributes:
+        position: Where the way through it ends on the map, ``(x, y)``, metres.
+        look_from: The last position before it where the robot fits, metres.
+    """
+
+    position: tuple[float, float]
+    look_from: tuple[float, float]
+
+
+def gap_on_the_way(
+    tight: Costmap,
+    hopeful: Costmap,
+    start: tuple[float, float],
+    targets: Float64[np.ndarray, "n 2"],
+    closed: tuple[tuple[float, float], ...],
+) -> Gap | None:
+    """The first gap on the cheapest way to a destination, if gaps may be wider than they look.
+
+    Args:
+        tight: Costmap of the robot that squeezes through.
+        hopeful: Costmap of the same map with obstacles inflated less, by `HOPE_M`.
+        start: Position of the robot ``(x, y)``, metres.
+        targets: Points ``(x, y)`` of the destination, metres.
+        closed: Gaps that were looked at, and are closed.
+
+    Returns:
+        None if there is no such way, or nothing in it is closed.
+    """
+    grid, costs = tight.grid, hopeful.costs.copy()
+    doubtful = (tight.costs == 0.0) & (costs > 0.0)
+    costs[doubtful] = _PRICE
+    known_closed = np.zeros(costs.shape, dtype=bool)
+    around = np.argwhere(disc(_SAME_GAP_M, grid.resolution_m))
+    for position in closed:
+        cells = around - around.max(axis=0) // 2 + np.array(grid.cell_of(*position))
+        cells = cells[has_cell(costs.shape, cells[:, 0], cells[:, 1])]
+        known_closed[cells[:, 0], cells[:, 1]] = True
+    costs[doubtful & known_closed] = 0.0
+    cells = grid.cells_of(targets)
+    cells = cells[grid.contains(cells)]
+    wanted = np.zeros(costs.shape, dtype=np.uint8)
+    wanted[cells[:, 0], cells[:, 1]] = 1
+    wanted[costs == 0.0] = 0
+    if tight.escape is None:
+        return None
+    path, _ = astar(costs, grid.cell_of(*start), wanted)
+    in_doubt = np.flatnonzero(doubtful[path[:, 0], path[:, 1]])
+    if len(in_doubt) == 0:
+        return None
+    first = int(in_doubt[0])
+    ends = grid.centres_of(path[[first, max(first - 1, 0)]]).tolist()
+    (x, y), (from_x, from_y) = ends
+    return Gap((x, y), (from_x, from_y))

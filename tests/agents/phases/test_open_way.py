@@ -1,0 +1,53 @@
+"""Laws of a goal in sight that no path leads to."""
+
+import math
+
+import pytest
+from hypernav.core.episode import Outcome
+from hypernav.worlds.episode_run import EpisodeRun
+
+from hypernav.build.agents import build_search
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.trace import Ending, ExchangeLog, Mode
+from hypernav.perception.local.ground_truth import GroundTruthDetector
+from meeting_room import meeting_room
+from small_episodes import episode_from
+from small_worlds import small_config
+
+IN_THE_CORRIDOR = Pose2(10.5, 1.0, math.pi)
+
+
+def search_for_the_screen(*, board_m, aisle_m, steps=300, **search):
+    config = small_config(search={"max_steps": steps, **search})
+    agent = build_search(config, GroundTruthDetector(), ExchangeLog(), agent="hypernav")
+    world = meeting_room(board_m=board_m, aisle_m=aisle_m)
+    episode = EpisodeRun(agent, world, episode_from(IN_THE_CORRIDOR, "tv", max_steps=steps))
+    return [step.trace for step in episode], episode.result()
+
+
+@pytest.mark.parametrize(("board_m", "aisle_m"), [(0.76, 0.46), (0.80, 0.5)])
+def test_a_goal_seen_with_a_true_path_is_not_left_for_good(board_m, aisle_m):
+    steps, result = search_for_the_screen(board_m=board_m, aisle_m=aisle_m)
+    assert result.outcome is Outcome.FOUND
+    seen = next(step.step for step in steps if step.goal_area)
+    assert {step.mode for step in steps[seen:]} <= {Mode.APPROACH, Mode.VERIFY, Mode.STOP}
+
+
+def test_without_it_the_goal_is_left():
+    steps, _ = search_for_the_screen(board_m=0.76, aisle_m=0.46, open_the_way=False)
+    seen = next(step.step for step in steps if step.goal_area)
+    assert Mode.EXPLORE in {step.mode for step in steps[seen:]}
+
+
+def test_a_gap_that_fails_by_centimetres_is_looked_at_before_it_counts_as_closed():
+    steps, _ = search_for_the_screen(board_m=0.8, aisle_m=0.32)
+    looks = [step for step in steps if "looking from near" in step.reason]
+    closed = [step for step in steps if "gap closed" in step.events]
+    assert looks
+    assert closed
+    assert len({step.step for step in closed}) < 10  # remembered: none is looked at for ever
+
+
+def test_the_last_steps_lead_to_the_best_candidate_though_no_path_does():
+    steps, _ = search_for_the_screen(board_m=0.8, aisle_m=0.32, steps=140)
+    assert steps[-1].ending is Ending.FOUND
