@@ -120,10 +120,13 @@ def _file(
     bounds: Float32[np.ndarray, "2 3"],
 ) -> bytes:
     cell, cell_height = settings["cell_size"][()], settings["cell_height"][()]
-    spacing = cell * settings["detail_sample_dist"]
-    error = cell_height * settings["detail_sample_max_error"]
-    reach = max(1, math.ceil(settings["edge_max_error"]))
-    sampling = Sampling(*map(np.float32, (cell, cell_height, spacing, error)), reach)
+    sampling = Sampling(
+        cell=np.float32(cell),
+        cell_height=np.float32(cell_height),
+        spacing=np.float32(cell * settings["detail_sample_dist"]),
+        most_error=np.float32(cell_height * settings["detail_sample_max_error"]),
+        reach=max(1, math.ceil(settings["edge_max_error"])),
+    )
     meshes = detail_meshes(space, regions, polygons, bounds[0], sampling)
     own = (polygons.corners >= 0).sum(axis=1)
     extra = np.array([len(mesh.points) for mesh in meshes]) - own
