@@ -89,9 +89,11 @@ class Navigator:
             points: Points of the destination, ``(x, y)``, metres.
             closed: Gaps that were looked at before.
         """
-        clearance_m = self._clearances_m[-1]
-        tight = self._costmap(grid, robot, clearance_m)
-        hopeful = self._costmap(grid, robot, max(clearance_m - HOPE_M, 0.0))
+        tight_m = self._clearances_m[-1]
+        tight, hopeful = (
+            Costmap.of(grid, self._config, robot.xy, clearance_m, is_squeezed=True)
+            for clearance_m in (tight_m, max(tight_m - HOPE_M, 0.0))
+        )
         return gap_on_the_way(tight, hopeful, robot.xy, points, closed)
 
     def _is_fresh(self, route: Route, destinations: Destinations) -> bool:

@@ -3,12 +3,12 @@
 import math
 
 import pytest
-from hypernav.core.episode import Outcome
-from hypernav.worlds.episode_run import EpisodeRun
 
 from hypernav.build.agents import build_search
+from hypernav.core.episodes.episode import Outcome
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import Ending, ExchangeLog, Mode
+from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from meeting_room import meeting_room
 from small_episodes import episode_from

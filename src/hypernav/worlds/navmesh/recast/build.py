@@ -1,51 +1,37 @@
-"""Navigation meshes from triangles: runs the stages of Recast."""
+"""Navigation meshes from triangles: one stage of Recast after the other."""
 
 import math
-from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float32, Int32, Int64
+from jaxtyping import Float32, Int32
 
 from hypernav.core.errors import NavmeshError
 from hypernav.worlds.navmesh.files.file_format import DETAIL_MESH, EXTERNAL, TILE_HEADER, TREE_NODE
 from hypernav.worlds.navmesh.files.search_tree import MOST_STEPS, search_tree
 from hypernav.worlds.navmesh.files.settings import robot_in_voxels
 from hypernav.worlds.navmesh.files.writer import file_of_tile, polygon_records
-from hypernav.worlds.navmesh.recast.contour_kernels import trace_contours
-from hypernav.worlds.navmesh.recast.detail_kernels import detail_meshes
-from hypernav.worlds.navmesh.recast.filter_kernels import (
+from hypernav.worlds.navmesh.recast.contours import trace_contours
+from hypernav.worlds.navmesh.recast.detail import detail_meshes
+from hypernav.worlds.navmesh.recast.filters import (
     drop_ledges,
     drop_low_ceilings,
     keep_low_obstacles,
 )
-from hypernav.worlds.navmesh.recast.hole_kernels import join_holes
-from hypernav.worlds.navmesh.recast.open_space_kernels import (
+from hypernav.worlds.navmesh.recast.heights import Sampling
+from hypernav.worlds.navmesh.recast.holes import join_holes
+from hypernav.worlds.navmesh.recast.open_space import (
     OpenSpace,
     erode,
     open_space,
     smooth_distances,
 )
-from hypernav.worlds.navmesh.recast.polygon_kernels import convex_polygons, neighbours
-from hypernav.worlds.navmesh.recast.rasterization_kernels import rasterize, walkable_triangles
-from hypernav.worlds.navmesh.recast.region_kernels import join_regions
-from hypernav.worlds.navmesh.recast.watershed_kernels import watershed
+from hypernav.worlds.navmesh.recast.polygons import Polygons, convex_polygons, neighbours
+from hypernav.worlds.navmesh.recast.rasterization import rasterize, walkable_triangles
+from hypernav.worlds.navmesh.recast.regions import join_regions
+from hypernav.worlds.navmesh.recast.watershed import watershed
 
 _MOST_COLUMNS = 100_000_000
 _MOST_CORNERS = 0xFFFE
-
-
-class _Polygons(NamedTuple):
-    """Polygons of Recast.
-
-    Attributes:
-        vertices: Column x, height in voxels, column z.
-        corners: Vertices of every polygon, padded with -1.
-        regions: Region of every polygon.
-    """
-
-    vertices: Int64[np.ndarray, "v 3"]
-    corners: Int64[np.ndarray, "p 6"]
-    regions: Int64[np.ndarray, " p"]
 
 
 def compute_navmesh(
@@ -55,12 +41,12 @@ def compute_navmesh(
 
     Args:
         vertices: Positions in Habitat's frame, metres; they also set the bounds.
-        triangles: Vertex numbers, counter-clockwise seen from the walkable side. Where surfaces
-            touch, the order of triangles matters.
+        triangles: Vertex numbers, counter-clockwise seen from the side that can be stood on. Where
+            surfaces touch, their order counts.
         settings: Record of type `SETTINGS`, see `settings_for`.
 
     Returns:
-        The content of the file; only its links are made at loading.
+        The content of the file; only its links are left to those who load it.
 
     Raises:
         NavmeshError: There is nothing to walk on, or more than a mesh can hold.
@@ -87,36 +73,37 @@ def _walkable_space(
         )
     slope = settings["agent_max_slope"] / np.float32(180.0) * np.float32(math.pi)
     walkable = walkable_triangles(vertices, triangles, np.float32(math.cos(slope)))
-    start, solid = rasterize(
-        vertices, triangles, walkable, bounds, width, depth, cell, cell_height, climb
-    )
+    cells = np.array([cell, cell_height])
+    solid = rasterize(vertices, triangles, walkable, bounds, (depth, width), cells, climb)
     if settings["filter_low_hanging_obstacles"]:
-        keep_low_obstacles(start, solid, climb)
+        keep_low_obstacles(solid, climb)
     if settings["filter_ledge_spans"]:
-        drop_ledges(start, solid, width, height, climb)
+        drop_ledges(solid, width, height, climb)
     if settings["filter_walkable_low_height_spans"]:
-        drop_low_ceilings(start, solid, height)
-    space = open_space(start, solid, width, height, climb)
+        drop_low_ceilings(solid, height)
+    space = open_space(solid, width, height, climb)
     erode(space, radius)
     return space
 
 
 def _regions_and_polygons(
     space: OpenSpace, settings: np.ndarray
-) -> tuple[Int32[np.ndarray, " s"], _Polygons]:
+) -> tuple[Int32[np.ndarray, " s"], Polygons]:
     distance, greatest = smooth_distances(space)
     regions, count = watershed(space, distance, greatest)
     least, mergeable = (int(settings[f"region_{name}_size"] ** 2) for name in ("min", "merge"))
-    count = join_regions(space, regions, count, least, mergeable)
+    regions, count = join_regions(space, regions, count, least, mergeable)
     longest = int(settings["edge_max_len"] / settings["cell_size"])
-    corners, start, owner = trace_contours(space, regions, settings["edge_max_error"][()], longest)
-    corners, begin, length = join_holes(corners, start, owner, count)
-    if length.sum() >= _MOST_CORNERS:
+    contours = join_holes(
+        trace_contours(space, regions, np.float32(settings["edge_max_error"]), longest)
+    )
+    corners = sum(len(contour.corners) for contour in contours)
+    if corners >= _MOST_CORNERS:
         raise NavmeshError(
-            f"expected a mesh with less than {_MOST_CORNERS:,} corners, found {length.sum():,}; "
+            f"expected a mesh with less than {_MOST_CORNERS:,} corners, found {corners:,}; "
             "choose larger cells"
         )
-    polygons = _Polygons(*convex_polygons(corners, begin, length, owner))
+    polygons = convex_polygons(contours)
     if not 0 < len(polygons.corners) < EXTERNAL:
         raise NavmeshError(
             f"expected a mesh of up to {EXTERNAL - 1:,} polygons, found {len(polygons.corners):,}; "
@@ -128,24 +115,26 @@ def _regions_and_polygons(
 def _file(
     space: OpenSpace,
     regions: Int32[np.ndarray, " s"],
-    polygons: _Polygons,
+    polygons: Polygons,
     settings: np.ndarray,
     bounds: Float32[np.ndarray, "2 3"],
 ) -> bytes:
     cell, cell_height = settings["cell_size"][()], settings["cell_height"][()]
-    spacing = cell * settings["detail_sample_dist"]
-    error = cell_height * settings["detail_sample_max_error"]
-    reach = max(1, math.ceil(settings["edge_max_error"]))
-    points, point_start, triangles, triangle_start = detail_meshes(
-        space, regions, *polygons, bounds[0], cell, cell_height, spacing, (error, reach)
+    sampling = Sampling(
+        cell=np.float32(cell),
+        cell_height=np.float32(cell_height),
+        spacing=np.float32(cell * settings["detail_sample_dist"]),
+        most_error=np.float32(cell_height * settings["detail_sample_max_error"]),
+        reach=max(1, math.ceil(settings["edge_max_error"])),
     )
+    meshes = detail_meshes(space, regions, polygons, bounds[0], sampling)
     own = (polygons.corners >= 0).sum(axis=1)
-    extra = np.diff(point_start) - own
+    extra = np.array([len(mesh.points) for mesh in meshes]) - own
+    faces = np.array([len(mesh.triangles) for mesh in meshes])
     details = np.zeros(len(own), DETAIL_MESH)
     details["vertex_base"] = np.cumsum(extra) - extra
-    details["vertex_count"], details["triangle_base"] = extra, triangle_start[:-1]
-    details["triangle_count"] = np.diff(triangle_start)
-    is_extra = np.arange(len(points)) >= np.repeat(point_start[:-1] + own, np.diff(point_start))
+    details["vertex_count"], details["triangle_count"] = extra, faces
+    details["triangle_base"] = np.cumsum(faces) - faces
     header = np.zeros((), TILE_HEADER)
     header["walkable_height"] = settings["agent_height"]
     header["walkable_radius"] = settings["agent_radius"]
@@ -154,18 +143,23 @@ def _file(
     header["highest"][1] += np.float32(robot_in_voxels(settings)[0]) * cell_height
     header["quantisation"] = np.float32(1.0) / cell
     scale = np.array([cell, cell_height, cell], dtype=np.float32)
-    steps = np.clip((points - bounds[0]) * header["quantisation"], 0, MOST_STEPS).astype(np.uint16)
-    low = np.minimum.reduceat(steps, point_start[:-1])
-    high = np.maximum.reduceat(steps, point_start[:-1])
+    low, high = (
+        ((np.stack(corner) - bounds[0]) * header["quantisation"])
+        .clip(0, MOST_STEPS)
+        .astype(np.uint16)
+        for corner in zip(
+            *((m.points.min(axis=0), m.points.max(axis=0)) for m in meshes), strict=True
+        )
+    )
     arrays = {
         "vertices": bounds[0] + polygons.vertices.astype(np.float32) * scale,
-        "polygons": polygon_records(
-            polygons.corners, neighbours(polygons.corners, len(polygons.vertices))
-        ),
+        "polygons": polygon_records(polygons.corners, neighbours(polygons.corners)),
         "details": details,
-        "detail_vertices": points[is_extra],
-        "detail_triangles": triangles,
-        # Detour reserves space for one node more than it needs.
+        "detail_vertices": np.concatenate(
+            [mesh.points[corners:] for mesh, corners in zip(meshes, own, strict=True)]
+        ),
+        "detail_triangles": np.concatenate([mesh.triangles for mesh in meshes]),
+        # Detour leaves room for one node more than it needs.
         "tree": np.concatenate([search_tree(low, high), np.zeros(1, TREE_NODE)]),
     }
     return file_of_tile(header, arrays, settings)

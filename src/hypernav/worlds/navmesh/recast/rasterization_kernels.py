@@ -1,7 +1,4 @@
-"""Triangles as solid spans in columns of voxels (numba kernels), as ``RecastRasterization.cpp``.
-
-Habitat's frame, y up. Column ``x + z * width``; heights are counted in voxels from the lowest one.
-"""
+"""Triangles as solid spans in columns of voxels (numba kernels), as ``RecastRasterization.cpp``."""
 
 import math
 
@@ -11,150 +8,125 @@ from numba import njit
 _ONE = np.float32(1.0)
 _ZERO = np.float32(0.0)
 _HIGHEST = 8191
-"""Largest height of a span, voxels."""
-_MOST_CORNERS = 12
-_X, _Z = 0, 2
+"""Voxels above each other that a span can count."""
+# A function is compiled for every literal number that it is called with, but once for these.
+_X, _Y, _Z = np.int64(0), np.int64(1), np.int64(2)
+_REST, _ROW, _LEFT, _PART = np.int64(0), np.int64(1), np.int64(2), np.int64(3)
+_TRIANGLE = np.int64(3)
 _LOW, _HIGH, _WALKABLE, _NEXT = 0, 1, 2, 3
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def walkable_triangles(vertices, triangles, least_up):
-    """Whether the upward component of each triangle's unit normal is above a limit."""
-    walkable = np.zeros(len(triangles), dtype=np.bool_)
-    for i in range(len(triangles)):
-        a, b, c = vertices[triangles[i, 0]], vertices[triangles[i, 1]], vertices[triangles[i, 2]]
-        ux, uy, uz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
-        vx, vy, vz = c[0] - a[0], c[1] - a[1], c[2] - a[2]
-        x, y, z = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
-        walkable[i] = y * (_ONE / math.sqrt(x * x + y * y + z * z)) > least_up
-    return walkable
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def rasterize(vertices, triangles, walkable, bounds, width, depth, cell, cell_height, climb):
-    """The spans that triangles fill.
+def fill(vertices, triangles, walkable, i, first, spans, used, free, parts, bounds, cells, climb):
+    """Fill the spans of triangles, as long as there is room for them.
 
     Args:
         vertices: Corners, Habitat's frame, metres, single precision.
         triangles: Vertex numbers.
-        walkable: Whether each triangle's slope is walkable.
+        walkable: 1 where a robot can stand on a triangle, as far as its slope tells.
+        i: First triangle.
+        first: Lowest span of the column at z and x; -1 where there is none.
+        spans: Lowest voxel, voxel above, 1 where a robot can stand, and the span above it.
+        used: Spans that have been used.
+        free: First of those that are free again; each names the following one.
+        parts: Room for four polygons of up to 12 corners.
         bounds: Lowest and highest corner of the voxels, metres.
-        width: Columns along x.
-        depth: Columns along z.
-        cell: Side of a column, metres.
-        cell_height: Height of a voxel, metres.
-        climb: Voxels that the robot climbs; tops within that distance count as one surface.
+        cells: Side of a column and height of a voxel, metres.
+        climb: Voxels that the robot climbs; tops no farther apart count as one surface.
 
     Returns:
-        First span of every column and the number of spans, and per span, from below: lowest voxel,
-        voxel above it, and 1 where a robot can stand.
+        The first triangle left, the new values of `used` and `free`, and how many spans that
+        triangle may need.
     """
-    first = np.full(width * depth, -1, dtype=np.int32)
-    spans = np.empty((4096, 4), dtype=np.int32)
-    used, free = 0, -1
     low_x, low_y, low_z = bounds[0, 0], bounds[0, 1], bounds[0, 2]
     top = bounds[1, 1] - low_y
-    per_cell, per_height = _ONE / cell, _ONE / cell_height
-    rest, row, left, part = (
-        np.empty((_MOST_CORNERS, 3), dtype=np.float32),
-        np.empty((_MOST_CORNERS, 3), dtype=np.float32),
-        np.empty((_MOST_CORNERS, 3), dtype=np.float32),
-        np.empty((_MOST_CORNERS, 3), dtype=np.float32),
-    )
-    for i in range(len(triangles)):
-        least_z, most_z = _fill(rest, vertices, triangles, i)
-        z_first = min(max(int((least_z - low_z) * per_cell), 0), depth - 1)
-        z_last = min(max(int((most_z - low_z) * per_cell), 0), depth - 1)
-        rest_count = 3
-        for z in range(z_first, z_last + 1):
+    cell, per_cell, per_height = cells[0], _ONE / cells[0], _ONE / cells[1]
+    depth, width = first.shape
+    rest, row, left, part = _REST, _ROW, _LEFT, _PART
+    while i < len(triangles):
+        for k in range(3):
+            for axis in range(3):
+                parts[rest, k, axis] = vertices[triangles[i, k], axis]
+        least, most = _extent(parts, rest, _TRIANGLE, _X)
+        needed = int((most - least) * per_cell) + 3
+        least, most = _extent(parts, rest, _TRIANGLE, _Z)
+        z = min(max(int((least - low_z) * per_cell), 0), depth - 1)
+        z_last = min(max(int((most - low_z) * per_cell), 0), depth - 1)
+        needed *= z_last - z + 1
+        if used + needed > len(spans):
+            return i, used, free, needed
+        rest_count = _TRIANGLE
+        while z <= z_last:
             border = low_z + np.float32(z) * cell + cell
-            row_count, rest_count = _split(rest, rest_count, row, left, border, _Z)
+            row_count, rest_count = _split(parts, rest, rest_count, row, left, border, _Z)
             rest, left = left, rest
-            if row_count < 3:
-                continue
-            least_x, most_x = _extent(row, row_count, _X)
-            x_first = int((least_x - low_x) * per_cell)
-            if x_first >= width:
-                continue
-            x_first = max(x_first, 0)
-            x_last = min(max(int((most_x - low_x) * per_cell), 0), width - 1)
-            for x in range(x_first, x_last + 1):
+            least, most = _extent(parts, row, row_count, _X)
+            x = max(int((least - low_x) * per_cell), 0)
+            x_last = min(max(int((most - low_x) * per_cell), 0), width - 1)
+            while row_count >= 3 and x <= x_last:
                 border = low_x + np.float32(x) * cell + cell
-                count, row_count = _split(row, row_count, part, left, border, _X)
+                count, row_count = _split(parts, row, row_count, part, left, border, _X)
                 row, left = left, row
-                if count < 3:
-                    continue
-                low, high = _extent(part, count, 1)
-                low, high = low - low_y, high - low_y
-                if high < _ZERO or low > top:
-                    continue
-                bottom = min(max(math.floor(max(low, _ZERO) * per_height), 0), _HIGHEST)
-                above = math.ceil(min(high, top) * per_height)
-                if free >= 0:
+                least, most = _extent(parts, part, count, _Y)
+                low, high = least - low_y, most - low_y
+                if count >= 3 and high >= _ZERO and low <= top:
                     new = free
-                    free = spans[new, _NEXT]
-                else:
-                    if used == len(spans):
-                        spans = np.concatenate((spans, np.empty_like(spans)))
-                    new = used
-                    used += 1
-                spans[new, _LOW] = bottom
-                spans[new, _HIGH] = min(max(above, bottom + 1), _HIGHEST)
-                spans[new, _WALKABLE] = 1 if walkable[i] else 0
-                free = _insert(first, spans, x + z * width, new, free, climb)
-    return _in_order(first, spans)
+                    if new >= 0:
+                        free = spans[new, _NEXT]
+                    else:
+                        new = used
+                        used += 1
+                    bottom = min(math.floor(max(low, _ZERO) * per_height), _HIGHEST)
+                    above = max(math.ceil(min(high, top) * per_height), bottom + 1)
+                    spans[new, _LOW], spans[new, _HIGH] = bottom, min(above, _HIGHEST)
+                    spans[new, _WALKABLE] = walkable[i]
+                    free = _insert(first, spans, z, x, new, free, climb)
+                x += 1
+            z += 1
+        i += 1
+    return i, used, free, 0
 
 
 @njit(cache=True, nogil=True)
-def _fill(points, vertices, triangles, i):
-    """Write a triangle's corners; returns their least and greatest z."""
-    for k in range(3):
-        for axis in range(3):
-            points[k, axis] = vertices[triangles[i, k], axis]
-    return _extent(points, 3, _Z)
-
-
-@njit(cache=True, nogil=True)
-def _extent(points, count, axis):
-    low = high = points[0, axis]
+def _extent(parts, part, count, axis):
+    low = high = parts[part, 0, axis]
     for k in range(1, count):
-        low, high = min(low, points[k, axis]), max(high, points[k, axis])
+        low, high = min(low, parts[part, k, axis]), max(high, parts[part, k, axis])
     return low, high
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _split(points, count, near, far, border, axis):
+def _split(parts, part, count, near, far, border, axis):
     """Cut a convex polygon; a corner on the border belongs to both parts. Returns their sizes."""
     nears, fars = 0, 0
     b = count - 1
-    gap_b = border - points[b, axis]
+    gap_b = border - parts[part, b, axis]
     for a in range(count):
-        gap_a = border - points[a, axis]
-        if (gap_a >= _ZERO) != (gap_b >= _ZERO):
+        gap_a = border - parts[part, a, axis]
+        cut = (gap_a >= _ZERO) != (gap_b >= _ZERO)
+        if cut:
             s = gap_b / (gap_b - gap_a)
             for k in range(3):
-                crossing = points[b, k] + (points[a, k] - points[b, k]) * s
-                near[nears, k], far[fars, k] = crossing, crossing
+                crossing = parts[part, b, k] + (parts[part, a, k] - parts[part, b, k]) * s
+                parts[near, nears, k], parts[far, fars, k] = crossing, crossing
             nears, fars = nears + 1, fars + 1
-            on_near, on_far = gap_a > _ZERO, gap_a < _ZERO
-        else:
-            on_near, on_far = gap_a >= _ZERO, gap_a <= _ZERO
-        if on_near:
+        # A corner on the border beside a cut is the cut itself.
+        if gap_a > _ZERO or (gap_a == _ZERO and not cut):
             for k in range(3):
-                near[nears, k] = points[a, k]
+                parts[near, nears, k] = parts[part, a, k]
             nears += 1
-        if on_far:
+        if gap_a < _ZERO or (gap_a == _ZERO and not cut):
             for k in range(3):
-                far[fars, k] = points[a, k]
+                parts[far, fars, k] = parts[part, a, k]
             fars += 1
         b, gap_b = a, gap_a
     return nears, fars
 
 
 @njit(cache=True, nogil=True)
-def _insert(first, spans, column, new, free, climb):
-    """Insert a span into its column, merged with those that it touches; returns the free spans."""
-    before, span = -1, first[column]
+def _insert(first, spans, z, x, new, free, climb):
+    """Put a span into its column, joined with those that it touches; returns the free spans."""
+    before, span = -1, first[z, x]
     while span >= 0 and spans[span, _LOW] <= spans[new, _HIGH]:
         after = spans[span, _NEXT]
         if spans[span, _HIGH] < spans[new, _LOW]:
@@ -167,34 +139,13 @@ def _insert(first, spans, column, new, free, climb):
             if before >= 0:
                 spans[before, _NEXT] = after
             else:
-                first[column] = after
+                first[z, x] = after
             spans[span, _NEXT] = free
             free = span
         span = after
+    spans[new, _NEXT] = span
     if before >= 0:
-        spans[new, _NEXT] = spans[before, _NEXT]
         spans[before, _NEXT] = new
     else:
-        spans[new, _NEXT] = first[column]
-        first[column] = new
+        first[z, x] = new
     return free
-
-
-@njit(cache=True, nogil=True)
-def _in_order(first, spans):
-    """The linked spans as arrays: column after column, each from below."""
-    start = np.zeros(len(first) + 1, dtype=np.int32)
-    for column in range(len(first)):
-        count, span = 0, first[column]
-        while span >= 0:
-            count += 1
-            span = spans[span, _NEXT]
-        start[column + 1] = start[column] + count
-    ordered = np.empty((start[-1], 3), dtype=np.int32)
-    for column in range(len(first)):
-        span = first[column]
-        for k in range(start[column], start[column + 1]):
-            for field in range(3):
-                ordered[k, field] = spans[span, field]
-            span = spans[span, _NEXT]
-    return start, ordered
