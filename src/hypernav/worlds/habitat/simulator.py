@@ -47,8 +47,8 @@ def require_habitat() -> ModuleType:
             ) from error
         raise MissingExtraError(
             "the world 'habitat' needs habitat-sim, which is not installed and which pip does not "
-            "have; try: conda install 'habitat-sim>=0.3.4' headless -c conda-forge -c aihabitat "
-            "(older ones are for Python 3.9), or build it: "
+            "have; try: conda install habitat-sim headless -c conda-forge -c aihabitat (one for "
+            "Python 3.11 or later and NumPy 2; those before tag v0.3.4 are for 3.9), or build it: "
             "https://github.com/facebookresearch/habitat-sim. The native world does not need it: "
             "leave out --world habitat"
         ) from error
