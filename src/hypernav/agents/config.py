@@ -57,7 +57,7 @@ class SearchConfig(RoomConfig):
         drop_explored_radius_m: Radius around a destination for both of these, metres.
         looks: Steps at which the camera is asked for the goal: "always" (paper), or only
             "at-destinations", where the robot then turns once around before it asks the map (our
-            reading of the paper's ablation without local perception).
+            reading of an ablation without local perception).
         verify_view: Image for the presence check: the "current" one or the "best" of the
             approach, which still shows what stands too close or too low.
         face_target: Whether to turn towards the goal area before the presence check.

@@ -1,8 +1,8 @@
 """The classification of failed episodes by written rules.
 
-The classes are those of the paper's failure analysis. The evidence is gathered from trace and
-ground truth by `hypernav.evaluation.failures.failure_evidence`. The rules are applied in the order
-of `RULES`, and the first that holds decides:
+The classes follow the paper's failure analysis, with some of our own. The evidence is gathered
+from trace and ground truth by `hypernav.evaluation.failures.failure_evidence`. The rules are
+applied in the order of `RULES`, and the first that holds decides:
 
 =================== ============================================================================
 model unavailable   A model was unavailable for longer than the patience. Not counted in rates.
