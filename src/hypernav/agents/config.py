@@ -69,7 +69,8 @@ class SearchConfig(RoomConfig):
             farther than `stop_distance_m` before it because a step is longer than what is left.
         open_the_way: Whether to go also where the goal is in sight from up to `approach_gap_m`
             beside the goal area, to look from near at gaps that are closed by little where no path
-            leads there, and to go back to the nearest view of the goal with the last steps.
+            leads there, and to go back to the nearest view of the goal with the last steps. Off:
+            where people walk past, it stops too far away (docs/results.md).
         max_steps: Number of steps that a search has; the last of them lead to the likeliest of what
             was seen and not believed (with `LocalConfig.target` "candidates").
         pursue_far_sightings: Whether to go towards a goal that was seen beyond the range of depth:
@@ -99,7 +100,7 @@ class SearchConfig(RoomConfig):
     see_before_stop: bool = True
     enter_in_sight: bool = True
     enter_fully: bool = True
-    open_the_way: bool = True
+    open_the_way: bool = False
     max_steps: int = Field(default=500, ge=1, le=MOST_STEPS)
     pursue_far_sightings: bool = True
 

@@ -251,7 +251,6 @@ def preset(name: PresetName) -> HyPerNavConfig:
             stop_distance_m=0.45,
             approach_gap_m=0.45,
             local_first=True,
-            open_the_way=False,
             give_up_when_stuck=False,
             end_when_explored=False,
             look_around_at_start=False,

@@ -17,8 +17,8 @@ from small_worlds import small_config
 IN_THE_CORRIDOR = Pose2(10.5, 1.0, math.pi)
 
 
-def search_for_the_screen(*, board_m, aisle_m, steps=300, **search):
-    config = small_config(search={"max_steps": steps, **search})
+def search_for_the_screen(*, board_m, aisle_m, steps=300, open_the_way=True):
+    config = small_config(search={"max_steps": steps, "open_the_way": open_the_way})
     agent = build_search(config, GroundTruthDetector(), ExchangeLog(), agent="hypernav")
     world = meeting_room(board_m=board_m, aisle_m=aisle_m)
     episode = EpisodeRun(agent, world, episode_from(IN_THE_CORRIDOR, "tv", max_steps=steps))

@@ -89,11 +89,10 @@ def _goals(
             goals.insert(0, in_sight)
     if not config.open_the_way:
         return goals
-    beside = [target.points_beside_in_sight(eye_level, config.approach_gap_m)]
-    goals[1:1] = [points for points in beside if len(points)]
+    gaps_m = (config.approach_gap_m, *(_WIDER_M if plan.approaching.as_near_as_possible else ()))
+    beside = [target.points_beside_in_sight(eye_level, gap_m) for gap_m in gaps_m]
+    goals += [points for points in beside if len(points)]
     if plan.approaching.as_near_as_possible:
-        wider = [target.points_beside_in_sight(eye_level, gap_m) for gap_m in _WIDER_M]
-        goals += [points for points in wider if len(points)]
         goals.append(np.array([target.nearest_view]))
     return goals
 
