@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from dae_writer import INPUTS, SHOWN, dae, write_dae
+from dae_writer import INPUTS, POLYLIST, SHOWN, dae, write_dae
 from hypernav.core.errors import SceneError
 from hypernav.worlds.scenes.loading import read_scene
 from hypernav.worlds.scenes.scene import Scene
@@ -102,6 +102,7 @@ def test_a_texture_lies_beside_the_file_and_a_missing_one_is_named(
         "<svg/>",
         dae(primitive=f"<triangles>{INPUTS}<p>0 0 1 1 9 9</p></triangles>"),
         dae(primitive=f"<triangles>{INPUTS}<p>0 0 1 1 x 9</p></triangles>"),
+        dae(primitive=POLYLIST.replace('offset="1"', 'offset="-5"')),
         dae("<node><matrix>1 2 3</matrix></node>"),
         '<!DOCTYPE a [<!ENTITY b "c">]><COLLADA/>',
         dae('<node id="n"><instance_node url="#n"/></node>'),

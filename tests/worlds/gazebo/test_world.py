@@ -146,6 +146,26 @@ def test_things_stand_where_they_stood_when_the_world_was_saved(tmp_path: Path) 
     assert boxes(loaded(tmp_path, WALLS, state))["wall_0"][0] == (-4.0, 8.95, 0.0)
 
 
+def test_an_included_thing_without_a_pose_stands_where_it_stood_then_too(tmp_path: Path) -> None:
+    model(tmp_path / "ws" / "models", "sofa")
+    state = """<state world_name="w"><model name="sofa"><pose>3 1 0 0 0 0</pose></model></state>"""
+    include = "<include><uri>model://sofa</uri></include>"
+    assert boxes(loaded(tmp_path, WALLS, include, state))["sofa"][0] == (3.0, 1.0, 0.0)
+
+
+def test_a_broken_pose_of_a_saved_state_costs_nothing_else(tmp_path: Path) -> None:
+    state = """<state world_name="w"><model name="wall_0"><pose>1 2</pose></model></state>"""
+    assert boxes(loaded(tmp_path, WALLS, state))["wall_0"][0] == (-4.0, 3.95, 0.0)
+
+
+def test_a_pose_may_name_an_include_by_its_element(tmp_path: Path) -> None:
+    model(tmp_path / "ws" / "models", "sofa")
+    includes = """<include><uri>model://sofa</uri><name>first</name><pose>1 0 0 0 0 0</pose>
+    </include><include><uri>model://sofa</uri><name>second</name>
+    <pose relative_to="first">1 0 0 0 0 0</pose></include>"""
+    assert boxes(loaded(tmp_path, WALLS, includes))["second"][0] == (2.0, 0.0, 0.0)
+
+
 def test_a_pose_may_name_a_sibling_and_an_include_replaces_the_models_own(tmp_path: Path) -> None:
     model(tmp_path / "ws" / "models", "sofa", pose="<pose>7 7 7 0 0 0</pose>")
     includes = """<include><uri>model://sofa</uri><name>kept</name></include>

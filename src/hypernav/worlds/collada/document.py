@@ -2,7 +2,7 @@
 
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -187,8 +187,3 @@ def _part(node: str, descriptive_name: str, triangles: Triangles, material: int)
         colors=None if colors is None else np.rint(np.clip(colors, 0, 1) * 255.0).astype(np.uint8),
         normals=normals,
     )
-
-
-def with_materials_from(parts: list[MeshPart], first: int) -> list[MeshPart]:
-    """The parts with the numbers of their materials moved up."""
-    return [replace(part, material=part.material + first) for part in parts]

@@ -51,7 +51,10 @@ def triangles_of(mesh: ElementTree.Element) -> Iterator[Triangles]:
         inputs = _inputs(primitive, of_vertices)
         if "POSITION" not in inputs:
             continue
-        width = 1 + max(int(item.get("offset", "0")) for item in primitive.iter("input"))
+        offsets = [int(item.get("offset", "0")) for item in primitive.iter("input")]
+        if min(offsets) < 0:
+            raise ValueError("an input has a negative offset")
+        width = 1 + max(offsets)
         corners = _corners(primitive, width)
         if not len(corners):
             continue

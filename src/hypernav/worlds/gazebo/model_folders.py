@@ -4,7 +4,9 @@ import os
 import re
 import xml.etree.ElementTree as ElementTree
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
+from urllib.parse import unquote
 
 from hypernav.core.files.allowance import Allowance
 from hypernav.core.files.reading import path_below, read_file
@@ -99,8 +101,9 @@ def sdf_of(model: Found, allowance: Allowance) -> Found | None:
 
 def _downloaded(host: str, owner: str, model: str, rest: str | None) -> Found | None:
     """The newest version of a model that Gazebo has downloaded, or a file of it; or None."""
-    for folder in _FUEL_FOLDERS:
-        kept = _below(Path.home() / folder, f"{host}/{owner.lower()}/models/{model.lower()}")
+    names = dict.fromkeys((model.lower(), unquote(model).lower()))
+    for folder, name in product(_FUEL_FOLDERS, names):
+        kept = _below(Path.home() / folder, f"{host}/{owner.lower()}/models/{name}")
         if kept is None or not kept.path.is_dir():
             continue
         versions = sorted(kept.path.glob("[0-9]*"), key=lambda path: _version(path.name))

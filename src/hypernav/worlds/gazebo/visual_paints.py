@@ -5,6 +5,8 @@ import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
+
 from hypernav.core.files.reading import read_file
 from hypernav.worlds.collada.triangles import numbers_of
 from hypernav.worlds.gazebo.model_folders import Found, ModelFolders, found_beside
@@ -119,6 +121,6 @@ def _texture(name: str, places: list[Found]) -> Path | None:
 
 
 def _color(text: str) -> tuple[float, float, float]:
-    values = numbers_of(" ".join(text.split()[:3])).clip(0.0, 1.0).tolist()
+    values = np.nan_to_num(numbers_of(" ".join(text.split()[:3]))).clip(0.0, 1.0).tolist()
     red, green, blue = [*values, 0.0, 0.0, 0.0][:3]
     return red, green, blue

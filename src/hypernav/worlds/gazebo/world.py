@@ -115,10 +115,13 @@ class _World:
             raise ValueError(f"begins with {root.tag:.40}, expected sdf")
         world = root.find("world")
         content = root if world is None else world
+        top = _Place(np.eye(4), (), self._file, 0)
         for model in content.iterfind("state/model"):
             # Where things stood when the world was saved; Gazebo puts them there again.
-            self._moved[model.get("name", "")] = matrix_of(model.find("pose"))
-        self._models_in(content, _Place(np.eye(4), (), self._file, 0))
+            name = model.get("name", "")
+            with self._left_out_if_broken(top, name):
+                self._moved[name] = matrix_of(model.find("pose"))
+        self._models_in(content, top)
 
     def _document(self, path: Path) -> ElementTree.Element:
         if path not in self._documents:
@@ -181,7 +184,10 @@ class _World:
             return
         pose = None if element.find("pose") is None else self._matrix(element, parent, place)
         for model in self._document(file.path).iterfind("model"):
-            matrix = matrix_of(model.find("pose")) if pose is None else pose
+            own = element.findtext("name") or model.get("name", "")
+            matrix = None if place.names else self._moved.get(own)
+            if matrix is None:
+                matrix = matrix_of(model.find("pose")) if pose is None else pose
             self._model(name, model, matrix, replace(place, file=file))
 
     def _builtin(self, name: str, uri: str, matrix: Matrix, place: _Place) -> None:
@@ -206,7 +212,8 @@ class _World:
             return self._moved[name]
         pose = element.find("pose")
         matrix, frame = matrix_of(pose), frame_of(pose)
-        siblings = (s for s in parent if s.get("name") == frame and s is not element)
+        named = (s for s in parent if (s.get("name") or s.findtext("name")) == frame)
+        siblings = (s for s in named if s is not element)
         sibling = next(siblings, None) if frame and depth < _DEEPEST else None
         if sibling is None:
             return matrix
@@ -250,6 +257,8 @@ class _World:
             raise ValueError(f"no file {_last_of(uri):.60}")
         wanted = (mesh.findtext("submesh/name") or "").strip()
         whole = self.meshes.parts_of(file)
+        if not any(len(part.faces) for part in whole):
+            raise ValueError(f"{file.path.name:.60} holds no triangles")
         chosen = [part for part in whole if wanted in (part.node, part.node.partition("#")[0])]
         parts = chosen or whole
         scale = numbers_of(mesh.findtext("scale"))

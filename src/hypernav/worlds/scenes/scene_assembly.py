@@ -92,7 +92,7 @@ def assemble(
         smooth: Whether to use normals; False shades every face flat.
 
     Raises:
-            SceneError: No triangle is left.
+        SceneError: No triangle is left.
     """
     owner = {node: number for number, item in enumerate(objects) for node in item.nodes}
     kept = [clean for part in parts if len((clean := _without_bad_faces(part)).faces)]

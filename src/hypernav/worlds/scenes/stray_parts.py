@@ -68,21 +68,18 @@ def without_surroundings(parts: Sequence[MeshPart]) -> tuple[list[MeshPart], lis
     """
     sheets = are_sheets(parts)
     others = [part for part, is_sheet in zip(parts, sheets, strict=True) if not is_sheet]
-    building, left_out = without_stray_parts(others) if others else ([], [])
+    building = without_stray_parts(others)[0] if others else []
     if not building or not any(_area(part) for part in building):
         return without_stray_parts(parts)
     low, high = _box(*_boxes(building), np.ones(len(building), dtype=bool))
     grounds = {k: cut_to(parts[k], low, high) for k in np.flatnonzero(sheets).tolist()}
-    if not any(grounds.values()):
-        return without_stray_parts(parts)
+    cut = {k: ground for k, ground in grounds.items() if ground is not None}
+    building, left_out = without_stray_parts([p for k, p in enumerate(parts) if k not in cut])
     kept = set(map(id, building))
-    together = [
-        grounds.get(k) or part for k, part in enumerate(parts) if k in grounds or id(part) in kept
-    ]
-    for k, ground in grounds.items():
-        if ground is not None:
-            size = _size(*_boxes([parts[k]]))
-            left_out.append(f"what {parts[k].node} has around the rest ({size})")
+    together = [cut.get(k) or part for k, part in enumerate(parts) if k in cut or id(part) in kept]
+    for k in cut:
+        size = _size(*_boxes([parts[k]]))
+        left_out.append(f"what {parts[k].node} has around the rest ({size})")
     return [part for part in together if len(part.faces)], left_out
 
 

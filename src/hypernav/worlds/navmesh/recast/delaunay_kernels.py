@@ -15,7 +15,6 @@ HULL = -2
 """No face: the edge belongs to the hull."""
 _NONE = -1
 _LEAST_CROSS = np.float32(1e-5)
-_LEAST_TWICE_AREA = np.float32(1e-6)
 _TOLERANCE = np.float32(0.001)
 _ZERO, _ONE, _TWO = np.float32(0.0), np.float32(1.0), np.float32(2.0)
 
