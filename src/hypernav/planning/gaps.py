@@ -72,6 +72,8 @@ def gap_on_the_way(
     if len(in_doubt) == 0:
         return None
     first = int(in_doubt[0])
-    ends = grid.centres_of(path[[first, max(first - 1, 0)]]).tolist()
+    if first == 0:  # the robot stands in it
+        return None
+    ends = grid.centres_of(path[[first, first - 1]]).tolist()
     (x, y), (from_x, from_y) = ends
     return Gap((x, y), (from_x, from_y))

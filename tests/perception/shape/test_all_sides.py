@@ -60,6 +60,12 @@ def test_a_face_is_measured_more_surely_than_a_mask_that_bleeds():
     assert form_evidence(sides, TV).log_odds < -2.0
 
 
+def test_the_flat_end_of_a_sofa_is_not_its_width():
+    end = measure(width_m=0.9, face=True)
+    assert form_evidence([end], SOFA).is_doubtful
+    assert form_evidence([end, measure(20.0, width_m=2.1)], SOFA).log_odds == 0.0
+
+
 @pytest.mark.parametrize(("below_eye", "side_deg"), [(True, 0.0), (False, 80.0)])
 def test_a_thing_without_a_seat_is_no_toilet(below_eye, side_deg):
     sides = [measure(one, level=0.02, below_eye=below_eye) for one in (0.0, side_deg)]

@@ -44,8 +44,8 @@ class YoloxConfig(RoomConfig):
     Attributes:
         score_threshold: Detections below this are dropped; objectness times class score.
         look_closer_below: Score of the goal below which the network looks once more, at the part of
-            the image around the box, enlarged; the score is then the mean of both. 0 never looks
-            closer.
+            the image around the box, enlarged; the score is then the mean of both, and may be below
+            `score_threshold`. 0 never looks closer.
         threads: Threads of onnxruntime.
         classes: Names in the order of the network's outputs.
     """
@@ -115,16 +115,15 @@ class YoloxDetector:
         x = int(np.clip((box.x_min + box.x_max - side) / 2.0, 0.0, max(width - side, 0.0)))
         y = int(np.clip((box.y_min + box.y_max - side) / 2.0, 0.0, max(height - side, 0.0)))
         part = rgb[y : y + math.ceil(side), x : x + math.ceil(side)]
+        if part.shape == rgb.shape:
+            return weak
         inside = Box(box.x_min - x, box.y_min - y, box.x_max - x, box.y_max - y)
-        again = max(
-            (
-                one.score
-                for one in self.detect_all(part)
-                if one.label == weak.label and one.box.iou(inside) >= _SAME_BOX_IOU
-            ),
-            default=0.0,
+        same = [one for one in self.detect_all(part) if one.label == weak.label]
+        again = max(same, key=lambda one: one.box.iou(inside), default=None)
+        is_again = again is not None and again.box.iou(inside) >= _SAME_BOX_IOU
+        return replace(
+            weak, score=(weak.score + (again.score if again and is_again else 0.0)) / 2.0
         )
-        return replace(weak, score=(weak.score + again) / 2.0)
 
     def detect_all(self, rgb: UInt8[np.ndarray, "height width 3"]) -> list[Detection]:
         """Everything the network sees, of all classes, best first."""

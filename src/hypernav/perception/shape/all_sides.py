@@ -1,7 +1,7 @@
 """What the form of a thing says of its name when several images have shown it.
 
-One image shows one side: an armchair may be a sofa seen from its end. From two sides, or of a flat
-face, the width is known; and a top that no image from above shows is not there.
+One image shows one side: an armchair may be a sofa seen from its end. From two sides, or of a
+screen's face, the width is known; and a level surface that hardly any image shows is not there.
 """
 
 import math
@@ -29,7 +29,7 @@ _LEAST_LEVEL, _MOST_IMAGES = 0.06, 0.8
 """Share of a thing in the image that its level surface takes at least, and the share of the images
 that may show less of it."""
 _NEAR_M = 3.5
-"""Distance up to which a level top takes enough pixels."""
+"""Distance up to which a level surface takes enough pixels."""
 _BELOW_EYE_M = 0.25
 """Height of the camera above a thing from which no part of the thing hides its level surface."""
 _LEAST_M = 0.05
@@ -68,11 +68,16 @@ def measure_of(form: Form, centre: tuple[float, float], observation: Observation
 
 
 def form_evidence(measures: Sequence[Measure], kind: KindShape) -> FormEvidence:
-    """Compare what several images show with what is known of a kind."""
+    """Compare what several images show with what is known of a kind.
+
+    The face of a kind that is one, such as a screen, tells its width alone: a mask may bleed into
+    what is beside, but hardly one that is flat. A flat side of any other may be its end.
+    """
     whole = [one for one in measures if one.width_m is not None]
     near = [one for one in measures if one.level_share is not None]
-    narrow = _narrowness(whole, kind)
-    is_width_known = _are_around(whole) or any(one.is_face for one in whole)
+    faces = [one for one in whole if one.is_face and kind.face == "upright"]
+    narrow = _narrowness(faces or whole, kind)
+    is_width_known = bool(faces) or _are_around(whole)
     is_flat = kind.face == "level" and _lacks_a_top(near)
     is_top_known = _are_around(near) or any(one.is_below_eye for one in near)
     against = narrow if is_width_known else 0.0
@@ -83,12 +88,8 @@ def form_evidence(measures: Sequence[Measure], kind: KindShape) -> FormEvidence:
 
 
 def _narrowness(whole: Sequence[Measure], kind: KindShape) -> float:
-    """What speaks against a thing as narrow as all images show it that show it whole.
-
-    A mask may bleed into what is beside, but hardly one that is a flat face.
-    """
-    faces = [one for one in whole if one.is_face]
-    widest_m = max((one.width_m or 0.0 for one in faces or whole), default=math.inf)
+    """What speaks against a thing as narrow as all images show it that show it whole."""
+    widest_m = max((one.width_m or 0.0 for one in whole), default=math.inf)
     least_m = _MEASURED_SHARE * kind.long_m[0]
     if widest_m >= least_m:
         return 0.0

@@ -40,7 +40,7 @@ class Form:
         is_bottom_seen: Whether it ends there; else the image's edge or something nearer hides more.
         is_top_seen: The same for the top.
         is_long_seen: The same for its left and right sides.
-        level_share: Share of its surface in view that is level and looks up.
+        level_share: Share of its surface in view that is level.
         goes_on: Share of the surroundings in the image that lie in the plane of a flat thing; 0 if
             it is not flat.
         is_plane_upright: Whether it is a flat upright face, as of a screen or a door.
