@@ -119,11 +119,10 @@ class YoloxDetector:
             return weak
         inside = Box(box.x_min - x, box.y_min - y, box.x_max - x, box.y_max - y)
         same = [one for one in self.detect_all(part) if one.label == weak.label]
-        again = max(same, key=lambda one: one.box.iou(inside), default=None)
-        is_again = again is not None and again.box.iou(inside) >= _SAME_BOX_IOU
-        return replace(
-            weak, score=(weak.score + (again.score if again and is_again else 0.0)) / 2.0
-        )
+        best = max(same, key=lambda one: one.box.iou(inside), default=None)
+        is_same = best is not None and best.box.iou(inside) >= _SAME_BOX_IOU
+        again = best.score if best is not None and is_same else 0.0
+        return replace(weak, score=(weak.score + again) / 2.0)
 
     def detect_all(self, rgb: UInt8[np.ndarray, "height width 3"]) -> list[Detection]:
         """Everything the network sees, of all classes, best first."""
