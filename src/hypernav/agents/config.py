@@ -67,10 +67,10 @@ class SearchConfig(RoomConfig):
             camera between there and the target, if a path leads there.
         enter_fully: Whether to take one more step, into the goal area, where the robot would end up
             farther than `stop_distance_m` before it because a step is longer than what is left.
-        open_the_way: Whether to go also where the goal is in sight from up to `approach_gap_m`
-            beside the goal area, to look from near at gaps that are closed by little where no path
-            leads there, and to go back to the nearest view of the goal with the last steps. Off:
-            where people walk past, it stops too far away (docs/results.md).
+        open_the_way: Whether to look from near at gaps that are closed by little where no path
+            leads to the goal area; to be content with a position up to `approach_gap_m` beside it,
+            with the goal in sight, where it has been blocked for `patience_steps`; and to go back
+            to the nearest view of the goal with the last steps.
         max_steps: Number of steps that a search has; the last of them lead to the likeliest of what
             was seen and not believed (with `LocalConfig.target` "candidates").
         pursue_far_sightings: Whether to go towards a goal that was seen beyond the range of depth:
@@ -100,7 +100,7 @@ class SearchConfig(RoomConfig):
     see_before_stop: bool = True
     enter_in_sight: bool = True
     enter_fully: bool = True
-    open_the_way: bool = False
+    open_the_way: bool = True
     max_steps: int = Field(default=500, ge=1, le=MOST_STEPS)
     pursue_far_sightings: bool = True
 

@@ -50,13 +50,13 @@ def _first_phase(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Pha
         evidence = reconsidered(memory.search.evidence)
         memory.search.evidence = evidence or memory.search.evidence
         if config.open_the_way:
-            plan = plan.approach(as_near_as_possible=True)
+            plan = plan.approach(as_near_as_possible=True, steps_run_out=True)
             approaching = plan.approaching
     target = step.target(memory)
     if target is None or target.number != approaching.candidate:
         number = None if target is None else target.number
         plan = plan.approach(
-            second_look=None, candidate=number, opening=None, closed=()
+            second_look=None, candidate=number, opening=None, closed=(), blocked_steps=0
         ).with_new_patience(config)
         approaching = plan.approaching
     if target is None:

@@ -91,11 +91,14 @@ class Approaching:
         rest_steps: Number of steps for which the robot explores, because it was stuck.
         as_near_as_possible: Whether the end of the nearest path must suffice, because the goal
             comes first or because everything else is explored.
+        steps_run_out: Whether the steps that are left just lead to the goal: the nearest position
+            that it was seen from will do.
         second_look: Position from which to look at the target from another side; None if no second
             look is under way.
         second_look_steps: Number of its steps.
         opening: Gap that is looked at because no path leads to the goal; None if there is none.
         closed: Positions of the gaps that were looked at, and are closed.
+        blocked_steps: Number of steps in which no path led into the goal area.
     """
 
     patience: Progress | Endurance
@@ -104,10 +107,16 @@ class Approaching:
     inside: Route = field(default_factory=Route)
     rest_steps: int = 0
     as_near_as_possible: bool = False
+    steps_run_out: bool = False
     second_look: Position | None = None
     second_look_steps: int = 0
     opening: Opening | None = None
     closed: tuple[Position, ...] = ()
+    blocked_steps: int = 0
+
+    def may_clear(self, config: SearchConfig) -> bool:
+        """Whether what blocks the way has not stood there for long: it may be a person."""
+        return 0 < self.blocked_steps <= config.patience_steps
 
 
 @dataclass(frozen=True, eq=False)

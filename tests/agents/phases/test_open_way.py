@@ -1,9 +1,12 @@
 """Laws of a goal in sight that no path leads to."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
+from hypernav.agents.patience import patience_of
+from hypernav.agents.plan import Approaching
 from hypernav.build.agents import build_search
 from hypernav.core.episodes.episode import Outcome
 from hypernav.core.geometry.transforms import Pose2
@@ -31,6 +34,17 @@ def test_a_goal_seen_with_a_true_path_is_not_left_for_good(board_m, aisle_m):
     assert result.outcome is Outcome.FOUND
     seen = next(step.step for step in steps if step.goal_area)
     assert {step.mode for step in steps[seen:]} <= {Mode.APPROACH, Mode.VERIFY, Mode.STOP}
+
+
+def test_what_blocks_the_goal_is_waited_for_as_long_as_patience_lasts():
+    config = small_config().search
+    blocked = [
+        replace(Approaching(patience_of(config)), blocked_steps=steps)
+        for steps in range(config.patience_steps + 2)
+    ]
+    assert not blocked[0].may_clear(config)
+    assert all(approaching.may_clear(config) for approaching in blocked[1:-1])
+    assert not blocked[-1].may_clear(config)
 
 
 def test_without_it_the_goal_is_left():

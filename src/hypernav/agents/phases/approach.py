@@ -5,9 +5,8 @@ from jaxtyping import Float64
 
 from hypernav.agents.phases.open_way import open_way
 from hypernav.agents.plan import Plan
-from hypernav.agents.step import Decision, Phase, Step
+from hypernav.agents.step import Decision, Phase, Step, turn_towards
 from hypernav.core.actions import Action
-from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import Mode
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.target import Target
@@ -25,12 +24,16 @@ def approach(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, 
     if target is None:
         return Phase.LOOK_AROUND, plan
     goals = _goals(step, memory, plan, target)
-    if _distance_m(robot, goals[0]) > config.stop_distance_m:
+    if _distance_m(robot.xy, goals[0]) > config.stop_distance_m:
         with step.clock("plan"):
             action, plan = _next_action(step, plan, target, goals)
         must_do, route = plan.approaching.as_near_as_possible, plan.approaching.route
-        leads_there = route.path is not None and route.path.gap_m <= config.approach_gap_m
-        if route.path is None or not (leads_there or must_do):
+        path, gap_m = route.path, config.approach_gap_m
+        leads_there = path is not None and path.gap_m <= gap_m
+        enters = path is not None and leads_there and _distance_m(path.end, goals[0]) <= gap_m
+        if not enters:
+            plan = plan.approach(blocked_steps=plan.approaching.blocked_steps + 1)
+        if path is None or not (leads_there or must_do):
             if config.open_the_way:
                 with step.clock("plan"):
                     decision, plan = open_way(step, plan, np.concatenate(goals))
@@ -45,6 +48,10 @@ def approach(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, 
                 reason = f"going to the {step.goal.thing}"
                 decision = Decision(action, Mode.APPROACH, reason, route.remaining(robot))
                 return decision, _without_exploration(step, plan)
+        elif not (must_do or enters) and config.open_the_way and plan.approaching.may_clear(config):
+            turn = turn_towards(robot, target.area.centre, step.motion) or Action.TURN_LEFT
+            reason = f"waiting beside the {step.goal.thing} for what stands before it"
+            return Decision(turn, Mode.APPROACH, reason), _without_exploration(step, plan)
         if config.local_first and (action is not None or not leads_there):
             step.events.append("goal area given up for now")
             memory.search.evidence = rejected(memory.search.evidence, step.use.local.config)
@@ -89,10 +96,11 @@ def _goals(
             goals.insert(0, in_sight)
     if not config.open_the_way:
         return goals
-    gaps_m = (config.approach_gap_m, *(_WIDER_M if plan.approaching.as_near_as_possible else ()))
+    must_do = plan.approaching.as_near_as_possible
+    gaps_m = (config.approach_gap_m, *(_WIDER_M if must_do else ()))
     beside = [target.points_beside_in_sight(eye_level, gap_m) for gap_m in gaps_m]
     goals += [points for points in beside if len(points)]
-    if plan.approaching.as_near_as_possible:
+    if plan.approaching.steps_run_out:
         goals.append(np.array([target.nearest_view]))
     return goals
 
@@ -103,5 +111,5 @@ def _without_exploration(step: Step, plan: Plan) -> Plan:
     return plan.without_exploration()
 
 
-def _distance_m(robot: Pose2, points: Float64[np.ndarray, "n 2"]) -> float:
-    return float(np.linalg.norm(points - np.array(robot.xy), axis=1).min())
+def _distance_m(position: tuple[float, float], points: Float64[np.ndarray, "n 2"]) -> float:
+    return float(np.linalg.norm(points - np.array(position), axis=1).min())

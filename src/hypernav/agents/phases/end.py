@@ -14,6 +14,11 @@ def end(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]
     """Go near a goal in sight; look once more here, and at what was rejected; then end."""
     thing, search = step.goal.thing, memory.search
     if step.target(memory) is not None and not plan.approaching.as_near_as_possible:
+        if step.config.open_the_way and plan.approaching.may_clear(step.config):
+            reason = f"the way to the {thing} is blocked, looking whether it stays so"
+            return Decision(Action.TURN_LEFT, Mode.LOOK_AROUND, reason), replace(
+                plan, turns_left=step.motion.turns_of_a_circle, full_turn=True
+            )
         reason = f"all is explored, going as near to the {thing} as possible"
         path = plan.approaching.route.remaining(step.robot)
         decision = Decision(Action.TURN_LEFT, Mode.APPROACH, reason, path)
