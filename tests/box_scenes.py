@@ -1,5 +1,7 @@
 """Scenes out of boxes, built by hand for tests."""
 
+import colorsys
+import zlib
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -72,12 +74,20 @@ def room_boxes(width: float = 6.0, depth: float = 4.0, *, ceiling: bool = True) 
 
 def room_glb(path: Path) -> Path:
     """A room of 6 m by 4 m with a bed as a GLB whose nodes carry the names."""
+    return boxes_glb(path, [*room_boxes(6.0, 4.0), ("bed", (4.0, 0.1, 0.0), (5.9, 1.7, 0.5))])
+
+
+def boxes_glb(path: Path, boxes: Sequence[Box]) -> Path:
+    """Boxes as a GLB whose nodes carry the names; every category has a colour of its own."""
     scene = trimesh.Scene()
     to_gltf = [[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]]
-    boxes = [*room_boxes(6.0, 4.0), ("bed", (4.0, 0.1, 0.0), (5.9, 1.7, 0.5))]
     for number, (name, low, high) in enumerate(boxes):
         mesh = trimesh.creation.box(bounds=[low, high])
         mesh.apply_transform(to_gltf)
+        if name is not None:
+            color = colorsys.hls_to_rgb(zlib.crc32(name.encode()) % 360 / 360.0, 0.5, 0.4)
+            material = trimesh.visual.material.PBRMaterial(baseColorFactor=[*color, 1.0])
+            mesh.visual = trimesh.visual.TextureVisuals(material=material)
         scene.add_geometry(mesh, node_name=f"{name or 'wall'}_{number:02d}")
     scene.export(path)
     return path

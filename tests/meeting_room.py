@@ -7,7 +7,13 @@ from small_worlds import small_config
 _SEAT_M, _BETWEEN_M = 0.45, 0.24
 
 
-def meeting_room(*, board_m: float, aisle_m: float, beside_m: float = 0.28) -> SimulatedWorld:
+def meeting_room(*, board_m: float, aisle_m: float) -> SimulatedWorld:
+    """The room as a world; see `meeting_room_boxes`."""
+    config, boxes = small_config(), meeting_room_boxes(board_m=board_m, aisle_m=aisle_m)
+    return SimulatedWorld(scene_of(*boxes, name="meeting room"), config.world, config.embodiment)
+
+
+def meeting_room_boxes(*, board_m: float, aisle_m: float, beside_m: float = 0.28) -> list[Box]:
     """A corridor, y 0 to 2, the meeting room, x 0 to 7, and an empty room, x 7 to 12.
 
     The opening lies at the room's west end; a table with chairs on all sides fills the room. The
@@ -40,5 +46,4 @@ def meeting_room(*, board_m: float, aisle_m: float, beside_m: float = 0.28) -> S
     middle = (low + top) / 2.0
     for left in (west, 5.2):
         boxes.append(("chair", (left, middle - 0.22, 0.0), (left + _SEAT_M, middle + 0.22, 0.9)))
-    config = small_config()
-    return SimulatedWorld(scene_of(*boxes, name="meeting room"), config.world, config.embodiment)
+    return boxes

@@ -97,7 +97,8 @@ def _goals(
     if not config.open_the_way:
         return goals
     must_do = plan.approaching.as_near_as_possible
-    gaps_m = (config.approach_gap_m, *(_WIDER_M if must_do else ()))
+    nearest_m = config.approach_gap_m / 3.0
+    gaps_m = (nearest_m, config.approach_gap_m, *(_WIDER_M if must_do else ()))
     beside = [target.points_beside_in_sight(eye_level, gap_m) for gap_m in gaps_m]
     goals += [points for points in beside if len(points)]
     if plan.approaching.steps_run_out:
