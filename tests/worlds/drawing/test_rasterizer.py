@@ -1,5 +1,7 @@
 """The rasterizer shows what rays through the pixels' centres meet."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -59,6 +61,19 @@ def test_it_finds_the_triangles_that_rays_find(seed: int, yaw: float) -> None:
     scene, pose = soup(seed), looking(yaw)
     # Rays are rounded to 32 bits, which shows at edges alone.
     assert (drawn(scene, pose) != cast(scene, pose)).mean() < 0.002
+
+
+@settings(max_examples=10, deadline=None)
+@given(seed=SEEDS)
+def test_a_scan_is_seen_from_the_front_alone(seed: int) -> None:
+    scene, pose = soup(seed), looking(0.0)
+    a, b, c = np.moveaxis(scene.vertices[scene.faces].astype(np.float64), 1, 0)
+    front = (np.cross(b - a, c - a) * (pose.translation - a)).sum(axis=1) > 0.0
+    both, alone = drawn(scene, pose), drawn(replace(scene, stored_z_up=True), pose)
+    assert front[alone[alone >= 0]].all()
+    nearest_is_front = (both >= 0) & front[both]
+    assert nearest_is_front.any()
+    assert (alone == both)[nearest_is_front].all()
 
 
 @settings(max_examples=20, deadline=None)

@@ -12,8 +12,9 @@ from jaxtyping import UInt8
 from hypernav.core.embodiment import BodyConfig
 from hypernav.core.errors import SceneError
 from hypernav.core.world import Instance
-from hypernav.houses.assembly import CompactScene
+from hypernav.houses.assembly import CompactScene, to_scene
 from hypernav.houses.building import Building
+from hypernav.houses.export.backs import with_backs
 from hypernav.houses.export.descriptions import describe
 from hypernav.houses.export.glb import write_house, write_semantics
 from hypernav.houses.generator import build_compact, plan_of
@@ -76,10 +77,12 @@ def export_building(building: Building, out_dir: Path) -> ExportedBuilding:
         out_dir.mkdir(parents=True, exist_ok=True)
         house = build_compact(building)
         rooms = [room.name for room in plan_of(building).rooms]
-        scene = write_house(house, files.glb)
+        seen = with_backs(house)
+        write_house(seen, files.glb)
+        scene = to_scene(house, name)
         files.objects.write_text(json.dumps(_objects(scene, house), indent=1) + "\n")
         colors = _colors(len(house.names))
-        write_semantics(house, colors, files.semantic_glb)
+        write_semantics(seen, colors, files.semantic_glb)
         files.semantic_txt.write_text(_semantic_lines(house, colors, rooms))
         walkable = WalkableGrid.from_scene(scene, BodyConfig())
         files.navmesh.write_bytes(navmesh_bytes(mesh_from_grid(walkable), HABITAT_ROBOT))

@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Float32, Int64, UInt8
 
 from hypernav.houses.assembly import CompactScene, to_scene
-from hypernav.worlds.scenes.scene import Material, Scene, Wrap
+from hypernav.worlds.scenes.scene import Material, Wrap
 
 _FLOAT, _UINT = 5126, 5125
 _ARRAY_BUFFER, _ELEMENT_BUFFER = 34962, 34963
@@ -144,8 +144,8 @@ class GlbWriter:
             file.writelines(self._chunks)
 
 
-def write_house(house: CompactScene, path: Path) -> Scene:
-    """Write a house with all its materials and return its scene."""
+def write_house(house: CompactScene, path: Path) -> None:
+    """Write a house with all its materials."""
     scene = to_scene(house, path.stem)
     writer = GlbWriter()
     numbers: dict[tuple[int, tuple[Wrap, Wrap]], int] = {}
@@ -178,7 +178,6 @@ def write_house(house: CompactScene, path: Path) -> Scene:
     for number, name in enumerate(house.names):
         writer.node(name, primitives[number])
     writer.write(path)
-    return scene
 
 
 def write_semantics(

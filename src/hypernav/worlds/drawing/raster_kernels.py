@@ -75,7 +75,9 @@ def find_visible(boxes, camera, width, cx, cy, first_row, last_row, seen, distan
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def draw_triangles(corners, groups, group_size, camera, cx, cy, first_row, shown, nearness):
+def draw_triangles(
+    corners, groups, group_size, camera, cx, cy, first_row, one_sided, shown, nearness
+):
     """Draw groups of triangles into some rows of an image.
 
     Args:
@@ -87,6 +89,7 @@ def draw_triangles(corners, groups, group_size, camera, cx, cy, first_row, shown
         cx: Column of the principal point, pixels.
         cy: Row of the principal point, pixels.
         first_row: Image row of the first row of `shown`.
+        one_sided: Whether triangles are left out where their back is seen.
         shown: Number of the nearest triangle in every pixel, int32 [rows, columns].
         nearness: One over its depth along the optical axis, float64 [rows, columns].
     """
@@ -99,7 +102,7 @@ def draw_triangles(corners, groups, group_size, camera, cx, cy, first_row, shown
             a = _in_camera(corners, triangle, 0, camera, square_x, square_y)
             b = _in_camera(corners, triangle, 1, camera, square_x, square_y)
             c = _in_camera(corners, triangle, 2, camera, square_x, square_y)
-            _draw_triangle(triangle, a, b, c, shift_x, shift_y, shown, nearness)
+            _draw_triangle(triangle, a, b, c, shift_x, shift_y, one_sided, shown, nearness)
 
 
 @njit(inline="always")
@@ -116,7 +119,7 @@ def _in_camera(corners, triangle, corner, camera, square_x, square_y):
 
 
 @register_jitable(error_model="numpy", no_cfunc_wrapper=True)
-def _draw_triangle(triangle, a, b, c, shift_x, shift_y, shown, nearness):
+def _draw_triangle(triangle, a, b, c, shift_x, shift_y, one_sided, shown, nearness):
     """Draw one triangle where it is nearer than what is drawn already.
 
     Args:
@@ -126,6 +129,7 @@ def _draw_triangle(triangle, a, b, c, shift_x, shift_y, shown, nearness):
         c: Third corner.
         shift_x: Offset of the ray through the centre of column 0, pixels.
         shift_y: Offset of the ray through the centre of row 0, pixels.
+        one_sided: As for `draw_triangles`.
         shown: As for `draw_triangles`.
         nearness: As for `draw_triangles`.
     """
@@ -149,7 +153,7 @@ def _draw_triangle(triangle, a, b, c, shift_x, shift_y, shown, nearness):
     vx, vy, vz = cy * az - cz * ay, cz * ax - cx * az, cx * ay - cy * ax
     wx, wy, wz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
     volume = ax * ux + ay * uy + az * uz
-    if volume == 0.0:
+    if volume == 0.0 or (one_sided and volume > 0.0):
         return
     scale = 1.0 / volume
     ux, uy, vx, vy, wx, wy = ux * scale, uy * scale, vx * scale, vy * scale, wx * scale, wy * scale

@@ -20,7 +20,8 @@ class Rasterizer:
     """A scene's triangles, in groups of neighbours. Safe to use from several threads.
 
     It gives the same result as rays through the pixel centres, several times faster, because rays
-    need a search for every pixel.
+    need a search for every pixel. But scans are not seen from behind: habitat-sim draws no back of
+    a triangle unless it shades physically, which it does not for scans.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -33,6 +34,7 @@ class Rasterizer:
         self._faces = sorted_once["faces"]
         self._corners = sorted_once["corners"]
         self._boxes = sorted_once["boxes"]
+        self._one_sided = scene.stored_z_up
 
     def faces(
         self, camera: PinholeCamera, camera_rows: Float64[np.ndarray, "4 3"], rows: slice
@@ -55,7 +57,16 @@ class Rasterizer:
         shape = (rows.stop - rows.start, camera.width)
         shown, nearness = np.full(shape, -1, dtype=np.int32), np.zeros(shape, dtype=np.float64)
         draw_triangles(
-            self._corners, groups, _GROUP, camera_rows, cx, cy, rows.start, shown, nearness
+            self._corners,
+            groups,
+            _GROUP,
+            camera_rows,
+            cx,
+            cy,
+            rows.start,
+            self._one_sided,
+            shown,
+            nearness,
         )
         return np.where(shown >= 0, self._faces[shown], np.int32(-1))
 

@@ -73,4 +73,4 @@ def computed_for(scene: Scene, body: BodyConfig) -> bytes:
 def _version() -> str:
     """A name that changes with the code that computes meshes."""
     here = Path(__file__).parent
-    return digest_of(sorted([*here.glob("recast/*.py"), *here.glob("files/*.py")]))
+    return digest_of(sorted([*here.glob("recast/**/*.py"), *here.glob("files/*.py")]))

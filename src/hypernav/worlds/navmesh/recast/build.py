@@ -10,25 +10,25 @@ from hypernav.worlds.navmesh.files.file_format import DETAIL_MESH, EXTERNAL, TIL
 from hypernav.worlds.navmesh.files.search_tree import MOST_STEPS, search_tree
 from hypernav.worlds.navmesh.files.settings import robot_in_voxels
 from hypernav.worlds.navmesh.files.writer import file_of_tile, polygon_records
-from hypernav.worlds.navmesh.recast.contours import trace_contours
-from hypernav.worlds.navmesh.recast.detail import detail_meshes
-from hypernav.worlds.navmesh.recast.filters import (
+from hypernav.worlds.navmesh.recast.detail.heights import Sampling
+from hypernav.worlds.navmesh.recast.detail.meshes import detail_meshes
+from hypernav.worlds.navmesh.recast.polygons.contours import trace_contours
+from hypernav.worlds.navmesh.recast.polygons.convex import Polygons, convex_polygons, neighbours
+from hypernav.worlds.navmesh.recast.polygons.holes import join_holes
+from hypernav.worlds.navmesh.recast.regions.merging import join_regions
+from hypernav.worlds.navmesh.recast.regions.watershed import watershed
+from hypernav.worlds.navmesh.recast.voxels.filters import (
     drop_ledges,
     drop_low_ceilings,
     keep_low_obstacles,
 )
-from hypernav.worlds.navmesh.recast.heights import Sampling
-from hypernav.worlds.navmesh.recast.holes import join_holes
-from hypernav.worlds.navmesh.recast.open_space import (
+from hypernav.worlds.navmesh.recast.voxels.open_space import (
     OpenSpace,
     erode,
     open_space,
     smooth_distances,
 )
-from hypernav.worlds.navmesh.recast.polygons import Polygons, convex_polygons, neighbours
-from hypernav.worlds.navmesh.recast.rasterization import rasterize, walkable_triangles
-from hypernav.worlds.navmesh.recast.regions import join_regions
-from hypernav.worlds.navmesh.recast.watershed import watershed
+from hypernav.worlds.navmesh.recast.voxels.rasterization import rasterize, walkable_triangles
 
 _MOST_COLUMNS = 100_000_000
 _MOST_CORNERS = 0xFFFE

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hypernav.worlds.navmesh.recast.segments import Points
+from hypernav.worlds.navmesh.recast.detail.segments import Points
 
 
 def triangles_of_hull(

@@ -3,8 +3,8 @@
 import numpy as np
 from jaxtyping import Bool
 
-from hypernav.worlds.navmesh.recast.contours import Corners
-from hypernav.worlds.navmesh.recast.lattice import (
+from hypernav.worlds.navmesh.recast.polygons.contours import Corners
+from hypernav.worlds.navmesh.recast.polygons.lattice import (
     crosses,
     is_in_closed_cone,
     is_in_cone,

@@ -2,8 +2,13 @@
 
 import numpy as np
 
-from hypernav.worlds.navmesh.recast.contours import Contour, Corner, Corners
-from hypernav.worlds.navmesh.recast.lattice import is_in_cone, is_same, squared_gap, touches
+from hypernav.worlds.navmesh.recast.polygons.contours import Contour, Corner, Corners
+from hypernav.worlds.navmesh.recast.polygons.lattice import (
+    is_in_cone,
+    is_same,
+    squared_gap,
+    touches,
+)
 
 
 def join_holes(contours: list[Contour]) -> list[Contour]:

@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import Int32, Int64
 
-from hypernav.worlds.navmesh.recast.rasterization import Solid
+from hypernav.worlds.navmesh.recast.voxels.rasterization import Solid
 
 OPEN = 0xFFFF
 """Ceiling where there is nothing above a span."""

@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import Float32
 
-from hypernav.worlds.navmesh.recast.delaunay_kernels import HULL, OPEN, complete
+from hypernav.worlds.navmesh.recast.detail.delaunay_kernels import HULL, OPEN, complete
 
 _NONE = -1
 

@@ -9,19 +9,19 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float32, Int32, Int64, UInt8
 
-from hypernav.worlds.navmesh.recast.delaunay import delaunay
-from hypernav.worlds.navmesh.recast.heights import Patch, Regions, Sampling
-from hypernav.worlds.navmesh.recast.hulls import triangles_of_hull
-from hypernav.worlds.navmesh.recast.inner_samples import InnerSamples
-from hypernav.worlds.navmesh.recast.open_space import OpenSpace
-from hypernav.worlds.navmesh.recast.polygons import Polygons
-from hypernav.worlds.navmesh.recast.segments import (
+from hypernav.worlds.navmesh.recast.detail.delaunay import delaunay
+from hypernav.worlds.navmesh.recast.detail.heights import Patch, Regions, Sampling
+from hypernav.worlds.navmesh.recast.detail.hulls import triangles_of_hull
+from hypernav.worlds.navmesh.recast.detail.inner_samples import InnerSamples
+from hypernav.worlds.navmesh.recast.detail.segments import (
     Point,
     Points,
     least_width,
     squared_to_segment,
     squared_to_sides,
 )
+from hypernav.worlds.navmesh.recast.polygons.convex import Polygons
+from hypernav.worlds.navmesh.recast.voxels.open_space import OpenSpace
 
 _MOST_VERTICES = 127
 _MOST_TRIANGLES = 255

@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float32, Int32, Int64
 
-from hypernav.worlds.navmesh.recast.height_kernels import grow
-from hypernav.worlds.navmesh.recast.open_space import NOTHING, OpenSpace
+from hypernav.worlds.navmesh.recast.detail.height_kernels import grow
+from hypernav.worlds.navmesh.recast.voxels.open_space import NOTHING, OpenSpace
 
 UNSET = 0xFFFF
 _AROUND = ((0, 0), (-1, -1), (0, -1), (1, -1), (1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0))

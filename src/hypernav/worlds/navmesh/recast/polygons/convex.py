@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Int64
 
-from hypernav.worlds.navmesh.recast.contours import Contour
-from hypernav.worlds.navmesh.recast.ears import triangulate
+from hypernav.worlds.navmesh.recast.polygons.contours import Contour
+from hypernav.worlds.navmesh.recast.polygons.ears import triangulate
 
 MOST_CORNERS = 6
 """Corners that a polygon may have."""

@@ -5,8 +5,13 @@ import math
 import numpy as np
 from jaxtyping import Float32, Int64
 
-from hypernav.worlds.navmesh.recast.heights import Patch, Sampling
-from hypernav.worlds.navmesh.recast.segments import Point, Points, is_inside, squared_to_sides
+from hypernav.worlds.navmesh.recast.detail.heights import Patch, Sampling
+from hypernav.worlds.navmesh.recast.detail.segments import (
+    Point,
+    Points,
+    is_inside,
+    squared_to_sides,
+)
 
 _HALF, _ONE, _TWO = np.float32(0.5), np.float32(1.0), np.float32(2.0)
 _INSIDE = np.float32(1e-4)

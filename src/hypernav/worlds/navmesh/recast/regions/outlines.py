@@ -7,7 +7,7 @@ direction.
 import numpy as np
 from jaxtyping import Bool, Int32
 
-from hypernav.worlds.navmesh.recast.open_space import NOTHING, OpenSpace
+from hypernav.worlds.navmesh.recast.voxels.open_space import NOTHING, OpenSpace
 
 _MOST_STEPS = 40_000
 

@@ -6,8 +6,8 @@ As ``rcBuildRegions`` before it joins regions. Region 0 is none.
 import numpy as np
 from jaxtyping import Int32
 
-from hypernav.worlds.navmesh.recast.flood_kernels import flood
-from hypernav.worlds.navmesh.recast.open_space import OpenSpace
+from hypernav.worlds.navmesh.recast.regions.flood_kernels import flood
+from hypernav.worlds.navmesh.recast.voxels.open_space import OpenSpace
 
 _STACKS = 8
 _STEPS = 8

@@ -6,9 +6,9 @@ As ``mergeAndFilterRegions``.
 import numpy as np
 from jaxtyping import Int32
 
-from hypernav.worlds.navmesh.recast.filters import columns_of
-from hypernav.worlds.navmesh.recast.open_space import OpenSpace
-from hypernav.worlds.navmesh.recast.outlines import Outlines
+from hypernav.worlds.navmesh.recast.regions.outlines import Outlines
+from hypernav.worlds.navmesh.recast.voxels.filters import columns_of
+from hypernav.worlds.navmesh.recast.voxels.open_space import OpenSpace
 
 _LARGEST = 0xFFFFFFF
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float32, Int32, Int64
 
-from hypernav.worlds.navmesh.recast.rasterization_kernels import fill
+from hypernav.worlds.navmesh.recast.voxels.rasterization_kernels import fill
 
 _MOST_CORNERS = 12
 _FIRST_ROOM = 1 << 16

@@ -10,9 +10,9 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float32, Int32, Int64
 
-from hypernav.worlds.navmesh.recast.lattice import is_same
-from hypernav.worlds.navmesh.recast.open_space import NOTHING, OpenSpace
-from hypernav.worlds.navmesh.recast.outlines import Outlines
+from hypernav.worlds.navmesh.recast.polygons.lattice import is_same
+from hypernav.worlds.navmesh.recast.regions.outlines import Outlines
+from hypernav.worlds.navmesh.recast.voxels.open_space import NOTHING, OpenSpace
 
 AREA_BORDER = 0x20000
 REGION_MASK = 0xFFFF

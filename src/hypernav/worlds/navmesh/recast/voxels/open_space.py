@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Int32, Int64
 
-from hypernav.worlds.navmesh.recast.distance_kernels import spread
-from hypernav.worlds.navmesh.recast.filters import STEPS, ceilings, columns_of
-from hypernav.worlds.navmesh.recast.rasterization import Solid
+from hypernav.worlds.navmesh.recast.voxels.distance_kernels import spread
+from hypernav.worlds.navmesh.recast.voxels.filters import STEPS, ceilings, columns_of
+from hypernav.worlds.navmesh.recast.voxels.rasterization import Solid
 
 NOTHING = -1
 """A neighbour that there is none of."""

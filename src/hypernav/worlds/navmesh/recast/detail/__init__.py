@@ -1,0 +1,1 @@
+"""Triangles of each polygon that follow the voxels' heights."""

@@ -1,0 +1,1 @@
+"""Outlines of regions, and the convex polygons within them."""
