@@ -13,7 +13,7 @@ from hypernav.perception.local.belief import reconsidered
 def end(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
     """Go near a goal in sight; look once more here, and at what was rejected; then end."""
     thing, search = step.goal.thing, memory.search
-    if step.target(memory) is not None and not plan.approaching.as_near_as_possible:
+    if memory.search.evidence.target is not None and not plan.approaching.as_near_as_possible:
         reason = f"all is explored, going as near to the {thing} as possible"
         path = plan.approaching.route.remaining(step.robot)
         decision = Decision(Action.TURN_LEFT, Mode.APPROACH, reason, path)
