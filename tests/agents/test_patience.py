@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hypernav.agents.patience import Endurance, Progress
+from hypernav.agents.plan import Endurance, Progress
 
 PATIENCE = 10
 

@@ -9,8 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import hypernav
-from hypernav.agents.long_moves import actions_to, paper_actions
-from hypernav.agents.prompted import ConsecutiveYes, PromptedAgent, PromptedConfig
+from hypernav.agents.prompted import PromptedAgent, PromptedConfig, actions_to, paper_actions
 from hypernav.build.agents import build_agent
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.native import native_config
@@ -74,18 +73,13 @@ def acted(agent: PromptedAgent, most: int = 100) -> list[Action | None]:
 
 
 @pytest.mark.parametrize(
-    ("answers", "wanted", "stops_at"),
-    [
-        ([True, True], 2, 1),
-        ([True, False, True, False], 2, None),
-        ([False, True, True], 2, 2),
-        ([True], 1, 0),
-    ],
+    ("answers", "moves"),
+    [([True, True], 1), ([False, True, True], 2), ([True, False, True, True], 3)],
 )
-def test_only_consecutive_yes_stop(answers, wanted, stops_at):
-    rule = ConsecutiveYes(wanted)
-    heard = [rule.hears(answer) for answer in answers]
-    assert (heard.index(True) if True in heard else None) == stops_at
+def test_only_two_yes_in_a_row_stop(answers, moves):
+    explorer = Ahead()
+    assert acted(agent_of(explorer, Says(*answers)))[-1] is Action.STOP
+    assert explorer.asked == moves
 
 
 def test_a_right_angle_and_a_metre_and_a_half_are_three_and_three_actions():

@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 
 from box_scenes import room_boxes, scene_of
-from hypernav.agents.patience import Endurance
-from hypernav.agents.plan import Plan
+from hypernav.agents.plan import Endurance, Plan
 from hypernav.build.agents import build_search
 from hypernav.build.component_specs import PresetName
 from hypernav.core.actions import Action

@@ -24,7 +24,6 @@ WIDE = PlanningConfig(squeeze_m=0.0)
 SIMPLE = PlanningConfig(
     squeeze_m=0.0,
     comfort_cost=0.0,
-    end_in_unknown=False,
     targets="nearest-straight",
     steering="waypoint",
 )
@@ -172,7 +171,7 @@ def test_a_path_never_touches_an_inflated_obstacle(coarse, config, data):
         cells = grid.cells_of(points)
         cells = cells[grid.contains(cells)]
         assert not inflated[cells[:, 0], cells[:, 1]].any()
-    ends_in_unknown = config.end_in_unknown and path.gap_m == 0.0
+    ends_in_unknown = path.gap_m == 0.0
     assert grid.state_at(*path.end) in (
         (Cell.FREE, Cell.UNKNOWN) if ends_in_unknown else (Cell.FREE,)
     )

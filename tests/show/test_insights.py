@@ -14,10 +14,9 @@ from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.show.drawing import palette
 from hypernav.show.drawing.arrows import ArrowStyle, draw_arrows, foot_pixel
-from hypernav.show.drawing.graph_overlay import draw_graph
+from hypernav.show.drawing.insight_overlays import draw_graph, draw_values
 from hypernav.show.drawing.map_painter import MapPainter
 from hypernav.show.drawing.map_view import MapView
-from hypernav.show.drawing.value_overlay import draw_values
 from hypernav.show.video.insight_panel import draw_insight
 
 GREY = np.full((240, 320, 3), 120, np.uint8)

@@ -54,7 +54,6 @@ class SearchConfig(RoomConfig):
         reconsider_steps: Number of steps after which an explorer that answers at once is asked
             again on the way, and the destination changed if it names another; None lets it stand
             (paper).
-        drop_explored_radius_m: Radius around a destination for both of these, metres.
         looks: Steps at which the camera is asked for the goal: "always" (paper), or only
             "at-destinations", where the robot then turns once around before it asks the map (our
             reading of an ablation without local perception).
@@ -93,7 +92,6 @@ class SearchConfig(RoomConfig):
     least_unseen_m2: float | None = Field(default=1.0, ge=0.0, le=1000.0)
     drop_explored: bool = True
     reconsider_steps: int | None = Field(default=3, ge=1, le=MOST_STEPS)
-    drop_explored_radius_m: float = Field(default=0.75, gt=0.0, le=10.0)
     looks: Literal["always", "at-destinations"] = "always"
     verify_view: Literal["current", "best"] = "best"
     face_target: bool = True

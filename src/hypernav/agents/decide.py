@@ -25,11 +25,11 @@ _PHASES: Mapping[Phase, Callable[[Step, Memory, Plan], tuple[Decision | Phase, P
 }
 
 _DETOUR = 2.0
-"""Ways are so much longer than straight lines, turns included."""
+"""Factor from a straight line to the path along it, turns included."""
 _TURNS = 1.5
-"""So much longer a way is in actions than in steps straight on."""
+"""Factor from the steps of a path to its actions, since turns are actions too."""
 _MEASURED_EVERY = 10
-"""Steps after which the way to the likeliest candidate is measured again."""
+"""Number of steps after which the path to the likeliest candidate is planned again."""
 
 
 def decide(step: Step, memory: Memory, plan: Plan) -> tuple[Decision, Plan]:
@@ -41,7 +41,7 @@ def decide(step: Step, memory: Memory, plan: Plan) -> tuple[Decision, Plan]:
 
 
 def _first_phase(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
-    """A goal in sight is gone to, unless the robot rests from trying."""
+    """The phase that looks at the step first: the approach if there is a target to go to now."""
     config, approaching = step.config, plan.approaching
     must_finish_look = config.look_around_at_start and config.finish_first_look
     if must_finish_look and step.number < step.motion.turns_of_a_circle:
@@ -52,7 +52,7 @@ def _first_phase(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Pha
         if config.open_the_way:
             plan = plan.approach(as_near_as_possible=True, steps_run_out=True)
             approaching = plan.approaching
-    target = step.target(memory)
+    target = memory.search.evidence.target
     if target is None or target.number != approaching.candidate:
         number = None if target is None else target.number
         plan = plan.approach(
@@ -69,7 +69,7 @@ def _first_phase(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Pha
 
 
 def _must_choose(step: Step, memory: Memory) -> bool:
-    """Whether the steps that are left just lead to the likeliest candidate."""
+    """Whether the remaining steps just suffice to go to the likeliest candidate."""
     evidence, config, motion = memory.search.evidence, step.config, step.motion
     best = likeliest(evidence)
     if best is None or (evidence.target is not None and evidence.target.is_last_chance):

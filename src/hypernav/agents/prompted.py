@@ -5,28 +5,29 @@ which move to make; the move is then made without looking. Source: Goetting, Sin
 "End-to-End Navigation with Vision-Language Models", 2024, and its released code.
 """
 
+import math
 from collections import Counter, deque
 from typing import Any
 
 from pydantic import Field
 
-from hypernav.agents.long_moves import actions_to, paper_actions
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
 from hypernav.core.components.abilities import Reports, warning_of
 from hypernav.core.components.protocols import ArrowReasoner, ChatModel, Explorer
 from hypernav.core.config import RoomConfig
-from hypernav.core.embodiment import Embodiment
+from hypernav.core.embodiment import Embodiment, MotionConfig
 from hypernav.core.errors import WorldError
 from hypernav.core.exploring.exploration import Destination, ExplorationView
 from hypernav.core.exploring.insight import Insight
 from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending, ExchangeLog, Mode, StepTrace
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.memory import Floor, Memory
-from hypernav.perception.visual_prompts.arrow_explorer import vlmnav
+from hypernav.perception.visual_prompts.arrow_explorer import VlmnavExplorer
 from hypernav.perception.visual_prompts.config import ArrowsConfig
 from hypernav.perception.visual_prompts.pivot import PivotExplorer
 from hypernav.perception.visual_prompts.stop_checks import (
@@ -36,6 +37,11 @@ from hypernav.perception.visual_prompts.stop_checks import (
     TruthStopCheck,
 )
 
+_PAPER = MotionConfig()
+"""Actions that moves are counted in, whatever the robot's own: 0.5 m and 30 degrees."""
+_YES_TO_STOP = 2
+"""Number of times in a row that the robot must be said to be at the goal (VLMnav's code)."""
+
 
 class PromptedConfig(RoomConfig):
     """Budget and stop of an agent that makes long moves.
@@ -44,33 +50,12 @@ class PromptedConfig(RoomConfig):
         most_moves: Number of moves after which the search is given up (VLMnav's code).
         most_actions: Number of actions of 0.5 m and 30 degrees after which it is given up: the
             budget of all other agents (ours).
-        yes_to_stop: Number of times in a row that the robot must be said to be at the goal (two in
-            VLMnav's code).
         stop: The question whether it is.
     """
 
     most_moves: int = Field(default=40, ge=1, le=100_000)
     most_actions: int = Field(default=500, ge=1, le=1_000_000)
-    yes_to_stop: int = Field(default=2, ge=1, le=100)
     stop: StopCheckConfig = StopCheckConfig()
-
-
-class ConsecutiveYes:
-    """Stops after so many yes in a row."""
-
-    def __init__(self, wanted: int) -> None:
-        """Begin without any yes.
-
-        Args:
-            wanted: Number of times in a row.
-        """
-        self._wanted = wanted
-        self._heard = 0
-
-    def hears(self, yes: bool) -> bool:
-        """Whether this answer makes the robot stop."""
-        self._heard = self._heard + 1 if yes else 0
-        return self._heard >= self._wanted
 
 
 class PromptedAgent:
@@ -121,7 +106,7 @@ class PromptedAgent:
         self._goal = goal
         self._log.drain()
         self._floor = Memory(self._mapping, self._embodiment).floor
-        self._yes = ConsecutiveYes(self._config.yes_to_stop)
+        self._yes_in_a_row = 0
         self._left = deque[Action]()
         self._destination: Destination | None = None
         self._trace = None
@@ -167,7 +152,8 @@ class PromptedAgent:
         """The first action of the next move or the end of the search, the reason, what was seen."""
         config, robot, floor = self._config, observation.robot, self._known
         here = self._stop.is_here(observation, self._goal)
-        if self._yes.hears(here):
+        self._yes_in_a_row = self._yes_in_a_row + 1 if here else 0
+        if self._yes_in_a_row >= _YES_TO_STOP:
             events.append("goal reached")
             return Action.STOP, f"here is the {self._goal.thing}", None
         if self._moves >= config.most_moves:
@@ -234,19 +220,13 @@ class NativeVlmnav(PromptedAgent):
         chat: ChatModel | None = None,
         config: ArrowsConfig | None = None,
     ) -> None:
-        """Put it together.
+        """Put it together; see `VlmnavExplorer` and `PromptedAgent`.
 
-        Args:
-            arrow_reasoner: Reasoner that chooses an arrow.
-            embodiment: What the robot is.
-            mapping: Cells of the map.
-            clearances_m: Distances from obstacles, metres.
-            log: Log of all questions, for the trace.
-            prompted: Budget and stop.
-            chat: Chat model for the stop question; None stops by the truth.
-            config: Arrows.
+        Without a ``chat`` model for the stop question it stops by the truth.
         """
-        explorer = vlmnav(arrow_reasoner, embodiment, mapping, clearances_m, config)
+        explorer = VlmnavExplorer(
+            arrow_reasoner, embodiment, mapping, clearances_m, config or ArrowsConfig()
+        )
         stop = _stop_check(chat, log, prompted.stop)
         super().__init__(explorer, stop, embodiment, mapping, log, prompted)
 
@@ -264,21 +244,44 @@ class NativePivot(PromptedAgent):
         chat: ChatModel | None = None,
         config: ArrowsConfig | None = None,
     ) -> None:
-        """Put it together.
+        """Put it together; see `PivotExplorer` and `PromptedAgent`.
 
-        Args:
-            arrow_reasoner: Reasoner that chooses marks.
-            embodiment: What the robot is.
-            mapping: Cells of the map.
-            log: Log of all questions, for the trace.
-            prompted: Budget and stop.
-            chat: Chat model for the stop question; None stops by the truth.
-            config: Rounds of marks.
+        Without a ``chat`` model for the stop question it stops by the truth.
         """
-        explorer = PivotExplorer(arrow_reasoner, embodiment, config)
+        explorer = PivotExplorer(arrow_reasoner, embodiment, config or ArrowsConfig())
         stop = _stop_check(chat, log, prompted.stop)
         super().__init__(explorer, stop, embodiment, mapping, log, prompted)
 
 
 def _stop_check(chat: ChatModel | None, log: ExchangeLog, config: StopCheckConfig) -> StopCheck:
     return TruthStopCheck(log) if chat is None else ChatStopCheck(chat, log, config)
+
+
+def actions_to(destination: Destination, robot: Pose2, motion: MotionConfig) -> list[Action]:
+    """The actions of a move: a turn, then straight ahead; as exactly as the robot's actions allow.
+
+    Args:
+        destination: End of the move, or a heading to turn to on the spot.
+        robot: Pose of the robot.
+        motion: Effect of its actions.
+    """
+    turn, length_m = _move(destination, robot)
+    turns = round(math.degrees(abs(turn)) / motion.turn_angle_deg)
+    side = Action.TURN_LEFT if turn > 0 else Action.TURN_RIGHT
+    actions = [side] * turns + [Action.MOVE_FORWARD] * round(length_m / motion.forward_m)
+    return actions or [Action.MOVE_FORWARD]
+
+
+def paper_actions(destination: Destination, robot: Pose2) -> int:
+    """Number of actions of 0.5 m and 30 degrees that a move stands for: 3 + 3 for 90° and 1.5 m."""
+    turn, length_m = _move(destination, robot)
+    turns = math.ceil(math.degrees(abs(turn)) / _PAPER.turn_angle_deg - 1e-6)
+    return max(turns + math.ceil(length_m / _PAPER.forward_m - 1e-6), 1)
+
+
+def _move(destination: Destination, robot: Pose2) -> tuple[float, float]:
+    """Turn, radians, and way straight ahead, metres."""
+    length_m = robot.distance_to(*destination.xy)
+    if destination.face is None:
+        return robot.bearing_to(*destination.xy), length_m
+    return math.remainder(destination.face - robot.yaw, math.tau), length_m

@@ -124,7 +124,7 @@ class SearchAgent:
         decision: Decision,
         detections: list[DetectionRecord],
     ) -> StepTrace:
-        target, destination, robot = step.target(memory), plan.destination, step.robot
+        target, destination, robot = memory.search.evidence.target, plan.destination, step.robot
         if target is not None:
             going_to = target.area.centre
         else:

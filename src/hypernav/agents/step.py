@@ -16,7 +16,6 @@ from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending, Mode
 from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.memory.target import Target
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,10 +54,6 @@ class Step:
     def motion(self) -> MotionConfig:
         """Length of a step and angle of a turn."""
         return self.use.embodiment.motion
-
-    def target(self, memory: Memory) -> Target | None:
-        """What is taken for the goal."""
-        return memory.search.evidence.target
 
     def view(self, memory: Memory) -> ExplorationView:
         """What explorers may know."""

@@ -236,7 +236,7 @@ AGENTS: Registry[Factory] = Registry(
         ),
         Entry(
             "vlmnav",
-            "hypernav.perception.visual_prompts.arrow_explorer:vlmnav",
+            "hypernav.perception.visual_prompts.arrow_explorer:VlmnavExplorer",
             words="VLMnav's arrows",
             section="arrows",
         ),
@@ -248,7 +248,7 @@ AGENTS: Registry[Factory] = Registry(
         ),
         Entry(
             "dynavlm-style",
-            "hypernav.perception.visual_prompts.arrow_explorer:dynavlm_style",
+            "hypernav.perception.visual_prompts.arrow_explorer:DynavlmStyleExplorer",
             words="points in DyNaVLM's style",
             section="arrows",
         ),

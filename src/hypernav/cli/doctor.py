@@ -7,12 +7,12 @@ from rich.markup import escape
 from hypernav.build.presets import preset
 from hypernav.cli.options.doctor import Options
 from hypernav.cli.screen.terminal import Terminal
-from hypernav.core.checkup import Finding, State
 from hypernav.core.config import layered
 from hypernav.core.errors import ConfigError
 from hypernav.evaluation.checks.data_folder import check_data
+from hypernav.evaluation.checks.findings import Finding, State
+from hypernav.evaluation.checks.vlm_checkup import check_up
 from hypernav.models.chat.vlm_spec import open_chat, parse_vlm_spec
-from hypernav.perception.vlm_checkup import check_up
 
 _MARKS = {
     State.GOOD: "[green]ok[/]   ",

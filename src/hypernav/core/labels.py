@@ -106,6 +106,7 @@ class ObjectLabel:
             wanted == canonical(own) or normalise(own).endswith(" " + wanted) for own in self.names
         )
 
+    @lru_cache(maxsize=4096)  # noqa: B019 - labels are small values, and the same in every image
     def satisfies(self, goal: Goal) -> bool:
         """Whether this object is what the goal asks for.
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Float32, Int32, UInt8
+from jaxtyping import Float32, Float64, Int32, Int64, UInt8
 
 from hypernav.core.errors import CameraError
 from hypernav.core.geometry.camera import PinholeCamera
@@ -59,3 +59,10 @@ class Observation:
     def farthest_m(self) -> Float32[np.ndarray, " width"]:
         """Largest depth in every column of the image, metres."""
         return self.depth.max(axis=0)
+
+    def points_at(
+        self, rows: Int64[np.ndarray, " n"], columns: Int64[np.ndarray, " n"]
+    ) -> Float64[np.ndarray, "n 3"]:
+        """Points that pixels show, ``map`` frame, metres; every pixel must have a depth."""
+        points = self.camera.unproject_pixels(rows, columns, self.depth[rows, columns])
+        return self.camera_to_map.apply(points)

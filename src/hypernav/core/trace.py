@@ -3,7 +3,7 @@
 Videos, pages, logs, failure analysis and the operator's screen all read this stream.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from enum import StrEnum
 from typing import Any, ClassVar
 
@@ -166,6 +166,28 @@ class ExchangeLog:
     def record(self, exchange: Exchange) -> None:
         """Add one question and answer."""
         self._exchanges.append(exchange)
+
+    def note(
+        self,
+        kind: str,
+        asked: str,
+        question: str,
+        answer: str,
+        *,
+        chosen: int | None = None,
+        excluded: Iterable[int] = (),
+    ) -> None:
+        """Add a question that a rule answered, not a model; see `Exchange` for the values."""
+        self.record(
+            Exchange(
+                kind=kind,
+                asked=asked,
+                question=question,
+                answer=answer,
+                chosen=chosen,
+                excluded=sorted(excluded),
+            )
+        )
 
     def drain(self) -> list[Exchange]:
         """All exchanges since the last call, oldest first."""

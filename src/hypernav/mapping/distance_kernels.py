@@ -25,7 +25,7 @@ def travel_cells(is_open, start_row, start_column, wanted=None):
             for all.
 
     Returns:
-        float32 (rows, columns), infinite where no path leads; also elsewhere than wanted.
+        float32 (rows, columns), infinite where no path leads, and perhaps where none is wanted.
     """
     rows, columns = is_open.shape
     width = columns + 2

@@ -12,7 +12,7 @@ from hypernav.mapping.distance_kernels import nearest_open_cell, travel_cells
 _WITHIN_M = 1.0
 """Largest distance to an open cell."""
 _WIDTH_CELLS = 1.5
-"""Length beyond the shortest that an escape may have, since it is driven in long steps."""
+"""Cells by which an escape may be longer than the shortest, since the robot's steps are long."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -55,7 +55,7 @@ def find_frontiers(
     return [_frontier(reach, groups[i]) for i in np.argsort(first)]
 
 
-def nearest_frontier(
+def fresh_frontiers(
     grid: OccupancyGrid,
     robot: Pose2,
     config: MappingConfig,
@@ -63,8 +63,8 @@ def nearest_frontier(
     *,
     visits: Sequence[tuple[float, float]] = (),
     visited_radius_m: float = 0.0,
-) -> Frontier | None:
-    """The frontier with the shortest path to it; None if none is left that can be reached.
+) -> list[Frontier]:
+    """The frontiers that were not visited; none if none is left that can be reached.
 
     Args:
         grid: The map.
@@ -82,8 +82,8 @@ def nearest_frontier(
             if all(math.dist(frontier.destination, one) >= visited_radius_m for one in visits)
         ]
         if fresh:
-            return min(fresh, key=lambda frontier: frontier.travel_m)
-    return None
+            return fresh
+    return []
 
 
 def _frontier(reach: ReachableArea, cells: Int64[np.ndarray, "n 2"]) -> Frontier:

@@ -8,7 +8,7 @@ from jaxtyping import Float64
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 
 OPEN_M = 3.0
-"""Length of the unknown after which 1 of e lines of sight has not yet met a wall, metres; ours."""
+"""Length of unknown floor after which 1 / e of all lines of sight met no wall yet, metres; ours."""
 
 
 def unseen_by_bearing(

@@ -46,7 +46,7 @@ def unusable_answers(step: StepTrace) -> Counter[str]:
     reasons = Counter[str]()
     for exchange in step.exchanges:
         reason = exchange.fault
-        if exchange.kind == "ground":  # boxes are read out of anything, remarks tell of the rest
+        if exchange.kind == "ground":  # a faulty text may hold boxes all the same
             reason = "" if step.detections else reason or next(iter(exchange.remarks), "")
         if exchange.by_model and reason:
             reasons[reason] += 1

@@ -1,5 +1,8 @@
 """Questions that a chat model answers with yes or no."""
 
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
 from hypernav.core.chat import Answer, Image, Question
 from hypernav.core.components.protocols import ChatModel
 from hypernav.core.trace import ExchangeLog
@@ -7,7 +10,7 @@ from hypernav.perception.exchanges import exchange_of
 
 
 def yes_no_question(kind: str, text: str, image: Image) -> Question:
-    """Question about an image, of whose answer only yes or no counts.
+    """Question about an image that yes and no are the only answers to.
 
     Args:
         kind: Kind of the question, for the trace.
@@ -24,19 +27,22 @@ def probability_of_yes(answer: Answer) -> float | None:
     return float(answer.probabilities.get("yes", answer.value == "yes"))
 
 
+@dataclass(eq=False)
 class YesNoAsker:
-    """Asks, keeps question and answer for the trace, and counts what is neither yes nor no."""
+    """Asks, keeps question and answer for the trace, and counts what is neither yes nor no.
 
-    def __init__(self, chat: ChatModel, log: ExchangeLog) -> None:
-        """Create it.
+    Attributes:
+        chat: Chat model to ask.
+        log: Log of all questions and answers, for the trace.
+        unsure: Number of answers that were neither yes nor no since the last report.
+        count_name: Name of this count in reports.
+    """
 
-        Args:
-            chat: Chat model to ask.
-            log: Log of all questions and answers, for the trace.
-        """
-        self._chat = chat
-        self._log = log
-        self._unsure = 0
+    chat: ChatModel
+    log: ExchangeLog
+    unsure: int = field(default=0, init=False)
+
+    count_name: ClassVar[str] = "unsure_answers"
 
     def ask(self, question: Question, otherwise: str = "") -> float | None:
         """Probability of yes, 0 to 1; None if the answer is neither yes nor no.
@@ -48,14 +54,14 @@ class YesNoAsker:
         Raises:
             ModelUnavailableError: The model did not answer within the configured patience.
         """
-        answer = self._chat.ask(question)
+        answer = self.chat.ask(question)
         yes = probability_of_yes(answer)
-        self._unsure += yes is None
+        self.unsure += yes is None
         remark = "; ".join(filter(None, (answer.detail, otherwise)))
-        self._log.record(exchange_of(question, answer, remarks=[remark] if yes is None else []))
+        self.log.record(exchange_of(question, answer, remarks=[remark] if yes is None else []))
         return yes
 
-    def take_unsure(self) -> int:
+    def take_report(self) -> dict[str, Any]:
         """Number of answers that were neither yes nor no since the last call."""
-        unsure, self._unsure = self._unsure, 0
-        return unsure
+        report, self.unsure = {self.count_name: self.unsure}, 0
+        return report

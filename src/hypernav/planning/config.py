@@ -22,12 +22,9 @@ class PlanningConfig(RoomConfig):
         prefer_known: Whether a path over explored floor that squeezes through a gap, or enters
             the destination elsewhere than at the best positions, is preferred to a path through the
             unknown of twice its cost; else it is taken only where there is no other.
-        comfort_m: Distance beyond the dilation, metres, within which a path costs more, so that it
-            keeps to the middle of doors where there is room.
-        comfort_cost: Addition to the cost factor of 1 within `comfort_m`; 0 switches it off.
+        comfort_cost: Addition to the cost factor of 1 within 0.2 m beyond the dilation, so that a
+            path keeps to the middle of doors where there is room; 0 switches it off.
         unknown_cost: Cost factor of unknown cells; 1 treats them as free ones, 0 forbids them.
-        end_in_unknown: Whether a path may end in unknown cells of the destination if it has no
-            other open ones; else it ends in known ones only.
         targets: Choice among the destination's cells: the "nearest-straight" (paper) or the
             "nearest-by-path".
         start_in_obstacle: Beginning of a path for a robot inside an inflated obstacle: the shortest
@@ -58,10 +55,8 @@ class PlanningConfig(RoomConfig):
     margin_m: float = Field(default=0.04, ge=0.0, le=2.0)
     squeeze_m: float = Field(default=0.04, ge=0.0, le=2.0)
     prefer_known: bool = True
-    comfort_m: float = Field(default=0.20, ge=0.0, le=5.0)
     comfort_cost: float = Field(default=1.0, ge=0.0, le=1000.0)
     unknown_cost: float = Field(default=3.0, ge=0.0, le=1000.0)
-    end_in_unknown: bool = True
     targets: Literal["nearest-straight", "nearest-by-path"] = "nearest-by-path"
     start_in_obstacle: Literal["escape", "nearest"] = "escape"
     end_in_obstacle: Literal["reachable", "nearest"] = "reachable"

@@ -15,10 +15,13 @@ from hypernav.planning.costmap_kernels import priced
 
 _MARGIN_M = 1.0
 """Distance beyond the explored part that a path may lead."""
+_COMFORT_M = 0.2
+"""Distance beyond the dilation within which a path costs more, so that it keeps to the middle of
+doors where there is room."""
 _ESCAPE_COST = np.float32(3.0)
 """Cost factor of an escape from an inflated obstacle: the robot may scrape along it."""
 SURROUNDINGS_M = 5.0
-"""Distance around the points that matter in which all costs are right."""
+"""Distance around the given points, metres, within which all costs are computed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +71,7 @@ class Costmap:
         """
         grid = grid.cropped(_MARGIN_M)
         size = grid.resolution_m
-        margin_m = SURROUNDINGS_M + clearance_m + config.comfort_m
+        margin_m = SURROUNDINGS_M + clearance_m + _COMFORT_M
         # The nearest free cell may be anywhere.
         is_whole = config.start_in_obstacle == "nearest"
         window = _window(grid, () if is_whole else around, margin_m)
@@ -76,8 +79,8 @@ class Costmap:
         occupied[window] = grid.cells[window] == Cell.OCCUPIED
         closed = inflate(occupied[window], clearance_m, size)
         near = closed
-        if config.comfort_cost > 0.0 and config.comfort_m > 0.0:
-            near = inflate(closed, config.comfort_m, size)
+        if config.comfort_cost > 0.0:
+            near = inflate(closed, _COMFORT_M, size)
         costs = np.zeros(grid.cells.shape, dtype=np.float32)
         costs[window] = priced(
             grid.cells[window] == Cell.UNKNOWN,
@@ -115,7 +118,7 @@ def _window(
         return (slice(None), slice(None))
     margin = math.ceil(margin_m / grid.resolution_m)
     cells = grid.cells_of(np.array(points))
-    # A robot off the map has the cells of its edge.
+    # A robot off the map counts as standing on the nearest cell of its edge.
     first = np.clip(cells.min(axis=0) - margin, 0, np.array(grid.cells.shape) - 1)
     last = np.maximum(cells.max(axis=0) + margin, first)
     return (slice(first[0], last[0] + 1), slice(first[1], last[1] + 1))

@@ -1,7 +1,7 @@
 """Path following: the next discrete action along a path."""
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -33,18 +33,17 @@ _ANGLE_SLACK = 1e-9
 _ACTIONS = (Action.MOVE_FORWARD, Action.TURN_LEFT, Action.TURN_RIGHT)
 
 
+@dataclass(frozen=True, eq=False)
 class PathFollower:
-    """Follows routes. It has no state of its own."""
+    """Follows routes. It has no state of its own.
 
-    def __init__(self, config: PlanningConfig, motion: MotionConfig) -> None:
-        """Create it.
+    Attributes:
+        config: Steering and tolerances.
+        motion: Length of a step and angle of a turn.
+    """
 
-        Args:
-            config: Steering and tolerances.
-            motion: Length of a step and angle of a turn.
-        """
-        self._config = config
-        self._motion = motion
+    config: PlanningConfig
+    motion: MotionConfig
 
     def next_action(
         self, route: Route, robot: Pose2, costmap: Costmap | None = None
@@ -65,7 +64,7 @@ class PathFollower:
         path = route.path
         if path is None:
             return None, replace(route, arrived=False)
-        if self._config.steering == "lattice" and costmap is not None:
+        if self.config.steering == "lattice" and costmap is not None:
             action, route = self._by_lattice(route, path, robot, costmap)
             if action is None and costmap.is_tight and not self._is_at_end(path, robot):
                 action = self._to_waypoint(route, path, robot)
@@ -76,11 +75,11 @@ class PathFollower:
 
     def _is_at_end(self, path: PlannedPath, robot: Pose2) -> bool:
         # A step may end up to half its length away from where it should.
-        return robot.distance_to(*path.end) <= max(self._tolerance, self._motion.forward_m)
+        return robot.distance_to(*path.end) <= max(self._tolerance, self.motion.forward_m)
 
     @property
     def _tolerance(self) -> float:
-        return self._config.waypoint_tolerance_m
+        return self.config.waypoint_tolerance_m
 
     def _to_waypoint(self, route: Route, path: PlannedPath, robot: Pose2) -> Action | None:
         """The paper's follower: turn if the next waypoint is too far off the heading, else go."""
@@ -88,7 +87,7 @@ class PathFollower:
         if route.next_waypoint >= len(path.waypoints) - 1:
             off = robot.distance_to(*path.end)
             before = path.waypoints[-2] if len(path.waypoints) > 1 else robot.xy
-            overshot = off <= self._motion.forward_m and along_line(before, path.end, robot)[0] > (
+            overshot = off <= self.motion.forward_m and along_line(before, path.end, robot)[0] > (
                 math.dist(before, path.end)
             )
             if off <= self._tolerance or overshot:
@@ -97,7 +96,7 @@ class PathFollower:
 
     def _turn_or_go(self, bearing: float) -> Action:
         # Less than half a turn off cannot be made good: the robot would turn to and fro.
-        tolerance_deg = max(self._config.heading_tolerance_deg, self._motion.turn_angle_deg / 2.0)
+        tolerance_deg = max(self.config.heading_tolerance_deg, self.motion.turn_angle_deg / 2.0)
         if abs(bearing) <= math.radians(tolerance_deg) + _ANGLE_SLACK:
             return Action.MOVE_FORWARD
         return Action.TURN_LEFT if bearing > 0.0 else Action.TURN_RIGHT
@@ -111,7 +110,7 @@ class PathFollower:
         after every action could go in circles.
         """
         if robot.distance_to(*path.end) <= self._tolerance:
-            return None, route  # no wall is thin enough to lie between
+            return None, route  # walls are thicker than the tolerance, so none lies between
         if not (route.actions and self._goes_as_planned(route, robot, costmap)):
             actions = self._search_actions(route, path, robot, costmap)
             if actions is None:
@@ -139,13 +138,13 @@ class PathFollower:
     def _after(self, robot: Pose2, action: Action) -> Pose2:
         """Pose after an action, if nothing blocks it."""
         if action is Action.MOVE_FORWARD:
-            step = self._motion.forward_m
+            step = self.motion.forward_m
             return Pose2(
                 robot.x + step * math.cos(robot.yaw),
                 robot.y + step * math.sin(robot.yaw),
                 robot.yaw,
             )
-        turn = math.radians(self._motion.turn_angle_deg)
+        turn = math.radians(self.motion.turn_angle_deg)
         return Pose2(robot.x, robot.y, robot.yaw + (turn if action is Action.TURN_LEFT else -turn))
 
     def _search_actions(
@@ -163,8 +162,8 @@ class PathFollower:
         to_go = costs_to_go(costs, aim, here, _SIDEWAYS_M / size)
         if np.isinf(to_go[here]):
             return None
-        turns = self._motion.turns_of_a_circle
-        headings = robot.yaw + np.arange(turns) * math.radians(self._motion.turn_angle_deg)
+        turns = self.motion.turns_of_a_circle
+        headings = robot.yaw + np.arange(turns) * math.radians(self.motion.turn_angle_deg)
         actions, rest = plan_actions(
             costs,
             to_go,
@@ -172,8 +171,8 @@ class PathFollower:
             column - left,
             np.sin(headings),
             np.cos(headings),
-            self._motion.forward_m / size,
-            self._config.turn_cost_m * (self._motion.turn_angle_deg / 30.0) / size,
+            self.motion.forward_m / size,
+            self.config.turn_cost_m * (self.motion.turn_angle_deg / 30.0) / size,
             self._tolerance / size,
             _HORIZON_M / size,
         )

@@ -71,8 +71,8 @@ class Navigator:
         self, grid: OccupancyGrid, robot: Pose2, *destinations: Float64[np.ndarray, "_ 2"]
     ) -> float | None:
         """Length of the path that `towards` would take, metres; None if there is none."""
-        options = self._planner.options(grid, robot.xy, destinations)
-        return next((path.length_m for _, path in options if path is not None), None)
+        path = self._planner.plan(grid, robot.xy, *destinations)
+        return None if path is None else path.length_m
 
     def gap_towards(
         self,

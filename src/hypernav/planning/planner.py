@@ -17,7 +17,7 @@ from hypernav.planning.costmap import Costmap
 from hypernav.planning.motion_kernels import cost_of_line, shortcut
 
 _BESIDE_M = 0.1
-"""Gap that comes of the size of the cells, metres."""
+"""Gap up to which a path ends in the destination, since cells have a size, metres."""
 _REACHED = 2
 """Mark of the passable cells that a path leads to."""
 
@@ -78,9 +78,9 @@ class Planner:
         self,
         grid: OccupancyGrid,
         start: tuple[float, float],
-        targets: Float64[np.ndarray, "n 2"],
+        *destinations: Float64[np.ndarray, "_ 2"],
     ) -> PlannedPath | None:
-        """The cheapest path to a destination.
+        """The best of the paths to a destination; see `options`.
 
         From inside an inflated obstacle the path first leads out of it. A destination that cannot
         be entered moves to the cell nearest to it (`PlanningConfig.end_in_obstacle`), at most
@@ -90,12 +90,12 @@ class Planner:
         Args:
             grid: The map.
             start: Position of the robot ``(x, y)``, metres.
-            targets: Points ``(x, y)`` of the destination, metres; at least one.
+            destinations: Points ``(x, y)`` of the destination, as for `options`, metres.
 
         Returns:
             The path; None if there is none.
         """
-        return next((path for _, path in self.options(grid, start, [targets]) if path), None)
+        return next((path for _, path in self.options(grid, start, destinations) if path), None)
 
     def options(
         self,
@@ -165,7 +165,11 @@ class Planner:
 def _known_first(
     options: list[tuple[Costmap, PlannedPath | None]],
 ) -> list[tuple[Costmap, PlannedPath | None]]:
-    """Sure paths of half the cost of the first to the destination, then it, then the others."""
+    """The options in the order of preference.
+
+    First come paths that enter the destination over explored floor at less than half the cost of
+    the first that enters it, then the others that enter it, then the rest.
+    """
     costs = [path.cost for _, path in options if path is not None and path.enters]
     most = costs[0] / 2.0 if costs else 0.0
 
@@ -207,7 +211,7 @@ def _enterable_goal(
     inside = costmap.grid.contains(cells)
     wanted[cells[inside, 0], cells[inside, 1]] = True
     known = enterable & costmap.grid.explored
-    for allowed in (known, enterable) if config.end_in_unknown else (known,):
+    for allowed in (known, enterable):
         goal = wanted & allowed
         if goal.any():
             return goal.view(np.uint8), 0.0

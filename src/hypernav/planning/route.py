@@ -84,7 +84,8 @@ class Route:
     def seen_from(self, robot: Pose2) -> "Route":
         """The route once the waypoints are passed that are near the robot, or behind it.
 
-        Steps are long, so a waypoint is often stepped over. It never comes back.
+        Steps are long, so a waypoint is often stepped over. A passed one stays
+        passed.
         """
         if self.path is None:
             return self

@@ -137,12 +137,12 @@ def test_a_near_destination_is_driven_to_if_its_own_distance_says_so():
 
 
 def test_what_holds_is_driven_to_though_all_is_explored_there():
-    there = Destination(3.5, 2.0, reason="there")
-    held = Destination(3.5, 2.0, reason="there", holds=True)
-    other = Destination(0.5, 2.0, reason="back")
-    _, events, _ = driven(Names(there, other), 3, drop_explored_radius_m=0.1)
+    there = Destination(3.2, 2.0, reason="there")
+    held = Destination(3.2, 2.0, reason="there", holds=True)
+    other = Destination(0.8, 2.0, reason="back")
+    _, events, _ = driven(Names(there, other), 2)
     assert "destination explored" in events
-    _, events, _ = driven(Names(held, other), 3, drop_explored_radius_m=0.1)
+    _, events, _ = driven(Names(held, other), 2)
     assert events == []
 
 

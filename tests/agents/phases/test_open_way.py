@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from hypernav.agents.patience import patience_of
-from hypernav.agents.plan import Approaching
+from hypernav.agents.plan import Approaching, patience_of
 from hypernav.build.agents import build_search
 from hypernav.core.episodes.episode import Outcome
 from hypernav.core.geometry.transforms import Pose2

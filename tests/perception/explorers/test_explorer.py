@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 
 from certainty import certain
@@ -96,7 +98,7 @@ def test_a_visited_block_is_excluded_and_asked_about_again():
 def test_a_reasoner_that_insists_on_visited_blocks_ends_the_search_of_blocks():
     explorer = blocks_explorer(Insists(1, 1, 1, 1), last_frontier_m=None)
     first = certain(next_of(explorer))
-    explorer._reasoner = Insists(1, 1, 1, 1)
+    explorer = replace(explorer, reasoner=Insists(1, 1, 1, 1))
     assert next_of(explorer, visiting(first.xy)) is None
 
 

@@ -64,7 +64,7 @@ def test_another_side_of_the_room_is_new():
 
 
 def test_a_step_nearer_is_nothing_new_but_much_nearer_is():
-    mind, _ = attention(edge_share=0.0, closer_factor=0.6)
+    mind, _ = attention(edge_share=0.0)
     assert mind.is_worth_a_question(view(), None)
     assert not mind.is_worth_a_question(view(x=1.5), None)  # 2.5 m, more than 0.6 of 4 m
     assert mind.is_worth_a_question(view(x=1.8), None)
@@ -92,7 +92,7 @@ def test_the_far_end_of_a_hall_is_seen_though_it_has_no_depth():
 
 
 def test_a_held_target_is_looked_at_again_only_from_nearer():
-    mind, log = attention(held_factor=0.7)
+    mind, log = attention()
     target = target_ahead()
     asked = [mind.is_worth_a_question(view(x=x), target) for x in (0.0, 0.5, 1.0, 1.5, 2.0, 2.5)]
     assert asked[0]

@@ -16,7 +16,7 @@ from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.memory import SearchMemory
 from hypernav.perception.visual_prompts import object_graph
-from hypernav.perception.visual_prompts.arrow_explorer import dynavlm_style, vlmnav
+from hypernav.perception.visual_prompts.arrow_explorer import DynavlmStyleExplorer, VlmnavExplorer
 from hypernav.perception.visual_prompts.chat_arrows import ChatArrowReasoner
 from hypernav.perception.visual_prompts.geometric_arrows import GeometricArrowReasoner
 from hypernav.perception.visual_prompts.object_graph import ObjectGraph
@@ -112,7 +112,7 @@ def move_of(explorer, search=None, *, robot=HERE, goal=BED, things=()):
 
 
 def explorer_of(reasoner):
-    return vlmnav(reasoner, ROBOT, MappingConfig(), (0.2,))
+    return VlmnavExplorer(reasoner, ROBOT, MappingConfig(), (0.2,))
 
 
 def test_the_end_of_the_chosen_arrow_is_the_destination():
@@ -191,7 +191,7 @@ def test_people_see_the_whole_memory_and_what_of_it_is_told(monkeypatch):
 
 def test_memory_joins_the_question_and_the_explorer_keeps_none_of_it():
     reasoner = Says(1)
-    explorer = dynavlm_style(reasoner, ROBOT, MappingConfig(), (0.2,))
+    explorer = DynavlmStyleExplorer(reasoner, ROBOT, MappingConfig(), (0.2,))
     move_of(explorer, things=[SeenThing("oven", (2.0, 1.0))])
     assert "oven" in reasoner.views[0].facts[0]
     move_of(explorer)
@@ -199,5 +199,5 @@ def test_memory_joins_the_question_and_the_explorer_keeps_none_of_it():
 
 
 def test_only_a_memory_of_things_wants_them_named():
-    assert wants_named_things(dynavlm_style(Says(1), ROBOT, MappingConfig(), (0.2,)))
+    assert wants_named_things(DynavlmStyleExplorer(Says(1), ROBOT, MappingConfig(), (0.2,)))
     assert not wants_named_things(explorer_of(Says(1)))

@@ -17,9 +17,9 @@ from hypernav.perception.visual_prompts.config import ArrowsConfig
 from hypernav.perception.visual_prompts.marks import mark_of
 from hypernav.perception.visual_prompts.pivot import GaussianProposer
 from hypernav.perception.visual_prompts.proposals import (
-    BiasedProposer,
     FreeDirections,
-    SpatialProposer,
+    biased_moves,
+    spatial_moves,
 )
 from hypernav.show.drawing.arrows import ArrowStyle
 
@@ -34,20 +34,16 @@ def directions(draw):
     return FreeDirections(HEADINGS, np.array(free), np.array(explored), FOV)
 
 
-def anywhere(x, y):
-    return True
-
-
 @given(directions())
 def test_no_biased_move_ends_beyond_two_thirds_of_the_free_floor(seen):
-    for move in BiasedProposer(space_explored=True).propose(seen, HERE, anywhere, may_turn=True):
+    for move in biased_moves(seen, may_turn=True):
         free_m, _ = seen.at(move.heading)
         assert 0.75 < move.length_m <= min(0.66 * free_m, 1.7) + 1e-9
 
 
 @given(directions())
 def test_biased_moves_keep_apart_and_are_numbered_from_left_to_right(seen):
-    moves = BiasedProposer(space_explored=True).propose(seen, HERE, anywhere, may_turn=True)
+    moves = biased_moves(seen, may_turn=True)
     angles = [move.heading for move in moves]
     assert angles == sorted(angles, reverse=True)
     assert all(a - b >= 0.9 * 79.0 / 360.0 - 1e-9 for a, b in pairwise(angles))
@@ -56,7 +52,7 @@ def test_biased_moves_keep_apart_and_are_numbered_from_left_to_right(seen):
 @given(directions())
 def test_the_longest_unexplored_direction_is_always_offered(seen):
     worth = (0.66 * seen.free_m > 0.75) & ~seen.is_explored
-    moves = BiasedProposer(space_explored=True).propose(seen, HERE, anywhere, may_turn=True)
+    moves = biased_moves(seen, may_turn=True)
     if worth.any():
         longest = HEADINGS[worth][seen.free_m[worth].argmax()]
         assert any(math.isclose(move.heading, longest) for move in moves)
@@ -64,9 +60,8 @@ def test_the_longest_unexplored_direction_is_always_offered(seen):
 
 def test_where_nothing_is_free_there_is_something_only_if_it_may_not_turn():
     nothing = FreeDirections(HEADINGS, np.zeros(60), np.zeros(60, dtype=bool), FOV)
-    proposer = BiasedProposer(space_explored=True)
-    assert proposer.propose(nothing, HERE, anywhere, may_turn=True) == []
-    assert len(proposer.propose(nothing, HERE, anywhere, may_turn=False)) == 4
+    assert biased_moves(nothing, may_turn=True) == []
+    assert len(biased_moves(nothing, may_turn=False)) == 4
 
 
 @given(directions())
@@ -74,7 +69,7 @@ def test_points_in_space_are_free_reachable_and_few(seen):
     def left_half(x, y):
         return y >= 0.0
 
-    moves = SpatialProposer().propose(seen, HERE, left_half, may_turn=True)
+    moves = spatial_moves(seen, HERE, left_half)
     assert len(moves) <= 8
     assert len(set(moves)) == len(moves)
     for move in moves:
@@ -108,7 +103,7 @@ def test_every_number_maps_back_to_its_end():
     shown = exploration_view(drawn("."), room_with_wall(4.0))
     sight = ArrowSight(shown, Embodiment(camera=CAMERA), ArrowsConfig(), ArrowStyle())
     seen = sight.look()
-    moves = BiasedProposer(space_explored=True).propose(seen, HERE, anywhere, may_turn=True)
+    moves = biased_moves(seen, may_turn=True)
     arrows = sight.marked(moves, seen)
     assert len(arrows) >= 3
     view = sight.view(arrows, may_turn=True)

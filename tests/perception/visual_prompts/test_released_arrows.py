@@ -13,7 +13,7 @@ from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.memory import SearchMemory
-from hypernav.perception.visual_prompts.arrow_explorer import vlmnav
+from hypernav.perception.visual_prompts.arrow_explorer import VlmnavExplorer
 from hypernav.perception.visual_prompts.chat_arrows import ChatArrowReasoner
 from hypernav.perception.visual_prompts.config import ArrowsConfig
 from hypernav.perception.visual_prompts.pivot import PivotExplorer
@@ -87,13 +87,13 @@ def test_zero_is_the_last_mark():
 
 def test_a_blind_step_has_its_own_length():
     config = ArrowsConfig(blind_step_m=0.2)
-    explorer = vlmnav(Says(), ROBOT, MappingConfig(), (0.2,), config)
+    explorer = VlmnavExplorer(Says(), ROBOT, MappingConfig(), (0.2,), config)
     assert move_of(explorer).xy == pytest.approx((0.2, 0.0))
 
 
 def test_after_a_yes_only_the_default_moves_are_offered_once():
     reasoner, search = Says(1), SearchMemory()
-    explorer = vlmnav(reasoner, ROBOT, MappingConfig(), (0.2,))
+    explorer = VlmnavExplorer(reasoner, ROBOT, MappingConfig(), (0.2,))
     move_of(explorer, search, may_be_here=True)
     move_of(explorer, search)
     first, second = reasoner.views

@@ -20,7 +20,7 @@ _WIDER_M = (0.3, 0.7)
 
 def approach(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
     """Drive to where the goal area may be entered; explore for now where no path leads there."""
-    target, robot, config = step.target(memory), step.robot, step.config
+    target, robot, config = memory.search.evidence.target, step.robot, step.config
     if target is None:
         return Phase.LOOK_AROUND, plan
     goals = _goals(step, memory, plan, target)

@@ -13,7 +13,7 @@ from hypernav.perception.local.belief import reconsidered
 def end(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
     """Go near a goal in sight; look once more here, and at what was rejected; then end."""
     thing, search = step.goal.thing, memory.search
-    if step.target(memory) is not None and not plan.approaching.as_near_as_possible:
+    if memory.search.evidence.target is not None and not plan.approaching.as_near_as_possible:
         if step.config.open_the_way and plan.approaching.may_clear(step.config):
             reason = f"the way to the {thing} is blocked, looking whether it stays so"
             return Decision(Action.TURN_LEFT, Mode.LOOK_AROUND, reason), replace(

@@ -7,8 +7,7 @@ import cv2
 import numpy as np
 from jaxtyping import Float64
 
-from hypernav.agents.patience import patience_of
-from hypernav.agents.plan import Plan
+from hypernav.agents.plan import Plan, patience_of
 from hypernav.agents.step import Decision, Phase, Step, turn_towards
 from hypernav.core.actions import Action
 from hypernav.core.components.abilities import answers_at_once
@@ -18,8 +17,10 @@ from hypernav.core.trace import Mode
 from hypernav.mapping.memory.memory import Memory
 
 _CHOICES_PER_STEP = 4
+_AROUND_M = 0.75
+"""Radius around a destination within which all must be explored for it to count as explored."""
 _WORTH_A_TURN_M = 0.3
-"""Length of the shortest boundary to the unknown that is no noise."""
+"""Length below which a boundary to the unknown is noise and worth no turn."""
 
 
 def explore(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
@@ -88,7 +89,7 @@ def _pursuing(step: Step, memory: Memory, plan: Plan) -> Plan:
     position = search.evidence.far_position
     if not config.pursue_far_sightings or position is None:
         return plan
-    # Been there, and the goal was still out of reach: explore instead of going to and fro.
+    # The robot was there and the goal was still out of range: explore instead of going back.
     near_m = 2.0 * config.arrival_distance_m
     if any(math.dist(position, other) <= near_m for other in plan.exploring.pursued):
         search.evidence = replace(search.evidence, far_position=None)
@@ -101,17 +102,20 @@ def _pursuing(step: Step, memory: Memory, plan: Plan) -> Plan:
 
 
 def _without_finished(step: Step, memory: Memory, plan: Plan) -> Plan:
-    """The conditions for a new destination: reached, or nothing left there."""
+    """The plan without a destination that is reached, or around which all is explored."""
     destination, config = plan.destination, step.config
     if destination is None:
         return plan
     if step.robot.distance_to(*destination.xy) < _arrival_m(destination, step):
         if _facing_turn(destination, step) is None:
             return _ended("destination reached", step, memory, plan)
-    elif config.drop_explored and not destination.is_sighting and not destination.holds:
-        radius_m = config.drop_explored_radius_m
-        if len(unexplored_boundary(step.grid, destination.xy, radius_m)) == 0:
-            return _ended("destination explored", step, memory, plan)
+    elif (
+        config.drop_explored
+        and not destination.is_sighting
+        and not destination.holds
+        and len(unexplored_boundary(step.grid, destination.xy, _AROUND_M)) == 0
+    ):
+        return _ended("destination explored", step, memory, plan)
     return plan
 
 
@@ -132,7 +136,8 @@ def _without_expired(plan: Plan) -> Plan:
 def _reconsidered(step: Step, memory: Memory, plan: Plan) -> Plan:
     """Change the destination if the explorer, asked again on the way, names another.
 
-    One that was left for another is not gone back to on the way, so that no robot wavers.
+    A destination that was left for another is not taken again on the way: the robot would go to
+    and fro.
     """
     destination, config, explorer = plan.destination, step.config, step.use.explorer
     if (
@@ -205,7 +210,7 @@ def _look_across(step: Step, memory: Memory, plan: Plan) -> Action | None:
         return None
     if step.use.gaze is not None:
         return step.use.gaze.worthwhile_turn(grid, robot, memory.search.looked)
-    points = unexplored_boundary(grid, destination.xy, config.drop_explored_radius_m)
+    points = unexplored_boundary(grid, destination.xy, _AROUND_M)
     if len(points) * grid.resolution_m < _WORTH_A_TURN_M:
         return None
     away = points - np.array(robot.xy)

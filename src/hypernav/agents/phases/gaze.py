@@ -17,9 +17,9 @@ _SAME_SPOT_M = 0.1
 
 
 class Gaze:
-    """Chooses turns by what they would show. What was looked at, the memory knows.
+    """Chooses turns by the unseen floor that they would show; it has no state of its own.
 
-    What the robot has looked at and still does not know from there is hidden from there.
+    Floor that is still unknown in a direction in which the robot has looked is hidden from there.
     """
 
     def __init__(self, embodiment: Embodiment, least_m2: float) -> None:

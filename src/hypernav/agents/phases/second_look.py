@@ -29,7 +29,7 @@ def with_second_look(step: Step, plan: Plan, target: Target) -> Plan:
 
 def second_look(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
     """Drive to the other side, turn to the target, and judge it by the image there."""
-    target, position = step.target(memory), plan.approaching.second_look
+    target, position = memory.search.evidence.target, plan.approaching.second_look
     if target is None or position is None:
         return Phase.LOOK_AROUND, plan
     robot, config, thing = step.robot, step.config, step.goal.thing

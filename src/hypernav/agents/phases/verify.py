@@ -17,7 +17,7 @@ from hypernav.perception.local.belief import (
 
 def verify(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
     """Face the goal area and look at it; then stop, go elsewhere, or reject it."""
-    target, search, config = step.target(memory), memory.search, step.config
+    target, search, config = memory.search.evidence.target, memory.search, step.config
     if target is None:
         return Phase.LOOK_AROUND, plan
     turn = turn_towards(step.robot, target.area.centre, step.motion)

@@ -1,7 +1,7 @@
 """The map as a question: numbered blocks, the image of them, and the answer."""
 
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -122,9 +122,7 @@ class BlockChoice:
     Attributes:
         number: Number of the chosen block; None if no block is worth a visit.
         reason: Reason for the choice in words, for the trace.
-        probabilities: Probability of each block, if the reasoner gives it.
     """
 
     number: int | None
     reason: str
-    probabilities: dict[int, float] = field(default_factory=dict)

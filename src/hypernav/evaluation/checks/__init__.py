@@ -1,1 +1,1 @@
-"""Checkers of the contracts of agents and worlds, for your own implementations."""
+"""Checks of what others bring: agents, worlds, models behind a server, data of benchmarks."""

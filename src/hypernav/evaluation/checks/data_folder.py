@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 from importlib.util import find_spec
 from pathlib import Path
 
-from hypernav.core.checkup import Finding, State
 from hypernav.core.errors import EpisodeError, SceneError
 from hypernav.datasets.benchmark_files import (
     SCENES_FOLDER,
@@ -16,6 +15,7 @@ from hypernav.datasets.benchmark_files import (
 )
 from hypernav.datasets.benchmarks import BENCHMARKS, GENERATED, Benchmark
 from hypernav.datasets.habitat_episodes import split_parts
+from hypernav.evaluation.checks.findings import Finding, State
 from hypernav.worlds.navmesh.files.reader import read_navmesh
 from hypernav.worlds.scans.layout import ScanFiles
 from hypernav.worlds.scenes.gltf_file import check_glb

@@ -40,8 +40,7 @@ def points_under_mask(
     rows, columns = row + rows * stride, column + columns * stride
     depth = observation.depth[rows, columns].astype(np.float64)
     measured = is_measured(depth, min_depth_m, max_depth_m)
-    points = observation.camera.unproject_pixels(rows[measured], columns[measured], depth[measured])
-    return observation.camera_to_map.apply(points)
+    return observation.points_at(rows[measured], columns[measured])
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +86,7 @@ class GoalArea:
             iterations: Number of dilations.
             largest_cluster_only: Whether to keep only the cluster that most points fall into, so
                 that a mask that leaks to the wall behind does not move the goal there.
-            stray_share: Share of the points below which cells that lie apart are another thing's.
+            stray_share: Share of the points below which a separate part is another object's.
 
         Returns:
             The area, or None without points.
@@ -195,7 +194,7 @@ class GoalArea:
     def inner_entry_points(self) -> Float64[np.ndarray, "n 2"]:
         """Those of the entry points in the half nearer to the target, ``(x, y)``, metres.
 
-        The target is where most images have it: one image alone may take a shadow along.
+        Only cells that many images show count as the target: a single image may include a shadow.
         """
         often = 2 * self.views >= self.views.max()
         away = cv2.distanceTransform((~often).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)

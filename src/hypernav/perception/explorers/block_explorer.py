@@ -18,7 +18,7 @@ from hypernav.core.exploring.exploration import Destination, ExplorationView
 from hypernav.core.exploring.overview import Block, Overview, Prospects
 from hypernav.mapping.blocks import blocks_of
 from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.frontiers import find_frontiers, nearest_frontier
+from hypernav.mapping.frontiers import find_frontiers, fresh_frontiers
 from hypernav.mapping.prospects import find_legs_m, find_prospects
 from hypernav.mapping.reachable_area import ReachableArea
 from hypernav.show.drawing.question_map import QuestionStyle, draw_question_map
@@ -90,45 +90,36 @@ class _Forgotten:
     visits: int = 0
 
 
+@dataclass(frozen=True, eq=False)
 class BlockExplorer:
     """Asks a reasoner which block of the map to visit (paper: global perception).
 
     If the answer lies near a position already visited, the question is asked again with that block
     excluded (paper: "don't answer number [x, …]").
+
+    Attributes:
+        reasoner: Reasoner that chooses a block.
+        config: Configuration of the question.
+        mapping: Size of the blocks.
+        clearances_m: Distances of destinations from obstacles, in the order to try, metres.
+        embodiment: Range of the camera.
     """
 
-    def __init__(
-        self,
-        reasoner: BlockReasoner,
-        config: OverviewConfig,
-        mapping: MappingConfig,
-        clearances_m: tuple[float, ...],
-        embodiment: Embodiment,
-    ) -> None:
-        """Create it.
-
-        Args:
-            reasoner: Reasoner that chooses a block.
-            config: Configuration of the question.
-            mapping: Size of the blocks.
-            clearances_m: Distances of destinations from obstacles, in the order to try, metres.
-            embodiment: Range of the camera.
-        """
-        self._reasoner = reasoner
-        self._config = config
-        self._mapping = mapping
-        self._clearances_m = clearances_m
-        self._range_m = embodiment.camera.max_depth_m
+    reasoner: BlockReasoner
+    config: OverviewConfig
+    mapping: MappingConfig
+    clearances_m: tuple[float, ...]
+    embodiment: Embodiment
 
     @property
     def answers_at_once(self) -> bool:
         """See `hypernav.core.components.abilities.answers_at_once`."""
-        return answers_at_once(self._reasoner)
+        return answers_at_once(self.reasoner)
 
     def next_destination(self, view: ExplorationView) -> Destination | None:
         """A block that was not visited, or a frontier beside all blocks; None if there is none."""
         destination = self._unvisited(view)
-        if destination is None and self._config.forget_visits:
+        if destination is None and self.config.forget_visits:
             # The robot is still at the last position.
             view.notes[_KEY] = _Forgotten(len(view.trajectory) - 1, len(view.visits))
             destination = self._unvisited(view)
@@ -137,20 +128,20 @@ class BlockExplorer:
     def _unvisited(self, view: ExplorationView) -> Destination | None:
         """Ask about all blocks, then about those that a robot closer to obstacles can enter."""
         offered: tuple[Block, ...] = ()
-        for clearance_m in self._clearances_m:
-            reach = ReachableArea.of(view.grid, view.robot, self._mapping, clearance_m)
-            blocks = blocks_of(reach, self._mapping)
+        for clearance_m in self.clearances_m:
+            reach = ReachableArea.of(view.grid, view.robot, self.mapping, clearance_m)
+            blocks = blocks_of(reach, self.mapping)
             if _squares(blocks) == _squares(offered):
                 break
             offered = blocks
-            draw = partial(_drawn, view, blocks, self._config, self._mapping, clearance_m)
+            draw = partial(_drawn, view, blocks, self.config, self.mapping, clearance_m)
             overview = Overview(
                 draw,
                 blocks,
                 view.robot,
-                prospects=partial(_prospects, reach, self._range_m),
+                prospects=partial(_prospects, reach, self.embodiment.camera.max_depth_m),
                 legs_m=partial(_legs_m, reach),
-                legend=self._config.style.legend,
+                legend=self.config.style.legend,
                 trajectory=view.trajectory,
                 things=view.things,
                 camera_image=view.observation.rgb,
@@ -162,28 +153,29 @@ class BlockExplorer:
 
     def _last_frontier(self, view: ExplorationView) -> Destination | None:
         """The nearest unvisited frontier, whatever blocks it lies in."""
-        least_m = self._config.last_frontier_m
+        least_m = self.config.last_frontier_m
         if least_m is None:
             return None
-        nearest = nearest_frontier(
+        fresh = fresh_frontiers(
             view.grid,
             view.robot,
-            self._mapping.model_copy(update={"frontier_min_size_m": least_m}),
-            self._clearances_m,
+            self.mapping.model_copy(update={"frontier_min_size_m": least_m}),
+            self.clearances_m,
             visits=self._visits(view),
-            visited_radius_m=self._config.visited_radius_m,
+            visited_radius_m=self.config.visited_radius_m,
         )
-        if nearest is None:
+        if not fresh:
             return None
+        nearest = min(fresh, key=lambda one: one.travel_m)
         reason = f"no block is left; nearest frontier: {nearest.size_m:.1f} m long"
         return Destination(*nearest.destination, reason=reason)
 
     def _ask(self, overview: Overview, view: ExplorationView) -> Destination | None:
-        blocks, radius_m = overview.blocks, self._config.visited_radius_m
+        blocks, radius_m = overview.blocks, self.config.visited_radius_m
         excluded: frozenset[int] = frozenset()
         visits = self._visits(view)
-        for _ in range(self._config.max_questions or len(blocks)):
-            choice = self._reasoner.choose(overview, view.goal, excluded)
+        for _ in range(self.config.max_questions or len(blocks)):
+            choice = self.reasoner.choose(overview, view.goal, excluded)
             if choice.number is None:
                 return None
             block = overview.block(choice.number)
@@ -196,7 +188,7 @@ class BlockExplorer:
         """All that counts as visited, metres."""
         forgotten: _Forgotten = view.notes.get(_KEY, _Forgotten())
         ended = view.visits[forgotten.visits :]
-        match self._config.visited:
+        match self.config.visited:
             case "positions":
                 return [*view.trajectory[forgotten.positions :], *ended[-1:]]
             case "destinations":

@@ -1,6 +1,7 @@
 """Choice of a block without a model: by what it would show, and travel cost."""
 
 import math
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -16,7 +17,7 @@ from hypernav.core.exploring.overview import (
 )
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.trace import Exchange, ExchangeLog
+from hypernav.core.trace import ExchangeLog
 from hypernav.perception.explorers.tour_kernels import soonest_tour, unseen_after
 
 _NEVER_SEEN_M2 = 1e-3
@@ -49,6 +50,7 @@ class GeometricConfig(RoomConfig):
     min_frontier_cells: int = Field(default=6, ge=0, le=1_000_000)
 
 
+@dataclass(frozen=True, eq=False)
 class GeometricReasoner:
     """Prefers blocks that are near and would show much of the unknown; does not use the goal.
 
@@ -62,20 +64,15 @@ class GeometricReasoner:
     What two blocks would show both counts once.
 
     Attributes:
+        log: Log of all choices, for the trace.
+        config: What a block is worth, and which one comes next.
         answers_at_once: See `hypernav.core.components.abilities.answers_at_once`.
     """
 
+    log: ExchangeLog
+    config: GeometricConfig = field(default_factory=GeometricConfig)
+
     answers_at_once = True
-
-    def __init__(self, log: ExchangeLog, config: GeometricConfig | None = None) -> None:
-        """Create the reasoner.
-
-        Args:
-            log: Log of all choices, for the trace.
-            config: What a block is worth, and which one comes next.
-        """
-        self._log = log
-        self._config = config or GeometricConfig()
 
     def choose(self, overview: Overview, goal: Goal, excluded: frozenset[int]) -> BlockChoice:
         """The block to go to; None if no boundary is left that can be reached."""
@@ -83,31 +80,29 @@ class GeometricReasoner:
             block
             for block in overview.blocks
             if block.number not in excluded
-            and block.frontier_cells >= self._config.min_frontier_cells
+            and block.frontier_cells >= self.config.min_frontier_cells
             and math.isfinite(block.travel_m)
         ]
         choice = self._best(open_blocks, overview)
-        self._log.record(
-            Exchange(
-                kind="choose block",
-                asked="geometric",
-                question=self._question,
-                answer=choice.reason,
-                chosen=choice.number,
-                excluded=sorted(excluded),
-            )
+        self.log.note(
+            "choose block",
+            "geometric",
+            self._question,
+            choice.reason,
+            chosen=choice.number,
+            excluded=excluded,
         )
         return choice
 
     @property
     def _question(self) -> str:
-        gain = "unexplored boundary" if self._config.gain == "boundary" else "unknown in view"
-        if self._config.order == "greedy":
+        gain = "unexplored boundary" if self.config.gain == "boundary" else "unknown in view"
+        if self.config.order == "greedy":
             return f"Which block has the most {gain} for the way there?"
         return f"Which block comes first where the most {gain} is to come soon?"
 
     def _best(self, blocks: list[Block], overview: Overview) -> BlockChoice:
-        config = self._config
+        config = self.config
         if not blocks:
             return BlockChoice(None, "no block has unexplored boundary that can be reached")
         blocks = sorted(blocks, key=lambda one: (one.travel_m, one.number))
@@ -129,12 +124,12 @@ class GeometricReasoner:
         return BlockChoice(blocks[best].number, self._reason(blocks[best], gains[best]))
 
     def _cost_m(self, block: Block, robot: Pose2) -> float:
-        if self._config.order == "tour":
+        if self.config.order == "tour":
             return block.travel_m
         return block.travel_m + _TURN_COST_M * abs(robot.bearing_to(*block.destination))
 
     def _reason(self, block: Block, gain: float) -> str:
         worth = f"{gain:.1f} m² of the unknown in view"
-        if self._config.gain == "boundary":
+        if self.config.gain == "boundary":
             worth = f"{block.frontier_cells} cells of unexplored boundary"
         return f"block {block.number}: {worth}, {block.travel_m:.1f} m away"

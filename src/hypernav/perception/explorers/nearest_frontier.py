@@ -1,55 +1,43 @@
 """The classic baseline of exploration: the nearest frontier."""
 
+from dataclasses import dataclass
+
 from hypernav.core.exploring.exploration import Destination, ExplorationView
-from hypernav.core.trace import Exchange, ExchangeLog
+from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.frontiers import nearest_frontier
+from hypernav.mapping.frontiers import fresh_frontiers
+
+_VISITED_RADIUS_M = 0.5
+"""Distance from a visited position within which frontiers are passed over."""
 
 
+@dataclass(frozen=True, eq=False)
 class NearestFrontierExplorer:
-    """Drives to the nearest frontier (Yamauchi, 1997), the paper's real-world baseline."""
+    """Drives to the nearest frontier (Yamauchi, 1997), the paper's real-world baseline.
 
-    def __init__(
-        self,
-        log: ExchangeLog,
-        mapping: MappingConfig,
-        clearances_m: tuple[float, ...],
-        *,
-        visited_radius_m: float = 0.5,
-    ) -> None:
-        """Create it.
+    Attributes:
+        log: Log of all choices, for the trace.
+        mapping: Length of the shortest frontier.
+        clearances_m: Distances of destinations from obstacles, in the order to try, metres.
+    """
 
-        Args:
-            log: Log of all choices, for the trace.
-            mapping: Length of the shortest frontier.
-            clearances_m: Distances of destinations from obstacles, in the order to try, metres.
-            visited_radius_m: Distance from a visited position, metres, within which frontiers are
-                passed over.
-        """
-        self._log = log
-        self._mapping = mapping
-        self._clearances_m = clearances_m
-        self._visited_radius_m = visited_radius_m
+    log: ExchangeLog
+    mapping: MappingConfig
+    clearances_m: tuple[float, ...]
 
     def next_destination(self, view: ExplorationView) -> Destination | None:
         """The nearest frontier by travel distance; None if all is explored."""
-        nearest = nearest_frontier(
+        fresh = fresh_frontiers(
             view.grid,
             view.robot,
-            self._mapping,
-            self._clearances_m,
+            self.mapping,
+            self.clearances_m,
             visits=view.visits,
-            visited_radius_m=self._visited_radius_m,
+            visited_radius_m=_VISITED_RADIUS_M,
         )
+        nearest = min(fresh, key=lambda one: one.travel_m, default=None)
         reason = "no frontier is left that can be reached"
         if nearest is not None:
             reason = f"nearest frontier: {nearest.size_m:.1f} m long, {nearest.travel_m:.1f} m away"
-        self._log.record(
-            Exchange(
-                kind="choose frontier",
-                asked="geometric",
-                question="Which frontier is nearest?",
-                answer=reason,
-            )
-        )
+        self.log.note("choose frontier", "geometric", "Which frontier is nearest?", reason)
         return None if nearest is None else Destination(*nearest.destination, reason=reason)

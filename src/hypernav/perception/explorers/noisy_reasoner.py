@@ -1,28 +1,85 @@
 """Stand-ins for a model of known quality: the truly best block at a set rate, or just any block."""
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from typing import ClassVar
+
+import numpy as np
 
 from hypernav.core.episodes.truth import EpisodeTruth
 from hypernav.core.errors import ConfigError
 from hypernav.core.exploring.overview import Block, BlockChoice, Overview
 from hypernav.core.goal import Goal
-from hypernav.core.trace import Exchange, ExchangeLog
+from hypernav.core.trace import ExchangeLog
 from hypernav.perception.explorers.map_question import VlmReasonerConfig, offered_blocks
 
 _EQUAL_M = 0.5
 """Difference in length below which two paths are equally short."""
 
 
-class NoisyReasoner:
+class _StandIn(ABC):
+    """Chooses among the blocks that a model would be offered, with the episode's generator."""
+
+    _NAME: ClassVar[str]
+    _QUESTION: ClassVar[str]
+
+    def __init__(
+        self, log: ExchangeLog, truth: EpisodeTruth, config: VlmReasonerConfig | None = None
+    ) -> None:
+        """Create the reasoner.
+
+        Args:
+            log: Log of all choices, for the trace.
+            truth: True paths to the goal and the generator of the episode.
+            config: Configuration of the question to a model, which says what is offered.
+        """
+        self._log = log
+        self._truth = truth
+        self._config = config or VlmReasonerConfig()
+
+    def choose(self, overview: Overview, goal: Goal, excluded: frozenset[int]) -> BlockChoice:
+        """One of the offered blocks; None if none is offered.
+
+        Raises:
+            TruthMissingError: Nobody told the truth about this episode.
+        """
+        offered = offered_blocks(self._config, overview, excluded)
+        rng = self._truth.rng
+        if not offered:
+            choice = BlockChoice(None, "every block is excluded or holds nothing new")
+        elif len(offered) == 1:
+            number = offered[0].number
+            choice = BlockChoice(number, f"block {number} is the only one left")
+        else:
+            choice = self._drawn(offered, rng)
+        self._log.note(
+            "choose block",
+            self._NAME,
+            self._QUESTION,
+            choice.reason,
+            chosen=choice.number,
+            excluded=excluded,
+        )
+        return choice
+
+    @abstractmethod
+    def _drawn(self, offered: Sequence[Block], rng: np.random.Generator) -> BlockChoice:
+        """The choice among at least two blocks."""
+
+
+class NoisyReasoner(_StandIn):
     """Names the truly best of the offered blocks with a set probability, else another of them.
 
     It says how good a model must be: with probability 1 it is as good as any model can be, so what
     is still lost then is lost by the method. The best block is on the shortest path to the goal by
     way of a block; of several on that path the one that leads farthest. All others are as likely as
     each other, which is worse than a model that errs: that would rather name the second best.
-    The blocks that a model would be offered are offered here. Ours; the paper has no such thing.
+    Ours; the paper has no such thing.
     """
+
+    _NAME = "noisy"
+    _QUESTION = "Which block is the truly best?"
 
     def __init__(
         self,
@@ -42,28 +99,10 @@ class NoisyReasoner:
         Raises:
             ConfigError: The probability is no number from 0 to 1.
         """
+        super().__init__(log, truth, config)
         self._probability = _read_probability(probability)
-        self._log = log
-        self._truth = truth
-        self._config = config or VlmReasonerConfig()
 
-    def choose(self, overview: Overview, goal: Goal, excluded: frozenset[int]) -> BlockChoice:
-        """The truly best block or another one; None if none is offered.
-
-        Raises:
-            TruthMissingError: Nobody told the truth about this episode.
-        """
-        offered = offered_blocks(self._config, overview, excluded)
-        choice = self._choice(offered)
-        _record(
-            self._log, choice, excluded, asked="noisy", question="Which block is the truly best?"
-        )
-        return choice
-
-    def _choice(self, offered: Sequence[Block]) -> BlockChoice:
-        rng = self._truth.rng
-        if len(offered) < 2:
-            return _without_choice(offered)
+    def _drawn(self, offered: Sequence[Block], rng: np.random.Generator) -> BlockChoice:
         best = self._best(offered)
         if rng.random() < self._probability:
             left_m = self._truth.path_left_m(*best.destination)
@@ -86,41 +125,16 @@ class NoisyReasoner:
         return min(equal, key=lambda one: (left_m[one.number], one.number))
 
 
-class RandomReasoner:
+class RandomReasoner(_StandIn):
     """Names any of the offered blocks, all with the same probability; uses neither map nor goal.
 
     It says what a search is worth without any global perception.
     """
 
-    def __init__(
-        self, log: ExchangeLog, truth: EpisodeTruth, config: VlmReasonerConfig | None = None
-    ) -> None:
-        """Create the reasoner.
+    _NAME = "random block"
+    _QUESTION = "Which block is drawn?"
 
-        Args:
-            log: Log of all choices, for the trace.
-            truth: Generator of the episode.
-            config: Configuration of the question to a model, which says what is offered.
-        """
-        self._log = log
-        self._truth = truth
-        self._config = config or VlmReasonerConfig()
-
-    def choose(self, overview: Overview, goal: Goal, excluded: frozenset[int]) -> BlockChoice:
-        """A block by chance; None if none is offered.
-
-        Raises:
-            TruthMissingError: Nobody told the generator of this episode.
-        """
-        offered = offered_blocks(self._config, overview, excluded)
-        choice = self._choice(offered)
-        _record(self._log, choice, excluded, asked="random block", question="Which block is drawn?")
-        return choice
-
-    def _choice(self, offered: Sequence[Block]) -> BlockChoice:
-        rng = self._truth.rng
-        if len(offered) < 2:
-            return _without_choice(offered)
+    def _drawn(self, offered: Sequence[Block], rng: np.random.Generator) -> BlockChoice:
         drawn = offered[int(rng.integers(len(offered)))]
         return BlockChoice(drawn.number, f"block {drawn.number}: drawn from {len(offered)}")
 
@@ -136,25 +150,3 @@ def _read_probability(text: float | str) -> float:
             "a number from 0 to 1, for example noisy:0.7"
         )
     return probability
-
-
-def _without_choice(offered: Sequence[Block]) -> BlockChoice:
-    """The choice from at most one block."""
-    if not offered:
-        return BlockChoice(None, "every block is excluded or holds nothing new")
-    return BlockChoice(offered[0].number, f"block {offered[0].number} is the only one left")
-
-
-def _record(
-    log: ExchangeLog, choice: BlockChoice, excluded: frozenset[int], *, asked: str, question: str
-) -> None:
-    log.record(
-        Exchange(
-            kind="choose block",
-            asked=asked,
-            question=question,
-            answer=choice.reason,
-            chosen=choice.number,
-            excluded=sorted(excluded),
-        )
-    )

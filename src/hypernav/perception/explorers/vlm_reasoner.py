@@ -1,5 +1,6 @@
 """Choice of a block by a vision-language model that looks at the map (paper: global)."""
 
+from dataclasses import dataclass, field
 from typing import Any
 
 from hypernav.core.chat import Answer, Question
@@ -20,30 +21,23 @@ _QUESTIONS = 2
 """Number of questions, where answers give no number, before the fallback chooses."""
 
 
+@dataclass(eq=False)
 class VlmReasoner:
-    """Shows the map and asks which block to visit."""
+    """Shows the map and asks which block to visit.
 
-    def __init__(
-        self,
-        chat: ChatModel,
-        log: ExchangeLog,
-        fallback: BlockReasoner,
-        config: VlmReasonerConfig | None = None,
-    ) -> None:
-        """Create the reasoner.
+    Attributes:
+        chat: Chat model to ask.
+        log: Log of all questions and answers, for the trace.
+        fallback: Reasoner that chooses where the model gives no usable answer.
+        config: Configuration of the question.
+        fallbacks: Number of choices of the fallback since the last report.
+    """
 
-        Args:
-            chat: Chat model to ask.
-            log: Log of all questions and answers, for the trace.
-            fallback: Reasoner that chooses where the model gives no usable answer.
-            config: Configuration of the question.
-        """
-        self._chat = chat
-        self._log = log
-        self._fallback = fallback
-        self._config = config or VlmReasonerConfig()
-        self.fallbacks = 0
-        """Number of choices of the fallback so far."""
+    chat: ChatModel
+    log: ExchangeLog
+    fallback: BlockReasoner
+    config: VlmReasonerConfig = field(default_factory=VlmReasonerConfig)
+    fallbacks: int = field(default=0, init=False)
 
     def choose(self, overview: Overview, goal: Goal, excluded: frozenset[int]) -> BlockChoice:
         """The block that the model names; the fallback's if it names none.
@@ -51,25 +45,23 @@ class VlmReasoner:
         Raises:
             ModelUnavailableError: The model did not answer within the configured patience.
         """
-        numbers = [block.number for block in offered_blocks(self._config, overview, excluded)]
+        numbers = [block.number for block in offered_blocks(self.config, overview, excluded)]
         if not numbers:
             return BlockChoice(None, "every block is excluded or holds nothing new")
-        if len(numbers) == 1 and self._config.skip_only_block:
+        if len(numbers) == 1 and self.config.skip_only_block:
             return BlockChoice(numbers[0], f"block {numbers[0]} is the only one left")
         hint = ""
         for _ in range(_QUESTIONS):
             question = self.question(overview, goal, excluded, hint=hint)
-            answer = self._chat.ask(question)
+            answer = self.chat.ask(question)
             choice = self._read(question, answer, numbers, excluded)
             if choice is not None:
                 return choice
             said = shortened(without_thinking(answer.text))
             hint = f"\n\nYou said '{said}', which names none of the blocks to choose from."
         self.fallbacks += 1
-        choice = self._fallback.choose(overview, goal, excluded)
-        return BlockChoice(
-            choice.number, f"fell back: {choice.reason}", probabilities=choice.probabilities
-        )
+        choice = self.fallback.choose(overview, goal, excluded)
+        return BlockChoice(choice.number, f"fell back: {choice.reason}")
 
     def take_report(self) -> dict[str, Any]:
         """Number of choices of the fallback since the last call."""
@@ -79,21 +71,13 @@ class VlmReasoner:
     def question(
         self, overview: Overview, goal: Goal, excluded: frozenset[int], *, hint: str = ""
     ) -> Question:
-        """Question about one map.
-
-        Args:
-            overview: Map and blocks.
-            goal: Target of the search.
-            excluded: Numbers of the blocks that must not be answered.
-            hint: Additional text about an answer that could not be used.
-        """
-        return map_question(self._config, overview, goal, excluded, hint=hint)
+        """Question about one map; see `map_question`."""
+        return map_question(self.config, overview, goal, excluded, hint=hint)
 
     def _read(
         self, question: Question, answer: Answer, numbers: list[int], excluded: frozenset[int]
     ) -> BlockChoice | None:
         """The choice in an answer, if there is one; asks for a summary where rules fail."""
-        chances = {int(number): chance for number, chance in answer.probabilities.items()}
         number = chosen_number(question, answer, numbers)
         remarks = [] if number is not None else [answer.detail or "no rule finds one number"]
         self._record(question, answer, number, excluded, remarks)
@@ -103,9 +87,9 @@ class VlmReasoner:
             return None
         said = shortened(without_thinking(answer.text), 160)
         reason = f"block {number}" if said == str(number) else f"block {number}: {said}"
-        if number in chances:
-            reason += f" ({chances[number]:.0%} sure)"
-        return BlockChoice(number, reason, probabilities=chances)
+        if (chance := answer.probabilities.get(str(number))) is not None:
+            reason += f" ({chance:.0%} sure)"
+        return BlockChoice(number, reason)
 
     def _ask_for_summary(
         self, answer: Answer, numbers: list[int], excluded: frozenset[int]
@@ -122,7 +106,7 @@ class VlmReasoner:
             allowed=tuple(map(str, numbers)),
             max_tokens=8,
         )
-        summary = self._chat.ask(question)
+        summary = self.chat.ask(question)
         number = None if summary.fault is not None else int(summary.value)
         remarks = [] if number is not None else [summary.detail]
         self._record(question, summary, number, excluded, remarks)
@@ -136,6 +120,6 @@ class VlmReasoner:
         excluded: frozenset[int],
         remarks: list[str],
     ) -> None:
-        self._log.record(
+        self.log.record(
             exchange_of(question, answer, chosen=number, excluded=sorted(excluded), remarks=remarks)
         )

@@ -13,13 +13,17 @@ from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.observation import Observation
-from hypernav.core.trace import Exchange, ExchangeLog
+from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.memory.goal_area import GoalArea
 
 _COLUMNS, _ROWS = 24, 18
 _REMEMBERED_VIEWS = 64
 _SAME_SURFACE_M = 0.15
 _SAME_SURFACE_SHARE = 0.05
+_CLOSER = 0.6
+"""Share of the distance that a surface was seen from, below which it counts as new again."""
+_HELD = 0.7
+"""Share of the distance to a held target at the last question, at which the next is asked."""
 
 
 class AttentionConfig(RoomConfig):
@@ -30,21 +34,16 @@ class AttentionConfig(RoomConfig):
     Attributes:
         skip_seen_views: Whether to skip images that show nothing but surfaces of earlier questions.
         seen_share: Share of an image's surfaces that must have been seen before to skip it.
-        closer_factor: Share of the distance that a surface was seen from; nearer than that it
-            counts as new again.
         edge_share: Width of an image's edge, as a share of its sides; objects seen there may be cut
             off.
-        skip_held_target: Whether to skip images on the path to a target, until the distance has
-            fallen to ``held_factor`` of that at the last question. Only for ``local.target=hold``.
-        held_factor: Share of the distance at the last question; see ``skip_held_target``.
+        skip_held_target: Whether to skip images on the path to a target that needs no second look,
+            until the distance has fallen to 0.7 of that at the last question.
     """
 
     skip_seen_views: bool = False
     seen_share: float = Field(default=0.9, gt=0.0, le=1.0)
-    closer_factor: float = Field(default=0.6, gt=0.0, le=1.0)
     edge_share: float = Field(default=0.05, ge=0.0, lt=0.5)
     skip_held_target: bool = False
-    held_factor: float = Field(default=0.7, gt=0.0, le=1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +69,7 @@ class _View:
         Args:
             points: Points in the ``map`` frame, metres.
             distance: Distance that each point is seen from now, along the optical axis, metres.
-            config: Distance factor and width of the edge.
+            config: Width of the edge.
         """
         camera, depth = self.camera, self.depth
         ahead = self.map_to_camera.apply(points)
@@ -83,7 +82,7 @@ class _View:
         same = np.abs(there - z) < _SAME_SURFACE_M + _SAME_SURFACE_SHARE * z
         # Nothing within the range of depth: beyond it, everything along the ray was in sight.
         beyond = ~is_measured(there) & (z > 0.9 * float(depth.max(initial=0.0)))
-        return inside & (same | beyond) & (z * config.closer_factor <= distance)
+        return inside & (same | beyond) & (z * _CLOSER <= distance)
 
 
 @dataclass(eq=False)
@@ -94,18 +93,17 @@ class _Looks:
     held_m: float | None = None
 
 
+@dataclass(frozen=True, eq=False)
 class Attention:
-    """Tells whether an image shows anything that was not asked about before."""
+    """Tells whether an image shows anything that was not asked about before.
 
-    def __init__(self, log: ExchangeLog, config: AttentionConfig) -> None:
-        """Create it.
+    Attributes:
+        log: Log of the skipped images, for the trace.
+        config: Conditions for skipping images.
+    """
 
-        Args:
-            log: Log of the skipped images, for the trace.
-            config: Conditions for skipping images.
-        """
-        self._log = log
-        self._config = config
+    log: ExchangeLog
+    config: AttentionConfig
 
     def is_worth_a_question(
         self, observation: Observation, target: GoalArea | None, notes: dict[str, Any]
@@ -120,20 +118,20 @@ class Attention:
             notes: Notes of this search, where the images are kept.
         """
         looks: _Looks = notes.setdefault("attention", _Looks())
-        if target is not None and self._config.skip_held_target:
+        if target is not None and self.config.skip_held_target:
             distance_m = target.distance_to(*observation.robot.xy)
-            if looks.held_m is not None and distance_m > self._config.held_factor * looks.held_m:
+            if looks.held_m is not None and distance_m > _HELD * looks.held_m:
                 self._skip(f"the way to the goal is known, {distance_m:.1f} m are left")
                 return False
             looks.held_m = distance_m
         else:
             looks.held_m = None
-            if self._config.skip_seen_views:
+            if self.config.skip_seen_views:
                 share = self._seen_share(observation, looks.views)
-                if share >= self._config.seen_share:
+                if share >= self.config.seen_share:
                     self._skip(f"nothing new, {share:.0%} of it was seen before")
                     return False
-        if self._config.skip_seen_views:
+        if self.config.skip_seen_views:
             looks.views.append(_View.of(observation))
         return True
 
@@ -144,18 +142,12 @@ class Attention:
             left = ~seen
             if not left.any():
                 break
-            seen[left] = view.shows(points[left], distance[left], self._config)
+            seen[left] = view.shows(points[left], distance[left], self.config)
         return float(seen.mean())
 
     def _skip(self, why: str) -> None:
-        self._log.record(
-            Exchange(
-                kind="attention",
-                asked="geometric",
-                question="Does the picture show anything that was not asked about before?",
-                answer=why,
-            )
-        )
+        question = "Does the picture show anything that was not asked about before?"
+        self.log.note("attention", "geometric", question, why)
 
 
 def _sampled(

@@ -1,6 +1,6 @@
 """Box-prompted segmentation without weights: a cut by depth, then by colour."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
@@ -15,11 +15,11 @@ from hypernav.core.observation import Observation
 _SAME_DEPTH_M = 0.2
 """Distance in depth from the object's largest part within which its other parts lie."""
 _SMALLEST_SHARE = 0.02
-"""Share of the box below which a part is too small to be told by."""
+"""Share of the box below which a part is too small to be the object."""
 _LEAST_INSIDE = 0.5
-"""How much of a part must lie in the box for it to be one of the object's other parts."""
+"""`_Parts.inside` from which on a part may be one of the object's other parts."""
 _LEAST_FIT = 0.02
-"""What remains of the fit of a part that goes on around the whole box."""
+"""Factor on the fit of a part that extends beyond the box on all sides."""
 _NEAREST_M = 0.3
 _WORK_SIZE_PX = 120
 """Length that the longer side of the box is reduced to before the colour cut."""
@@ -48,6 +48,7 @@ class DepthCutConfig(RoomConfig):
     floor_height_m: float = Field(default=0.06, ge=0.0, le=10.0)
 
 
+@dataclass(frozen=True, eq=False)
 class DepthCutSegmenter:
     """GrabCut inside the box, seeded by the part of the depth image that fits the box best.
 
@@ -55,11 +56,12 @@ class DepthCutSegmenter:
     one side of it to the other, and unlike a wall behind or a table before, it ends there. Pixels
     of that part are probable foreground, pixels outside the box certain background, and the colour
     models of GrabCut (Rother et al., 2004; OpenCV's ``grabCut``) decide the rest.
+
+    Attributes:
+        config: ?
     """
 
-    def __init__(self, config: DepthCutConfig | None = None) -> None:
-        """Create the segmenter."""
-        self._config = config or DepthCutConfig()
+    config: DepthCutConfig = field(default_factory=DepthCutConfig)
 
     def segment(self, observation: Observation, box: Box) -> Bool[np.ndarray, "height width"]:
         """The object's pixels; all False if the box lies outside the image."""
@@ -107,7 +109,7 @@ class DepthCutSegmenter:
         rows = corner[1] + (np.arange(depth.shape[0]) + 0.5) / scale[1]
         points = observation.camera.unproject(columns[None, :], rows[:, None], depth)
         height = observation.camera_to_map.apply(points.reshape(-1, 3))[:, 2].reshape(depth.shape)
-        return is_measured(depth) & (height < self._config.floor_height_m)
+        return is_measured(depth) & (height < self.config.floor_height_m)
 
     def _cut(
         self,
@@ -157,7 +159,7 @@ class DepthCutSegmenter:
             box: Pixels in the box; those around it tell which parts end there.
             solid: Pixels with depth that are no floor.
         """
-        parts = _Parts.of(_divided(depth, solid, self._config.depth_gap_m), depth, box)
+        parts = _Parts.of(_divided(depth, solid, self.config.depth_gap_m), depth, box)
         if not parts.inside.any():
             return np.zeros_like(box)
         best = int(parts.fit.argmax())

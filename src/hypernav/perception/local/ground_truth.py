@@ -1,7 +1,7 @@
 """Detection by perfect labels from a simulated world, for work on everything but recognition."""
 
 from collections.abc import Collection
-from functools import lru_cache
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,7 +10,6 @@ from hypernav.core.exploring.sightings import SeenThing
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.goal import Goal
-from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels, Observation
 from hypernav.perception.local.label_kernels import pixels_of_each
 
@@ -22,31 +21,22 @@ _LEAST_PIXELS = 2
 """Every 8th pixel in both directions is looked at to name things, and so many must show one."""
 
 
-@lru_cache(maxsize=4096)
-def _satisfies(label: ObjectLabel, goal: Goal) -> bool:
-    return label.satisfies(goal)
-
-
+@dataclass(frozen=True, eq=False)
 class GroundTruthDetector:
     """Sees exactly what is visible and labelled, and nothing else.
 
     Its detections carry their masks, so no segmenter is asked.
 
     Attributes:
+        min_area_share: Share of the image below which objects are overlooked.
         gives_masks: See `hypernav.core.components.abilities.gives_masks`.
         looks_at_colours: See `hypernav.core.components.abilities.looks_at_colours`.
     """
 
+    min_area_share: float = MIN_AREA_SHARE
+
     gives_masks = True
     looks_at_colours = False
-
-    def __init__(self, min_area_share: float = MIN_AREA_SHARE) -> None:
-        """Create the detector.
-
-        Args:
-            min_area_share: Share of the image below which objects are overlooked.
-        """
-        self._min_area_share = min_area_share
 
     def detect(self, observation: Observation, goal: Goal) -> list[Detection]:
         """Visible instances that satisfy the goal, largest first.
@@ -57,8 +47,8 @@ class GroundTruthDetector:
         truth = true_labels(observation)
         return [
             true_detection(truth, number)
-            for number in visible_objects(truth, self._min_area_share)
-            if _satisfies(truth.labels[number], goal)
+            for number in visible_objects(truth, self.min_area_share)
+            if truth.labels[number].satisfies(goal)
         ]
 
     def name_things(

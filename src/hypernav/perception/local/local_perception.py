@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import KW_ONLY, dataclass, replace
 
 import cv2
 import numpy as np
@@ -46,44 +46,29 @@ _CERTAIN = 0.99
 """Score from which a detector has no doubts that a form could speak to."""
 
 
+@dataclass(frozen=True, eq=False)
 class LocalPerception:
     """Detects, segments, refines and projects. What it finds out is kept by the memory.
 
     Attributes:
+        detector: Detector that finds boxes of the goal.
+        segmenter: Segmenter of the pixels in a box; not asked where a detection has its own mask.
         config: Refinement, projection and evidence.
+        camera: Camera, whose range of depth counts.
+        cell_size_m: Side of a map cell, metres.
+        attention: Choice of the images that the detector is asked about; None asks about all.
+        names_things: Whether whatever the detector can name is remembered, not only what it reports
+            beside the goal.
     """
 
-    def __init__(
-        self,
-        detector: Detector,
-        segmenter: Segmenter,
-        config: LocalConfig,
-        camera: CameraConfig,
-        *,
-        cell_size_m: float,
-        attention: Attention | None = None,
-        names_things: bool = False,
-    ) -> None:
-        """Create it.
-
-        Args:
-            detector: Detector that finds boxes of the goal.
-            segmenter: Segmenter of the pixels in a box; not asked where a detection has its own
-                mask.
-            config: Refinement, projection and evidence.
-            camera: Camera, whose range of depth counts.
-            cell_size_m: Side of a map cell, metres.
-            attention: Choice of the images that the detector is asked about; None asks about all.
-            names_things: Whether whatever the detector can name is remembered, not only what it
-                reports beside the goal.
-        """
-        self.config = config
-        self._detector = detector
-        self._attention = attention
-        self._segmenter = segmenter
-        self._camera = camera
-        self._cell_size_m = cell_size_m
-        self._names_things = names_things
+    detector: Detector
+    segmenter: Segmenter
+    config: LocalConfig
+    camera: CameraConfig
+    _: KW_ONLY
+    cell_size_m: float
+    attention: Attention | None = None
+    names_things: bool = False
 
     def look(
         self, observation: Observation, goal: Goal, floor: Floor, *, asks: bool = True
@@ -99,7 +84,7 @@ class LocalPerception:
         Returns:
             Every detection of the image, and whether it gave a goal area or the reason why not.
         """
-        search, config, attention = floor.search, self.config, self._attention
+        search, config, attention = floor.search, self.config, self.attention
         search.evidence = before_a_look(search.evidence)
         if not asks:
             return []
@@ -107,7 +92,7 @@ class LocalPerception:
             held = held_area(search.evidence, config)
             if not attention.is_worth_a_question(observation, held, search.looks):
                 return []
-        detections = self._detector.detect(observation, goal)
+        detections = self.detector.detect(observation, goal)
         least = 0.0 if config.target == "latest" else _STRONG
         strong = [one for one in detections if one.score >= least]
         floor.sightings = self._with_things(floor.sightings, observation, strong)
@@ -150,8 +135,8 @@ class LocalPerception:
         self, known: Sightings, observation: Observation, detections: list[Detection]
     ) -> Sightings:
         known = known.with_detections(observation, detections)
-        if self._names_things and isinstance(self._detector, NamesThings):
-            named = self._detector.name_things(observation, besides=known.named)
+        if self.names_things and isinstance(self.detector, NamesThings):
+            named = self.detector.name_things(observation, besides=known.named)
             known = known.with_named(named)
         return known
 
@@ -163,7 +148,7 @@ class LocalPerception:
             return detection.box.mask(width, height)
         if detection.mask is not None:
             return detection.mask
-        return self._segmenter.segment(observation, detection.box)
+        return self.segmenter.segment(observation, detection.box)
 
     def _form(
         self,
@@ -188,8 +173,8 @@ class LocalPerception:
             mask,
             observation,
             self.config,
-            self._camera,
-            cell_size_m=self._cell_size_m,
+            self.camera,
+            cell_size_m=self.cell_size_m,
             is_guessed=is_guessed and self.config.target == "candidates",
         )
         if area is None:
@@ -210,7 +195,7 @@ class LocalPerception:
             away = wrap_angle(robot.bearing_to(*area.centre) - bearing)
             if abs(away) < math.radians(_BESIDE_REJECTED_DEG):
                 return None
-        reach_m = self._camera.max_depth_m / math.cos(bearing)
+        reach_m = self.camera.max_depth_m / math.cos(bearing)
         angle = robot.yaw + bearing
         return (robot.x + reach_m * math.cos(angle), robot.y + reach_m * math.sin(angle))
 

@@ -1,15 +1,14 @@
 """The presence check at the goal, before the robot declares success (paper: Stop)."""
 
-from typing import Any, Literal
+from dataclasses import dataclass, field
+from typing import Literal
 
 from pydantic import Field
 
 from hypernav.core.chat import Image, Question
-from hypernav.core.components.protocols import ChatModel
 from hypernav.core.config import RoomConfig
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.core.trace import ExchangeLog
 from hypernav.perception.yes_or_no import YesNoAsker, yes_no_question
 
 _PROMPT = "Is there a {goal} in this picture? Answer yes or no."
@@ -41,25 +40,17 @@ def presence_question(config: PresenceConfig, image: Image, goal: Goal) -> Quest
     return yes_no_question("verify", text, image)
 
 
-class VlmPresenceCheck:
-    """Asks a vision-language model whether the goal is really in the image."""
+@dataclass(eq=False)
+class VlmPresenceCheck(YesNoAsker):
+    """Asks a vision-language model whether the goal is really in the image.
 
-    def __init__(
-        self, chat: ChatModel, log: ExchangeLog, config: PresenceConfig | None = None
-    ) -> None:
-        """Create the check.
+    Attributes:
+        config: Configuration of the question.
+    """
 
-        Args:
-            chat: Chat model to ask.
-            log: Log of all questions and answers, for the trace.
-            config: Configuration of the question.
-        """
-        self._asker = YesNoAsker(chat, log)
-        self._config = config or PresenceConfig()
+    config: PresenceConfig = field(default_factory=PresenceConfig)
 
-    def take_report(self) -> dict[str, Any]:
-        """Number of answers that were neither yes nor no since the last call."""
-        return {"unsure_presence_checks": self._asker.take_unsure()}
+    count_name = "unsure_presence_checks"
 
     def is_present(self, observation: Observation, goal: Goal) -> bool:
         """Ask yes or no.
@@ -67,8 +58,8 @@ class VlmPresenceCheck:
         Raises:
             ModelUnavailableError: The model did not answer within the configured patience.
         """
-        question = presence_question(self._config, observation.rgb, goal)
-        yes = self._asker.ask(question, f"taken for {self._config.unsure}")
+        question = presence_question(self.config, observation.rgb, goal)
+        yes = self.ask(question, f"taken for {self.config.unsure}")
         if yes is None:
-            return self._config.unsure == "yes"
-        return yes >= self._config.min_probability
+            return self.config.unsure == "yes"
+        return yes >= self.config.min_probability

@@ -17,7 +17,7 @@ from hypernav.core.trace import ExchangeLog
 from hypernav.models.chat.vlm_families import FamilyName, VlmFamily, family_named, family_of
 from hypernav.perception.exchanges import exchange_of
 from hypernav.perception.local.crop_check import crop_of, crop_question
-from hypernav.perception.local.grounding_format import GroundedBox, Grounding, read_grounding
+from hypernav.perception.local.grounding_format import Grounding, read_grounding
 from hypernav.perception.yes_or_no import YesNoAsker
 
 _PROMPT = (
@@ -49,7 +49,6 @@ class VlmDetectorConfig(RoomConfig):
         min_score: Score below which a box is dropped.
         constrained: Whether to enforce the JSON form where the server can. The models were trained
             on free answers and these are read tolerantly, so it is rarely needed.
-        drop_other_labels: Whether to reject boxes that the model itself labels as something else.
         max_tokens: Limit on the length of the answer, tokens; a box takes about 40.
     """
 
@@ -59,7 +58,6 @@ class VlmDetectorConfig(RoomConfig):
     score_crops: int = Field(default=2, ge=0, le=1000)
     min_score: float = Field(default=0.3, ge=0.0, le=1.0)
     constrained: bool = False
-    drop_other_labels: bool = False
     max_tokens: int = Field(default=300, ge=16, le=1_000_000)
 
     @field_validator("prompt")
@@ -160,13 +158,7 @@ class VlmDetector:
             ModelUnavailableError: The model did not answer within the configured patience.
         """
         question = self.question(observation, goal)
-        found = self.read(question, self._chat.ask(question), observation, goal)
-        return self._looked_at(found, observation, goal)
-
-    def read(
-        self, question: Question, answer: Answer, observation: Observation, goal: Goal
-    ) -> list[Detection]:
-        """The detections of an answer that was waited for elsewhere; writes the log."""
+        answer = self._chat.ask(question)
         height, width = observation.rgb.shape[:2]
         grounding = read_grounding(
             answer.text,
@@ -176,9 +168,10 @@ class VlmDetector:
             max_boxes=_MAX_BOXES,
             min_side_px=_MIN_SIDE_PX,
         )
-        boxes, remarks = self._judge(answer, grounding, goal)
+        remarks = self._remarks(answer, grounding, goal)
         self._log.record(exchange_of(question, answer, remarks=remarks))
-        return [Detection(one.box, one.score, one.label or goal.text) for one in boxes]
+        found = [Detection(o.box, o.score, o.label or goal.text) for o in grounding.boxes]
+        return self._looked_at(found, observation, goal)
 
     def _looked_at(
         self, found: list[Detection], observation: Observation, goal: Goal
@@ -194,10 +187,8 @@ class VlmDetector:
             self.rejected["denied on a closer look"] += len(found) - len(kept)
         return kept
 
-    def _judge(
-        self, answer: Answer, grounding: Grounding, goal: Goal
-    ) -> tuple[list[GroundedBox], list[str]]:
-        """The boxes to keep, and oddities of the answer."""
+    def _remarks(self, answer: Answer, grounding: Grounding, goal: Goal) -> list[str]:
+        """Oddities of an answer, which are counted."""
         remarks = [
             f"{count} {'box' if count == 1 else 'boxes'} {reason.value}"
             for reason, count in grounding.rejected.items()
@@ -208,15 +199,11 @@ class VlmDetector:
             reason = answer.fault.value if answer.fault is not None else "no box in the answer"
             remarks.append(reason)
             self.rejected[reason] += 1
-        kept = []
         for one in grounding.boxes:
             if one.label and not labels_agree(one.label, goal):
                 remarks.append(f"labelled '{one.label}', not '{goal.text}'")
                 self.rejected["other label"] += 1
-                if self._config.drop_other_labels:
-                    continue
-            kept.append(one)
-        return kept, remarks
+        return remarks
 
 
 def labels_agree(label: str, goal: Goal) -> bool:

@@ -5,7 +5,7 @@ Source: the released code of NavVLM (a demonstration of one scene that differs f
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 
 import cv2
@@ -80,39 +80,29 @@ class _Notes:
     seen_before: UInt8[np.ndarray, "_ _ 3"] | None = None
 
 
+@dataclass(frozen=True, eq=False)
 class AreaExplorer:
     """Asks which way leads to the goal, and goes to what the image shows there.
 
     Where nothing leads there it turns and asks again; when it has turned around, it goes to the
     nearest frontier. Map, planner and stop are those of all agents (ours: the original drives by
     fast marching, and asks a model at every step whether to stop).
+
+    Attributes:
+        guide: Guide that says directions.
+        log: Log of all choices, for the trace.
+        embodiment: Turn of the robot, range of its camera.
+        mapping: Cells of the map.
+        clearances_m: Distances of destinations from obstacles, in the order to try, metres.
+        config: Areas and turns.
     """
 
-    def __init__(
-        self,
-        guide: Guide,
-        log: ExchangeLog,
-        embodiment: Embodiment,
-        mapping: MappingConfig,
-        clearances_m: tuple[float, ...],
-        config: AreaConfig | None = None,
-    ) -> None:
-        """Create it.
-
-        Args:
-            guide: Guide that says directions.
-            log: Log of all choices, for the trace.
-            embodiment: Turn of the robot, range of its camera.
-            mapping: Cells of the map.
-            clearances_m: Distances of destinations from obstacles, in the order to try, metres.
-            config: Areas and turns.
-        """
-        self._guide = guide
-        self._frontier = NearestFrontierExplorer(log, mapping, clearances_m)
-        self._embodiment = embodiment
-        self._mapping = mapping
-        self._clearance_m = clearances_m[0]
-        self._config = config or AreaConfig()
+    guide: Guide
+    log: ExchangeLog
+    embodiment: Embodiment
+    mapping: MappingConfig
+    clearances_m: tuple[float, ...]
+    config: AreaConfig = field(default_factory=AreaConfig)
 
     def next_destination(self, view: ExplorationView) -> Destination | None:
         """The area that the guide points to, a turn, or the nearest frontier; None at the end.
@@ -127,7 +117,7 @@ class AreaExplorer:
             past = partial(
                 _past, notes.seen_before, view.grid, view.robot, view.trajectory, _MAP_PX
             )
-        choice = self._guide.direct(GuideView(seen, self._windows(seen), past), view.goal)
+        choice = self.guide.direct(GuideView(seen, self._windows(seen), past), view.goal)
         notes.seen_before = seen.rgb
         if choice.direction is not Direction.EXPLORE:
             position = self._area(view, choice.direction)
@@ -147,10 +137,11 @@ class AreaExplorer:
             notes.turns += 1
             return self._turned_right(view.robot, choice.reason)
         notes.turns = 0
-        return self._frontier.next_destination(view)
+        frontier = NearestFrontierExplorer(self.log, self.mapping, self.clearances_m)
+        return frontier.next_destination(view)
 
     def _turned_right(self, robot: Pose2, reason: str) -> Destination:
-        angle = math.radians(self._embodiment.motion.turn_angle_deg)
+        angle = math.radians(self.embodiment.motion.turn_angle_deg)
         return Destination(*robot.xy, reason=reason, holds=True, face=robot.yaw - angle)
 
     def _windows(self, seen: Observation) -> dict[Direction, slice]:
@@ -162,7 +153,7 @@ class AreaExplorer:
         cells = self._cells_in(view.observation, direction, grid)
         if not len(cells):
             return None
-        reach = ReachableArea.of(grid, robot, self._mapping, self._clearance_m)
+        reach = ReachableArea.of(grid, robot, self.mapping, self.clearances_m[0])
         away = np.ones(reach.grid.cells.shape, np.uint8)
         cells = reach.grid.cells_of(grid.centres_of(cells))
         cells = cells[reach.grid.contains(cells)]
@@ -171,7 +162,7 @@ class AreaExplorer:
         away[cells[:, 0], cells[:, 1]] = 0
         away_m = cv2.distanceTransform(away, cv2.DIST_L2, 5) * reach.grid.resolution_m
         away_m = np.where(reach.reachable > 0, away_m, np.inf)
-        # Of what is equally near the area, what is near the robot.
+        # Of cells that are equally near the area, the one with the shortest path.
         row, column = np.unravel_index(
             int((away_m + 1e-3 * np.minimum(reach.travel_m, 1e3)).argmin()), away_m.shape
         )
@@ -182,7 +173,7 @@ class AreaExplorer:
 
     def _is_known(self, position: tuple[float, float], view: ExplorationView) -> bool:
         """Whether the robot is there, or has been."""
-        radius_m = self._config.visited_radius_m
+        radius_m = self.config.visited_radius_m
         here = view.robot.distance_to(*position) < _ARRIVAL_M
         return here or any(math.dist(position, visit) < radius_m for visit in view.visits)
 
@@ -195,16 +186,11 @@ class AreaExplorer:
         one (ours).
         """
         rows, columns = _square(seen, direction)
-        depth = seen.depth[rows, columns]
-        camera = self._embodiment.camera
-        measured = is_measured(depth, camera.min_depth_m, camera.max_depth_m)
+        camera = self.embodiment.camera
+        measured = is_measured(seen.depth[rows, columns], camera.min_depth_m, camera.max_depth_m)
         at_row, at_column = np.nonzero(measured)
-        points = seen.camera_to_map.apply(
-            seen.camera.unproject_pixels(
-                at_row + rows.start, at_column + columns.start, depth[measured].astype(np.float64)
-            )
-        )
-        return _largest_piece(grid, points[:, :2], self._config)
+        points = seen.points_at(at_row + rows.start, at_column + columns.start)
+        return _largest_piece(grid, points[:, :2], self.config)
 
 
 def _square(seen: Observation, direction: Direction) -> tuple[slice, slice]:

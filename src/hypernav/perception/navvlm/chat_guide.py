@@ -1,5 +1,7 @@
 """The direction question of NavVLM to a chat model."""
 
+from dataclasses import dataclass, field
+
 from pydantic import Field
 
 from hypernav.core.chat import Question
@@ -35,22 +37,19 @@ class ChatGuideConfig(RoomConfig):
     max_tokens: int = Field(default=64, ge=4, le=100_000)
 
 
+@dataclass(frozen=True, eq=False)
 class ChatGuide:
-    """Asks a vision-language model which way leads to the goal."""
+    """Asks a vision-language model which way leads to the goal.
 
-    def __init__(
-        self, chat: ChatModel, log: ExchangeLog, config: ChatGuideConfig | None = None
-    ) -> None:
-        """Create the guide.
+    Attributes:
+        chat: Chat model to ask.
+        log: Log of all questions and answers, for the trace.
+        config: Configuration of the question.
+    """
 
-        Args:
-            chat: Chat model to ask.
-            log: Log of all questions and answers, for the trace.
-            config: Configuration of the question.
-        """
-        self._chat = chat
-        self._log = log
-        self._config = config or ChatGuideConfig()
+    chat: ChatModel
+    log: ExchangeLog
+    config: ChatGuideConfig = field(default_factory=ChatGuideConfig)
 
     def direct(self, view: GuideView, goal: Goal) -> GuideChoice:
         """The direction that the answer names; to explore more if it names none.
@@ -64,13 +63,13 @@ class ChatGuide:
             kind="choose direction",
             text=goal.named_in(template.replace("{past}", _PAST if later else "")),
             images=view.images,
-            max_tokens=self._config.max_tokens,
+            max_tokens=self.config.max_tokens,
         )
-        answer = self._chat.ask(question)
+        answer = self.chat.ask(question)
         said = without_thinking(answer.text)
         direction = Direction.EXPLORE if answer.fault is not None else direction_in(said)
         remarks = [answer.detail] if answer.fault is not None else []
-        self._log.record(exchange_of(question, answer, remarks=remarks))
+        self.log.record(exchange_of(question, answer, remarks=remarks))
         return GuideChoice(direction, f"{direction}: {shortened(said, 120)}")
 
 

@@ -1,8 +1,10 @@
 """A stand-in for a model that says directions: what is really in view, and a table of rooms."""
 
+from dataclasses import dataclass
+
 from hypernav.core.exploring.guidance import Direction, GuideChoice, GuideView
 from hypernav.core.goal import Goal
-from hypernav.core.trace import Exchange, ExchangeLog
+from hypernav.core.trace import ExchangeLog
 from hypernav.perception.vlfm.truth_scorer import chance_in_view
 
 _LEAST_CHANCE = 0.4
@@ -13,26 +15,22 @@ _LEAST_LEAD = 2.0
 there below that chance; ours."""
 
 
+@dataclass(frozen=True, eq=False)
 class TruthGuide:
     """Says the direction in which a room is in view that likely holds the goal.
 
     Ours; nothing like it was published.
 
     Attributes:
+        log: Log of all choices, for the trace.
         looks_at_colours: See `hypernav.core.components.abilities.looks_at_colours`.
         stands_in_for: What it is used in place of, and the remedy, for people.
     """
 
+    log: ExchangeLog
+
     looks_at_colours = False
     stands_in_for = "a vision-language model (--vlm)"
-
-    def __init__(self, log: ExchangeLog) -> None:
-        """Create the guide.
-
-        Args:
-            log: Log of all choices, for the trace.
-        """
-        self._log = log
 
     def direct(self, view: GuideView, goal: Goal) -> GuideChoice:
         """The likeliest direction, if it is likely enough.
@@ -41,14 +39,8 @@ class TruthGuide:
             LabelsMissingError: The world supplies no labels.
         """
         choice = self._choice(view, goal)
-        self._log.record(
-            Exchange(
-                kind="choose direction",
-                asked="truth",
-                question="Which part of the image shows a room that likely holds the goal?",
-                answer=choice.reason,
-            )
-        )
+        question = "Which part of the image shows a room that likely holds the goal?"
+        self.log.note("choose direction", "truth", question, choice.reason)
         return choice
 
     def _choice(self, view: GuideView, goal: Goal) -> GuideChoice:

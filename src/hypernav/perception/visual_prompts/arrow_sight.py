@@ -26,8 +26,8 @@ _SPARE_STEPS = 2
 _TURN_REST = 3
 """Number of choices after a turn around before the next may be offered (VLMnav's code)."""
 _ARRIVAL_M = 0.25
-"""Distance from the end of a move within which it is done; ours: the original moves through walls
-of no simulator at all, and exactly."""
+"""Distance from the end of a move within which it is done, metres; ours: in the original a move
+ends exactly where it was drawn."""
 
 
 @dataclass

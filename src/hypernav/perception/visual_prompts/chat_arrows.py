@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import dataclass, field
 from typing import Any
 
 from hypernav.core.chat import Question
@@ -32,27 +33,25 @@ _OBJECT = re.compile(r"\{[^{}]*\}")
 _NUMBERS = re.compile(r"-?\d+")
 
 
+@dataclass(eq=False)
 class ChatArrowReasoner:
-    """Shows the arrows and asks for numbers: in substance VLMnav's and PIVOT's, in our words."""
+    """Shows the arrows and asks for numbers: in substance VLMnav's and PIVOT's, in our words.
 
-    def __init__(
-        self, chat: ChatModel, log: ExchangeLog, config: ArrowsConfig | None = None
-    ) -> None:
-        """Create the reasoner.
+    Attributes:
+        chat: Chat model to ask.
+        log: Log of all questions and answers, for the trace.
+        config: Configuration of the question.
+        unread: Number of answers without a usable number since the last report.
+    """
 
-        Args:
-            chat: Chat model to ask.
-            log: Log of all questions and answers, for the trace.
-            config: Configuration of the question.
-        """
-        self._chat = chat
-        self._log = log
-        self._config = config or ArrowsConfig()
-        self._unread = 0
+    chat: ChatModel
+    log: ExchangeLog
+    config: ArrowsConfig = field(default_factory=ArrowsConfig)
+    unread: int = field(default=0, init=False)
 
     def take_report(self) -> dict[str, Any]:
         """Number of answers without a usable number since the last call."""
-        report, self._unread = {"unread_arrow_answers": self._unread}, 0
+        report, self.unread = {"unread_arrow_answers": self.unread}, 0
         return report
 
     def choose(self, view: ArrowView, goal: Goal) -> ArrowChoice:
@@ -62,14 +61,14 @@ class ChatArrowReasoner:
             ModelUnavailableError: The model did not answer within the configured patience, and this
             isn't configured to count as an answer.
         """
-        question = arrow_question(view, goal, self._config)
+        question = arrow_question(view, goal, self.config)
         try:
-            answer = self._chat.ask(question)
+            answer = self.chat.ask(question)
         except ModelUnavailableError as error:
-            if not self._config.outage_is_no_answer:
+            if not self.config.outage_is_no_answer:
                 raise
-            self._unread += 1
-            self._log.record(
+            self.unread += 1
+            self.log.record(
                 Exchange(
                     kind=question.kind,
                     asked="a model that is away",
@@ -84,9 +83,9 @@ class ChatArrowReasoner:
         said = without_thinking(answer.text)
         numbers = () if answer.fault is not None else named_numbers(said, view)
         remarks = [] if numbers else [answer.detail or "it names none of the numbers"]
-        self._unread += not numbers
+        self.unread += not numbers
         first = numbers[0] if numbers else None
-        self._log.record(exchange_of(question, answer, chosen=first, remarks=remarks))
+        self.log.record(exchange_of(question, answer, chosen=first, remarks=remarks))
         if not numbers:
             return ArrowChoice((), f"no number in '{shortened(said)}'")
         name = "turning around" if first == TURN_AROUND else f"arrow {first}"

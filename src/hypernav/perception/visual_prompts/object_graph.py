@@ -79,12 +79,12 @@ class ObjectGraph:
                 self._near[other].add(number)
 
     def retrieve(self, goal: Goal, robot: Pose2) -> list[GraphFact]:
-        """The things that are nearest in meaning to the goal, and of equal ones the nearest."""
-        return [self._fact(number, robot) for number in self._likest(goal, robot)]
+        """The things nearest in meaning to the goal; of equal ones, those nearest to the robot."""
+        return [self._fact(number, robot) for number in self._closest_in_meaning(goal, robot)]
 
     def shown(self, goal: Goal, robot: Pose2) -> ThingGraph:
         """The whole graph for people, who see which things `retrieve` tells of."""
-        told = set(self._likest(goal, robot))
+        told = set(self._closest_in_meaning(goal, robot))
         return ThingGraph(
             things=[
                 RememberedThing(label=one.label, position=one.position, told=number in told)
@@ -93,8 +93,8 @@ class ObjectGraph:
             near=[(a, b) for a, others in enumerate(self._near) for b in sorted(others) if a < b],
         )
 
-    def _likest(self, goal: Goal, robot: Pose2) -> list[int]:
-        """Numbers of the things that are told of, the likest first."""
+    def _closest_in_meaning(self, goal: Goal, robot: Pose2) -> list[int]:
+        """Numbers of the things that are told of, the closest in meaning first."""
         order = sorted(
             range(len(self._things)),
             key=lambda k: (

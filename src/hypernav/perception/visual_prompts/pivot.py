@@ -6,6 +6,7 @@ Source: Nasiriany et al., "PIVOT: Iterative Visual Prompting Elicits Actionable 
 
 import math
 import zlib
+from dataclasses import dataclass, field
 
 import numpy as np
 from jaxtyping import Float64
@@ -67,35 +68,28 @@ class GaussianProposer:
         return np.array(marks).reshape(-1, 2)
 
     def fit(self, best: Float64[np.ndarray, "n 2"]) -> None:
-        """Fit the distribution to the best marks; none leave it, one alone has no deviation."""
+        """Fit the distribution to the best marks; without any it stays as it is."""
         if len(best):
             self.mean = best.mean(axis=0)
             self.deviation = best.std(axis=0)
 
 
+@dataclass(frozen=True, eq=False)
 class PivotExplorer:
     """Asks for the best of random marks, draws new ones around these, and goes to the last best.
 
     Its 10 questions a move are 9 here: the tenth, whether to stop, is the presence check that all
     agents share.
+
+    Attributes:
+        arrow_reasoner: Reasoner that chooses marks.
+        embodiment: Camera, step and turn of the robot.
+        config: What arrows are like.
     """
 
-    def __init__(
-        self,
-        arrow_reasoner: ArrowReasoner,
-        embodiment: Embodiment,
-        config: ArrowsConfig | None = None,
-    ) -> None:
-        """Create it.
-
-        Args:
-            arrow_reasoner: Reasoner that chooses marks.
-            embodiment: Camera, step and turn of the robot.
-            config: What arrows are like.
-        """
-        self._reasoner = arrow_reasoner
-        self._embodiment = embodiment
-        self._config = config or ArrowsConfig()
+    arrow_reasoner: ArrowReasoner
+    embodiment: Embodiment
+    config: ArrowsConfig = field(default_factory=ArrowsConfig)
 
     def next_destination(self, view: ExplorationView) -> Destination:
         """The end of the next move, always of the same length: depth is not asked.
@@ -103,9 +97,9 @@ class PivotExplorer:
         Raises:
             ModelUnavailableError: The reasoner's model did not answer.
         """
-        sight = ArrowSight(view, self._embodiment, self._config, ArrowStyle())
+        sight = ArrowSight(view, self.embodiment, self.config, ArrowStyle())
         directions = sight.look()
-        seed = [self._config.seed, zlib.crc32(view.goal.text.encode())]
+        seed = [self.config.seed, zlib.crc32(view.goal.text.encode())]
         rng: np.random.Generator = view.notes.setdefault(_KEY, np.random.default_rng(seed))
         proposer = GaussianProposer(sight.observation.camera, rng)
         named: list[Arrow] = []
@@ -115,9 +109,9 @@ class PivotExplorer:
             question = sight.view(arrows, may_turn=may_turn, wanted=best)
             numbers: dict[int, None] = {}
             for _ in range(_CALLS if arrows else 0):
-                choice = self._reasoner.choose(question, view.goal)
+                choice = self.arrow_reasoner.choose(question, view.goal)
                 chosen = choice.numbers
-                if self._config.zero_is_last:
+                if self.config.zero_is_last:
                     chosen = tuple(one or arrows[-1].number for one in chosen)
                 if TURN_AROUND in chosen[:1]:
                     return sight.around(choice.reason)

@@ -1,9 +1,8 @@
 """Directions and lengths of the moves that are offered."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Bool, Float64
@@ -45,24 +44,6 @@ IsOpen = Callable[[float, float], bool]
 """Whether the robot can be at a position ``(x, y)``, ``map`` frame, metres."""
 
 
-@runtime_checkable
-class Proposer(Protocol):
-    """Proposes moves."""
-
-    def propose(
-        self, directions: FreeDirections, robot: Pose2, is_open: IsOpen, *, may_turn: bool
-    ) -> list[Move]:
-        """Moves in the order of their numbers.
-
-        Args:
-            directions: What the image shows of the floor.
-            robot: Pose of the robot.
-            is_open: Function that tells where the robot can be.
-            may_turn: Whether turning around is offered as well.
-        """
-        ...
-
-
 MOST_MOVE_M = 1.7
 """Largest length of a move, and of the floor that a look explores (VLMnav's code)."""
 _SHARE = 0.66
@@ -77,52 +58,39 @@ DEFAULT_MOVES = tuple(Move(math.radians(angle), 1.5) for angle in (45.9, 11.5, -
 """What VLMnav offers where nothing is free and the robot may not turn around."""
 
 
-class BiasedProposer:
-    """Proposes moves into unexplored directions first, then into explored ones far from them."""
+def biased_moves(
+    directions: FreeDirections, *, may_turn: bool, space_explored: bool = True
+) -> list[Move]:
+    """Moves into unexplored directions first, then into explored ones far from them (VLMnav).
 
-    def __init__(self, *, space_explored: bool) -> None:
-        """Create it.
+    Args:
+        directions: What the image shows of the floor.
+        may_turn: Whether turning around is offered as well.
+        space_explored: Whether explored directions keep their angle among themselves as well.
 
-        Args:
-            space_explored: Whether explored directions keep their angle among themselves as well.
-        """
-        self._space_explored = space_explored
-
-    def propose(
-        self, directions: FreeDirections, robot: Pose2, is_open: IsOpen, *, may_turn: bool
-    ) -> list[Move]:
-        """Moves from left to right; see `Proposer.propose`."""
-        headings = directions.headings
-        lengths = _SHARE * directions.free_m
-        worth = lengths > _LEAST_M
-        unit = math.degrees(directions.fov) / 360.0
-        fresh = np.flatnonzero(worth & ~directions.is_explored)
-        if len(fresh):
-            chosen = _outward(headings, fresh, directions.free_m, _SPACING * unit)
-            known = np.flatnonzero(worth & directions.is_explored)
-            chosen += self._far_from(headings, known, chosen, _EXPLORED_SPACING * unit)
-        else:
-            known = np.flatnonzero(worth)
-            chosen = _outward(headings, known, directions.free_m, unit) if len(known) else []
-        moves = [
-            Move(float(headings[k]), min(float(lengths[k]), MOST_MOVE_M))
-            for k in sorted(chosen, reverse=True)
-        ]
-        return moves or ([] if may_turn else list(DEFAULT_MOVES))
-
-    def _far_from(
-        self,
-        headings: Float64[np.ndarray, "n"],
-        candidates: Sequence[int] | np.ndarray,
-        chosen: list[int],
-        angle: float,
-    ) -> list[int]:
-        added: list[int] = []
-        for k in candidates:
-            others = chosen + added if self._space_explored else chosen
-            if all(abs(headings[k] - headings[other]) >= angle for other in others):
-                added.append(int(k))
-        return added
+    Returns:
+        Moves from left to right, in the order of their numbers.
+    """
+    headings = directions.headings
+    lengths = _SHARE * directions.free_m
+    worth = lengths > _LEAST_M
+    unit = math.degrees(directions.fov) / 360.0
+    fresh = np.flatnonzero(worth & ~directions.is_explored)
+    chosen: list[int] = []
+    if len(fresh):
+        chosen = _outward(headings, fresh, directions.free_m, _SPACING * unit)
+        unexplored = tuple(chosen)
+        for k in np.flatnonzero(worth & directions.is_explored).tolist():
+            others = chosen if space_explored else unexplored
+            if all(abs(headings[k] - headings[one]) >= _EXPLORED_SPACING * unit for one in others):
+                chosen.append(k)
+    elif worth.any():
+        chosen = _outward(headings, np.flatnonzero(worth), directions.free_m, unit)
+    moves = [
+        Move(float(headings[k]), min(float(lengths[k]), MOST_MOVE_M))
+        for k in sorted(chosen, reverse=True)
+    ]
+    return moves or ([] if may_turn else list(DEFAULT_MOVES))
 
 
 def _outward(
@@ -150,25 +118,26 @@ _MOST_POINTS = 8
 """Largest number of them; those that are farthest from each other are kept (ours)."""
 
 
-class SpatialProposer:
-    """Proposes points of free, reachable floor in view, far from each other."""
+def spatial_moves(directions: FreeDirections, robot: Pose2, is_open: IsOpen) -> list[Move]:
+    """Moves to points of free, reachable floor in view, far from each other (DyNaVLM's style).
 
-    def propose(
-        self, directions: FreeDirections, robot: Pose2, is_open: IsOpen, *, may_turn: bool
-    ) -> list[Move]:
-        """Points by farthest-point choice; see `Proposer.propose`."""
-        half = math.degrees(directions.fov) / 2.0
-        moves: list[Move] = []
-        most = math.floor(half / _ANGLE_DEG)
-        for k in range(-most, most + 1):
-            heading = math.radians(k * _ANGLE_DEG)
-            free_m, _ = directions.at(heading)
-            for length_m in _RANGES_M:
-                x = robot.x + length_m * math.cos(robot.yaw + heading)
-                y = robot.y + length_m * math.sin(robot.yaw + heading)
-                if length_m <= _SHARE * free_m and is_open(x, y):
-                    moves.append(Move(heading, length_m))
-        return _far_apart(moves, _MOST_POINTS)
+    Args:
+        directions: What the image shows of the floor.
+        robot: Pose of the robot.
+        is_open: Function that tells where the robot can be.
+    """
+    half = math.degrees(directions.fov) / 2.0
+    moves: list[Move] = []
+    most = math.floor(half / _ANGLE_DEG)
+    for k in range(-most, most + 1):
+        heading = math.radians(k * _ANGLE_DEG)
+        free_m, _ = directions.at(heading)
+        for length_m in _RANGES_M:
+            x = robot.x + length_m * math.cos(robot.yaw + heading)
+            y = robot.y + length_m * math.sin(robot.yaw + heading)
+            if length_m <= _SHARE * free_m and is_open(x, y):
+                moves.append(Move(heading, length_m))
+    return _far_apart(moves, _MOST_POINTS)
 
 
 def _far_apart(moves: list[Move], most: int) -> list[Move]:

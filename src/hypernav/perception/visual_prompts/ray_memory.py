@@ -14,7 +14,7 @@ _CELL_M = 0.05
 _SIDE_M = 50.0
 _PROBES = 8
 _SEEN_PROBES = 3
-"""Of eight cells around a point so many must be explored for it to be."""
+"""Number of the eight cells around a point that must be explored for the point to be explored."""
 _WIDTH_M = 0.6
 """Width of the strip of floor that a look explores (VLMnav's code)."""
 _REACH = 0.8

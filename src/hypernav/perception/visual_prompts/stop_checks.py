@@ -1,16 +1,16 @@
 """The question whether the robot is at the goal, for methods that ask it instead of detecting."""
 
-from typing import Any, Protocol, runtime_checkable
+from dataclasses import dataclass, field
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Bool
 
-from hypernav.core.components.protocols import ChatModel
 from hypernav.core.config import RoomConfig
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.core.trace import Exchange, ExchangeLog
+from hypernav.core.trace import ExchangeLog
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.perception.yes_or_no import YesNoAsker, yes_no_question
 
@@ -43,25 +43,17 @@ class StopCheck(Protocol):
         ...
 
 
-class ChatStopCheck:
-    """Asks a vision-language model."""
+@dataclass(eq=False)
+class ChatStopCheck(YesNoAsker):
+    """Asks a vision-language model.
 
-    def __init__(
-        self, chat: ChatModel, log: ExchangeLog, config: StopCheckConfig | None = None
-    ) -> None:
-        """Create the check.
+    Attributes:
+        config: Configuration of the question.
+    """
 
-        Args:
-            chat: Chat model to ask.
-            log: Log of all questions and answers, for the trace.
-            config: Configuration of the question.
-        """
-        self._asker = YesNoAsker(chat, log)
-        self._config = config or StopCheckConfig()
+    config: StopCheckConfig = field(default_factory=StopCheckConfig)
 
-    def take_report(self) -> dict[str, Any]:
-        """Number of answers that were neither yes nor no since the last call."""
-        return {"unsure_stop_checks": self._asker.take_unsure()}
+    count_name = "unsure_stop_checks"
 
     def is_here(self, observation: Observation, goal: Goal) -> bool:
         """Ask yes or no; anything else is a no.
@@ -69,27 +61,24 @@ class ChatStopCheck:
         Raises:
             ModelUnavailableError: The model did not answer within the configured patience.
         """
-        text = goal.named_in(self._config.prompt)
-        yes = self._asker.ask(yes_no_question("stop", text, observation.rgb), "taken for no")
+        text = goal.named_in(self.config.prompt)
+        yes = self.ask(yes_no_question("stop", text, observation.rgb), "taken for no")
         return yes is not None and yes >= _MORE_YES_THAN_NO
 
 
+@dataclass(frozen=True, eq=False)
 class TruthStopCheck:
     """Says by true labels and depth whether the goal is near: a stand-in for a model.
 
     Ours; nothing like it was published.
+
+    Attributes:
+        log: Log of all answers, for the trace.
     """
 
+    log: ExchangeLog
+
     warning = "stops by the truth in view, in place of a vision-language model (--vlm)"
-
-    def __init__(self, log: ExchangeLog) -> None:
-        """Create the check.
-
-        Args:
-            log: Log of all answers, for the trace.
-        """
-        self._log = log
-        self._detector = GroundTruthDetector()
 
     def is_here(self, observation: Observation, goal: Goal) -> bool:
         """Whether labelled pixels of the goal are near.
@@ -97,32 +86,22 @@ class TruthStopCheck:
         Raises:
             LabelsMissingError: The world supplies no labels.
         """
-        found = self._detector.detect(observation, goal)
+        found = GroundTruthDetector().detect(observation, goal)
         distances = [
             _floor_distance(observation, one.mask) for one in found if one.mask is not None
         ]
         away_m = min(distances, default=np.inf)
         here = bool(away_m <= _NEAR_M)
         seen = f"{away_m:.1f} m away" if np.isfinite(away_m) else "not in view"
-        self._log.record(
-            Exchange(
-                kind="stop",
-                asked="truth",
-                question=f"Is the {goal.thing} within {_NEAR_M:g} m?",
-                answer=f"{'yes' if here else 'no'}: {seen}",
-            )
-        )
+        question = f"Is the {goal.thing} within {_NEAR_M:g} m?"
+        self.log.note("stop", "truth", question, f"{'yes' if here else 'no'}: {seen}")
         return here
 
 
 def _floor_distance(observation: Observation, mask: Bool[np.ndarray, "height width"]) -> float:
     """Distance from the robot to the nearest masked pixel with depth, along the floor, metres."""
-    depth = observation.depth
-    rows, columns = np.nonzero(mask & is_measured(depth))
+    rows, columns = np.nonzero(mask & is_measured(observation.depth))
     if not len(rows):
         return np.inf
-    points = observation.camera.unproject_pixels(
-        rows, columns, depth[rows, columns].astype(np.float64)
-    )
-    at = observation.camera_to_map.apply(points)[:, :2]
+    at = observation.points_at(rows, columns)[:, :2]
     return float(np.hypot(*(at - np.array(observation.robot.xy)).T).min())

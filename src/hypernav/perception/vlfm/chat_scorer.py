@@ -1,12 +1,10 @@
 """Scores by a chat model: how probable its yes is. Ours; VLFM compares image and text."""
 
-from typing import Any
+from dataclasses import dataclass, field
 
-from hypernav.core.components.protocols import ChatModel
 from hypernav.core.config import RoomConfig
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.core.trace import ExchangeLog
 from hypernav.perception.yes_or_no import YesNoAsker, yes_no_question
 
 _PROMPT = (
@@ -27,28 +25,19 @@ class ChatScorerConfig(RoomConfig):
     prompt: str = _PROMPT
 
 
-class ChatScorer:
+@dataclass(eq=False)
+class ChatScorer(YesNoAsker):
     """Asks whether the goal is likely near, and takes the probability of yes for the score.
 
     A model that tells no probabilities gives 1 or 0.
+
+    Attributes:
+        config: Configuration of the question.
     """
 
-    def __init__(
-        self, chat: ChatModel, log: ExchangeLog, config: ChatScorerConfig | None = None
-    ) -> None:
-        """Create the scorer.
+    config: ChatScorerConfig = field(default_factory=ChatScorerConfig)
 
-        Args:
-            chat: Chat model to ask, once a step.
-            log: Log of all questions and answers, for the trace.
-            config: Configuration of the question.
-        """
-        self._asker = YesNoAsker(chat, log)
-        self._config = config or ChatScorerConfig()
-
-    def take_report(self) -> dict[str, Any]:
-        """Number of answers that were neither yes nor no since the last call."""
-        return {"unsure_scores": self._asker.take_unsure()}
+    count_name = "unsure_scores"
 
     def score(self, observation: Observation, goal: Goal) -> float:
         """Probability of yes, 0 to 1.
@@ -56,8 +45,6 @@ class ChatScorer:
         Raises:
             ModelUnavailableError: The model did not answer within the configured patience.
         """
-        question = yes_no_question(
-            "score view", goal.named_in(self._config.prompt), observation.rgb
-        )
-        yes = self._asker.ask(question, f"scored {_UNSURE:g}")
+        question = yes_no_question("score view", goal.named_in(self.config.prompt), observation.rgb)
+        yes = self.ask(question, f"scored {_UNSURE:g}")
         return _UNSURE if yes is None else yes

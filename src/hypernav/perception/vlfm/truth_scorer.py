@@ -1,7 +1,7 @@
 """A stand-in for a model that scores images: what is really in view, and a table of rooms."""
 
 import zlib
-from functools import lru_cache
+from dataclasses import dataclass, field
 
 import numpy as np
 from jaxtyping import Float64
@@ -31,31 +31,27 @@ class TruthScorerConfig(RoomConfig):
     noise: float = Field(default=0.0, ge=0.0, le=10.0)
 
 
+@dataclass(frozen=True, eq=False)
 class TruthScorer:
     """Scores a view by the chance that a room like the one in view holds the goal.
 
-    Which room it is tell the labels of the things in view, or where they name no room, the things
-    themselves by the table of what stands where (`hypernav.perception.room_kinds.room_table`).
+    The labels of the things in view tell the room; where they name none, the things themselves do,
+    by the table of what stands where (`hypernav.perception.room_kinds.room_table`).
     Where the goal itself is in view the score is 1. It says what a value map is worth if images are
     scored well; with noise, how well they must be. Ours; nothing like it was published.
 
     Attributes:
+        config: Quality of the stand-in.
         looks_at_colours: See `hypernav.core.components.abilities.looks_at_colours`.
         stands_in_for: What it is used in place of, and the remedy, for people.
     """
+
+    config: TruthScorerConfig = field(default_factory=TruthScorerConfig)
 
     looks_at_colours = False
     stands_in_for = (
         "a model that compares images with texts (--reasoner similarity:PATH_OR_ID, or --vlm)"
     )
-
-    def __init__(self, config: TruthScorerConfig | None = None) -> None:
-        """Create the scorer.
-
-        Args:
-            config: Quality of the stand-in.
-        """
-        self._config = config or TruthScorerConfig()
 
     def score(self, observation: Observation, goal: Goal) -> float:
         """Chance of the goal in a room like the one in view, 0 to 1.
@@ -65,8 +61,8 @@ class TruthScorer:
         """
         chance = chance_in_view(observation, goal)
         score = _average(goal) if chance is None else chance
-        if self._config.noise > 0.0:
-            score += self._config.noise * self._error(observation, goal)
+        if self.config.noise > 0.0:
+            score += self.config.noise * self._error(observation, goal)
         return min(max(score, 0.0), 1.0)
 
     def _error(self, observation: Observation, goal: Goal) -> float:
@@ -106,7 +102,7 @@ def chance_in_view(
         for number in np.flatnonzero(pixels >= _LEAST_PIXELS).tolist()
         if number in truth.labels
     }
-    if any(_satisfies(label, goal) for label in shown):
+    if any(label.satisfies(goal) for label in shown):
         return 1.0
     table = room_table()
     thing = table.of_thing(goal.text)
@@ -118,11 +114,6 @@ def _average(goal: Goal) -> float:
     """Chance that an average room holds the goal; 0.5 if the table doesn't know it."""
     thing = room_table().of_thing(goal.text)
     return 0.5 if thing is None else float(room_table().chances[thing].mean())
-
-
-@lru_cache(maxsize=4096)
-def _satisfies(label: ObjectLabel, goal: Goal) -> bool:
-    return label.satisfies(goal)
 
 
 def _rooms_in_view(

@@ -4,8 +4,7 @@ Source: Yokoyama et al., "VLFM: Vision-Language Frontier Maps for Zero-Shot Sema
 2024, and its released code.
 """
 
-import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
@@ -17,9 +16,9 @@ from hypernav.core.embodiment import Embodiment
 from hypernav.core.exploring.exploration import Destination, ExplorationView
 from hypernav.core.exploring.insight import Insight, ValueImage
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
-from hypernav.core.trace import Exchange, ExchangeLog
+from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.frontiers import Frontier, find_frontiers
+from hypernav.mapping.frontiers import fresh_frontiers
 from hypernav.mapping.values.value_map import ValueMap
 
 _KEY = "vlfm"
@@ -47,38 +46,28 @@ class ValueFrontierConfig(RoomConfig):
     visited_radius_m: float = Field(default=0.5, ge=0.0, le=100.0)
 
 
+@dataclass(frozen=True, eq=False)
 class ValueFrontierExplorer:
     """Scores every view, and at every step goes to the frontier with the best values around it.
 
     Map, frontiers' reach, planner and arrival are those of all agents of this package (ours: the
     original drives by a learned policy).
+
+    Attributes:
+        scorer: Scorer of the views.
+        log: Log of all choices, for the trace.
+        embodiment: Range of the camera.
+        mapping: Cells of the map, length of the shortest frontier.
+        clearances_m: Distances of destinations from obstacles, in the order to try, metres.
+        config: Choice of a frontier.
     """
 
-    def __init__(
-        self,
-        scorer: SceneScorer,
-        log: ExchangeLog,
-        embodiment: Embodiment,
-        mapping: MappingConfig,
-        clearances_m: tuple[float, ...],
-        config: ValueFrontierConfig | None = None,
-    ) -> None:
-        """Create it.
-
-        Args:
-            scorer: Scorer of the views.
-            log: Log of all choices, for the trace.
-            embodiment: Range of the camera.
-            mapping: Cells of the map, length of the shortest frontier.
-            clearances_m: Distances of destinations from obstacles, in the order to try, metres.
-            config: Choice of a frontier.
-        """
-        self._scorer = scorer
-        self._log = log
-        self._camera = embodiment.camera
-        self._mapping = mapping
-        self._clearances_m = clearances_m
-        self._config = config or ValueFrontierConfig()
+    scorer: SceneScorer
+    log: ExchangeLog
+    embodiment: Embodiment
+    mapping: MappingConfig
+    clearances_m: tuple[float, ...]
+    config: ValueFrontierConfig = field(default_factory=ValueFrontierConfig)
 
     def learn(self, view: ExplorationView) -> None:
         """Score the view and fuse the score into the value map, which lasts for one goal.
@@ -86,25 +75,29 @@ class ValueFrontierExplorer:
         Raises:
             ModelUnavailableError: The scorer's model did not answer.
         """
-        score = self._scorer.score(view.observation, view.goal)
+        score = self.scorer.score(view.observation, view.goal)
         self._notes(view).values.integrate(view.observation, score)
 
     def next_destination(self, view: ExplorationView) -> Destination | None:
         """The frontier of the step before, as long as its value holds; else the best one."""
         notes = self._notes(view)
-        known = without_pockets(view.grid, _LEAST_POCKET_M2)
-        for clearance_m in self._clearances_m:
-            frontiers = find_frontiers(known, view.robot, self._mapping, clearance_m)
-            fresh = [one.destination for one in frontiers if not self._was_visited(one, view)]
-            if fresh:
-                return self._best(fresh, notes)
+        fresh = fresh_frontiers(
+            without_pockets(view.grid, _LEAST_POCKET_M2),
+            view.robot,
+            self.mapping,
+            self.clearances_m,
+            visits=view.visits,
+            visited_radius_m=self.config.visited_radius_m,
+        )
+        if fresh:
+            return self._best([one.destination for one in fresh], notes)
         notes.latest = None
         self._record("no frontier is left that can be reached")
         return None
 
     def _notes(self, view: ExplorationView) -> "_Notes":
         if _KEY not in view.notes:
-            values = ValueMap(self._camera, cell_size_m=self._mapping.cell_size_m)
+            values = ValueMap(self.embodiment.camera, cell_size_m=self.mapping.cell_size_m)
             view.notes[_KEY] = _Notes(values)
         return view.notes[_KEY]
 
@@ -134,24 +127,12 @@ class ValueFrontierExplorer:
         """The value map, for videos and pages."""
         every = _SHOWN_EVERY
         values = world.values[::every, ::every]
-        cell_m = every * self._mapping.cell_size_m
+        cell_m = every * self.mapping.cell_size_m
         return Insight(values=ValueImage.of(values, world.origin, cell_m))
 
     def _record(self, answer: str) -> None:
-        self._log.record(
-            Exchange(
-                kind="choose frontier",
-                asked="value map",
-                question="Around which frontier did views fit the goal best?",
-                answer=answer,
-            )
-        )
-
-    def _was_visited(self, frontier: Frontier, view: ExplorationView) -> bool:
-        return any(
-            math.dist(frontier.destination, position) < self._config.visited_radius_m
-            for position in view.visits
-        )
+        question = "Around which frontier did views fit the goal best?"
+        self.log.note("choose frontier", "value map", question, answer)
 
 
 @dataclass

@@ -12,11 +12,10 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import StepTrace
 from hypernav.show.drawing import palette
-from hypernav.show.drawing.graph_overlay import draw_graph
+from hypernav.show.drawing.insight_overlays import draw_graph, draw_values
 from hypernav.show.drawing.legend import Layer, draw_legend
 from hypernav.show.drawing.map_painter import XY, MapPainter, NumberedSquare
 from hypernav.show.drawing.map_view import MapView
-from hypernav.show.drawing.value_overlay import draw_values
 
 _MAP_SIZE = 1200
 _LEGEND_HEIGHT = 56

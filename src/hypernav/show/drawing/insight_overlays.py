@@ -1,11 +1,13 @@
-"""The value map as colours over the floor."""
+"""What an explorer looked at, drawn over the map: its values of the floor, and its things."""
 
 import cv2
 import numpy as np
 from jaxtyping import UInt8
 
-from hypernav.core.exploring.insight import ValueImage
+from hypernav.core.exploring.insight import ThingGraph, ValueImage
+from hypernav.core.exploring.sightings import SeenThing
 from hypernav.show.drawing import palette, shapes
+from hypernav.show.drawing.map_painter import MapPainter
 from hypernav.show.drawing.map_view import MapView
 from hypernav.show.drawing.text import draw_text, text_width
 
@@ -66,3 +68,19 @@ def _draw_bar(image: UInt8[np.ndarray, "_ _ 3"], low: float, high: float) -> Non
     bar = np.repeat(_COLORS[np.linspace(0, 255, width).astype(int)][None], height, axis=0)
     part = image[9 : 9 + height, round(left) : round(left) + width]
     part[:] = bar[: part.shape[0], : part.shape[1]]
+
+
+def draw_graph(painter: MapPainter, graph: ThingGraph) -> None:
+    """Draw dots for things, lines between near ones, and names of those that the reasoner is told.
+
+    Args:
+        painter: Painter of the map.
+        graph: The things.
+    """
+    at = [painter.view.pixel_of(*thing.position) for thing in graph.things]
+    unit = painter.view.size / 768.0
+    for a, b in graph.near:
+        shapes.line(painter.image, np.array([at[a], at[b]]), palette.BLOCK, 1.2 * unit)
+    for middle in at:
+        shapes.disc(painter.image, middle, max(4.0 * unit, 2.5), palette.BLOCK)
+    painter.labels([SeenThing(one.label, one.position) for one in graph.things if one.told])

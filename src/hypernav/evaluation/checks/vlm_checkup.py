@@ -11,11 +11,20 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 
 from hypernav.core.chat import Answer, Question
-from hypernav.core.checkup import Finding, State
 from hypernav.core.components.protocols import ChatModel
 from hypernav.core.errors import ChatError, ConfigError, ModelRejectedError, ModelSetupError
 from hypernav.core.geometry.boxes import Box
 from hypernav.core.goal import Goal
+from hypernav.evaluation.checks.findings import Finding, State
+from hypernav.evaluation.checks.known_answers import (
+    HEIGHT,
+    SHAPE,
+    SHAPE_BOX,
+    WIDTH,
+    drawn_ground,
+    drawn_house,
+    drawn_shape,
+)
 from hypernav.models.chat.answer_parsing import shortened, without_thinking
 from hypernav.models.chat.server.detection import ServerInfo
 from hypernav.models.chat.vlm_families import VlmFamily, family_named, family_of
@@ -25,15 +34,6 @@ from hypernav.perception.explorers.map_question import (
     VlmReasonerConfig,
     map_question,
     offered_blocks,
-)
-from hypernav.perception.known_answers import (
-    HEIGHT,
-    SHAPE,
-    SHAPE_BOX,
-    WIDTH,
-    drawn_ground,
-    drawn_house,
-    drawn_shape,
 )
 from hypernav.perception.local.grounding_format import read_grounding
 from hypernav.perception.local.presence import PresenceConfig, presence_question
