@@ -85,6 +85,7 @@ class Link:
         """Open a search; its path."""
         request = {
             "goal": "unicorn",
+            "labels": True,
             "embodiment": Embodiment().model_dump(),
             "deadline_s": 30.0,
             "max_steps": 10_000,

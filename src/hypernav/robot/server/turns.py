@@ -14,13 +14,11 @@ class Turn:
 
     Attributes:
         sequence: Number of the observation.
-        stamp_s: Time of its images on the robot's clock, seconds.
         reply: The answer; None before.
         error: Why the observation was not accepted (it is broken, or the disk is full); else None.
     """
 
     sequence: int
-    stamp_s: float = 0.0
     reply: Reply | None = None
     error: WireError | RunFolderError | None = None
 
@@ -114,20 +112,9 @@ class Turns:
             raise _refused("sequence", message, self.next_sequence)
         return turn
 
-    def begin(self, sequence: int, stamp_s: float) -> Turn:
-        """Begin to check the next observation.
-
-        Raises:
-            WireError: Its images are older than the last ones.
-        """
-        last = self.last
-        if last is not None and stamp_s < last.stamp_s:
-            raise WireError(
-                f"stamp_s went back from {last.stamp_s:.6f} to {stamp_s:.6f}; expected the time of "
-                "each observation's images, on one clock of the robot; if that was reset, open "
-                "a new search"
-            )
-        self._before, self.last = last, Turn(sequence, stamp_s)
+    def begin(self, sequence: int) -> Turn:
+        """Begin to check the next observation."""
+        self._before, self.last = self.last, Turn(sequence)
         return self.last
 
     def accept(self, turn: Turn) -> None:

@@ -111,7 +111,7 @@ class WaitingRobot:
                     start = self.base.pose
 
     def search(self, server: HttpServer, goal: str, key: str | None) -> None:
-        request = OpenSearch(goal=goal, key=key, embodiment=self.base.embodiment)
+        request = OpenSearch(goal=goal, key=key, embodiment=self.base.embodiment, labels=True)
         opened = server.open(request)
         client = RobotClient(DrivenRobot(self.base), HttpLink(self.address, opened.id))
         ending = None
