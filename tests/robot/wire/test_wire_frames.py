@@ -144,6 +144,18 @@ def test_a_broken_observation_says_what_is_wrong(body, words):
         decoded(body)
 
 
+def test_a_png_that_holds_more_than_its_pixels_is_refused():
+    rgb, _ = images()
+    full = png(40, 30, rows=bytes(30 * 81))
+    decoded(body_of(encoded(rgb), full))
+    for colour, far in (
+        (png(40, 30, 8, 2, rows=bytes(3_000_000)), full),
+        (encoded(rgb), png(40, 30, rows=bytes(20_000))),
+    ):
+        with pytest.raises(WireError, match="holds more than the 40 × 30 pixels"):
+            decoded(body_of(colour, far))
+
+
 def test_broken_images_never_surprise():
     rng = np.random.default_rng(1)
     rgb, depth = images()

@@ -66,7 +66,7 @@ class Decisions:
         number = packed.header.sequence
         if number >= self._most_steps:
             return StepRecord(reply=reply_out_of_steps(number), trace=None)
-        self._sensing.note(packed, seen)
+        self._sensing.note(packed, seen, self._told)
         trace = self._act(seen)
         if packed.header.blocked:
             trace = trace.model_copy(update={"events": [*trace.events, _BLOCKED]})

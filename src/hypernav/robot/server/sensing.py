@@ -25,6 +25,8 @@ _JUMP_M = 1.0
 """Length by which a motion may exceed that of a step: a robot rolls on while it waits."""
 _PACE_M_S, _FARTHEST_M = 1.5, 20.0
 """Speed at which it may be driven between two observations, and the longest such motion."""
+_MOST_WRONG = 3
+"""Number of turns in a row that may be others than those ordered: somebody may push the robot."""
 _WRONG_SHARE = 0.6
 """Share of a turn that odometry must show in the wrong direction to have the wrong sign."""
 _OTHER_TURN_RAD = math.radians(60.0)
@@ -67,7 +69,7 @@ class Sensing:
         self._robot = robot
         self._last: ObservationFacts | None = None
         self._images: dict[bytes, _Image] = {}
-        self._identical = self._blocked = 0
+        self._identical = self._blocked = self._wrong = 0
 
     def check(self, packed: PackedObservation, seen: Observation, told: Action | None) -> None:
         """Look at the next observation.
@@ -84,12 +86,16 @@ class Sensing:
         self._check_depth(seen)
         if last is not None:
             _check_time(last, facts)
-            self._check_motion(last, facts, told)
+            self._check_motion(last, facts)
+            self._check_turn(last, facts, told)
         self._check_images(packed, seen)
 
-    def note(self, packed: PackedObservation, seen: Observation) -> None:
+    def note(self, packed: PackedObservation, seen: Observation, told: Action | None) -> None:
         """Remember an observation; one of before a restart of the server isn't checked again."""
         facts, lens = packed.header, self._robot.camera
+        if self._last is not None and (turn := self._ordered(facts, told)) is not None:
+            is_wrong = _is_other(self._last, facts, turn)
+            self._wrong = self._wrong + 1 if is_wrong else 0
         self._identical = self._identical + 1 if self._repeats(packed) else 0
         for one in _digests(packed):
             known = self._images.get(one)
@@ -142,11 +148,9 @@ class Sensing:
         last = packed.header.sequence - 1
         return all(one is not None and one.sequence == last for one in known)
 
-    def _check_motion(
-        self, before: ObservationFacts, now: ObservationFacts, told: Action | None
-    ) -> None:
+    def _check_motion(self, before: ObservationFacts, now: ObservationFacts) -> None:
         motion = self._robot.motion
-        moved_m, turned = _motion(before.base_to_odom, now.base_to_odom)
+        moved_m, _ = _motion(before.base_to_odom, now.base_to_odom)
         driven_m = min(_PACE_M_S * (now.stamp_s - before.stamp_s), _FARTHEST_M)
         if moved_m > motion.forward_m + _JUMP_M + driven_m:
             raise SensorError(
@@ -159,17 +163,32 @@ class Sensing:
                 f"{_MOST_BLOCKED} motions in a row did not happen, according to the robot or its "
                 "odometry; does it move, and does its odometry show it?"
             )
-        turn = math.radians(motion.turn_angle_deg)
-        ordered = {Action.TURN_LEFT: turn, Action.TURN_RIGHT: -turn}.get(told or Action.STOP)
-        if ordered is None or now.blocked:
+
+    def _check_turn(
+        self, before: ObservationFacts, now: ObservationFacts, told: Action | None
+    ) -> None:
+        turn = self._ordered(now, told)
+        if turn is None or self._wrong + 1 < _MOST_WRONG or not _is_other(before, now, turn):
             return
-        is_mirrored = turned * ordered < 0.0 and abs(turned) > _WRONG_SHARE * turn
-        if is_mirrored or abs(wrap_angle(turned - ordered)) > _OTHER_TURN_RAD:
-            raise SensorError(
-                f"the robot was told to turn {math.degrees(ordered):+.0f}°, and its odometry "
-                f"turned {math.degrees(turned):+.0f}°; yaw is in radians and grows to the left "
-                "(REP 103)"
-            )
+        _, turned = _motion(before.base_to_odom, now.base_to_odom)
+        raise SensorError(
+            f"the robot was told to turn {math.degrees(turn):+.0f}°, and its odometry turned "
+            f"{math.degrees(turned):+.0f}°, {_MOST_WRONG} times in a row something else than it "
+            "was told; yaw is in radians and grows to the left (REP 103)"
+        )
+
+    def _ordered(self, facts: ObservationFacts, told: Action | None) -> float | None:
+        """The angle that the robot should have turned, radians; None if it had not to turn."""
+        turn = math.radians(self._robot.motion.turn_angle_deg)
+        angles = {Action.TURN_LEFT: turn, Action.TURN_RIGHT: -turn}
+        return None if facts.blocked or told is None else angles.get(told)
+
+
+def _is_other(before: ObservationFacts, now: ObservationFacts, turn: float) -> bool:
+    """Whether a turn has another sign than the one that was ordered, or a very different size."""
+    _, turned = _motion(before.base_to_odom, now.base_to_odom)
+    is_mirrored = turned * turn < 0.0 and abs(turned) > _WRONG_SHARE * abs(turn)
+    return is_mirrored or abs(wrap_angle(turned - turn)) > _OTHER_TURN_RAD
 
 
 def _check_time(before: ObservationFacts, now: ObservationFacts) -> None:
