@@ -9,7 +9,8 @@ from fastapi import APIRouter, FastAPI, Path, Request, WebSocket
 from starlette.concurrency import run_in_threadpool
 
 from hypernav.core.errors import HyPerNavError
-from hypernav.robot.server.guard import API, Access, Allowances, Guard
+from hypernav.robot.server.access import API, Access
+from hypernav.robot.server.guard import Allowances, Guard
 from hypernav.robot.server.limits import ServerLimits
 from hypernav.robot.server.operator.routes import operator_routes
 from hypernav.robot.server.operator.waiting import WaitingRobots

@@ -4,25 +4,21 @@ It is plain ASGI, so that it sees a request before any of it is read or parsed.
 """
 
 import asyncio
-import hmac
-import ipaddress
 import time
 from collections import Counter, OrderedDict
 from contextlib import suppress
-from dataclasses import dataclass
-from urllib.parse import urlsplit
 
 from starlette.datastructures import Headers
 from starlette.responses import JSONResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from hypernav.core.errors import RequestRefusedError
+from hypernav.robot.server.access import API, Access
 from hypernav.robot.server.limits import ServerLimits
 from hypernav.robot.wire.frames import MOST_BODY_BYTES
 from hypernav.robot.wire.replies import ErrorBody
 from hypernav.robot.wire.values import repeated_key
 
-API = "/v1"
 _OBSERVATIONS, _STREAM, _STOP = "/observations", "/stream", "/stop"
 _STOP_BODY_S = 0.3
 """Longest wait for the body of a STOP, which only says the reason."""
@@ -32,24 +28,6 @@ MOST_HEAD_BYTES = 16_384
 _MOST_JSON_BYTES = 64_000
 _MOST_ADDRESSES = 1000
 _POLICY_VIOLATION = 1008
-
-
-@dataclass(frozen=True)
-class Access:
-    """Who may use the server.
-
-    Attributes:
-        host: Address that the server is bound to.
-        token: Token that every request must carry; None requires none.
-    """
-
-    host: str
-    token: str | None = None
-
-    @property
-    def is_local(self) -> bool:
-        """Whether only programs on this machine can reach the server."""
-        return _is_loopback(self.host)
 
 
 class Allowances:
@@ -119,7 +97,7 @@ class Guard:
         kind = _kind_of(scope)
         self._at_once[kind] += 1
         try:
-            self._check_access(scope)
+            self._access.check(scope["path"], Headers(scope=scope))
             if is_stop:
                 body, is_whole = await _stop_body(receive)
                 receive, send = _giving(body, receive), send if is_whole else _closing(send)
@@ -137,12 +115,6 @@ class Guard:
             if self._at_once[kind] == 0:
                 del self._at_once[kind]
 
-    def _check_access(self, scope: Scope) -> None:
-        headers = Headers(scope=scope)
-        self._check_origin(headers)
-        if scope["path"].startswith(API):
-            self._check_token(headers)
-
     def _check_load(self, scope: Scope, kind: str) -> None:
         """Refuse a request that is too large, or one too many."""
         if sum(len(name) + len(value) for name, value in scope["headers"]) > MOST_HEAD_BYTES:
@@ -159,37 +131,6 @@ class Guard:
                 f"{most} requests of this kind are under way, as many as there may be; try again",
                 error="busy",
                 status=429,
-            )
-
-    def _check_origin(self, headers: Headers) -> None:
-        """Refuse requests from pages of other sites in a browser on this machine."""
-        host = headers.get("host", "")
-        if self._access.is_local and not _is_loopback(_name_of(host)):
-            raise RequestRefusedError(
-                f"this server answers to localhost only, not to the host {host[:80]!a}",
-                error="forbidden",
-                status=403,
-            )
-        origin = headers.get("origin")
-        if origin is not None and _netloc_of(origin) != host:
-            raise RequestRefusedError(
-                f"pages of other sites may not use this server, got the origin {origin[:80]!a}",
-                error="forbidden",
-                status=403,
-            )
-
-    def _check_token(self, headers: Headers) -> None:
-        if self._access.token is None:
-            return
-        scheme, _, given = headers.get("authorization", "").partition(" ")
-        expected = self._access.token.encode()
-        # The time of the comparison does not depend on the token's content.
-        is_right = hmac.compare_digest(given.strip().encode(), expected)
-        if scheme.lower() != "bearer" or not is_right:
-            raise RequestRefusedError(
-                "expected the server's token in the header 'Authorization: Bearer TOKEN'",
-                error="unauthorised",
-                status=401,
             )
 
     async def _body(self, scope: Scope, receive: Receive) -> bytes:
@@ -341,27 +282,3 @@ def _too_large(most: int) -> RequestRefusedError:
         error="too-large",
         status=413,
     )
-
-
-def _is_loopback(host: str) -> bool:
-    if host == "localhost":
-        return True
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return False
-
-
-def _netloc_of(origin: str) -> str:
-    try:
-        return urlsplit(origin).netloc
-    except ValueError:
-        return ""
-
-
-def _name_of(host: str) -> str:
-    """The host of ``host:port``, without the brackets of IPv6."""
-    try:
-        return urlsplit(f"//{host}").hostname or ""
-    except ValueError:
-        return ""

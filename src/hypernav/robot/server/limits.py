@@ -24,7 +24,7 @@ class ServerLimits(RoomConfig):
 
     searches: int = Field(default=16, ge=1, le=1000)
     idle_s: float = Field(default=600.0, ge=0.0, le=1e9)
-    answer_s: float = Field(default=0.2, gt=0.0, le=1e9)
+    answer_s: float = Field(default=0.5, gt=0.0, le=1e9)
     kept: int = Field(default=10_000, ge=1, le=1_000_000)
     pixels: int = Field(default=2_100_000, ge=64, le=10_000_000)
     requests_per_s: float = Field(default=200.0, gt=0.0, le=1e6)

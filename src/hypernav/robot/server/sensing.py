@@ -96,8 +96,9 @@ class Sensing:
         if self._last is not None and (turn := self._ordered(facts, told)) is not None:
             is_wrong = _is_other(self._last, facts, turn)
             self._wrong = self._wrong + 1 if is_wrong else 0
-        self._identical = self._identical + 1 if self._repeats(packed) else 0
-        for one in _digests(packed):
+        digests = _digests(packed)
+        self._identical = self._identical + 1 if self._repeats(digests, facts) else 0
+        for one in digests:
             known = self._images.get(one)
             pose = facts.base_to_odom if known is None else known.pose
             self._images[one] = _Image(facts.sequence, pose)
@@ -126,7 +127,8 @@ class Sensing:
         """Refuse images that were seen elsewhere, and too many in a row that are the same."""
         pose, number = packed.header.base_to_odom, packed.header.sequence
         names, pixels = ("colour image", "depth image"), (seen.rgb, seen.depth)
-        for name, image, digest in zip(names, pixels, _digests(packed), strict=True):
+        digests = _digests(packed)
+        for name, image, digest in zip(names, pixels, digests, strict=True):
             before = self._images.get(digest)
             if before is None or not _moved(before.pose, pose) or np.ptp(image) == 0:
                 continue  # one of a single colour, or without any return, may come again
@@ -136,17 +138,16 @@ class Sensing:
                 f"byte for byte, but the odometry has moved {moved_m:.2f} m and turned "
                 f"{math.degrees(turned):.0f}°; is the camera frozen?"
             )
-        if self._repeats(packed) and self._identical + 1 >= _MOST_IDENTICAL:
+        if self._repeats(digests, packed.header) and self._identical + 1 >= _MOST_IDENTICAL:
             raise SensorError(
                 f"the images of the last {_MOST_IDENTICAL + 1} observations are the same, byte for "
                 "byte; is the camera frozen?"
             )
 
-    def _repeats(self, packed: PackedObservation) -> bool:
+    def _repeats(self, digests: tuple[bytes, bytes], facts: ObservationFacts) -> bool:
         """Whether both images are those of the last observation."""
-        known = [self._images.get(one) for one in _digests(packed)]
-        last = packed.header.sequence - 1
-        return all(one is not None and one.sequence == last for one in known)
+        known = [self._images.get(one) for one in digests]
+        return all(one is not None and one.sequence == facts.sequence - 1 for one in known)
 
     def _check_motion(self, before: ObservationFacts, now: ObservationFacts) -> None:
         motion = self._robot.motion

@@ -12,9 +12,10 @@ from starlette.concurrency import run_in_threadpool
 
 from hypernav.core.errors import ConfigError
 from hypernav.core.files.reading import read_file
+from hypernav.robot.server.access import Access
 from hypernav.robot.server.agents import PlanAgent
 from hypernav.robot.server.app import make_app
-from hypernav.robot.server.guard import MOST_HEAD_BYTES, Access
+from hypernav.robot.server.guard import MOST_HEAD_BYTES
 from hypernav.robot.server.limits import ServerLimits
 from hypernav.robot.server.operator.waiting import WaitingRobots
 from hypernav.robot.server.request_heads import TimedHeads

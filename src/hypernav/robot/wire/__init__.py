@@ -26,7 +26,8 @@ pending one included, is answered by ``STOP``, ``done`` and the ending ``stopped
 WebSocket this reply is also pushed at once. Whatever the body of a stop is, even none, it stops.
 ``POST /v1/searches/ID/close`` does the same for a search that is no longer needed, or with a
 `CloseRequest` for a robot that ends by an error. After any other end every observation except a
-repetition of the last is answered by ``STOP``, ``done`` and the ending. These answers change nothing.
+repetition of the last is answered by ``STOP``, ``done`` and the ending. These answers change
+nothing.
 
 Everything is in metres, radians and seconds, frames as in REP 103 and 105: base x forward, y left,
 z up; camera x right, y down, z forward; rotations counter-clockwise. Models are frozen; unknown
