@@ -292,12 +292,12 @@ def test_the_search_of_a_silent_robot_ends(tmp_path, clock, monkeypatch):
 
 def test_a_robot_is_told_when_it_opens_that_others_wait_too_long(tmp_path, monkeypatch):
     with robot_server(tmp_path) as link:
-        monkeypatch.setattr(Pace, "median_s", lambda _: 0.19)
+        monkeypatch.setattr(Pace, "median_s", lambda _: 0.49)
         first = link.open("quick")
-        monkeypatch.setattr(Pace, "median_s", lambda _: 0.31)
+        monkeypatch.setattr(Pace, "median_s", lambda _: 0.51)
         refused = link.call("POST", "/v1/searches", {"goal": "bed"})
         assert (refused.status, refused.json["error"]) == (429, "busy")
-        assert "310 ms" in refused.json["message"]
+        assert "510 ms" in refused.json["message"]
         link.call("POST", f"{first}/close")
         link.open("quick")  # nobody waits any more
 

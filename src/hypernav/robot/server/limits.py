@@ -12,7 +12,8 @@ class ServerLimits(RoomConfig):
         searches: Searches under way at once, each with a thread and a map.
         idle_s: Time without a message of its robot after which a search ends, seconds.
         answer_s: Median time of the answers above which no other search is opened, seconds; the
-            time of chat models isn't counted.
+            time of chat models isn't counted. By default that after which `RobotClient` stands
+            still and waits.
         kept: Searches in the state folder, finished ones included.
         pixels: Pixels of a camera image.
         requests_per_s: Requests and messages of one address a second, on average.

@@ -267,8 +267,12 @@ def _check_content(data: bytes, camera: PinholeCamera, what: str) -> None:
     at, left, inflating = len(_PNG), most, zlib.decompressobj()
     try:
         while at + 8 <= len(data) and left > 0:
-            (length,) = struct.unpack_from(">I", data, at)
-            if data[at + 4 : at + 8] == b"IDAT":
+            (length,), name = struct.unpack_from(">I", data, at), data[at + 4 : at + 8]
+            if at + 12 + length > len(data):
+                raise WireError(f"{what} is broken: it ends within one of its parts")
+            if name == b"IEND":
+                return
+            if name == b"IDAT":
                 left -= len(inflating.decompress(data[at + 8 : at + 8 + length], left))
             at += length + 12
     except zlib.error as error:
