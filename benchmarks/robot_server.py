@@ -1,8 +1,9 @@
 """Time that a server of robots takes for an observation, beside a model.
 
 One robot after the other: a server in a process of its own answers recorded observations of a real
-furnished house, over HTTP and over WebSocket. Then four robots at once send one every 200 ms.
-The processor time of the server (Linux) says more than the clock where other programs run as well.
+furnished house, over HTTP and over WebSocket. Then 4, 8, 16 and 24 robots send one every 200 ms;
+they begin one after the other, and a server that is busy refuses some of them. The processor time
+of the server (Linux) says more than the clock where other programs run as well.
 
     python benchmarks/robot_server.py DATA      # DATA holds episodes/small_house.npz
 """
@@ -30,8 +31,10 @@ from hypernav.robot.wire.requests import ObservationFacts
 from hypernav.robot.wire.values import PlanarPose
 
 STEPS = 100
-ROBOTS = 4
+ROBOTS = (4, 8, 16, 24)
 PERIOD_S = 0.2
+_BEGIN_S = 0.3
+"""Time between the beginnings of two robots."""
 
 Ask = Callable[[bytes], dict]
 
@@ -46,7 +49,12 @@ def recorded(data: Path) -> list[bytes]:
         shade = np.clip(depth * 50.0, 0, 235)[..., None] + rng.integers(0, 20, (480, 640, 3))
         x, y, yaw = (float(value) for value in run["xy_yaw"][number])
         pose = PlanarPose(x=x, y=y, yaw=yaw)
-        facts = ObservationFacts(sequence=number, stamp_s=number * PERIOD_S, base_to_odom=pose)
+        facts = ObservationFacts(
+            sequence=number,
+            stamp_s=number * PERIOD_S,
+            base_to_odom=pose,
+            blocked=number % 20 > 0,  # a recorded robot doesn't turn as it is told
+        )
         bodies.append(pack_observation(facts, shade.astype(np.uint8), depth, nothing))
     return bodies
 
@@ -56,7 +64,8 @@ def served() -> Iterator[tuple[int, int]]:
     """A server in a process of its own; its port, and the number of the process."""
     with tempfile.TemporaryDirectory() as state:
         program = "import sys; from hypernav.cli.main import main; main(sys.argv[1:])"
-        command = [sys.executable, "-c", program, "serve", "--port", "0", "--state", state]
+        options = ["--port", "0", "--state", state, "--max-searches", "64"]
+        command = [sys.executable, "-c", program, "serve", *options]
         with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as server:
             try:
                 assert server.stderr is not None
@@ -64,6 +73,10 @@ def served() -> Iterator[tuple[int, int]]:
                 yield int(line.split("http://127.0.0.1:")[1].split(",")[0]), server.pid
             finally:
                 server.terminate()
+
+
+class BusyError(Exception):
+    """The server opens no other search."""
 
 
 class Link:
@@ -78,6 +91,8 @@ class Link:
         self._connection.request("POST", path, body, {"content-type": "application/json"})
         response = self._connection.getresponse()
         content = json.loads(response.read())
+        if content.get("error") == "busy":
+            raise BusyError(content["message"])
         assert response.status in (200, 201), content
         return content
 
@@ -85,6 +100,7 @@ class Link:
         """Open a search; its path."""
         request = {
             "goal": "unicorn",
+            "labels": True,
             "embodiment": Embodiment().model_dump(),
             "deadline_s": 30.0,
             "max_steps": 10_000,
@@ -108,7 +124,9 @@ def over_http(port: int, bodies: list[bytes]) -> list[float]:
     """Times over HTTP."""
     link = Link(port)
     search = link.open()
-    return times_ms(lambda body: link.call(f"{search}/observations", body), bodies)
+    times = times_ms(lambda body: link.call(f"{search}/observations", body), bodies)
+    link.call(f"{search}/close", b"")
+    return times
 
 
 def over_websocket(port: int, bodies: list[bytes]) -> list[float]:
@@ -120,30 +138,37 @@ def over_websocket(port: int, bodies: list[bytes]) -> list[float]:
             socket.send(body)
             return json.loads(socket.recv())["reply"]
 
-        return times_ms(ask, bodies)
+        times = times_ms(ask, bodies)
+    Link(port).call(f"{search}/close", b"")
+    return times
 
 
-def together(port: int, bodies: list[bytes]) -> tuple[list[float], int]:
-    """Times of several robots at a fixed rate, and how many answers came after the period."""
+def together(port: int, bodies: list[bytes], robots: int) -> tuple[list[float], list[str]]:
+    """Times of several robots at a fixed rate, and what those were told who were refused."""
     times: list[float] = []
+    refused: list[str] = []
 
-    def drive(delay_s: float) -> None:
+    def drive(number: int) -> None:
+        begin = time.perf_counter() + number * (_BEGIN_S + PERIOD_S / robots)
+        time.sleep(max(begin - time.perf_counter(), 0.0))
         link = Link(port)
-        search = link.open()
-        begin = time.perf_counter() + delay_s
+        try:
+            search = link.open()
+        except BusyError as busy:
+            refused.append(str(busy))
+            return
+        begin = time.perf_counter()
         for number, body in enumerate(bodies):
             time.sleep(max(begin + number * PERIOD_S - time.perf_counter(), 0.0))
             times.extend(times_ms(lambda body: link.call(f"{search}/observations", body), [body]))
+        link.call(f"{search}/close", b"")
 
-    threads = [
-        threading.Thread(target=drive, args=(number * PERIOD_S / ROBOTS,))
-        for number in range(ROBOTS)
-    ]
+    threads = [threading.Thread(target=drive, args=(number,)) for number in range(robots)]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
-    return times, sum(one > PERIOD_S * 1e3 for one in times)
+    return times, refused
 
 
 def processor_ms(process: int) -> float:
@@ -179,10 +204,14 @@ def main() -> None:
             times += over_http(port, bodies)
         with said("one robot, WebSocket", process) as times:
             times += over_websocket(port, bodies)
-        with said(f"{ROBOTS} robots, one each {PERIOD_S * 1e3:.0f} ms", process) as times:
-            found, late = together(port, bodies)
-            times += found
-        print(f"{late} of {len(times)} answers came after {PERIOD_S * 1e3:.0f} ms")
+        for robots in ROBOTS:
+            with said(f"{robots} robots, one each {PERIOD_S * 1e3:.0f} ms", process) as times:
+                found, refused = together(port, bodies, robots)
+                times += found
+            late = sum(one > PERIOD_S * 1e3 for one in times)
+            print(
+                f"    {late} answers came later; {len(refused)} robots were refused", *refused[:1]
+            )
 
 
 if __name__ == "__main__":

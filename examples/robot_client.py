@@ -61,7 +61,7 @@ class MyRobot:
 def search(url: str) -> None:
     robot, address = MyRobot(), ServerAddress.of(url)
     with closing(HttpServer(address)) as server:
-        opened = server.open(OpenSearch(goal="door", embodiment=robot.embodiment))
+        opened = server.open(OpenSearch(goal="door", embodiment=robot.embodiment, labels=True))
         client = RobotClient(robot, HttpLink(address, opened.id))
         with StopListener(address, opened.id, client.stop):
             for step in client:

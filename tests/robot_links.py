@@ -84,6 +84,9 @@ class AgentLink:
             return Reply(sequence=self.last.sequence, hold=True)
         return self.last
 
+    def give_up(self, reason: str) -> None:
+        self.given_up = reason
+
     def close(self) -> None:
         self.closed = True
 

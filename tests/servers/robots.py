@@ -20,7 +20,7 @@ from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending, Mode, StepTrace
 from hypernav.robot.server.agents import AgentPlan, PlanAgent
-from hypernav.robot.server.guard import Access
+from hypernav.robot.server.access import Access
 from hypernav.robot.server.limits import ServerLimits
 from hypernav.robot.server.searches import Searches
 from hypernav.robot.server.serving import RobotServer, listening
@@ -167,7 +167,8 @@ class RobotLink:
 
     def open(self, goal: str = "door", **values: Any) -> str:
         """Open a search for the robot of a `BoxRoom`; its path."""
-        request = {"goal": goal, "embodiment": BoxRoom().embodiment.model_dump()} | values
+        robot = BoxRoom().embodiment.model_dump()
+        request = {"goal": goal, "labels": True, "embodiment": robot} | values
         answer = self.call("POST", "/v1/searches", request)
         assert answer.status == 201, answer.content
         return f"/v1/searches/{answer.json['id']}"
@@ -194,7 +195,10 @@ def body_of(
     values = {"stamp_s": 0.1 * sequence, "base_to_odom": pose} | facts
     said = ObservationFacts(sequence=sequence, **values)
     far = seen.depth if depth is None else np.full_like(seen.depth, depth)
-    return pack_observation(said, seen.rgb, far, seen.truth)
+    noisy = seen.rgb.copy()
+    noisy[0, :8] = 30 * (sequence % 8)  # no two images of a camera are the same
+    noisy[0, 8:16] = sequence // 8 % 8 * 30
+    return pack_observation(said, noisy, far, seen.truth)
 
 
 def drive(

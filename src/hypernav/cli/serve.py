@@ -31,8 +31,8 @@ def run(options: Options) -> int:
     for module in _MODULES:
         require(module, extra="robot")
     from hypernav.build.presets import HyPerNavConfig
+    from hypernav.robot.server.access import Access
     from hypernav.robot.server.agents import AgentPlan
-    from hypernav.robot.server.guard import Access
     from hypernav.robot.server.limits import ServerLimits
     from hypernav.robot.server.serving import check_access, read_token, serve
     from hypernav.robot.wire.requests import OpenSearch

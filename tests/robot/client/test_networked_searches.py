@@ -54,7 +54,7 @@ def test_a_search_goes_through_whatever_the_network_does(kind, tmp_path):
     ):
         address = ServerAddress("127.0.0.1", plain.port, token=TOKEN)
         with closing(HttpServer(address)) as server:
-            opened = server.open(OpenSearch(goal="bed", embodiment=base.embodiment))
+            opened = server.open(OpenSearch(goal="bed", embodiment=base.embodiment, labels=True))
             link = FaultyLink(kind(address, opened.id), _FAULTS, np.random.default_rng(1))
             steps = list(RobotClient(DrivenRobot(base), link))
             assert steps[-1].reply.ending is SearchEnding.FOUND
@@ -70,7 +70,7 @@ def test_the_stop_button_of_the_server_ends_the_search(kind, tmp_path):
     with robot_server(tmp_path, real_plan) as plain, simulated_robot() as base:
         address = ServerAddress("127.0.0.1", plain.port)
         with closing(HttpServer(address)) as server:
-            opened = server.open(OpenSearch(goal="bed", embodiment=base.embodiment))
+            opened = server.open(OpenSearch(goal="bed", embodiment=base.embodiment, labels=True))
             client, steps = RobotClient(DrivenRobot(base), kind(address, opened.id)), []
             for step in client:
                 steps.append(step)
@@ -87,7 +87,7 @@ def test_the_stop_button_ends_a_motion_under_way(tmp_path):
         robot = StandIn(base.embodiment)
         robot.hangs = True
         with closing(HttpServer(address)) as server:
-            request = OpenSearch(goal="bed", embodiment=base.embodiment)
+            request = OpenSearch(goal="bed", embodiment=base.embodiment, labels=True)
             opened = server.open(request)
             client = RobotClient(robot, HttpLink(address, opened.id))
             with StopListener(address, opened.id, client.stop):
@@ -124,7 +124,7 @@ def test_a_robot_stands_while_its_server_hangs_and_goes_on_after_it(served):
     process, url = served
     address = ServerAddress.of(url)
     with simulated_robot() as base, closing(HttpServer(address)) as server:
-        opened = server.open(OpenSearch(goal="bed", embodiment=base.embodiment))
+        opened = server.open(OpenSearch(goal="bed", embodiment=base.embodiment, labels=True))
         patience = Patience(deadline_s=0.5, timeout_s=1.0)
         link, steps = HttpLink(address, opened.id), []
         client = RobotClient(DrivenRobot(base), link, continuous=True, patience=patience)

@@ -29,6 +29,7 @@ class Script:
         self.answers = list(answers)
         self.asked: list[int] = []
         self.asked_again = 0
+        self.given_up: list[str] = []
 
     def ask(self, body: bytes, sequence: int, timeout_s: float) -> Reply:
         assert unpack_observation(body).header.sequence == sequence
@@ -38,6 +39,9 @@ class Script:
     def ask_again(self, sequence: int, timeout_s: float) -> Reply:
         self.asked_again += 1
         return self._next()
+
+    def give_up(self, reason: str) -> None:
+        self.given_up.append(reason)
 
     def close(self) -> None:
         return None
@@ -127,14 +131,49 @@ def test_stop_ends_a_motion_under_way_and_allows_no_other():
     assert link.asked == [0]
 
 
-def test_images_of_before_a_motion_end_the_search():
+def test_what_the_server_finds_wrong_with_the_sensors_is_an_error():
     robot = StandIn()
-    robot.camera_hangs = True
-    link = Script(go(0), go(1))
-    with pytest.raises(SensorError, match=r"moved 0\.50 m"):
-        list(RobotClient(robot, link))
+    failed = Reply(
+        sequence=1,
+        action=Action.STOP,
+        reason="is the camera frozen?",
+        done=True,
+        ending=SearchEnding.ROBOT_FAILED,
+    )
+    with pytest.raises(SensorError, match="is the camera frozen"):
+        list(RobotClient(robot, Script(go(0), failed)))
     assert robot.executed == [Action.MOVE_FORWARD]
     assert robot.stops > 0
+
+
+@pytest.mark.parametrize(
+    ("error", "words"),
+    [
+        (SensorError("no image for 60 s"), "no image for 60 s"),
+        (ZeroDivisionError("0 wheels"), "the robot's program ended by ZeroDivisionError: 0 wheels"),
+        (KeyboardInterrupt(), "the robot's program ended by KeyboardInterrupt"),
+    ],
+    ids=["of its sensors", "of its program", "Ctrl-C"],
+)
+@pytest.mark.parametrize("where", ["observe", "execute"])
+def test_the_server_is_told_by_what_a_robot_ends_once_it_stands(monkeypatch, error, words, where):
+    robot, link, stood = StandIn(), Script(go(0), go(1)), []
+
+    def fails(*_: object) -> None:
+        raise error
+
+    monkeypatch.setattr(robot, where, fails)
+    monkeypatch.setattr(link, "give_up", lambda reason: stood.append((reason, robot.stops > 0)))
+    with pytest.raises(type(error)):
+        list(RobotClient(robot, link))
+    assert stood == [(words, True)]
+
+
+def test_who_leaves_the_loop_may_go_on_later():
+    link = Script(go(0), go(1))
+    for _ in RobotClient(StandIn(), link):
+        break
+    assert link.given_up == []
 
 
 def test_after_stop_nothing_begins():

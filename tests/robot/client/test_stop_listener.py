@@ -4,6 +4,8 @@ import socket
 import threading
 from typing import Any
 
+import pytest
+
 from hypernav.robot.client import links
 from hypernav.robot.client.links import ServerAddress
 from hypernav.robot.client.stop_listener import StopListener
@@ -64,3 +66,17 @@ def test_it_is_not_deaf_for_long_on_a_connection_of_which_nothing_comes(tmp_path
         monkeypatch.setattr(socket, "create_connection", to_mute_first)
         with StopListener(address, search.rpartition("/")[2], heard.set):
             assert heard.wait(10.0)
+
+
+def test_the_server_is_told_of_an_error_of_the_block(tmp_path):
+    with robot_server(tmp_path) as link:
+        search = link.open()
+        address = ServerAddress("127.0.0.1", link.port)
+        with (
+            pytest.raises(ZeroDivisionError),
+            StopListener(address, search.rpartition("/")[2], lambda: None),
+        ):
+            raise ZeroDivisionError("no wheels")
+        status = link.call("GET", search).json
+    assert status["ending"] == "robot failed"
+    assert status["detail"] == "the robot's program ended by ZeroDivisionError: no wheels"

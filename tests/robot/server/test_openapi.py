@@ -1,5 +1,8 @@
 """The OpenAPI document and the server agree, whatever is asked."""
 
+import json
+import re
+
 import pytest
 
 from hypernav.robot.server.limits import ServerLimits
@@ -27,9 +30,11 @@ _PATHS = {
 def test_the_document_names_every_path(link):
     document = link.call("GET", "/v1/openapi.json").json
     assert {path: set(methods) for path, methods in document["paths"].items()} == _PATHS
-    assert {"OpenSearch", "Reply", "Status", "ErrorBody"} <= document["components"][
-        "schemas"
-    ].keys()
+    schemas = document["components"]["schemas"]
+    assert {"OpenSearch", "Reply", "Status", "ErrorBody", "ObservationHeader"} <= schemas.keys()
+    named = set(re.findall(r"#/components/schemas/(\w+)", json.dumps(document)))
+    assert named <= schemas.keys()
+    assert {"LabelsPart", "PlanarPose"} <= named
     for methods in document["paths"].values():
         for operation in methods.values():
             assert operation["description"] or operation["summary"]

@@ -9,9 +9,19 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from hypernav.robot.wire import ObservationHeader, SearchEnding
 from servers.robots import robot_server
 
 PAGE = Path(__file__).parents[3] / "docs" / "robot.md"
+
+
+def test_the_page_names_every_field_of_a_header_and_every_ending():
+    text = PAGE.read_text()
+    table = re.search(r"\*\*The header\*\*.*?\n\n(\|.*?)\n\n", text, re.DOTALL)
+    assert table is not None
+    fields = re.findall(r"`(\w+)`", "".join(row.split("|")[1] for row in table[1].splitlines()))
+    assert set(fields) == ObservationHeader.model_fields.keys()
+    assert all(f"`{ending.value}`" in text for ending in SearchEnding)
 
 
 @pytest.mark.skipif(shutil.which("curl") is None, reason="curl is not installed")

@@ -1,20 +1,26 @@
 """Who may come in, and with how much."""
 
 import gc
+import itertools
+import json
 import os
 import socket
 import time
 import weakref
 from contextlib import ExitStack, closing
+from dataclasses import replace
 
 import pytest
 
+from hypernav.build.component_specs import ComponentSpecs
+from hypernav.build.registries import DETECTORS
 from hypernav.core.errors import ConfigError, RunFolderError
 from hypernav.core.goal import Goal
-from hypernav.robot.server import guard, request_heads
-from hypernav.robot.server.agents import AgentPlan
-from hypernav.robot.server.guard import Access
+from hypernav.robot.server import guard, request_heads, serving
+from hypernav.robot.server.access import Access
+from hypernav.robot.server.agents import READ_LABELS, AgentPlan
 from hypernav.robot.server.limits import ServerLimits
+from hypernav.robot.server.pace import Pace
 from hypernav.robot.server.search import Search
 from hypernav.robot.server.serving import check_access, listening, read_token
 from hypernav.robot.server.state.journal import Journal
@@ -26,8 +32,8 @@ from servers.robots import (
     RobotLink,
     ScriptedAgent,
     body_of,
+    real_plan,
     robot_server,
-    scripted_plan,
 )
 
 
@@ -77,7 +83,7 @@ def test_bodies_are_limited_before_they_are_read(link):
 def test_a_body_without_a_length_is_limited_as_well(link):
     search = link.open()
     with socket.create_connection(("127.0.0.1", link.port)) as connection:
-        request = f"POST {search}/stop HTTP/1.1\r\nhost: localhost\r\n"
+        request = f"POST {search}/close HTTP/1.1\r\nhost: localhost\r\n"
         connection.sendall(request.encode() + b"transfer-encoding: chunked\r\n\r\n")
         chunk = b"1000\r\n" + b" " * 0x1000 + b"\r\n"
         try:
@@ -108,10 +114,36 @@ def test_too_many_requests_are_told_to_wait(tmp_path):
         assert link.call("POST", "/elsewhere/stop", {}).status == 429
 
 
-def test_the_body_of_a_stop_comes_soon_or_not_at_all(tmp_path, monkeypatch):
-    monkeypatch.setattr(guard, "_STOP_BODY_S", 0.1)
-    with robot_server(tmp_path) as link:
-        assert link.call("POST", "/v1/stop", b"{", headers={"content-length": "2"}).status == 408
+LONG = "because " * 100
+
+
+STOPS = (
+    (b"", {}, ""),
+    (b"{}", {}, ""),
+    (b'{"reason": "button 3"}', {}, "button 3"),
+    (b'{"reason": "a", "reason": "b", "more": 1}', {}, "b"),
+    (b"button 3", {"content-type": "text/plain"}, "button 3"),
+    (json.dumps({"reason": LONG}).encode(), {}, LONG[:200]),
+    (b'{"reason": null}', {}, ""),
+    (b"[1, 2]", {}, ""),
+    (b"[" * 60_000, {}, "[" * 200),
+    (b"\xff\xfe\x00", {"content-type": "image/png"}, "\ufffd\ufffd\x00"),
+    (b"x" * 100_000, {}, "x" * 200),
+    (b"{", {"content-length": "20"}, "{"),
+    (b"", {"content-length": str(10**15)}, ""),
+    (b"", {"x": "y" * 30_000}, ""),
+)
+"""Bodies and headers of a STOP, and the reason that people read."""
+
+
+def test_whatever_is_sent_to_stop_stops(link):
+    paths = itertools.cycle(["SEARCH/stop", "/v1/stop", "/v1/stop/", "//v1//stop", "SEARCH/stop//"])
+    for (body, headers, reason), path in zip(STOPS, paths, strict=False):
+        search = link.open("quick")
+        answer = link.call("POST", path.replace("SEARCH", search), body, headers=headers)
+        status = link.call("GET", search).json
+        said = (answer.status, status["ending"], status["detail"])
+        assert said == (200, "stopped", reason), (path, body[:50], headers)
 
 
 def exchanged(port: int, sent: bytes) -> bytes:
@@ -137,15 +169,29 @@ def test_half_a_request_head_ends_the_connection(link, monkeypatch):
 
 def test_large_request_heads_are_refused(link):
     assert link.call("GET", "/v1/health", headers={"x": "y" * 10_000}).status == 200
-    assert exchanged(link.port, HEALTH + b"x: " + 40_000 * b"y").startswith(b"HTTP/1.1 400")
+    assert link.call("GET", "/v1/health", headers={"x": "y" * 60_000}).status == 431
+    assert (
+        link.call("GET", "/v1/health", headers={f"x{n}": "y" * 900 for n in range(20)}).status
+        == 431
+    )
+    assert exchanged(link.port, HEALTH + b"x: " + 80_000 * b"y").startswith(b"HTTP/1.1 400")
 
 
 def test_a_body_of_two_lengths_is_refused(link):
-    head = b"POST /v1/stop HTTP/1.1\r\nhost: localhost\r\ncontent-length: 2\r\n"
+    head = b"POST /v1/robots/a/goal HTTP/1.1\r\nhost: localhost\r\ncontent-length: 2\r\n"
     body = b"transfer-encoding: chunked\r\n\r\n2\r\n{}\r\n0\r\n\r\n"
     received = exchanged(link.port, head + body + HEALTH + b"\r\n")
     assert received.startswith(b"HTTP/1.1 400")
     assert received.count(b"HTTP/1.1") == 1
+
+
+def test_a_stop_whose_body_never_comes_stops_and_ends_the_connection(link):
+    search = link.open("quick")
+    head = f"POST {search}/stop HTTP/1.1\r\nhost: localhost\r\ncontent-length: 20\r\n\r\n"
+    began_s = time.monotonic()
+    assert exchanged(link.port, head.encode()).startswith(b"HTTP/1.1 200")
+    assert time.monotonic() - began_s < 5.0
+    assert link.call("GET", search).json["ending"] == "stopped"
 
 
 def test_connections_that_wait_do_not_keep_stop_out(link, monkeypatch):
@@ -197,7 +243,7 @@ def test_an_ended_search_is_on_the_disk_and_not_in_memory(tmp_path):
         extent = link.call("GET", search).json["map"]
         link.call("POST", f"{search}/close")
         (kept,) = [o for o in gc.get_objects() if type(o) is Search and o not in before]
-        assert (kept._views._grid, kept._views._colour) == (None, None)
+        assert (kept._talk.view.grid, kept._talk.view.colour) == (None, None)
         assert [link.call("GET", path).content for path in paths] == shown
         assert link.call("GET", search).json["map"] == extent
     with robot_server(tmp_path) as link:  # started again
@@ -215,18 +261,102 @@ def test_searches_are_limited(tmp_path):
         link.open()
 
 
-def test_a_search_of_which_nothing_is_heard_gives_its_slot_to_one_that_needs_it(tmp_path):
-    with robot_server(tmp_path, limits=ServerLimits(searches=2, idle_s=0.5)) as link:
-        forgotten, heard = link.open("quick"), link.open("quick")
-        time.sleep(0.5)
+@pytest.fixture
+def clock(monkeypatch) -> list[float]:
+    """The time of `Search`, which only passes if a test says so."""
+    now_s = [100.0]
+    monkeypatch.setattr("hypernav.robot.server.conversation.monotonic", lambda: now_s[0])
+    return now_s
+
+
+def test_the_search_of_a_silent_robot_ends(tmp_path, clock, monkeypatch):
+    monkeypatch.setattr(serving, "_LOOK_S", 0.05)
+    with robot_server(tmp_path, limits=ServerLimits(searches=2, idle_s=600.0)) as link:
+        silent, heard = link.open("quick"), link.open("quick")
+        clock[0] += 599.0
         link.observe(heard, body_of(0))
-        assert link.call("GET", forgotten).json["ending"] is None
-        link.call("POST", "/v1/searches", {"goal": "bed", "agent": "no-such"})
-        assert link.call("GET", forgotten).json["ending"] is None
-        link.open("quick")
-        assert link.call("GET", forgotten).json["ending"] == "closed"
-        assert "was silent" in link.observe(forgotten, body_of(0)).json["reason"]
+        link.answer(heard, 0)
+        status = link.call("GET", silent).json
+        assert (status["silent_s"], status["ending"]) == (599.0, None)
+        assert link.call("POST", "/v1/searches", {"goal": "bed"}).status == 429
+        clock[0] += 2.0
+        version, end_s = status["version"], time.monotonic() + 20.0
+        status = link.call("GET", f"{silent}?after={version}&wait_s=20").json
+        assert time.monotonic() < end_s
+        assert (status["ending"], status["silent_s"]) == ("robot failed", None)
+        assert status["detail"] == "its robot was silent for 10 min"
+        assert "was silent" in link.observe(silent, body_of(0)).json["reason"]
         assert link.call("GET", heard).json["ending"] is None
+        link.open("quick")  # its slot is free
+
+
+def test_a_robot_is_told_when_it_opens_that_others_wait_too_long(tmp_path, monkeypatch):
+    with robot_server(tmp_path) as link:
+        monkeypatch.setattr(Pace, "median_s", lambda _: 0.49)
+        first = link.open("quick")
+        monkeypatch.setattr(Pace, "median_s", lambda _: 0.51)
+        refused = link.call("POST", "/v1/searches", {"goal": "bed"})
+        assert (refused.status, refused.json["error"]) == (429, "busy")
+        assert "510 ms" in refused.json["message"]
+        link.call("POST", f"{first}/close")
+        link.open("quick")  # nobody waits any more
+
+
+@pytest.mark.parametrize("detector", ["ground-truth", "noisy:good", "systematic:good"])
+def test_a_robot_without_labels_is_refused_when_it_opens(tmp_path, detector):
+    def plan(request: OpenSearch) -> AgentPlan:
+        return replace(real_plan(request), specs=ComponentSpecs(detector=detector))
+
+    with robot_server(tmp_path, plan) as link:
+        refused = link.call("POST", "/v1/searches", {"goal": "bed"})
+        assert refused.status == 422
+        assert "start the server with --vlm or another --detector" in refused.json["message"]
+        assert link.call("GET", "/v1/searches").json == []
+        link.open("bed")
+    assert all(DETECTORS.knows(name) for name in READ_LABELS - {"truth"})
+
+
+def test_a_robot_says_why_it_ends(link):
+    search = link.open("quick")
+    why = {"reason": "the battery is empty", "failed": True}
+    assert link.call("POST", f"{search}/close", why).json["ending"] == "robot failed"
+    assert link.call("GET", search).json["detail"] == "the battery is empty"
+    assert link.observe(search, body_of(0)).json["reason"] == "the battery is empty"
+
+
+@pytest.mark.parametrize("path", ["/", "/page/main.js"])
+def test_the_page_has_a_head(link, path):
+    answer = link.call("HEAD", path)
+    assert (answer.status, answer.content) == (200, b"")
+
+
+def test_bodies_that_drip_give_way_to_others(tmp_path):
+    limits = ServerLimits(requests_at_once=4)
+    with robot_server(tmp_path, limits=limits) as link, ExitStack() as opened:
+        search = link.open("quick", deadline_s=20.0)
+        head = b"POST /v1/searches HTTP/1.1\r\nhost: localhost\r\ncontent-length: 50\r\n\r\n{"
+        address = ("127.0.0.1", link.port)
+        for _ in range(12):
+            dripping = socket.create_connection(address, timeout=20.0)
+            opened.enter_context(closing(dripping))
+            dripping.sendall(head)
+        for sequence in range(3):
+            assert link.observe(search, body_of(sequence)).status == 200
+
+
+def test_those_who_wait_for_news_do_not_block_observations(tmp_path):
+    limits = ServerLimits(requests_at_once=4)
+    with robot_server(tmp_path, limits=limits) as link, ExitStack() as opened:
+        search = link.open("quick", deadline_s=20.0)
+        version = link.call("GET", search).json["version"]
+        waiting = f"GET {search}?after={version}&wait_s=20 HTTP/1.1\r\nhost: localhost\r\n\r\n"
+        address = ("127.0.0.1", link.port)
+        for _ in range(12):
+            connection = socket.create_connection(address, timeout=20.0)
+            opened.enter_context(closing(connection))
+            connection.sendall(waiting.encode())
+        time.sleep(0.2)
+        assert link.observe(search, body_of(0)).status == 200
 
 
 def test_a_robot_that_waits_for_an_answer_is_not_forgotten(tmp_path, script):
@@ -239,22 +369,6 @@ def test_a_robot_that_waits_for_an_answer_is_not_forgotten(tmp_path, script):
         script.gate.set()
 
 
-def test_a_robot_heard_of_while_another_search_is_built_keeps_its_slot(tmp_path):
-    opened: list[str] = []
-
-    def plan(request: OpenSearch) -> AgentPlan:
-        for search in opened:
-            link.observe(search, body_of(0))
-        return scripted_plan(request)
-
-    with robot_server(tmp_path, plan, limits=ServerLimits(searches=1, idle_s=2.0)) as link:
-        opened.append(link.open("quick"))
-        time.sleep(2.1)
-        assert link.call("POST", "/v1/searches", {"goal": "bed"}).status == 429
-        assert link.call("GET", opened[0]).json["ending"] is None
-    assert len(list((tmp_path / "searches").iterdir())) == 1
-
-
 def test_an_end_that_cannot_be_written_is_no_fault_of_who_needs_the_slot(
     tmp_path, monkeypatch, caplog
 ):
@@ -262,10 +376,10 @@ def test_an_end_that_cannot_be_written_is_no_fault_of_who_needs_the_slot(
         raise RunFolderError("the disk is full")
 
     with robot_server(tmp_path, limits=ServerLimits(searches=1, idle_s=0.0)) as link:
-        forgotten = link.open("quick")
+        silent = link.open("quick")
         monkeypatch.setattr(Journal, "write_end", full)
         link.open("quick")
-        assert link.call("GET", forgotten).json["ending"] == "closed"
+        assert link.call("GET", silent).json["ending"] == "robot failed"
     assert "the disk is full" in caplog.text
 
 

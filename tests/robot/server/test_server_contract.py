@@ -62,15 +62,20 @@ def test_a_repetition_gets_the_same_answer_and_changes_nothing(link, script):
     assert link.call("GET", f"{search}/replies/0").content == first.content
 
 
-def test_images_of_before_the_last_are_refused(tmp_path):
+@pytest.mark.parametrize(
+    ("stamp_s", "words"),
+    [(12.4, "went back from 12.500000 to 12.400000"), (12.5, "is that of observation 0 again")],
+)
+def test_images_that_are_not_newer_end_the_search(tmp_path, stamp_s, words):
     with robot_server(tmp_path) as link:
         search = link.open()
         link.observe(search, body_of(0, stamp_s=12.5))
     with robot_server(tmp_path) as link:  # a restart forgets no time
-        answer = link.observe(search, body_of(1, stamp_s=12.4))
-        assert answer.status == 422
-        assert "went back from 12.500000 to 12.400000" in answer.json["message"]
-        assert link.observe(search, body_of(1, stamp_s=12.5)).status == 200
+        reply = link.observe(search, body_of(1, stamp_s=stamp_s)).json
+        assert (reply["action"], reply["done"]) == (Action.STOP, True)
+        assert reply["ending"] == link.call("GET", search).json["ending"] == "robot failed"
+        assert words in reply["reason"]
+        assert reply["reason"] == link.call("GET", search).json["detail"]
 
 
 @pytest.mark.parametrize("sequence", [0, 3, 999_999])
@@ -231,7 +236,7 @@ def test_a_robot_that_sees_no_depth_is_not_told_to_drive(link, script):
     assert all(reply["action"] != Action.MOVE_FORWARD for reply in replies)
     assert "no depth" in replies[0]["reason"]
     assert replies[0]["velocity"]["linear_m_s"] == 0.0
-    assert replies[-1]["ending"] == "failed"
+    assert replies[-1]["ending"] == "robot failed"
     assert "24 images without any depth between" in replies[-1]["reason"]
     trace = link.call("GET", f"{search}/trace").content.splitlines()
     assert [json.loads(step)["action"] for step in trace] == [r["action"] for r in replies[:-1]]

@@ -66,7 +66,7 @@ def test_requests_whose_bodies_never_come_give_way(link, monkeypatch):
     with ExitStack() as opened:
         crowd = [connected(link, opened) for _ in range(4)]
         for connection in crowd:
-            connection.sendall(_STOP.removesuffix(b"{}"))
+            connection.sendall(_STOP.removesuffix(b"{}").replace(b"/v1/stop", b"/v1/searches"))
         time.sleep(0.5)  # their heads are read
         stopping = connected(link, opened)
         stopping.sendall(_STOP)

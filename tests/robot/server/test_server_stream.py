@@ -129,7 +129,7 @@ def test_strangers_are_not_accepted(tmp_path):
 
 
 def test_too_many_messages_are_told_to_wait(tmp_path):
-    limits, statuses = ServerLimits(requests_per_s=0.001, burst=4), []
+    limits, statuses = ServerLimits(requests_per_s=0.001, burst=3), []
     with robot_server(tmp_path, limits=limits) as link, stream(link, link.open()) as socket:
         for _ in range(4):
             socket.send(b"x")

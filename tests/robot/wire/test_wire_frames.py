@@ -144,6 +144,29 @@ def test_a_broken_observation_says_what_is_wrong(body, words):
         decoded(body)
 
 
+def test_a_png_that_announces_more_than_comes_is_refused():
+    rgb, depth = images()
+    good = encoded((depth * 1000.0).astype(np.uint16))
+    at = good.index(b"IDAT") - 4
+    decoded(body_of(encoded(rgb), good))
+    for length in (0xFFFF_FFF0, len(good)):
+        broken = good[:at] + struct.pack(">I", length) + good[at + 4 :]
+        with pytest.raises(WireError, match="ends within one of its parts"):
+            decoded(body_of(encoded(rgb), broken))
+
+
+def test_a_png_that_holds_more_than_its_pixels_is_refused():
+    rgb, _ = images()
+    full = png(40, 30, rows=bytes(30 * 81))
+    decoded(body_of(encoded(rgb), full))
+    for colour, far in (
+        (png(40, 30, 8, 2, rows=bytes(3_000_000)), full),
+        (encoded(rgb), png(40, 30, rows=bytes(20_000))),
+    ):
+        with pytest.raises(WireError, match="holds more than the 40 × 30 pixels"):
+            decoded(body_of(colour, far))
+
+
 def test_broken_images_never_surprise():
     rng = np.random.default_rng(1)
     rgb, depth = images()

@@ -18,9 +18,9 @@ class Options:
     """File with a secret that every request must carry: 'Authorization: Bearer SECRET'."""
     state: Path = Path("runs/robot")
     """Folder of all searches; those under way are continued from it after a restart."""
-    max_searches: int = 8
+    max_searches: int = 16
     """Maximum number of searches under way at once."""
-    idle_minutes: float = 60.0
-    """Minutes without a message of its robot after which a search may lose its slot to another."""
+    idle_minutes: float = 10.0
+    """Minutes without a message of its robot after which a search ends."""
     who: FlatAgentOptions = field(default_factory=AgentOptions)
     """The options that configure the agents."""

@@ -91,6 +91,7 @@ def run(options: Simulate) -> int:
                 preset=options.preset,
                 agent=options.agent,
                 max_steps=options.max_steps,
+                labels=base.world.config.labels,
                 key=uuid.uuid4().hex,
             )
         )

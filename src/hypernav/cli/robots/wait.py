@@ -103,6 +103,7 @@ def _search(
             embodiment=base.embodiment,
             preset=options.preset,
             agent=options.agent,
+            labels=base.world.config.labels,
             key=given.key,
         )
     )

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Iterator
+from contextlib import closing, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol, TypeVar, runtime_checkable
@@ -10,17 +11,23 @@ from urllib.parse import urlsplit
 import numpy as np
 from pydantic import BaseModel, ValidationError
 
-from hypernav.core.errors import LinkLostError, RequestRefusedError, RobotLinkError
+from hypernav.core.errors import (
+    HyPerNavError,
+    LinkLostError,
+    RequestRefusedError,
+    RobotLinkError,
+)
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.network.bounded_http import Deadline, Session
 from hypernav.core.trace import StepTrace
 from hypernav.robot.wire.replies import ErrorBody, Reply, SearchOpened, Status
-from hypernav.robot.wire.requests import OpenSearch, StopRequest
+from hypernav.robot.wire.requests import CloseRequest, OpenSearch, StopRequest
 from hypernav.robot.wire.values import SEARCHES
 from hypernav.robot.wire.waiting import ROBOTS, GivenGoal
 
 MessageT = TypeVar("MessageT", bound=BaseModel)
 _CONNECT_S = 5.0
+_LONGEST_REASON = 500
 _LARGEST_REPLY_BYTES = 256 * 2**20
 """Limit of a reply: the trace of a long search and the map of a large building are the largest."""
 
@@ -100,6 +107,10 @@ class Link(Protocol):
             LinkLostError: The reply got lost.
             RequestRefusedError: The server has no such observation.
         """
+        ...
+
+    def give_up(self, reason: str) -> None:
+        """Tell the server that the robot ends by an error; if it can't be reached, do nothing."""
         ...
 
     def close(self) -> None:
@@ -195,9 +206,17 @@ class HttpServer:
         body = StopRequest(reason=reason).model_dump_json().encode()
         return self._asked(Status, "POST", f"{SEARCHES}/{search_id}/stop", body)
 
-    def close_search(self, search_id: str) -> None:
-        """Tell the server that the search is no longer needed."""
-        self._request("POST", f"{SEARCHES}/{search_id}/close")
+    def close_search(self, search_id: str, *, failure: str | None = None) -> None:
+        """Tell the server that the search is no longer needed.
+
+        Args:
+            search_id: The search.
+            failure: What the robot failed by, for the operator; None if nothing is wrong.
+        """
+        words = " ".join((failure or "").split())[:_LONGEST_REASON]
+        body = CloseRequest(reason=words, failed=failure is not None).model_dump_json().encode()
+        path = f"{SEARCHES}/{search_id}/close"
+        self._request("POST", path, body, timeout_s=_CONNECT_S)
 
     def close(self) -> None:
         """End the connection."""
@@ -266,9 +285,33 @@ class HttpLink:
         """Wait once more for a reply that was on hold."""
         return self._server.reply(self._search_id, sequence, timeout_s)
 
+    def give_up(self, reason: str) -> None:
+        """Tell the server that the robot ends by an error."""
+        give_up(self._server.address, self._search_id, reason)
+
     def close(self) -> None:
         """End the connection."""
         self._server.close()
+
+
+def give_up(address: ServerAddress, search_id: str, reason: str) -> None:
+    """Close a search because its robot failed; if the server can't be reached, do nothing.
+
+    It uses a connection of its own, since another thread may wait for an answer on that of a link.
+    """
+    with (
+        closing(HttpServer(address)) as server,
+        suppress(RobotLinkError, RequestRefusedError),
+    ):
+        server.close_search(search_id, failure=reason)
+
+
+def failure_words(error: BaseException | None) -> str:
+    """What an operator reads about an error of the robot's program."""
+    words = str(error)
+    if isinstance(error, HyPerNavError):
+        return words
+    return f"the robot's program ended by {type(error).__name__}{': ' * bool(words)}{words}"
 
 
 def refused(status: int, content: bytes) -> RequestRefusedError:

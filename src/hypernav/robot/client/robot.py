@@ -1,5 +1,6 @@
 """The contract of a robot: what a search asks of it."""
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
@@ -10,6 +11,7 @@ from jaxtyping import Float32, UInt8
 
 from hypernav.core.actions import Action
 from hypernav.core.embodiment import Embodiment
+from hypernav.core.errors import SensorError
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.transforms import Pose2, Transform
@@ -27,8 +29,8 @@ class Sensed:
         depth: Depth image of the same camera, metres along the optical axis; 0, NaN or infinite
             where there is no return.
         odometry: Pose of the base in the frame of its odometry, which drifts but never jumps.
-        stamp_s: Time at which the images were taken, on the robot's clock, seconds. Images from
-            before the last motion end the search.
+        stamp_s: Time at which the images were taken, on the robot's clock, seconds. Images that
+            are not newer than the last ones end the search.
         odom_to_map: Pose of the odometry frame in the ``map`` frame, by localisation; may jump.
             Without localisation the two frames are the same.
         camera_to_base: Pose of the camera on the robot; None takes the embodiment's.
@@ -44,6 +46,25 @@ class Sensed:
     camera_to_base: Transform | None = None
     height_m: float = 0.0
     truth: LabelledPixels | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse images that can't be sent.
+
+        Raises:
+            SensorError: Shape, type or time is wrong.
+        """
+        if self.rgb.dtype != np.uint8 or self.rgb.ndim != 3 or self.rgb.shape[2] != 3:
+            raise SensorError(
+                "Sensed.rgb: expected height × width × 3 of type uint8, got "
+                f"{' × '.join(map(str, self.rgb.shape))} of type {self.rgb.dtype}"
+            )
+        if self.depth.ndim != 2 or not np.issubdtype(self.depth.dtype, np.floating):
+            raise SensorError(
+                "Sensed.depth: expected height × width of type float32, metres, got "
+                f"{' × '.join(map(str, self.depth.shape))} of type {self.depth.dtype}"
+            )
+        if not (math.isfinite(self.stamp_s) and self.stamp_s >= 0.0):
+            raise SensorError(f"Sensed.stamp_s: expected seconds from 0 on, got {self.stamp_s}")
 
     def observation(self, camera: PinholeCamera, camera_to_base: Transform) -> Observation:
         """The same data as an agent's observation.

@@ -6,22 +6,24 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import partial
+from types import TracebackType
 
 from hypernav.core.actions import Action
 from hypernav.core.errors import (
     LinkLostError,
     RequestRefusedError,
+    SensorError,
     ServerUnreachableError,
 )
 from hypernav.core.geometry.transforms import Pose2, Transform, wrap_angle
-from hypernav.robot.client.links import Link
-from hypernav.robot.client.plausible_sensing import PlausibleSensing
+from hypernav.robot.client.links import Link, failure_words
 from hypernav.robot.client.robot import Executed, FollowsPaths, Robot, Sensed
 from hypernav.robot.client.watchdog import Watchdog
 from hypernav.robot.wire.frames import pack_observation
-from hypernav.robot.wire.replies import Reply
+from hypernav.robot.wire.replies import Reply, SearchEnding
 from hypernav.robot.wire.requests import ObservationFacts
 from hypernav.robot.wire.values import PlanarPose, RigidMatrix
 
@@ -107,7 +109,6 @@ class RobotClient:
         self._sequence = next_sequence
         self._patience = patience or Patience()
         self._stopped, self._moving = threading.Event(), threading.Event()
-        self._plausible = PlausibleSensing(robot.embodiment)
         self.watchdog: Watchdog = Watchdog(self._patience.deadline_s, robot.stop)
         self.steps: int = 0
         self.blocked: int = 0
@@ -116,18 +117,24 @@ class RobotClient:
     def __iter__(self) -> Iterator[ClientStep]:
         """Run the search to its end, one step at a time; the robot stands still after it.
 
+        Whatever ends it but an answer of the server is told to the server, for its operator.
+
         Raises:
             ServerUnreachableError: No answer for too long.
             RequestRefusedError: The server refuses what this robot sends.
-            SensorError: What the robot senses cannot be right.
+            SensorError: What the robot senses cannot be right, as the server or `Sensed` says.
         """
         last: ClientStep | None = None
-        pool = ThreadPoolExecutor(1)
-        try:
+        with ExitStack() as end:  # at the end the robot stops first
+            end.callback(self._link.close)
+            pool = ThreadPoolExecutor(1)
+            end.callback(pool.shutdown)
+            end.push(self._tell_failure)
+            end.callback(self._robot.stop)
+            end.callback(self._stopped.set)  # ends the attempts of the thread in the pool
             while not self._stopped.is_set():
                 sensed = self._robot.observe()
                 blocked = last is not None and self._failed(last, sensed.odometry)
-                self._plausible.check(sensed, None if last is None else last.reply.action, blocked)
                 with self.watchdog:
                     answer = pool.submit(self._answer, sensed, blocked)
                     self._roll_on(last, answer)
@@ -139,13 +146,20 @@ class RobotClient:
                 self.blocked += blocked
                 last = ClientStep(sensed, reply, executed, blocked)
                 yield last
+                if reply.ending is SearchEnding.ROBOT_FAILED:
+                    raise SensorError(reply.reason)
                 if executed is None:
                     return
-        finally:
-            self._stopped.set()  # ends the attempts of the thread in the pool
-            self._robot.stop()
-            pool.shutdown()
-            self._link.close()
+
+    def _tell_failure(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Tell the server by what the iteration ended, unless the caller just leaves its loop."""
+        if kind is not None and not issubclass(kind, GeneratorExit | ServerUnreachableError):
+            self._link.give_up(failure_words(error))
 
     def stop(self) -> None:
         """Stop the robot permanently, from any thread; returns when it stands still.

@@ -2,21 +2,24 @@
 
 import threading
 from collections.abc import Callable
+from types import TracebackType
 
 from hypernav.core.errors import RequestRefusedError, RobotLinkError
-from hypernav.robot.client.links import HttpServer, ServerAddress
+from hypernav.robot.client.links import HttpServer, ServerAddress, failure_words, give_up
 from hypernav.robot.client.side_thread import SideThread
 from hypernav.robot.wire.replies import SearchEnding
 
 _WAIT_S = 1.0
 _PAUSE_S = 0.2
-_BY_HAND = frozenset({SearchEnding.STOPPED, SearchEnding.CLOSED})
+_OUTSIDE = frozenset({SearchEnding.STOPPED, SearchEnding.CLOSED, SearchEnding.ROBOT_FAILED})
+"""Endings that come while the robot may be in the middle of a motion."""
 
 
 class StopListener(SideThread):
     """Waits beside a search until someone presses stop, over a connection of its own.
 
-    It ends at most a second after the ``with`` block.
+    It ends at most a second after the ``with`` block. If the block ends by an error, the server is
+    told, so that its operator reads why.
 
     Examples:
         >>> with StopListener(address, opened.id, client.stop):  # doctest: +SKIP
@@ -32,9 +35,21 @@ class StopListener(SideThread):
             search_id: The search.
             on_stop: Function to call, once, for example `RobotClient.stop`.
         """
+        self._address = address
         self._server = HttpServer(address)
         self._search_id = search_id
         self._on_stop = on_stop
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Wait until the work has ended, and tell the server of an error."""
+        super().__exit__(kind, error, trace)
+        if kind is not None and not issubclass(kind, RobotLinkError):
+            give_up(self._address, self._search_id, failure_words(error))
 
     def _work_until(self, block_ended: threading.Event) -> None:
         version = -1
@@ -46,7 +61,7 @@ class StopListener(SideThread):
                 version = -1  # a restarted server counts its versions from the beginning
                 continue
             version = status.version
-            if status.ending in _BY_HAND:
+            if status.ending in _OUTSIDE:
                 self._on_stop()
             if status.ending is not None:
                 break

@@ -7,7 +7,7 @@ from pydantic import ValidationError
 
 from hypernav.core.components.extras import require
 from hypernav.core.errors import LinkLostError, RequestRefusedError
-from hypernav.robot.client.links import ServerAddress
+from hypernav.robot.client.links import ServerAddress, give_up
 from hypernav.robot.wire.replies import Reply, StreamMessage
 from hypernav.robot.wire.values import SEARCHES
 
@@ -29,7 +29,7 @@ class WebSocketLink:
         self._url = (
             f"{scheme}://{address.host}:{address.port}{address.path}{SEARCHES}/{search_id}/stream"
         )
-        self._headers = address.headers
+        self._address, self._search_id = address, search_id
         self._open = ExitStack()
         self._connection = None
 
@@ -39,7 +39,7 @@ class WebSocketLink:
             if self._connection is None:
                 opening = self._client.connect(
                     self._url,
-                    additional_headers=self._headers,
+                    additional_headers=self._address.headers,
                     open_timeout=_CONNECT_S,
                     max_size=None,
                     compression=None,
@@ -54,6 +54,10 @@ class WebSocketLink:
     def ask_again(self, sequence: int, timeout_s: float) -> Reply:
         """Wait once more for a reply that was on hold; the server sends it without being asked."""
         return self._next(sequence, timeout_s)
+
+    def give_up(self, reason: str) -> None:
+        """Tell the server that the robot ends by an error."""
+        give_up(self._address, self._search_id, reason)
 
     def close(self) -> None:
         """End the connection."""

@@ -33,13 +33,15 @@ class Ros2Base(SensingRobot):
             sensors: The robot's sensors, already working.
 
         Raises:
-            RosNetworkError: No fresh images arrive within the patience.
+            RosNetworkError: No fresh images arrive within the patience, or nobody reads the
+                velocities.
             ConfigError: The camera's pose is impossible, for example because the floor's height is
                 wrong.
         """
         super().__init__(config, sensors)
         self._halts = 0
         wheels = VelocityPublisher(config.topics.cmd_vel, network, config, sensors)
+        wheels.await_wheels(config.timing.find_s)
         self._output = GuardedOutput(wheels.publish, STANDSTILL, is_safe=sensors.is_fresh)
 
     def close(self) -> None:

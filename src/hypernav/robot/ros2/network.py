@@ -10,7 +10,11 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Any, Generic, TypeVar
 
-from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsPublication
+from cyclonedds.builtin import (
+    BuiltinDataReader,
+    BuiltinTopicDcpsPublication,
+    BuiltinTopicDcpsSubscription,
+)
 from cyclonedds.core import (
     DDSException,
     InstanceState,
@@ -142,6 +146,7 @@ class Ros2Network:
         try:
             self._participant = DomainParticipant(domain_id)
             self._offers = BuiltinDataReader(self._participant, BuiltinTopicDcpsPublication)
+            self._wishes = BuiltinDataReader(self._participant, BuiltinTopicDcpsSubscription)
             self._waiting = WaitSet(self._participant)
         except DDSException as error:
             raise RosNetworkError(
@@ -240,6 +245,24 @@ class Ros2Network:
             if offer.sample_info.valid_data
             and offer.sample_info.instance_state == InstanceState.Alive
         )
+
+    def read_as(self, topic: str) -> list[str]:
+        """The types as which others read a topic now, as far as hypernav knows these.
+
+        Args:
+            topic: ROS name of the topic.
+        """
+        name, own = _dds_name(topic), self._participant.guid
+        types = {
+            _NAMES[wish.type_name]
+            for wish in self._wishes.read(10_000)
+            if wish.sample_info.valid_data
+            and wish.sample_info.instance_state == InstanceState.Alive
+            and wish.topic_name == name
+            and wish.participant_key != own
+            and wish.type_name in _NAMES
+        }
+        return sorted(types)
 
     def _read(self) -> None:
         while not self._ended.is_set():

@@ -14,6 +14,9 @@ from hypernav.core.goal import Goal
 from hypernav.robot.server.state.journal import MODEL_FILE
 from hypernav.robot.wire.requests import OpenSearch
 
+READ_LABELS = frozenset({"ground-truth", "noisy", "systematic", "truth"})
+"""Registered names of the components that read true labels."""
+
 
 @dataclass(frozen=True)
 class AgentPlan:
@@ -65,6 +68,22 @@ class AgentPlan:
             built.agent.reset(goal)
             failed.pop_all()
         return built
+
+
+def check_labels(built: BuiltAgent, request: OpenSearch) -> None:
+    """Refuse a robot whose images lack the labels that the agent's components read.
+
+    Raises:
+        ConfigError: A component would fail at the first observation.
+    """
+    names = [choice.entry.name for choice in built.chosen.by_kind.values()]
+    reading = [name for name in names if name in READ_LABELS]
+    if reading and not request.labels:
+        raise ConfigError(
+            f"this server looks for goals with {reading[0]}, which reads true labels, and only a "
+            "simulated robot can send them (labels in the request). For a real one start the "
+            "server with --vlm or another --detector, such as yolox:FILE.onnx"
+        )
 
 
 def _check_explains(agent: Agent) -> None:

@@ -3,13 +3,14 @@
 import logging
 from collections.abc import Iterable
 from importlib.metadata import version
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import APIRouter, FastAPI, Path, Request, WebSocket
 from starlette.concurrency import run_in_threadpool
 
 from hypernav.core.errors import HyPerNavError
-from hypernav.robot.server.guard import API, Access, Allowances, Guard
+from hypernav.robot.server.access import API, Access
+from hypernav.robot.server.guard import Allowances, Guard
 from hypernav.robot.server.limits import ServerLimits
 from hypernav.robot.server.operator.routes import operator_routes
 from hypernav.robot.server.operator.waiting import WaitingRobots
@@ -18,7 +19,7 @@ from hypernav.robot.server.stream import Stream
 from hypernav.robot.server.watching.refusals import REFUSALS, add_refusals
 from hypernav.robot.server.watching.routes import Name, watching_routes
 from hypernav.robot.wire.replies import Reply, SearchEnding, SearchOpened, Status
-from hypernav.robot.wire.requests import OpenSearch
+from hypernav.robot.wire.requests import CloseRequest, ObservationHeader, OpenSearch
 from hypernav.robot.wire.values import SEARCHES
 
 _LOG = logging.getLogger(__name__)
@@ -26,7 +27,11 @@ _Number = Annotated[int, Path(ge=0, le=1_000_000, description="Number of the obs
 _OBSERVATION_BODY = {
     "requestBody": {
         "required": True,
-        "description": "One line of JSON (ObservationHeader), a line feed, and the images.",
+        "description": (
+            "One line of JSON, the ObservationHeader of components/schemas, a line feed, and then "
+            "the images that it announces, one directly after the other: colour, depth and, in "
+            "simulation, labels."
+        ),
         "content": {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}},
     }
 }
@@ -74,8 +79,26 @@ def guarded_app(
     for router in routers:
         app.include_router(router, responses=REFUSALS)
     add_refusals(app)
+    _document_observations(app)
     app.add_middleware(Guard, access=access, limits=limits, allowances=allowances)
     return app
+
+
+def _document_observations(app: FastAPI) -> None:
+    """Add the header of an observation to the OpenAPI document, which no path names by itself."""
+    describe = app.openapi
+
+    def described() -> dict[str, Any]:
+        document = describe()
+        schemas = document.setdefault("components", {}).setdefault("schemas", {})
+        if "ObservationHeader" not in schemas:
+            header = ObservationHeader.model_json_schema(
+                ref_template="#/components/schemas/{model}"
+            )
+            schemas |= header.pop("$defs") | {"ObservationHeader": header}
+        return document
+
+    app.openapi = described
 
 
 def _routes(searches: Searches, waiting: WaitingRobots, allowances: Allowances) -> APIRouter:
@@ -121,10 +144,11 @@ def _routes(searches: Searches, waiting: WaitingRobots, allowances: Allowances) 
         await Stream(searches, name, socket, allowances).run()
 
     @routes.post(f"{SEARCHES}/{{name}}/close")
-    async def close(name: Name) -> Status:
+    async def close(name: Name, request: CloseRequest | None = None) -> Status:
         """End a search that is no longer needed; its files can still be read."""
-        search = searches.find(name)
-        search.stop("closed", SearchEnding.CLOSED)
+        search, why = searches.find(name), request or CloseRequest()
+        ending = SearchEnding.ROBOT_FAILED if why.failed else SearchEnding.CLOSED
+        search.stop(why.reason or "closed", ending)
         await run_in_threadpool(search.write_end)
         return search.status()
 

@@ -1,4 +1,4 @@
-"""The decisions of one search: an agent and its journal, independent of the network."""
+"""The decisions of one search, independent of network and disk."""
 
 import logging
 from collections.abc import Callable
@@ -7,21 +7,17 @@ from typing import cast
 from hypernav.build.agents import BuiltAgent
 from hypernav.core.actions import Action
 from hypernav.core.components.protocols import ExplainsItself
-from hypernav.core.errors import SensorError
-from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.observation import Observation
 from hypernav.core.trace import StepTrace
 from hypernav.robot.server.replies import reply_of, reply_out_of_steps
-from hypernav.robot.server.state.journal import Journal, StepRecord
+from hypernav.robot.server.sensing import Sensing
+from hypernav.robot.server.state.journal import Journal, SearchRecord, StepRecord
 from hypernav.robot.wire.frames import PackedObservation, decode_observation, unpack_observation
-from hypernav.robot.wire.requests import ObservationFacts
 
 _LOG = logging.getLogger(__name__)
 _BLOCKED = "the robot says that it was blocked"
 _BLIND = "the camera measures no depth, turning instead of driving"
-_MOST_BLIND = 24
-"""Number of images without depth in a row after which a search ends."""
 
 
 class Decisions:
@@ -31,106 +27,98 @@ class Decisions:
         grid: Map after the last decision, a copy; None before the first.
     """
 
-    def __init__(self, journal: Journal, built: BuiltAgent) -> None:
+    def __init__(self, record: SearchRecord, built: BuiltAgent) -> None:
         """Begin with an agent that has its goal and has seen nothing.
 
         Args:
-            journal: Journal of the search.
+            record: What the search was opened with.
             built: Agent of the search, which has a trace and a map.
         """
+        request = record.request
         self.grid: OccupancyGrid | None = None
-        self._journal = journal
         self._built = built
         self._agent = cast(ExplainsItself, built.agent)
-        self._request = journal.record.request
-        self._camera = self._request.camera
-        self._camera_to_base = self._request.embodiment.camera.camera_to_base
-        self._blind = 0
+        self._name, self._most_steps = record.id, request.max_steps
+        self._robot, self._camera = request.robot, request.camera
+        self._camera_to_base = request.embodiment.camera.camera_to_base
+        self._sensing = Sensing(request.embodiment)
+        self._told: Action | None = None
 
-    def decode(self, packed: PackedObservation) -> Observation:
-        """The observation for the agent; nothing else changes.
+    def check(self, packed: PackedObservation) -> Observation:
+        """Decode the next observation, and look whether it can be true; nothing else changes.
 
         Raises:
             WireError: It is broken.
+            SensorError: What the robot senses cannot be right.
         """
-        return decode_observation(packed, self._camera, self._camera_to_base)
+        seen = self._decoded(packed)
+        self._sensing.check(packed, seen, self._told)
+        return seen
 
-    def decide(self, facts: ObservationFacts, observation: Observation) -> StepRecord:
-        """Decide about the next observation.
+    def decide(self, packed: PackedObservation, seen: Observation) -> StepRecord:
+        """Decide about an observation that was checked.
 
         Raises:
             ModelUnavailableError: A model did not answer.
             ModelSetupError: A model can never answer.
-            SensorError: The camera has measured no depth for too long.
             HyPerNavError: The agent cannot go on.
         """
-        if facts.sequence >= self._request.max_steps:
-            return StepRecord(reply=reply_out_of_steps(facts.sequence), trace=None)
-        trace = self._act(observation)
-        if facts.blocked:
+        number = packed.header.sequence
+        if number >= self._most_steps:
+            return StepRecord(reply=reply_out_of_steps(number), trace=None)
+        self._sensing.note(packed, seen, self._told)
+        trace = self._act(seen)
+        if packed.header.blocked:
             trace = trace.model_copy(update={"events": [*trace.events, _BLOCKED]})
-        reply = reply_of(facts.sequence, trace, self._agent.grid, self._request.robot)
+        reply = reply_of(number, trace, self._agent.grid, self._robot)
+        self._told = reply.action
         return StepRecord(reply=reply, trace=trace)
 
-    def repeat(self, is_wanted: Callable[[], bool]) -> None:
-        """After a restart, give the agent all past observations again.
+    def repeat(self, journal: Journal, is_wanted: Callable[[], bool]) -> None:
+        """After a restart, give the agent all decided observations again.
 
         Args:
+            journal: Journal of the search.
             is_wanted: Function that says whether to go on.
 
         Raises:
             HyPerNavError: The agent cannot repeat it.
         """
-        for number in range(self._journal.step_count):
+        for number in range(journal.step_count):
             if not is_wanted():
                 return
-            recorded = self._journal.step(number)
+            recorded = journal.step(number)
             if recorded.trace is None:
                 continue
-            packed = unpack_observation(self._journal.observation(number))
-            trace = self._act(self.decode(packed))
-            if trace.action != recorded.trace.action:
+            packed = unpack_observation(journal.observation(number))
+            again = self.decide(packed, self._decoded(packed))
+            self._told = recorded.reply.action
+            if again.reply.action != self._told:
                 _LOG.warning(
                     "search %s, step %d: the action was %s, and would be %s today",
-                    self._journal.record.id,
+                    self._name,
                     number,
-                    recorded.trace.action,
-                    trace.action,
+                    self._told,
+                    again.reply.action,
                 )
 
     def close(self) -> None:
         """Release what the agent holds."""
         self._built.close()
 
-    def _act(self, observation: Observation) -> StepTrace:
-        self._built.agent.act(observation)
+    def _decoded(self, packed: PackedObservation) -> Observation:
+        return decode_observation(packed, self._camera, self._camera_to_base)
+
+    def _act(self, seen: Observation) -> StepTrace:
+        self._built.agent.act(seen)
         self.grid = self._agent.grid.cropped().copy()
         trace = self._agent.last_step
-        return trace if self._sees(observation) else _turning(trace)
-
-    def _sees(self, observation: Observation) -> bool:
-        """Whether the camera measures any depth.
-
-        Raises:
-            SensorError: It has measured none for so many images that the robot has turned around.
-        """
-        lens = self._request.embodiment.camera
-        if is_measured(observation.depth, lens.min_depth_m, lens.max_depth_m).any():
-            self._blind = 0
-            return True
-        self._blind += 1
-        if self._blind >= _MOST_BLIND:
-            raise SensorError(
-                f"{self._blind} images without any depth between {lens.min_depth_m:g} and "
-                f"{lens.max_depth_m:g} m; does the camera work, and is its depth in metres?"
-            )
-        return False
+        is_blind = self._sensing.blind > 0
+        return _turning(trace) if is_blind and trace.action is Action.MOVE_FORWARD else trace
 
 
 def _turning(trace: StepTrace) -> StepTrace:
-    """The decision with a turn in place of a blind step; the agent takes it for a bump."""
-    if trace.action is not Action.MOVE_FORWARD:
-        return trace
+    """A turn in place of a blind step; the agent takes it for a bump."""
     return trace.model_copy(
         update={
             "action": Action.TURN_LEFT,

@@ -15,7 +15,6 @@ from typing import Any
 import h11
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
-MOST_HEAD_BYTES = 16_384
 _HEAD_S = 10.0
 _MOST_CONNECTIONS = 256
 

@@ -1,28 +1,29 @@
-"""One search on the server: its observations, its answers and its end."""
+"""One search on the server: the way of an observation from the message to the reply."""
 
 import logging
 import threading
-import time
 from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, closing, contextmanager
+from time import monotonic
 
 from hypernav.core.errors import (
     HyPerNavError,
     ModelSetupError,
     ModelUnavailableError,
     RunFolderError,
+    SensorError,
     WireError,
 )
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.robot.server.bell import Bell
+from hypernav.robot.server.conversation import Conversation, Turn
 from hypernav.robot.server.decisions import Decisions
+from hypernav.robot.server.pace import Pace
 from hypernav.robot.server.state.journal import EndRecord, Journal, StepRecord
-from hypernav.robot.server.state.views import Views
-from hypernav.robot.server.turns import Turn, Turns
+from hypernav.robot.server.state.view import View, image_of
 from hypernav.robot.server.worker import Worker
 from hypernav.robot.wire.frames import PackedObservation, unpack_observation
-from hypernav.robot.wire.replies import Reply, SearchEnding, SearchState, Status
-from hypernav.robot.wire.requests import ObservationFacts
+from hypernav.robot.wire.replies import Reply, SearchEnding, Status
 
 _LOG = logging.getLogger(__name__)
 
@@ -32,36 +33,37 @@ class Search:
 
     Attributes:
         record: What it was opened with.
-        bell: Bell that rings at every change of the status.
-        heard_s: Time of its robot's last message, or of its opening, on `time.monotonic`.
     """
 
     _decisions: Decisions  # set by `go_on`, before a worker uses it
 
-    def __init__(self, journal: Journal) -> None:
+    def __init__(self, journal: Journal, pace: Pace) -> None:
         """Take up a search from its journal; `go_on` gives it an agent.
+
+        Args:
+            journal: The journal.
+            pace: Counts the time that answers take.
 
         Raises:
             RunFolderError: The journal is damaged.
         """
         self.record = journal.record
-        self.bell = Bell()
-        self.heard_s = time.monotonic()
         self._journal = journal
-        self._lock = threading.RLock()
-        self._version = 0
+        self._pace = pace
+        self._lock = threading.Lock()
         self._worker: Worker | None = None
-        self._is_resuming = False
-        last = _last_observation(journal)
-        self._views = Views(journal, last)
-        end = journal.end
-        self._is_end_kept = end is not None
-        self._turns = Turns(None if last is None else _turn(last.header, journal), end)
+        self._is_end_kept = journal.end is not None
+        self._talk = Conversation(_last_turn(journal), journal.end, View.of(journal))
+
+    @property
+    def bell(self) -> Bell:
+        """Bell that rings at every change of the status."""
+        return self._talk.bell
 
     @property
     def is_over(self) -> bool:
         """Whether the search has ended."""
-        return self._turns.end is not None
+        return self._talk.end is not None
 
     @property
     def is_end_kept(self) -> bool:
@@ -69,9 +71,14 @@ class Search:
         return self._is_end_kept
 
     @property
-    def is_deciding(self) -> bool:
-        """Whether the robot waits for an answer."""
-        return self._state is SearchState.DECIDING
+    def silent_s(self) -> float:
+        """Time since the robot's last message, seconds; 0 while it waits for an answer."""
+        return self._talk.silent_s
+
+    @property
+    def end_reply(self) -> Reply | None:
+        """The answer to any further observation once the search is over; None before."""
+        return self._talk.end_reply
 
     @property
     def grid(self) -> OccupancyGrid | None:
@@ -80,7 +87,8 @@ class Search:
         Raises:
             HyPerNavError: It is damaged on the disk.
         """
-        return self._views.grid
+        grid = self._talk.view.grid
+        return self._journal.read_map() if grid is None and self._is_end_kept else grid
 
     @property
     def colour(self) -> tuple[str, bytes] | None:
@@ -89,15 +97,25 @@ class Search:
         Raises:
             HyPerNavError: It is damaged on the disk.
         """
-        return self._views.colour
+        colour = self._talk.view.colour
+        return self.colour_of(None) if colour is None and self._is_end_kept else colour
 
-    def colour_of(self, sequence: int) -> tuple[str, bytes] | None:
-        """Format and bytes of an observation's colour image; None before it has come."""
-        return self._views.colour_of(sequence)
+    def colour_of(self, sequence: int | None) -> tuple[str, bytes] | None:
+        """Format and bytes of an observation's colour image, the last one's if None.
+
+        Raises:
+            HyPerNavError: It is damaged on the disk.
+        """
+        with self.reading() as journal:
+            return image_of(journal, sequence)
 
     def reading(self) -> AbstractContextManager[Journal]:
         """The journal, opened a second time, to read it during or after the search."""
-        return self._views.reading()
+        return closing(Journal(self._journal.folder, to_read=True))
+
+    def status(self) -> Status:
+        """The present state."""
+        return self._talk.status(self.record)
 
     def go_on(self, decisions: Decisions) -> None:
         """Begin to decide, after the agent was given the journal's observations again.
@@ -107,8 +125,8 @@ class Search:
         """
         self._decisions = decisions
         self._worker = Worker(f"search {self.record.id[:8]}", self._fail)
-        if (last := self._turns.last) is not None:
-            self._is_resuming = True
+        if (last := self._talk.last) is not None:
+            self._talk.resume(None, is_done=False)
             self._worker.submit(lambda: self._resume(last))
 
     def offer(self, body: bytes) -> Turn:
@@ -121,16 +139,12 @@ class Search:
             WireError: The observation is broken.
             RequestRefusedError: Another number is expected.
         """
-        self.heard_s = time.monotonic()
+        offered_s = monotonic()
         packed = unpack_observation(body)
-        with self._lock:
-            turn = self._turns.known(packed.header.sequence)
-            if turn is not None:
-                return turn
-            turn = self._turns.begin(packed.header.sequence, packed.header.stamp_s)
-            if self._worker is not None:
-                self._worker.submit(lambda: self._take(turn, packed, body))
-        self._note_change()
+        with self._lock:  # `halt` and `stop` end the worker after this job
+            turn, is_new = self._talk.offer(packed.header.sequence)
+            if is_new and self._worker is not None:
+                self._worker.submit(lambda: self._take(turn, packed, body, offered_s))
         return turn
 
     def turn(self, sequence: int) -> Turn:
@@ -139,9 +153,7 @@ class Search:
         Raises:
             RequestRefusedError: The number is not the last one.
         """
-        self.heard_s = time.monotonic()
-        with self._lock:
-            return self._turns.asked_again(sequence)
+        return self._talk.asked_again(sequence)
 
     def stop(self, reason: str, ending: SearchEnding = SearchEnding.STOPPED) -> None:
         """End the search from outside, at once; `write_end` writes that to disk.
@@ -150,15 +162,8 @@ class Search:
             reason: Who stops it, or why.
             ending: Kind of ending.
         """
-        with self._lock:
-            if self.is_over:
-                return
-            self._turns.finish(EndRecord(ending=ending, detail=reason))
-            worker, self._worker = self._worker, None
-        self._note_change()
-        if worker is not None:
-            worker.submit(self._release)
-            worker.end()
+        if self._talk.finish(EndRecord(ending=ending, detail=reason)):
+            self.halt()
 
     def write_end(self) -> None:
         """Write the end of the search to disk, if it is over.
@@ -166,13 +171,14 @@ class Search:
         Raises:
             RunFolderError: It cannot be written; the robot is stopped all the same.
         """
-        if self._turns.end is not None:
-            self._journal.write_end(self._turns.end, self._views.unwritten_grid)
+        talk = self._talk
+        if talk.end is not None:
+            self._journal.write_end(talk.end, talk.view.grid)
             self._is_end_kept = True
-            self._views.forget()
+            talk.view = talk.view.kept_on(self._journal)
 
     def halt(self) -> Worker | None:
-        """Release everything; the search is not over, and can be taken up again.
+        """Release everything; a search that is not over can be taken up again.
 
         Returns:
             The worker, which ends after its present job; None if there is none.
@@ -184,85 +190,41 @@ class Search:
             worker.end()
         return worker
 
-    def status(self) -> Status:
-        """The present state."""
-        with self._lock:
-            turns = self._turns
-            return Status(
-                id=self.record.id,
-                version=self._version,
-                goal=self.record.request.goal,
-                words=self.record.words,
-                opened_s=self.record.opened_s,
-                state=self._state,
-                next_sequence=turns.next_sequence,
-                last=None if turns.last is None else turns.last.reply,
-                pose=self._views.pose,
-                map=self._views.extent,
-                ending=None if turns.end is None else turns.end.ending,
-                detail="" if turns.end is None else turns.end.detail,
-            )
-
-    @property
-    def end_reply(self) -> Reply | None:
-        """The answer to any further observation once the search is over; None before."""
-        return self._turns.end_reply
-
-    @property
-    def _state(self) -> SearchState:
-        if self.is_over:
-            return SearchState.ENDED
-        if self._is_resuming:
-            return SearchState.RESUMING
-        return SearchState.WAITING if self._turns.pending is None else SearchState.DECIDING
-
-    def _take(self, turn: Turn, packed: PackedObservation, body: bytes) -> None:
-        """Check, accept, decide and answer; runs in the worker."""
+    def _take(self, turn: Turn, packed: PackedObservation, body: bytes, offered_s: float) -> None:
+        """The way of an observation from the message to the reply; runs in the worker."""
         with self._ending_at_errors():
             if not self._is_wanted():
                 return
             try:
-                observation = self._decisions.decode(packed)
+                seen = self._decisions.check(packed)
                 self._journal.add_observation(body)
             except (WireError, RunFolderError) as error:
-                with self._lock:
-                    self._turns.withdraw(turn, error)
-                self._note_change()
+                self._talk.withdraw(turn, error)
                 return
-            with self._lock:
-                self._turns.accept(turn)
-                self._views.note_image(packed)
-            self._note_change()
-            self._answer(turn, self._decisions.decide(packed.header, observation))
-
-    def _resume(self, last: Turn) -> None:
-        """Give the agent the journal's observations again; runs in the worker."""
-        with self._ending_at_errors():
-            self._decisions.repeat(self._is_wanted)
-            with self._lock:
-                self._is_resuming = False
-                self._views.note_map(self._decisions.grid)
-            self._note_change()
-            if last.reply is not None and last.reply.ending is not None:
-                self._finish(last.reply.ending, last.reply.reason)
-            elif not last.is_answered:
-                packed = unpack_observation(self._journal.observation(last.sequence))
-                observation = self._decisions.decode(packed)
-                self._answer(last, self._decisions.decide(packed.header, observation))
+            self._talk.accept(turn, packed)
+            step = self._decisions.decide(packed, seen)
+            self._answer(turn, step)
+            self._pace.note(step.trace, offered_s)
 
     def _answer(self, turn: Turn, step: StepRecord) -> None:
         """Write a decision to disk and answer the robot, unless it was stopped meanwhile."""
         if not self._is_wanted():
             return
         self._journal.add_step(step)
-        with self._lock:
-            turn.reply = turn.reply or step.reply
-            self._views.note_map(self._decisions.grid)
-            if step.trace is not None:
-                self._views.pose = step.trace.pose
+        self._talk.answer(turn, step, self._decisions.grid)
         if step.reply.ending is not None:
             self._finish(step.reply.ending, step.reply.reason)
-        self._note_change()
+
+    def _resume(self, last: Turn) -> None:
+        """Give the agent the journal's observations again; runs in the worker."""
+        with self._ending_at_errors():
+            self._decisions.repeat(self._journal, self._is_wanted)
+            self._talk.resume(self._decisions.grid, is_done=True)
+            if last.reply is not None and last.reply.ending is not None:
+                self._finish(last.reply.ending, last.reply.reason)
+            elif not last.is_answered:
+                packed = unpack_observation(self._journal.observation(last.sequence))
+                self._answer(last, self._decisions.decide(packed, self._decisions.check(packed)))
 
     def _is_wanted(self) -> bool:
         """Whether the search still goes on, on this server."""
@@ -284,11 +246,6 @@ class Search:
         self._journal.close()
         del self._decisions
 
-    def _note_change(self) -> None:
-        with self._lock:
-            self._version += 1
-        self.bell.ring()
-
     @contextmanager
     def _ending_at_errors(self) -> Iterator[None]:
         """End the search if the block raises an error whose message says the reason."""
@@ -297,6 +254,8 @@ class Search:
                 yield
             except (ModelUnavailableError, ModelSetupError) as error:
                 self._finish(SearchEnding.MODEL_UNAVAILABLE, str(error))
+            except SensorError as error:
+                self._finish(SearchEnding.ROBOT_FAILED, str(error))
             except HyPerNavError as error:
                 _LOG.error("search %s: %s", self.record.id, error)
                 self._finish(SearchEnding.FAILED, str(error))
@@ -304,13 +263,9 @@ class Search:
             _LOG.error("search %s: %s", self.record.id, error)
 
 
-def _last_observation(journal: Journal) -> PackedObservation | None:
+def _last_turn(journal: Journal) -> Turn | None:
+    """The last observation, with its answer if it has one; None before the first."""
     last = journal.observation_count - 1
-    return None if last < 0 else unpack_observation(journal.observation(last))
-
-
-def _turn(facts: ObservationFacts, journal: Journal) -> Turn:
-    """An observation, with its answer if it has one."""
-    is_answered = journal.step_count > facts.sequence
-    reply = journal.step(facts.sequence).reply if is_answered else None
-    return Turn(facts.sequence, facts.stamp_s, reply)
+    if last < 0:
+        return None
+    return Turn(last, journal.step(last).reply if journal.step_count > last else None)

@@ -13,9 +13,10 @@ from types import TracebackType
 from hypernav.core.errors import HyPerNavError, RequestRefusedError, RunFolderError
 from hypernav.core.files.folder_lock import folder_lock
 from hypernav.core.goal import Goal
-from hypernav.robot.server.agents import AgentPlan, PlanAgent
+from hypernav.robot.server.agents import AgentPlan, PlanAgent, check_labels
 from hypernav.robot.server.decisions import Decisions
 from hypernav.robot.server.limits import ServerLimits
+from hypernav.robot.server.pace import Pace
 from hypernav.robot.server.search import Search
 from hypernav.robot.server.state.journal import Journal, SearchRecord
 from hypernav.robot.wire.replies import SearchEnding
@@ -50,6 +51,7 @@ class Searches:
         self._searches: dict[str, Search] = {}
         self._keys: dict[str, str] = {}
         self._stops = 0
+        self._pace = Pace()
 
     def __enter__(self) -> "Searches":
         """Lock the folder, and take up unfinished searches.
@@ -92,27 +94,30 @@ class Searches:
             if request.key is not None and request.key in self._keys:
                 return self._searches[self._keys[request.key]]
             self._check_room(request)
-            self._forgotten()  # without a free slot no agent is built
             name = secrets.token_hex(16)
             folder = self._folder / name
             try:
                 search = self._begun(name, folder, request)
-                forgotten = self._forgotten_after(search)
             except HyPerNavError:
                 shutil.rmtree(folder, ignore_errors=True)
                 raise
             self._add(search)
-        if forgotten is not None:
-            ended = SearchEnding.CLOSED
-            forgotten.stop("its robot was silent, and another needed the slot", ended)
-            try:
-                forgotten.write_end()
-            except RunFolderError as error:  # not the caller's fault
-                _LOG.error("search %s: %s", forgotten.record.id, error)
         if self._stops > stops:
             search.stop("stopped while it was opened")
             search.write_end()
         return search
+
+    def end_silent(self) -> None:
+        """End every search whose robot has sent nothing for too long."""
+        idle_s = self._limits.idle_s
+        for search in self.all():
+            if not search.is_over and search.silent_s > idle_s:
+                words = f"its robot was silent for {_minutes(idle_s)}"
+                search.stop(words, SearchEnding.ROBOT_FAILED)
+                try:
+                    search.write_end()
+                except RunFolderError as error:
+                    _LOG.error("search %s: %s", search.record.id, error)
 
     def stop_all(self, reason: str) -> list[Search]:
         """Stop every robot at once; `Search.write_end` writes it to disk.
@@ -149,6 +154,10 @@ class Searches:
     def _begun(self, name: str, folder: Path, request: OpenSearch) -> Search:
         plan, goal = self._plan(request), Goal(request.goal)
         built = plan.build(goal, folder)
+        with ExitStack() as failed:
+            failed.callback(built.close)
+            check_labels(built, request)
+            failed.pop_all()
         record = SearchRecord(
             id=name,
             opened_s=time.time(),
@@ -159,8 +168,8 @@ class Searches:
             config=plan.config,
         )
         journal = Journal.create(folder, record)
-        search = Search(journal)
-        search.go_on(Decisions(journal, built))
+        search = Search(journal, self._pace)
+        search.go_on(Decisions(record, built))
         return search
 
     def _load(self, folder: Path) -> None:
@@ -168,57 +177,17 @@ class Searches:
         try:
             with ExitStack() as opened:
                 journal = opened.enter_context(closing(Journal(folder)))
-                search = Search(journal)
+                search = Search(journal, self._pace)
                 if not search.is_over:
                     # With the options that it was opened with, not the server's present ones.
                     plan = AgentPlan(journal.record.config, journal.record.specs)
                     built = plan.build(Goal(journal.record.request.goal), folder)
-                    search.go_on(Decisions(journal, built))
+                    search.go_on(Decisions(journal.record, built))
                     opened.pop_all()
         except HyPerNavError as error:
             _LOG.error("the search in %s cannot be taken up: %s", folder.name, error)
             return
         self._add(search)
-
-    def _forgotten_after(self, search: Search) -> Search | None:
-        """The same, checked again after the new agent was built, which may take minutes.
-
-        Raises:
-            RequestRefusedError: Meanwhile all robots have sent messages.
-        """
-        try:
-            return self._forgotten()
-        except RequestRefusedError:
-            worker = search.halt()
-            if worker is not None:  # it writes to the folder, which is removed next
-                worker.join(_PATIENCE_S)
-            raise
-
-    def _forgotten(self) -> Search | None:
-        """The search to be replaced, whose robot sent nothing for long; None if there is room.
-
-        A robot that waits for an answer sends nothing, so its search is not replaced.
-
-        Raises:
-            RequestRefusedError: All robots have sent messages lately, or wait.
-        """
-        under_way = [search for search in self._searches.values() if not search.is_over]
-        if len(under_way) < self._limits.searches:
-            return None
-        quietest = min(under_way, key=lambda search: (search.is_deciding, search.heard_s))
-        idle_s = time.monotonic() - quietest.heard_s
-        if quietest.is_deciding or idle_s < self._limits.idle_s:
-            left_min = max(self._limits.idle_s - idle_s, 0.0) / 60.0
-            later = f"can be replaced after another {left_min:.0f} minutes of silence"
-            raise RequestRefusedError(
-                f"{len(under_way)} searches are under way, as many as there may be; close one by "
-                f"POST {SEARCHES}/ID/close. The one that has been silent longest, "
-                f"{quietest.record.id}, "
-                + ("waits for an answer of this server" if quietest.is_deciding else later),
-                error="busy",
-                status=429,
-            )
-        return quietest
 
     def _add(self, search: Search) -> None:
         self._searches[search.record.id] = search
@@ -236,9 +205,33 @@ class Searches:
                 status=422,
             )
         if len(self._searches) >= limits.kept:
-            raise RequestRefusedError(
+            raise _busy(
                 f"the server keeps {limits.kept:,} searches, as many as it may; its operator can "
-                "move old folders out of --state",
-                error="busy",
-                status=429,
+                "move old folders out of --state"
             )
+        self.end_silent()
+        under_way = [search for search in self._searches.values() if not search.is_over]
+        if len(under_way) >= limits.searches:
+            quietest = max(under_way, key=lambda search: search.silent_s)
+            left_s = max(limits.idle_s - quietest.silent_s, 0.0)
+            raise _busy(
+                f"{len(under_way)} searches are under way, as many as there may be; close one by "
+                f"POST {SEARCHES}/ID/close. The one that has been silent longest, "
+                f"{quietest.record.id}, ends after another {_minutes(left_s)} of silence"
+            )
+        median_s = self._pace.median_s()
+        if under_way and median_s is not None and median_s > limits.answer_s:
+            raise _busy(
+                f"this server is busy: the robots of its {len(under_way)} searches wait "
+                f"{1e3 * median_s:.0f} ms for an answer (median of the last seconds, without the "
+                f"time of chat models), and {1e3 * limits.answer_s:.0f} are the limit; try again "
+                "when a search has ended, or use another server"
+            )
+
+
+def _busy(message: str) -> RequestRefusedError:
+    return RequestRefusedError(message, error="busy", status=429)
+
+
+def _minutes(seconds: float) -> str:
+    return f"{seconds / 60.0:.0f} min" if seconds >= 60.0 else f"{seconds:.0f} s"

@@ -1,5 +1,6 @@
 """Running the server: its socket, its token, its end."""
 
+import asyncio
 import resource
 import socket
 from collections.abc import Callable
@@ -7,15 +8,17 @@ from pathlib import Path
 
 import uvicorn
 from fastapi import FastAPI
+from starlette.concurrency import run_in_threadpool
 
 from hypernav.core.errors import ConfigError
 from hypernav.core.files.reading import read_file
+from hypernav.robot.server.access import Access
 from hypernav.robot.server.agents import PlanAgent
 from hypernav.robot.server.app import make_app
-from hypernav.robot.server.guard import Access
+from hypernav.robot.server.guard import MOST_HEAD_BYTES
 from hypernav.robot.server.limits import ServerLimits
 from hypernav.robot.server.operator.waiting import WaitingRobots
-from hypernav.robot.server.request_heads import MOST_HEAD_BYTES, TimedHeads
+from hypernav.robot.server.request_heads import TimedHeads
 from hypernav.robot.server.searches import Searches
 from hypernav.robot.wire.frames import MOST_BODY_BYTES
 
@@ -27,6 +30,8 @@ _ACCEPTED_AT_ONCE = 64
 _MOST_QUEUED = 1024
 """Connections that the system queues until they are accepted."""
 _OPEN_FILES = 4096
+_LOOK_S = 1.0
+"""Time between two looks for robots that fell silent, seconds."""
 
 
 def read_token(path: Path) -> str:
@@ -111,16 +116,23 @@ class RobotServer(uvicorn.Server):
         super().__init__(server_config(make_app(searches, self._waiting, access, limits)))
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
-        """Begin to listen."""
+        """Begin to listen, and to look for robots that fell silent."""
         await super().startup(sockets)
+        self._looking = asyncio.create_task(self._end_silent())
         for listener in sockets or ():
             listener.listen(_MOST_QUEUED)
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         """End; requests that wait for an event are answered at once."""
+        self._looking.cancel()
         for bell in (self._waiting.bell, *(search.bell for search in self._searches.all())):
             bell.close()
         await super().shutdown(sockets)
+
+    async def _end_silent(self) -> None:
+        while True:
+            await asyncio.sleep(_LOOK_S)
+            await run_in_threadpool(self._searches.end_silent)
 
 
 def _raise_open_files() -> None:

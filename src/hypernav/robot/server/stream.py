@@ -5,14 +5,14 @@ import asyncio
 from fastapi import WebSocket, WebSocketDisconnect
 
 from hypernav.core.errors import RequestRefusedError, RunFolderError, WireError
+from hypernav.robot.server.conversation import Turn
 from hypernav.robot.server.guard import Allowances
 from hypernav.robot.server.search import Search
 from hypernav.robot.server.searches import Searches
-from hypernav.robot.server.turns import Turn
 from hypernav.robot.wire.replies import ErrorBody, Reply, SearchEnding, StreamMessage
 
 _UNKNOWN = 4404
-_ENDED_BY_HAND = frozenset({SearchEnding.STOPPED, SearchEnding.CLOSED})
+_ENDED_OUTSIDE = frozenset({SearchEnding.STOPPED, SearchEnding.CLOSED, SearchEnding.ROBOT_FAILED})
 
 
 class Stream:
@@ -60,7 +60,7 @@ class Stream:
             if message["type"] == "websocket.disconnect":
                 raise WebSocketDisconnect
             try:
-                self._allowances.take(address)
+                self._allowances.take(address, is_robot=True)
                 body = message.get("bytes")
                 if body is None:
                     raise WireError("observations are binary messages, got a text message")
@@ -90,7 +90,7 @@ class Stream:
     async def _push_stop(self, search: Search) -> None:
         """Tell the robot at once when someone presses stop."""
         await search.bell.until(lambda: search.is_over, None)
-        if search.status().ending in _ENDED_BY_HAND:
+        if search.status().ending in _ENDED_OUTSIDE:
             await self._send(StreamMessage(reply=search.end_reply))
 
     async def _send_result(self, turn: Turn) -> None:

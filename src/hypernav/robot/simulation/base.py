@@ -25,6 +25,8 @@ from hypernav.worlds.noise import noisy_depth
 from hypernav.worlds.simulation import SimulatedWorld
 
 _SAFETY_PIXELS = (80, 60)
+_EXPOSURE_S = 0.01
+"""Time that an image takes, so that no two have the same time."""
 
 
 class MishapConfig(RoomConfig):
@@ -67,7 +69,7 @@ class _Errors:
 
 
 class SimulatedBase:
-    """A robot's base in a scene. Its clock runs only while it drives.
+    """A robot's base in a scene. Its clock runs while it drives and takes images.
 
     Attributes:
         world: The scene, and the truth about it.
@@ -142,6 +144,7 @@ class SimulatedBase:
     def sense(self) -> Sensed:
         """Images and pose, taken now."""
         self._errors = self._drawn_errors()
+        self.now_s += _EXPOSURE_S
         self._renderer.colours = True
         view = self._view(self.embodiment.camera.intrinsics)
         labels = LabelledPixels(view.instance_ids, self._labels)

@@ -73,6 +73,10 @@ class FaultyLink:
         self._carry("the reply")
         return reply
 
+    def give_up(self, reason: str) -> None:
+        """Tell the server that the robot ends by an error; this always arrives."""
+        self._link.give_up(reason)
+
     def close(self) -> None:
         """End the connection."""
         self._link.close()

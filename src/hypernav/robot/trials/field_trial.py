@@ -57,8 +57,12 @@ class FieldTrial:
 
     @property
     def counts(self) -> bool:
-        """Whether it says something about the method: an outage or a server error does not."""
-        return self.ending not in (SearchEnding.MODEL_UNAVAILABLE, SearchEnding.FAILED)
+        """Whether it says something about the method: outages and other failures do not."""
+        return self.ending not in (
+            SearchEnding.MODEL_UNAVAILABLE,
+            SearchEnding.FAILED,
+            SearchEnding.ROBOT_FAILED,
+        )
 
 
 def read_trial(folder: Path) -> FieldTrial:

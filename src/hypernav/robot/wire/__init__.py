@@ -11,7 +11,9 @@ A search consists of these requests:
 
 What the numbers mean:
 
-- The number that is expected next is accepted and answered once.
+- The number that is expected next is accepted and answered once, unless what the robot senses can't
+  be right (images that aren't newer than the last ones, or the same; odometry that jumps): then the
+  search ends as ``robot failed``, and the reason says what is wrong.
 - The number that was accepted last is a repetition: it gets the same answer and changes nothing,
   whatever is in its body.
 - Every other number is refused: `ErrorBody` with ``error="sequence"`` and the ``expected`` number.
@@ -21,11 +23,74 @@ What the numbers mean:
 
 Stop overrides everything: after ``POST /v1/searches/ID/stop`` every observation of any number, a
 pending one included, is answered by ``STOP``, ``done`` and the ending ``stopped``; over the
-WebSocket this reply is also pushed at once. ``POST /v1/searches/ID/close`` does the same for a
-search that is no longer needed. After any other end every observation except a repetition of the
-last is answered by ``STOP``, ``done`` and the ending. These answers change nothing.
+WebSocket this reply is also pushed at once. Whatever the body of a stop is, even none, it stops.
+``POST /v1/searches/ID/close`` does the same for a search that is no longer needed, or with a
+`CloseRequest` for a robot that ends by an error. After any other end every observation except a
+repetition of the last is answered by ``STOP``, ``done`` and the ending. These answers change
+nothing.
 
 Everything is in metres, radians and seconds, frames as in REP 103 and 105: base x forward, y left,
 z up; camera x right, y down, z forward; rotations counter-clockwise. Models are frozen; unknown
 fields, NaN and infinity are errors.
 """
+
+from hypernav.robot.wire.frames import (
+    PackedObservation,
+    decode_observation,
+    pack_observation,
+    unpack_observation,
+)
+from hypernav.robot.wire.replies import (
+    ErrorBody,
+    MapExtent,
+    Reply,
+    SearchEnding,
+    SearchOpened,
+    SearchState,
+    Status,
+    StreamMessage,
+    Velocity,
+)
+from hypernav.robot.wire.requests import (
+    CloseRequest,
+    ColourPart,
+    DepthPart,
+    Intrinsics,
+    LabelsPart,
+    ObservationFacts,
+    ObservationHeader,
+    OpenSearch,
+    StopRequest,
+)
+from hypernav.robot.wire.values import PlanarPose, RigidMatrix
+from hypernav.robot.wire.waiting import GivenGoal, GoalRequest, WaitingRobot
+
+__all__ = [
+    "CloseRequest",
+    "ColourPart",
+    "DepthPart",
+    "ErrorBody",
+    "GivenGoal",
+    "GoalRequest",
+    "Intrinsics",
+    "LabelsPart",
+    "MapExtent",
+    "ObservationFacts",
+    "ObservationHeader",
+    "OpenSearch",
+    "PackedObservation",
+    "PlanarPose",
+    "Reply",
+    "RigidMatrix",
+    "SearchEnding",
+    "SearchOpened",
+    "SearchState",
+    "Status",
+    "StopRequest",
+    "StreamMessage",
+    "Velocity",
+    "WaitingRobot",
+    "decode_observation",
+    "pack_observation",
+    "unpack_observation",
+]

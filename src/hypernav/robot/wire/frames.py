@@ -38,6 +38,9 @@ MOST_BODY_BYTES = 20_000_000
 
 _MILLIMETRES = 1000.0
 _FARTHEST_MM = 65_535
+_PNG = b"\x89PNG\r\n\x1a\n"
+_MOST_BYTES_A_PIXEL = 9
+"""More than the pixels of any PNG take, uncompressed: four channels of 16 bits, and its filters."""
 _PNG_KIND = struct.Struct(">BB")
 _PNG_KIND_AT = 24
 _GREY_16 = (16, 0)
@@ -253,6 +256,30 @@ def _check_size(data: bytes, camera: PinholeCamera, what: str) -> None:
         raise WireError(
             f"{what} has {size[0]} × {size[1]} pixels; the search was opened for "
             f"{camera.width} × {camera.height}"
+        )
+    if data.startswith(_PNG):
+        _check_content(data, camera, what)
+
+
+def _check_content(data: bytes, camera: PinholeCamera, what: str) -> None:
+    """Refuse a PNG that holds more than its pixels; this ends as soon as that is known."""
+    most = _MOST_BYTES_A_PIXEL * (camera.width + 1) * camera.height
+    at, left, inflating = len(_PNG), most, zlib.decompressobj()
+    try:
+        while at + 8 <= len(data) and left > 0:
+            (length,), name = struct.unpack_from(">I", data, at), data[at + 4 : at + 8]
+            if at + 12 + length > len(data):
+                raise WireError(f"{what} is broken: it ends within one of its parts")
+            if name == b"IEND":
+                return
+            if name == b"IDAT":
+                left -= len(inflating.decompress(data[at + 8 : at + 8 + length], left))
+            at += length + 12
+    except zlib.error as error:
+        raise WireError(f"{what} is broken: {error!s:.100}") from error
+    if left <= 0:
+        raise WireError(
+            f"{what} holds more than the {camera.width} × {camera.height} pixels that it announces"
         )
 
 

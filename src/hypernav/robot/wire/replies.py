@@ -56,6 +56,8 @@ class SearchEnding(StrEnum):
     """The server could not go on; its log says why."""
     CLOSED = "closed"
     """The search was closed before its end."""
+    ROBOT_FAILED = "robot failed"
+    """What the robot sent cannot be right, it ended by an error, or it fell silent."""
 
 
 class Reply(Message):
@@ -126,6 +128,8 @@ class Status(Message):
         last: The last answer; None before the first.
         pose: Last pose of the robot ``(x, y, yaw)``, ``map`` frame.
         map: Extent of the map; None before the first answer.
+        silent_s: Time since the robot's last message, seconds; 0 while it waits for an answer, None
+            once the search is over.
         ending: How the search ended; None as long as it goes on.
         detail: Why it was stopped or failed, for people.
     """
@@ -140,6 +144,7 @@ class Status(Message):
     last: Reply | None = None
     pose: tuple[float, float, float] | None = None
     map: MapExtent | None = None
+    silent_s: float | None = None
     ending: SearchEnding | None = None
     detail: str = ""
 

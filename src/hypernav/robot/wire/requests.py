@@ -1,9 +1,10 @@
 """What a robot sends: the search that it opens, its observations, and stop."""
 
+import json
 import math
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import BaseModel, Field, model_validator
 
 from hypernav.core.config import MOST_STEPS
 from hypernav.core.embodiment import Embodiment
@@ -14,6 +15,7 @@ from hypernav.core.labels import ObjectLabel
 from hypernav.robot.wire.values import LONGEST_WAIT_S, Message, PlanarPose, RigidMatrix
 
 _MOST_IMAGE_BYTES = 100_000_000
+_MOST_REASON = 200
 
 
 class Intrinsics(Message):
@@ -44,6 +46,8 @@ class OpenSearch(Message):
         preset: Values of the method; None takes the server's.
         agent: Name of an agent; None takes the server's.
         max_steps: Number of observations after which the search ends as given up.
+        labels: Whether the observations bring true labels, as only a simulation can. Without them a
+            search is refused where the server's detector reads labels.
         deadline_s: Longest wait for an answer before the reply says ``hold``, seconds.
         key: Word that the robot makes up for each search. Opening again with the same key gives the
             same search, so that a lost answer does not leave a second one behind.
@@ -55,6 +59,7 @@ class OpenSearch(Message):
     preset: Literal["default", "paper"] | None = None
     agent: Annotated[str, Field(pattern=r"^[a-z][a-z0-9-]{0,39}$")] | None = None
     max_steps: int = Field(default=500, ge=1, le=MOST_STEPS)
+    labels: bool = False
     deadline_s: float = Field(default=1.0, ge=0.05, le=LONGEST_WAIT_S)
     key: Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{8,64}$")] | None = None
 
@@ -91,8 +96,8 @@ class ObservationFacts(Message):
 
     Attributes:
         sequence: Number of the observation in its search, from 0 without gaps.
-        stamp_s: Time at which the images were taken, on the robot's clock, seconds; never earlier
-            than in the previous observation.
+        stamp_s: Time at which the images were taken, on the robot's clock, seconds; later than in
+            the previous observation.
         base_to_odom: Pose of the robot in the frame of its odometry, which drifts but never jumps.
         odom_to_map: Pose of the odometry frame in the ``map`` frame, by localisation; may jump.
             Without localisation the two frames are the same.
@@ -158,11 +163,36 @@ class ObservationHeader(ObservationFacts):
     labels: LabelsPart | None = None
 
 
-class StopRequest(Message):
-    """The stop button.
+class StopRequest(BaseModel):
+    """The stop button. Whatever is sent, even nothing, stops.
 
     Attributes:
-        reason: Who pressed it, or why; shown to people.
+        reason: Who pressed it, or why; shown to people. More than 200 characters are cut off.
     """
 
-    reason: str = Field(default="", max_length=200)
+    reason: str = ""
+
+    @staticmethod
+    def of(body: bytes) -> "StopRequest":
+        """What was meant by a body: its ``reason``, or itself if it is another text than JSON."""
+        text = body.decode(errors="replace")
+        try:
+            said = json.loads(text)
+        except (ValueError, RecursionError):
+            said = text
+        if isinstance(said, dict):
+            said = said.get("reason", "")
+        words = " ".join(said.split()) if isinstance(said, str) else ""
+        return StopRequest(reason=words[:_MOST_REASON])
+
+
+class CloseRequest(Message):
+    """The end of a search from the robot's side.
+
+    Attributes:
+        reason: Why; shown to the operator.
+        failed: Whether the robot ended by an error; the ending is then ``robot failed``.
+    """
+
+    reason: str = Field(default="", max_length=1000)
+    failed: bool = False

@@ -4,6 +4,7 @@ import re
 import shutil
 import subprocess
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
@@ -21,6 +22,7 @@ from hypernav.robot.client.links import HttpLink, HttpServer, ServerAddress
 from hypernav.robot.client.robot_client import RobotClient
 from hypernav.robot.client.stop_listener import StopListener
 from hypernav.robot.driving.driven_robot import DrivenRobot
+from hypernav.robot.server.limits import ServerLimits
 from hypernav.robot.server.search import Search
 from hypernav.robot.server.searches import Searches
 from hypernav.robot.simulation.base import SimulatedBase
@@ -111,7 +113,7 @@ class WaitingRobot:
                     start = self.base.pose
 
     def search(self, server: HttpServer, goal: str, key: str | None) -> None:
-        request = OpenSearch(goal=goal, key=key, embodiment=self.base.embodiment)
+        request = OpenSearch(goal=goal, key=key, embodiment=self.base.embodiment, labels=True)
         opened = server.open(request)
         client = RobotClient(DrivenRobot(self.base), HttpLink(self.address, opened.id))
         ending = None
@@ -248,6 +250,26 @@ def test_a_stop_without_an_answer_is_said(page, tmp_path, monkeypatch):
         page.until(lambda: page.headline.text == "Stopped, looking for “quick”")
         page.until(lambda: not page.alarm.is_displayed())
         assert page.stop.text == "STOP"
+
+
+def test_a_silent_robot_is_shown_as_silent_and_a_stopped_one_as_stopping(
+    page, tmp_path, monkeypatch
+):
+    with robot_server(tmp_path, limits=ServerLimits(idle_s=1e6)) as link:
+        search = link.open("quick")
+        link.observe(search, body_of(0))
+        page.driver.get(f"http://127.0.0.1:{link.port}/")
+        page.until(lambda: page.action.text == "forward")
+        now_s = time.monotonic() + 27 * 60.0
+        monkeypatch.setattr("hypernav.robot.server.conversation.monotonic", lambda: now_s)
+        page.driver.refresh()
+        page.until(lambda: "silent for 27 min" in page.reason.text)
+        page.until(lambda: "silent for 27 min" in page.searches.text)
+        assert page.driver.find_element(By.TAG_NAME, "body").get_attribute("data-silent") == "true"
+        page.stop.click()
+        page.until(lambda: page.headline.text == "Stopped, looking for “quick”")
+        assert page.action.text == "stop"
+        assert page.driver.find_element(By.TAG_NAME, "body").get_attribute("data-silent") == "false"
 
 
 def test_the_token_is_asked_for_and_kept_in_this_tab(page, tmp_path):

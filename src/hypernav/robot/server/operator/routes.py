@@ -3,7 +3,7 @@
 from contextlib import ExitStack
 from typing import Annotated
 
-from fastapi import APIRouter, Path, Query
+from fastapi import APIRouter, Path, Query, Request
 from starlette.concurrency import run_in_threadpool
 from starlette.exceptions import HTTPException
 from starlette.responses import Response
@@ -11,7 +11,7 @@ from starlette.responses import Response
 from hypernav.core.goal import Goal
 from hypernav.robot.server.operator.files import page_files
 from hypernav.robot.server.operator.waiting import WaitingRobots
-from hypernav.robot.server.watching.routes import ShownSearches
+from hypernav.robot.server.watching.routes import STOP_BODY, ShownSearches
 from hypernav.robot.wire.replies import Status
 from hypernav.robot.wire.requests import StopRequest
 from hypernav.robot.wire.waiting import (
@@ -37,11 +37,11 @@ def operator_routes(searches: ShownSearches, waiting: WaitingRobots) -> APIRoute
     routes = APIRouter()
     files = page_files()
 
-    @routes.get("/", include_in_schema=False)
+    @routes.api_route("/", methods=["GET", "HEAD"], include_in_schema=False)
     async def page() -> Response:
         return files["index.html"]
 
-    @routes.get("/page/{name}", include_in_schema=False)
+    @routes.api_route("/page/{name}", methods=["GET", "HEAD"], include_in_schema=False)
     async def file(name: str) -> Response:
         if name not in files:
             raise HTTPException(404, "the page has no such file")
@@ -65,11 +65,11 @@ def operator_routes(searches: ShownSearches, waiting: WaitingRobots) -> APIRoute
         """Give a goal to a robot that waits."""
         return waiting.give(name, Goal(request.goal))
 
-    @routes.post(STOP_ALL)
-    async def stop_all(request: StopRequest) -> list[Status]:
+    @routes.post(STOP_ALL, openapi_extra=STOP_BODY)
+    async def stop_all(request: Request) -> list[Status]:
         """Stop every robot permanently, and withdraw goals that no robot has taken up yet."""
         waiting.withdraw_all()
-        stopped = searches.stop_all(request.reason)
+        stopped = searches.stop_all(StopRequest.of(await request.body()).reason)
         with ExitStack() as ends:  # if one fails, the others are still written
             for search in stopped:
                 ends.callback(search.write_end)

@@ -10,8 +10,9 @@ from hypernav.core.errors import ConfigError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.observation import Observation
 from hypernav.core.trace import StepTrace
+from hypernav.robot.server.access import Access
 from hypernav.robot.server.app import guarded_app
-from hypernav.robot.server.guard import Access, Allowances
+from hypernav.robot.server.guard import Allowances
 from hypernav.robot.server.limits import ServerLimits
 from hypernav.robot.server.operator.routes import operator_routes
 from hypernav.robot.server.operator.waiting import WaitingRobots

@@ -5,14 +5,14 @@ from contextlib import AbstractContextManager
 from importlib.metadata import version
 from typing import Annotated, Protocol, runtime_checkable
 
-from fastapi import APIRouter, Path, Query
+from fastapi import APIRouter, Path, Query, Request
 from fastapi.responses import JSONResponse, Response, StreamingResponse
 from starlette.concurrency import run_in_threadpool
 
 from hypernav.core.errors import RequestRefusedError
 from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.robot.server.access import API
 from hypernav.robot.server.bell import Bell
-from hypernav.robot.server.guard import API
 from hypernav.robot.server.maps import map_png, map_server_file, occupancy_grid
 from hypernav.robot.wire.replies import Health, Status
 from hypernav.robot.wire.requests import StopRequest
@@ -20,6 +20,15 @@ from hypernav.robot.wire.values import LONGEST_WAIT_S, SEARCHES
 
 Name = Annotated[str, Path(pattern=r"^[0-9a-f]{32}$", description="Name of the search.")]
 """The name of a search, in a path."""
+
+STOP_BODY = {
+    "requestBody": {
+        "required": False,
+        "description": "A reason for people; whatever else is sent, even nothing, stops as well.",
+        "content": {"application/json": {"schema": StopRequest.model_json_schema()}},
+    }
+}
+"""The body of STOP in the OpenAPI document."""
 
 
 @runtime_checkable
@@ -127,11 +136,11 @@ def watching_routes(searches: ShownSearches) -> APIRouter:
         await search.bell.until(lambda: search.status().version != after, wait_s)
         return search.status()
 
-    @routes.post(f"{SEARCHES}/{{name}}/stop")
-    async def stop(name: Name, request: StopRequest) -> Status:
-        """Stop the robot permanently."""
+    @routes.post(f"{SEARCHES}/{{name}}/stop", openapi_extra=STOP_BODY)
+    async def stop(name: Name, request: Request) -> Status:
+        """Stop the robot permanently, whatever the body is."""
         search = searches.find(name)
-        search.stop(request.reason)
+        search.stop(StopRequest.of(await request.body()).reason)
         await run_in_threadpool(search.write_end)
         return search.status()
 

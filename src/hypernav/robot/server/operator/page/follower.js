@@ -53,7 +53,7 @@ export class Follower {
       for (const line of lines.split("\n")) if (line) this.steps.push(parse(line));
       if (status.map) await this.updateMap(status.map);
     }
-    this.status = status;
+    this.status = { ...status, receivedMs: performance.now() };
     this.onChange(this);
   }
 

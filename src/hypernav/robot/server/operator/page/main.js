@@ -10,6 +10,7 @@ import { Timeline } from "./timeline.js";
 import { ACTIONS, COLORS, MODES, QUESTIONS } from "./vocabulary.js";
 
 const POLL_MS = 1000;
+const SILENT_S = 10;
 const CONNECTION = {
   connecting: "Connecting …",
   on: "Connected",
@@ -52,7 +53,8 @@ function show() {
   byId("reason").textContent = reason(status, step);
   byId("step").textContent = step ? `${step.step + 1} of ${steps.length}` : "–";
   byId("driven").textContent = step ? `${driven(steps, timeline.shown).toFixed(1)} m` : "–";
-  byId("action").textContent = step && step.action !== null ? ACTIONS[step.action] : "–";
+  byId("action").textContent = next(status, step);
+  document.body.dataset.silent = String(isSilent(status));
   byId("words").textContent = status.words.replace("detector ", "").replace(", reasoner ", " · ");
   drawMap(byId("map"), map, steps, timeline.shown);
   if (step) {
@@ -62,12 +64,23 @@ function show() {
   showQuestion(steps.slice(0, timeline.shown + 1));
 }
 
+/** What the robot does next; once the search is over it stands, whatever was decided last. */
+function next(status, step) {
+  if (timeline.isLive && status.ending) return ACTIONS[0];
+  return step && step.action !== null ? ACTIONS[step.action] : "–";
+}
+
+/** Seconds since the robot's last message; the status is a moment old. */
+const silentS = (status) => status.silent_s + (performance.now() - (status.receivedMs ?? performance.now())) / 1000;
+const isSilent = (status) => status.state === "waiting" && status.silent_s !== null && silentS(status) > SILENT_S;
+const span = (seconds) => (seconds < 60 ? `${Math.floor(seconds)} s` : `${Math.floor(seconds / 60)} min`);
+
 function headline(status) {
   const goal = `“${status.goal}”`;
   const ends = {
     found: `Found ${goal}`, "gave up": `Gave up looking for ${goal}`, stopped: `Stopped, looking for ${goal}`,
     closed: `Closed, looking for ${goal}`, failed: `Failed, looking for ${goal}`,
-    "model unavailable": `Stopped: the model did not answer`,
+    "model unavailable": `Stopped: the model did not answer`, "robot failed": `The robot failed, looking for ${goal}`,
   };
   return status.ending ? ends[status.ending] : `Looking for ${goal}`;
 }
@@ -76,6 +89,7 @@ function reason(status, step) {
   if (!timeline.isLive && step) return `${MODES[step.mode]}: ${step.reason}`;
   if (status.ending && (status.detail || status.ending !== "found")) return sentence(status.detail || "the search has ended");
   if (status.state === "resuming") return `${STATES.resuming}.`;
+  if (isSilent(status)) return `The robot has been silent for ${span(silentS(status))}.`;
   if (!step) return status.state === "deciding" ? "Deciding about the first image …" : "Waiting for the robot’s first image.";
   return `${MODES[step.mode]}: ${step.reason}` + (status.state === "deciding" ? " · deciding …" : "");
 }
@@ -143,7 +157,7 @@ async function list() {
       const latest = found[0];
       const isBusy = follower && (isChosen || follower.status?.state !== "ended");
       if (latest && latest.id !== follower?.id && !isBusy) follow(latest.id);
-      const now = JSON.stringify([follower?.id, found.map(({ id, ending, next_sequence: steps }) => [id, ending, steps])]);
+      const now = JSON.stringify([follower?.id, found.map((one) => [one.id, stateWord(one), one.next_sequence])]);
       if (now !== shown) showList(found);
       shown = now;
     } catch {
@@ -153,15 +167,20 @@ async function list() {
   }
 }
 
+function stateWord(search) {
+  if (search.ending) return search.ending;
+  if (isSilent(search)) return `silent for ${span(silentS(search))}`;
+  return search.state === "resuming" ? "resuming" : "under way";
+}
+
 function showList(searches) {
   byId("no-searches").hidden = searches.length > 0;
   const focused = document.activeElement?.dataset?.id;
   byId("searches").replaceChildren(...searches.map((search) => {
-    const ending = search.ending ?? (search.state === "resuming" ? "resuming" : "under way");
     const button = element(
       "button", { type: "button", "data-id": search.id, "aria-current": String(search.id === follower?.id) },
       element("span", { class: "goal" }, search.goal),
-      element("span", { class: search.ending === "found" ? "good" : "muted" }, ending),
+      element("span", { class: search.ending === "found" ? "good" : "muted" }, stateWord(search)),
       element("span", { class: "when" }, `${time(search.opened_s)} · ${search.next_sequence} steps`),
     );
     button.addEventListener("click", () => {
@@ -182,6 +201,7 @@ function showConnection() {
 byId("legend").replaceChildren(...LEGEND.map(([words, color, shape]) => element("li", {}, swatch(color, shape), words)));
 connection.addEventListener("state", showConnection);
 window.addEventListener("resize", show);
+setInterval(() => { if (follower?.status && isSilent(follower.status)) show(); }, POLL_MS);
 armToken();
 armStop();
 new GoalBox(() => { isChosen = false; });

@@ -1,0 +1,224 @@
+"""Checks what a robot sends against its last observations and its orders, for every client."""
+
+import hashlib
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from hypernav.core.actions import Action
+from hypernav.core.embodiment import Embodiment
+from hypernav.core.errors import SensorError
+from hypernav.core.geometry.depth import is_measured
+from hypernav.core.geometry.transforms import wrap_angle
+from hypernav.core.observation import Observation
+from hypernav.robot.wire.frames import PackedObservation
+from hypernav.robot.wire.requests import ObservationFacts
+from hypernav.robot.wire.values import PlanarPose
+
+_MOVED_M, _TURNED_RAD = 0.1, math.radians(5.0)
+"""Smallest motion after which the images must be new."""
+_MOST_IDENTICAL = 5
+"""Number of images in a row that may repeat the one before them while the robot doesn't move: a
+real camera's noise never repeats, but a simulated one that is blocked sees the same again."""
+_JUMP_M = 1.0
+"""Length by which a motion may exceed that of a step: a robot rolls on while it waits."""
+_PACE_M_S, _FARTHEST_M = 1.5, 20.0
+"""Speed at which it may be driven between two observations, and the longest such motion."""
+_MOST_WRONG = 3
+"""Number of turns in a row that may be others than those ordered: somebody may push the robot."""
+_WRONG_SHARE = 0.6
+"""Share of a turn that odometry must show in the wrong direction to have the wrong sign."""
+_OTHER_TURN_RAD = math.radians(60.0)
+"""Angle by which a turn may differ from the one that was ordered."""
+_METRES_RANGES = 3.0
+"""Multiple of the camera's range from which on a depth cannot be in metres."""
+_MOST_BLOCKED = 40
+"""Number of motions in a row that may fail."""
+_MOST_BLIND = 24
+"""Number of images without depth in a row after which a search ends."""
+
+
+@dataclass(frozen=True)
+class _Image:
+    """An image that was seen, and where.
+
+    Attributes:
+        sequence: Number of the last observation that had it.
+        pose: Pose of the robot at the first one, frame of the odometry.
+    """
+
+    sequence: int
+    pose: PlanarPose
+
+
+class Sensing:
+    """Ends a search by an error that names the mistake, before the agent uses wrong numbers.
+
+    Attributes:
+        blind: Number of images in a row, up to the last, without any depth in the camera's range.
+    """
+
+    def __init__(self, robot: Embodiment) -> None:
+        """Create it; nothing has been sensed yet.
+
+        Args:
+            robot: Camera, step and turn of the robot.
+        """
+        self.blind: int = 0
+        self._robot = robot
+        self._last: ObservationFacts | None = None
+        self._images: dict[bytes, _Image] = {}
+        self._identical = self._blocked = self._wrong = 0
+
+    def check(self, packed: PackedObservation, seen: Observation, told: Action | None) -> None:
+        """Look at the next observation.
+
+        Args:
+            packed: The observation as it came.
+            seen: The same, decoded.
+            told: Action that the robot was told before; None at the beginning.
+
+        Raises:
+            SensorError: The data cannot be right.
+        """
+        facts, last = packed.header, self._last
+        self._check_depth(seen)
+        if last is not None:
+            _check_time(last, facts)
+            self._check_motion(last, facts)
+            self._check_turn(last, facts, told)
+        self._check_images(packed, seen)
+
+    def note(self, packed: PackedObservation, seen: Observation, told: Action | None) -> None:
+        """Remember an observation; one of before a restart of the server isn't checked again."""
+        facts, lens = packed.header, self._robot.camera
+        if self._last is not None and (turn := self._ordered(facts, told)) is not None:
+            is_wrong = _is_other(self._last, facts, turn)
+            self._wrong = self._wrong + 1 if is_wrong else 0
+        digests = _digests(packed)
+        self._identical = self._identical + 1 if self._repeats(digests, facts) else 0
+        for one in digests:
+            known = self._images.get(one)
+            pose = facts.base_to_odom if known is None else known.pose
+            self._images[one] = _Image(facts.sequence, pose)
+        sees = is_measured(seen.depth, lens.min_depth_m, lens.max_depth_m).any()
+        self.blind = 0 if sees else self.blind + 1
+        self._blocked = self._blocked + 1 if facts.blocked else 0
+        self._last = facts
+
+    def _check_depth(self, seen: Observation) -> None:
+        lens = self._robot.camera
+        measured = seen.depth[is_measured(seen.depth)]
+        if measured.size > 0 and measured.min() > _METRES_RANGES * lens.max_depth_m:
+            raise SensorError(
+                f"all depth is from {measured.min():g} to {measured.max():g} m, and the camera "
+                f"measures up to {lens.max_depth_m:g} m; is its depth in metres?"
+            )
+        if self.blind < _MOST_BLIND - 1:
+            return
+        if not is_measured(seen.depth, lens.min_depth_m, lens.max_depth_m).any():
+            raise SensorError(
+                f"{_MOST_BLIND} images without any depth between {lens.min_depth_m:g} and "
+                f"{lens.max_depth_m:g} m; does the camera work, and is its depth in metres?"
+            )
+
+    def _check_images(self, packed: PackedObservation, seen: Observation) -> None:
+        """Refuse images that were seen elsewhere, and too many in a row that are the same."""
+        pose, number = packed.header.base_to_odom, packed.header.sequence
+        names, pixels = ("colour image", "depth image"), (seen.rgb, seen.depth)
+        digests = _digests(packed)
+        for name, image, digest in zip(names, pixels, digests, strict=True):
+            before = self._images.get(digest)
+            if before is None or not _moved(before.pose, pose) or np.ptp(image) == 0:
+                continue  # one of a single colour, or without any return, may come again
+            moved_m, turned = _motion(before.pose, pose)
+            raise SensorError(
+                f"the {name} of observation {number} is that of observation {before.sequence}, "
+                f"byte for byte, but the odometry has moved {moved_m:.2f} m and turned "
+                f"{math.degrees(turned):.0f}°; is the camera frozen?"
+            )
+        if self._repeats(digests, packed.header) and self._identical + 1 >= _MOST_IDENTICAL:
+            raise SensorError(
+                f"the images of the last {_MOST_IDENTICAL + 1} observations are the same, byte for "
+                "byte; is the camera frozen?"
+            )
+
+    def _repeats(self, digests: tuple[bytes, bytes], facts: ObservationFacts) -> bool:
+        """Whether both images are those of the last observation."""
+        known = [self._images.get(one) for one in digests]
+        return all(one is not None and one.sequence == facts.sequence - 1 for one in known)
+
+    def _check_motion(self, before: ObservationFacts, now: ObservationFacts) -> None:
+        motion = self._robot.motion
+        moved_m, _ = _motion(before.base_to_odom, now.base_to_odom)
+        driven_m = min(_PACE_M_S * (now.stamp_s - before.stamp_s), _FARTHEST_M)
+        if moved_m > motion.forward_m + _JUMP_M + driven_m:
+            raise SensorError(
+                f"odometry (base_to_odom) moved {moved_m:.2f} m in one step of "
+                f"{motion.forward_m:g} m and {now.stamp_s - before.stamp_s:.1f} s; it may drift, "
+                "but not jump: what localisation finds belongs in odom_to_map"
+            )
+        if now.blocked and self._blocked + 1 >= _MOST_BLOCKED:
+            raise SensorError(
+                f"{_MOST_BLOCKED} motions in a row did not happen, according to the robot or its "
+                "odometry; does it move, and does its odometry show it?"
+            )
+
+    def _check_turn(
+        self, before: ObservationFacts, now: ObservationFacts, told: Action | None
+    ) -> None:
+        turn = self._ordered(now, told)
+        if turn is None or self._wrong + 1 < _MOST_WRONG or not _is_other(before, now, turn):
+            return
+        _, turned = _motion(before.base_to_odom, now.base_to_odom)
+        raise SensorError(
+            f"the robot was told to turn {math.degrees(turn):+.0f}°, and its odometry turned "
+            f"{math.degrees(turned):+.0f}°, {_MOST_WRONG} times in a row something else than it "
+            "was told; yaw is in radians and grows to the left (REP 103)"
+        )
+
+    def _ordered(self, facts: ObservationFacts, told: Action | None) -> float | None:
+        """The angle that the robot should have turned, radians; None if it had not to turn."""
+        turn = math.radians(self._robot.motion.turn_angle_deg)
+        angles = {Action.TURN_LEFT: turn, Action.TURN_RIGHT: -turn}
+        return None if facts.blocked or told is None else angles.get(told)
+
+
+def _is_other(before: ObservationFacts, now: ObservationFacts, turn: float) -> bool:
+    """Whether a turn has another sign than the one that was ordered, or a very different size."""
+    _, turned = _motion(before.base_to_odom, now.base_to_odom)
+    is_mirrored = turned * turn < 0.0 and abs(turned) > _WRONG_SHARE * abs(turn)
+    return is_mirrored or abs(wrap_angle(turned - turn)) > _OTHER_TURN_RAD
+
+
+def _check_time(before: ObservationFacts, now: ObservationFacts) -> None:
+    """Refuse images that are not newer than the last ones."""
+    if now.stamp_s > before.stamp_s:
+        return
+    what = (
+        f"is that of observation {before.sequence} again, {now.stamp_s:.6f}; is the camera frozen"
+        if now.stamp_s == before.stamp_s
+        else f"went back from {before.stamp_s:.6f} to {now.stamp_s:.6f}; was its clock reset"
+    )
+    raise SensorError(
+        f"stamp_s of observation {now.sequence} {what}? Expected the time of each observation's "
+        "images, on one clock of the robot"
+    )
+
+
+def _digests(packed: PackedObservation) -> tuple[bytes, bytes]:
+    """What tells two colour images, and two depth images, apart."""
+    colour = hashlib.blake2b(packed.colour, digest_size=16, person=b"colour").digest()
+    return colour, hashlib.blake2b(packed.depth, digest_size=16, person=b"depth").digest()
+
+
+def _motion(before: PlanarPose, now: PlanarPose) -> tuple[float, float]:
+    """Length and angle of a motion by odometry, metres and radians."""
+    length_m = math.dist((before.x, before.y, before.z), (now.x, now.y, now.z))
+    return length_m, wrap_angle(now.yaw - before.yaw)
+
+
+def _moved(before: PlanarPose, now: PlanarPose) -> bool:
+    moved_m, turned = _motion(before, now)
+    return moved_m > _MOVED_M or abs(turned) > _TURNED_RAD
