@@ -18,6 +18,7 @@ from hypernav.perception.explorers.vlm_reasoner import VlmReasoner
 BED = Goal("bed")
 PAPER = VlmReasonerConfig(mode="paper", list_excluded=True)
 CONSTRAINED = VlmReasonerConfig(mode="constrained")
+REASONED = VlmReasonerConfig()
 NOTHING = frozenset[int]()
 
 
@@ -29,7 +30,7 @@ def overview(count: int = 12) -> Overview:
 
 
 def reasoner(
-    parrot: Parrot, config: VlmReasonerConfig | None = None
+    parrot: Parrot, config: VlmReasonerConfig = REASONED
 ) -> tuple[VlmReasoner, ExchangeLog]:
     log = ExchangeLog()
     return VlmReasoner(parrot, log, GeometricReasoner(log), config), log

@@ -6,7 +6,6 @@ Source: habitat-lab, ``habitat/core/env.py`` and ``habitat/config/habitat/task/o
 import math
 from collections.abc import Iterable, Mapping
 from itertools import chain
-from types import TracebackType
 from typing import Any
 
 import numpy as np
@@ -223,12 +222,7 @@ class HabitatEnv:
         """The environment itself."""
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         """Close the environment."""
         self.close()
 

@@ -2,7 +2,6 @@
 
 import threading
 from abc import ABC, abstractmethod
-from types import TracebackType
 
 
 class SideThread(ABC):
@@ -19,12 +18,7 @@ class SideThread(ABC):
         )
         self._thread.start()
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         """Wait until the work has ended."""
         self._block_ended.set()
         self._thread.join()

@@ -8,7 +8,6 @@ import time
 from contextlib import ExitStack, closing
 from importlib.metadata import version
 from pathlib import Path
-from types import TracebackType
 
 from hypernav.core.errors import HyPerNavError, RequestRefusedError, RunFolderError
 from hypernav.core.files.folder_lock import folder_lock
@@ -68,12 +67,7 @@ class Searches:
             self._load(folder)
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         """Release all searches; those that are not over can be taken up again."""
         workers = [search.halt() for search in self.all()]
         end = time.monotonic() + _PATIENCE_S
