@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from hypernav.core.embodiment import Embodiment
     from hypernav.core.episodes.episode import Episode, Outcome
     from hypernav.core.errors import (
+        ComponentError,
         ConfigError,
         ContractError,
         GoalError,
@@ -87,6 +88,7 @@ __all__ = [
     "BoxRoom",
     "BuiltAgent",
     "ChatModel",
+    "ComponentError",
     "ComponentSpecs",
     "ConfigError",
     "ContractError",
@@ -181,6 +183,7 @@ _MODULES = {
     "Embodiment": "hypernav.core.embodiment",
     "Episode": "hypernav.core.episodes.episode",
     "Outcome": "hypernav.core.episodes.episode",
+    "ComponentError": "hypernav.core.errors",
     "ConfigError": "hypernav.core.errors",
     "ContractError": "hypernav.core.errors",
     "GoalError": "hypernav.core.errors",

@@ -1,6 +1,7 @@
 """`hypernav.find` is the search of the command, in one call."""
 
 import json
+import math
 from dataclasses import replace
 from math import pi
 
@@ -8,7 +9,7 @@ import pytest
 
 import hypernav
 from box_scenes import room_glb
-from hypernav import Action, Goal, Observation, Pose2
+from hypernav import Action, ConfigError, ContractError, Goal, Observation, Pose2
 from hypernav.cli.main import main
 from hypernav.core.embodiment import CameraConfig, Embodiment
 
@@ -68,3 +69,16 @@ def test_an_agent_for_another_robot_is_refused(glb):
     agent = hypernav.build_agent(hypernav.preset("default"))
     with pytest.raises(hypernav.ConfigError, match="another robot"):
         hypernav.find("bed", glb, agent=agent, config=SMALL)
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"config": {}}, {"max_steps": 0}, {"max_steps": -1}, {"max_steps": 1.5},
+        {"max_steps": math.nan}, {"seed": -1}, {"agent": {}}, {"agent": list},
+    ],
+    ids=str,
+)  # fmt: skip
+def test_an_impossible_argument_is_refused_not_replaced(given, glb):
+    with pytest.raises((ConfigError, ContractError)):
+        hypernav.find.__wrapped__("bed", glb, **given)

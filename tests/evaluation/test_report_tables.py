@@ -261,3 +261,18 @@ def test_runs_with_the_mistakes_of_released_code_are_called_so(tmp_path, good):
     told = [text for text in report_text.warnings(runs) if "released code" in text]
     assert len(told) == 1
     assert told[0].startswith("pivot (pivot-as-released) ")
+
+
+def test_a_configuration_without_what_reports_read_is_refused(good):
+    path = good / "run.json"
+    whole = json.loads(path.read_text())
+    for key in ("hypernav", "dataset", "who", "config", "who.agent", "protocol.max_steps"):
+        changed = json.loads(json.dumps(whole))
+        *sections, name = key.split(".")
+        within = changed["configuration"]
+        for section in sections:
+            within = within[section]
+        del within[name]
+        path.write_text(json.dumps(changed))
+        with pytest.raises(RunFolderError, match=f"lacks '{key}'"):
+            load_runs([good])

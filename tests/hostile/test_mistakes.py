@@ -51,7 +51,9 @@ TYPOS = [
         ["--set", "grounding.family=foo"], ["--set", "chat.dialect=foo"], ["--set", f"{LONG}=1"],
         ["--set", "mapping.clearance_m=1"], ["--set", "world.actions.forward_m=1"],
         ["--max-steps", "0"], ["--max-steps", "-1"], ["--max-steps", "ten"], ["--max-steps", "nan"],
-        ["--max-steps", "1e3"], ["--seed", "-1"], ["--seed", "1.5"], ["--seed", "0x10"],
+        ["--max-steps", "1e3"], ["--max-steps", "9" * 5000],
+        ["--set", "grounding.prompt='{goal!r:>99999999999}'"], ["--config", "/proc/self/cmdline"],
+        ["--seed", "-1"], ["--seed", "1.5"], ["--seed", "0x10"],
         ["--quiet", "no"], ["--out"], ["--help-me"],
     )
 ]  # fmt: skip
@@ -109,6 +111,7 @@ OTHERS = [
         ["houses-train", "--houses", "1:2:3"], ["houses-train", "--count", "many"], [""],
     )],
     ["houses", "episodes", "houses-train"],
+    ["robot", "replay", "no"], ["robot", "replay", LONG], ["robot", "replay", "/dev/null"],
     ["houses", "episodes", "houses-train", "--out", "a.txt"],
 ]  # fmt: skip
 EMPTY = [

@@ -16,6 +16,7 @@ from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.registries import AGENTS, ROLES, Factory
 from hypernav.build.stand_ins import segmenter_words
 from hypernav.core.components.abilities import ChecksModel, wants_named_things
+from hypernav.core.components.door import through_door
 from hypernav.core.components.protocols import (
     Agent,
     Detector,
@@ -23,7 +24,7 @@ from hypernav.core.components.protocols import (
     PresenceCheck,
     Segmenter,
 )
-from hypernav.core.components.registry import Choice, check_protocol
+from hypernav.core.components.registry import Choice
 from hypernav.core.episodes.truth import EpisodeTruth
 from hypernav.core.trace import ExchangeLog
 from hypernav.models.chat.ledger import Ledger
@@ -125,14 +126,13 @@ def build_search(
         presence: Presence check before STOP; None makes no check.
     """
     log = log or ExchangeLog()
-    explorer = build_explorer(config, log, agent, reasoner=reasoner)
     return _search(
         config,
-        detector,
+        through_door(detector, Detector),
         log,
-        explorer=explorer,
-        segmenter=segmenter,
-        presence=presence,
+        explorer=build_explorer(config, log, agent, reasoner=reasoner),
+        segmenter=None if segmenter is None else through_door(segmenter, Segmenter),
+        presence=None if presence is None else through_door(presence, PresenceCheck),
     )
 
 
@@ -155,7 +155,11 @@ def build_explorer(
     choice = AGENTS.find(agent)
     if role := role_in(asked_by(choice)):
         stand_in = ROLES[role].registry.find(ROLES[role].without_model)
-        offers[role] = reasoner or _made(stand_in, role, config, offers)
+        offers[role] = (
+            _made(stand_in, role, config, offers)
+            if reasoner is None
+            else through_door(reasoner, ROLES[role].protocol)
+        )
     return _made(choice, "agent", config, offers)
 
 
@@ -206,12 +210,11 @@ def _offers(config: HyPerNavConfig, log: ExchangeLog) -> dict[str, Any]:
 def _made(
     choice: Choice[Factory], role: str, config: HyPerNavConfig, offers: dict[str, Any]
 ) -> Any:
-    """Build a component and check the protocol of its role (of its kind, unless a reasoner)."""
+    """Build a component for its role (its kind, unless a reasoner), and let it through the door."""
     kind = "reasoner" if role in ROLES else role
     section = section_of(choice, kind, config)
     component = make(choice, offers if section is None else offers | {"config": section})
-    check_protocol(component, _protocol_of(choice, role), name=f"--{kind} {choice.spec}")
-    return component
+    return through_door(component, _protocol_of(choice, role), f"--{kind} {choice.spec}")
 
 
 def _protocol_of(choice: Choice[Factory], role: str) -> type:

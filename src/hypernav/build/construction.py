@@ -35,6 +35,7 @@ from pydantic import BaseModel
 
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.registries import Factory
+from hypernav.core.components.door import calling
 from hypernav.core.components.registry import Choice
 from hypernav.core.config import read_section
 from hypernav.core.errors import ConfigError, ContractError
@@ -51,9 +52,16 @@ def asked_by(choice: Choice[Factory]) -> dict[str, bool]:
     factory = choice.load()
     if not callable(factory):
         raise ContractError(f"{choice.spec}: expected a class or a function, found {factory!r:.60}")
+    try:
+        signature = inspect.signature(factory)
+    except (TypeError, ValueError) as error:
+        raise ContractError(
+            f"{choice.spec}: expected a class or a function of your own, whose parameters can be "
+            f"read ({error})"
+        ) from error
     parameters = [
         parameter
-        for parameter in inspect.signature(factory).parameters.values()
+        for parameter in signature.parameters.values()
         if parameter.kind not in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD)
     ]
     taken = len(choice.arguments)
@@ -73,6 +81,7 @@ def make(choice: Choice[Factory], offers: Mapping[str, Any]) -> Any:
         offers: Arguments that its constructor may take.
 
     Raises:
+        ComponentError: The constructor fails.
         ContractError: The constructor has another parameter without a default.
         ImportTargetError: It cannot be imported.
     """
@@ -83,9 +92,11 @@ def make(choice: Choice[Factory], offers: Mapping[str, Any]) -> Any:
             f"{choice.spec}: its constructor asks for '{unknown[0]}'; it may ask for "
             f"{', '.join(sorted(offers))}, and everything else needs a default"
         )
-    return choice.load()(
-        *choice.arguments, **{name: offers[name] for name in asked if name in offers}
-    )
+    named = {name: offers[name] for name in asked if name in offers}
+    if not choice.entry.is_foreign:
+        return choice.load()(*choice.arguments, **named)
+    with calling(choice.spec, "its constructor"):
+        return choice.load()(*choice.arguments, **named)
 
 
 def section_of(choice: Choice[Factory], kind: str, config: HyPerNavConfig) -> BaseModel | None:

@@ -6,8 +6,11 @@ from hypernav.build.agents import build_agent
 from hypernav.build.built_agent import BuiltAgent
 from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import HyPerNavConfig
+from hypernav.core.components.door import through_door
 from hypernav.core.components.protocols import Agent
+from hypernav.core.config import MOST_SEED, MOST_STEPS, check_option
 from hypernav.core.episodes.episode import MAX_STEPS, Episode
+from hypernav.core.errors import ConfigError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.episodes.episode_run import EpisodeRun
@@ -46,7 +49,8 @@ def find(
         GoalError: The goal names nothing, or the agent's detector can never see it.
         SceneError: The scene cannot be used, or the robot fits nowhere in it.
         StartError: The robot cannot stand at the start.
-        ConfigError: The agent was built for another robot.
+        ConfigError: The agent was built for another robot, or a value is impossible.
+        ContractError: The agent is none.
 
     Examples:
         >>> search = find("bed")  # doctest: +SKIP
@@ -56,12 +60,17 @@ def find(
         <Outcome.FOUND: 'found'>
     """
     goal = Goal(goal) if isinstance(goal, str) else goal
-    config = config or HyPerNavConfig()
-    agent = agent or build_agent(config)
+    config = HyPerNavConfig() if config is None else config
+    if not isinstance(config, HyPerNavConfig):
+        raise ConfigError(f"config is {config!r:.60}, expected a HyPerNavConfig")
+    check_option("max_steps", max_steps, (1, MOST_STEPS), "a search needs at least one step")
+    check_option("seed", seed, (0, MOST_SEED), "a seed is 0 or more")
+    agent = build_agent(config) if agent is None else agent
     truth = None
     if isinstance(agent, BuiltAgent):
         agent.check_goal(goal)
         agent, truth = agent.agent, agent.truth
+    agent = through_door(agent, Agent)
     name, scene = (scene, load_scene(scene)) if isinstance(scene, str) else (scene.name, scene)
     world = SimulatedWorld(scene, config.world, config.embodiment)
     rng = np.random.default_rng(seed)

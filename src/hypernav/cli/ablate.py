@@ -74,7 +74,7 @@ def _run(variant: Variant, options: Options, folder: Path, console: Terminal, he
     )
     progress = evaluate(replace(options, who=who), folder / variant.slug, console, heading=heading)
     if progress.crashes:
-        raise crash_of(progress.crashes)
+        raise crash_of(progress)
     check_scored(progress)
     console.print(f"  {result_line(progress)}", soft_wrap=True)
 

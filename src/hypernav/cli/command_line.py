@@ -33,6 +33,7 @@ COMMANDS = {
     "houses": "Generated buildings: pages about them, files for other programs, splits, episodes.",
 }
 _SHELLS = ("bash", "zsh", "tcsh")
+_MOST_CHARACTERS = 500
 _PLAINER = {
     "Error parsing ": "",
     "Missing from hypernav ": "missing from hypernav ",
@@ -107,6 +108,8 @@ def _plain(said: str) -> str:
     wrong = wrong.partition(" Got errors:")[0].removesuffix(".")
     for word, plainer in _PLAINER.items():
         wrong = wrong.replace(word, plainer)
+    if len(wrong) > _MOST_CHARACTERS:
+        wrong = f"{wrong[:_MOST_CHARACTERS]} …"
     similar = [text for text in help_texts if text.startswith(("Perhaps you meant", "Available"))]
     if wrong.startswith("Unrecognized options: ") and "--" not in wrong:
         similar.append('several words that are one name go in quotes, as in "potted plant"')

@@ -59,7 +59,7 @@ def run(options: Options) -> int:
         for line in outcome_lines(progress, folder):
             console.print(line, soft_wrap=True)
         if progress.crashes:
-            raise crash_of(progress.crashes)
+            raise crash_of(progress)
         check_scored(progress)
     return ExitStatus.SUCCESS
 

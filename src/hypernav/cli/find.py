@@ -16,7 +16,7 @@ from rich.status import Status
 from hypernav.build.data.scenes import load_scene
 from hypernav.cli.guards.crashes import crash_report
 from hypernav.cli.guards.interruptions import Terminated, interruptions_put_off
-from hypernav.cli.guards.outputs import check_folder
+from hypernav.cli.guards.outputs import check_file, check_folder
 from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.options.agent import check_steps_and_seed
 from hypernav.cli.options.find import Options
@@ -29,7 +29,7 @@ from hypernav.cli.screen.warnings_shown import (
 )
 from hypernav.core.config import check_option
 from hypernav.core.episodes.episode import MAX_STEPS, Episode, Outcome
-from hypernav.core.errors import ConfigError, ModelSetupError, OutputError
+from hypernav.core.errors import ConfigError, ModelSetupError, ModelUnavailableError, OutputError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.interruptions import interruptions_of_kernels
@@ -56,9 +56,10 @@ def run(options: Options) -> int:
     """Run the command.
 
     Returns:
-        The status of success if the goal was found, of failure if not, or of a model outage.
+        The status of success if the goal was found, of failure if not.
 
     Raises:
+        ModelUnavailableError: The model was unavailable; what was done is on disk.
         ModelSetupError: URL, key or name of the model are wrong; what was done is on disk.
         OutputError: Nothing can be written, or the disk is full; earlier output is on disk.
         KeyboardInterrupt: Ctrl-C or SIGTERM; what was done is on disk.
@@ -69,6 +70,8 @@ def run(options: Options) -> int:
     folder = options.out or _new_folder(goal)
     check_folder(folder)
     check_views(options.views)
+    if options.who.record is not None:
+        check_file(options.who.record)
     with crash_report(folder):
         return _find(options, goal, folder)
 
@@ -136,7 +139,7 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
     if stopped_by is not None:
         raise stopped_by
     if outcome.outcome is Outcome.MODEL_UNAVAILABLE:
-        return ExitStatus.MODEL_UNAVAILABLE
+        raise ModelUnavailableError(outcome.detail)
     return ExitStatus.SUCCESS if outcome.metrics.success else ExitStatus.FAILURE
 
 

@@ -7,7 +7,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from hypernav.build.data.scenes import building_of
-from hypernav.cli.guards.outputs import check_folder
+from hypernav.cli.guards.outputs import check_file, check_folder
 from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.options.houses import Episodes, Export, Show, Splits
 from hypernav.cli.screen.terminal import Terminal
@@ -148,7 +148,7 @@ def _export_building(options: Export) -> None:
 def _show(options: Show) -> None:
     building = building_of(options.building)
     out = _folder_for(building) if options.out is None else options.out
-    check_folder(out.parent if out.suffix == ".html" else out)
+    check_file(out) if out.suffix == ".html" else check_folder(out)
     console = Terminal(quiet=options.quiet)
     with interruptions_of_kernels(), _progress(console) as bar:
         task = bar.add_task(f"drawing {building.noun} {building.number}", total=None)
@@ -174,13 +174,11 @@ def _range_of(text: str) -> range:
 
 def _check_writable(path: Path) -> None:
     """Refuse a path that cannot be written, before the buildings are measured."""
-    if is_file_name(path) and path.is_dir():
-        raise EpisodeError(f"{path}: is a folder, expected the name of a file")
     if not is_file_name(path) and path.suffix:
         raise EpisodeError(
             f"{path}: an episode file ends in .json.gz or .json; a folder's name has no ending"
         )
-    check_folder(path.parent if is_file_name(path) else path)
+    check_file(path) if is_file_name(path) else check_folder(path)
 
 
 def _progress(console: Console) -> Progress:

@@ -3,6 +3,7 @@
 import difflib
 import os
 from collections.abc import Mapping, Sequence
+from numbers import Integral, Real
 from pathlib import Path
 from typing import Any, ClassVar, TypeVar
 
@@ -54,19 +55,20 @@ class RoomConfig(BaseModel):
 
 
 def check_option(name: str, value: float, bounds: tuple[float, float], why: str) -> None:
-    """Refuse a command-line value that is out of bounds or not a number.
+    """Refuse a value that is out of bounds or not a number.
 
     Args:
-        name: Name of the option.
+        name: Name of the option, or of the argument.
         value: Its value.
-        bounds: The smallest and the largest value.
+        bounds: The smallest and the largest value; whole numbers for a whole number.
         why: Reason of the bounds.
 
     Raises:
         ConfigError: The value is out of bounds, or not a number.
     """
     low, high = bounds
-    if not low <= value <= high:
+    kind = Integral if isinstance(low, int) else Real
+    if not isinstance(value, kind) or isinstance(value, bool) or not low <= value <= high:
         raise ConfigError(f"{name} {value!s:.20}: {why}; expected {low:,} to {high:,}")
 
 

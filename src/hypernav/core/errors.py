@@ -64,6 +64,19 @@ class ContractError(HyPerNavError):
     """A user's component, agent or world breaks its contract."""
 
 
+class ComponentError(HyPerNavError):
+    """A component of a user's own failed: it raised, ended the program, or returned nonsense.
+
+    Attributes:
+        details: Traceback of what it raised; empty if it only returned something impossible.
+    """
+
+    def __init__(self, message: str, details: str = "") -> None:
+        """Name the component and what it did, and keep the traceback."""
+        super().__init__(message)
+        self.details = details
+
+
 class WorldError(HyPerNavError):
     """A world was used in a wrong way, for example stepped before a reset."""
 

@@ -5,12 +5,15 @@ from dataclasses import replace
 from pathlib import Path
 
 from hypernav.core.components.protocols import Agent
+from hypernav.core.config import MOST_SEED, MOST_STEPS, MOST_THREADS, check_option
+from hypernav.core.errors import ContractError
 from hypernav.evaluation.run_plan import RunPlan
 from hypernav.evaluation.runner import RunProgress, run_episodes
 from hypernav.evaluation.save_choice import SaveChoice
 from hypernav.evaluation.store.run_store import RunStore
 from hypernav.evaluation.store.scene_files import keep_scenes
 from hypernav.evaluation.workers.process_pool import ProcessPool
+from hypernav.evaluation.workers.searcher import factory_name
 from hypernav.evaluation.workers.worker import Job
 from hypernav.show.captions import ITS_OWN
 
@@ -41,14 +44,21 @@ def evaluate(
         The state of the run at its end, with the records of all episodes.
 
     Raises:
+        ComponentError: The agent fails repeatedly.
+        ConfigError: A number is impossible.
+        ContractError: The factory is none.
         RunFolderError: The folder can't be used.
         RunHaltedError: The run stopped before its end.
         EpisodeError: There is no such data set, or the selection is empty.
         SceneError: A scene cannot be used.
     """
-    name = getattr(make_agent, "__name__", type(make_agent).__name__)
+    if not callable(make_agent):
+        raise ContractError(f"make_agent is {make_agent!r:.60}, expected a class or a function")
+    check_option("workers", workers, (1, MOST_THREADS), "at least one is needed")
+    check_option("max_steps", plan.max_steps, (1, MOST_STEPS), "a search needs at least one step")
+    check_option("seed", plan.seed, (0, MOST_SEED), "a seed is 0 or more")
     own = dict.fromkeys(("preset", "detector", "reasoner"), ITS_OWN)
-    plan = replace(plan, who={"agent": name, **own} | plan.who)
+    plan = replace(plan, who={"agent": factory_name(make_agent), **own} | plan.who)
     episodes = plan.episodes()
     job = Job(
         folder=folder,

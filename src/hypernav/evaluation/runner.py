@@ -1,11 +1,11 @@
 """Runs all episodes: gives them to workers, and is the only writer of their records."""
 
 import logging
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from hypernav.core.episodes.episode import Episode
-from hypernav.core.errors import CrashError, HyPerNavError, ModelUnavailableError
+from hypernav.core.errors import ComponentError, CrashError, HyPerNavError, ModelUnavailableError
 from hypernav.evaluation.failures.classification import Failure
 from hypernav.evaluation.record import EpisodeRecord
 from hypernav.evaluation.store.run_store import RunStore
@@ -49,6 +49,7 @@ class RunProgress:
         peak_mb: Peak memory of each worker, megabytes.
         losses: Number of lost workers.
         crashes: Tracebacks of episodes whose worker's program failed; they have no record.
+        is_own_crash: Whether a component of the user's own failed in the last of them.
     """
 
     records: list[EpisodeRecord]
@@ -57,6 +58,7 @@ class RunProgress:
     peak_mb: dict[int, float] = field(default_factory=dict)
     losses: int = 0
     crashes: dict[Episode, str] = field(default_factory=dict)
+    is_own_crash: bool = False
 
 
 def run_episodes(
@@ -139,8 +141,8 @@ class _Owner:
                         )
                     )
                 self._replace(worker)
-            case Crashed(worker, error):
-                self._crash(worker, error)
+            case Crashed(worker):
+                self._crash(report)
                 self._replace(worker)
             case Refused(_, error):
                 raise RunHaltedError(error)
@@ -167,17 +169,17 @@ class _Owner:
                 "there enough memory? Try fewer --workers, then run the same command again"
             )
 
-    def _crash(self, worker: int, error: str) -> None:
-        if not self.schedule.is_running(worker):
-            raise CrashError(
-                f"a worker failed before its first episode: {_last_line(error)}", error
-            )
-        episode = self.schedule.done(worker)
+    def _crash(self, report: Crashed) -> None:
+        error, self.progress.is_own_crash = report.error, report.is_own
+        if not self.schedule.is_running(report.worker):
+            kind = ComponentError if report.is_own else CrashError
+            raise kind(f"a worker failed before its first episode: {_last_line(error)}", error)
+        episode = self.schedule.done(report.worker)
         _LOGGER.error("episode %s failed: %s", "/".join(episode.key), _last_line(error))
         self.progress.crashes[episode] = error
         self.crashes += 1
         if self.crashes >= _CRASHES_IN_A_ROW:
-            raise crash_of(self.progress.crashes)
+            raise crash_of(self.progress)
 
     def _replace(self, worker: int) -> None:
         """Start a new worker for a lost one, if an episode waits."""
@@ -190,18 +192,20 @@ class _Owner:
             self.pool.send(worker, episode)
 
 
-def crash_of(crashes: Mapping[Episode, str]) -> CrashError:
-    """The error that sums up the episodes in which the program failed.
+def crash_of(progress: RunProgress) -> CrashError | ComponentError:
+    """The error that sums up the episodes in which the program or a component failed.
 
     Args:
-        crashes: Tracebacks by episode; at least one.
+        progress: State of a run with at least one such episode.
     """
+    crashes = progress.crashes
     episode, error = list(crashes.items())[-1]
     several = f"{len(crashes)} episodes, last in " if len(crashes) > 1 else ""
-    return CrashError(
-        f"the program failed in {several}{'/'.join(episode.key)}: {_last_line(error)}",
-        "\n\n".join(f"{'/'.join(failed.key)}:\n{error}" for failed, error in crashes.items()),
-    )
+    failed = f"failed in {several}{'/'.join(episode.key)}: {_last_line(error)}"
+    details = "\n\n".join(f"{'/'.join(one.key)}:\n{error}" for one, error in crashes.items())
+    if progress.is_own_crash:
+        return ComponentError(f"a component of your own {failed}", details)
+    return CrashError(f"the program {failed}", details)
 
 
 def check_scored(progress: RunProgress) -> None:

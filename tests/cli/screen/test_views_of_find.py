@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -102,10 +103,20 @@ def test_a_missing_package_is_named_with_its_extra(options, words, glb, tmp_path
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize("option", ["--mcap", "--rrd"])
-def test_a_folder_in_place_of_a_file_is_refused_before_the_search(option, glb, tmp_path, capsys):
-    assert hypernav("find", "bed", "--scene", glb, option, tmp_path, "--out", tmp_path / "o") == 2
-    assert "is a folder; name a file in it" in capsys.readouterr().err
+@pytest.mark.parametrize("option", ["--mcap", "--rrd", "--record"])
+@pytest.mark.parametrize(
+    "place", [".", "fifo", "loop", "loop/below", "file/below", "x" * 300, "/dev/full", "/dev/null"]
+)
+def test_what_no_file_can_be_is_refused_before_the_search(option, place, glb, tmp_path, capsys):
+    os.mkfifo(tmp_path / "fifo")
+    (tmp_path / "file").touch()
+    (tmp_path / "loop").symlink_to("loop")
+    out = tmp_path / "out"
+    assert hypernav("find", "bed", "--scene", glb, option, tmp_path / place, "--out", out) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("hypernav: ")
+    assert said.count("\n") == 1
+    assert not out.exists()
 
 
 def test_an_impossible_pace_is_refused(glb, tmp_path, capsys):

@@ -5,9 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from hypernav.core.components.protocols import Detector
-from hypernav.core.components.registry import Choice, Entry, Registry, check_protocol, import_target
-from hypernav.core.errors import ConfigError, ContractError, ImportTargetError
+from hypernav.core.components.registry import Choice, Entry, Registry, import_target
+from hypernav.core.errors import ComponentError, ConfigError, ImportTargetError
 
 
 @pytest.fixture
@@ -140,12 +139,9 @@ def test_an_import_target_is_the_thing_itself():
     assert import_target("math:pi") == pytest.approx(3.14159, abs=1e-5)
 
 
-def test_a_thing_without_the_methods_of_its_protocol_is_refused():
-    class Sees:
-        def detect(self) -> None: ...
-
-    check_protocol(Sees(), Detector, name="mine")
-    with pytest.raises(
-        ContractError, match=r"mine is no Detector: it has no detect; hypernav\.core"
-    ):
-        check_protocol(object(), Detector, name="mine")
+@pytest.mark.parametrize("line", ["1 / 0", "import sys; sys.exit(0)", "not Python"])
+def test_a_module_that_fails_while_it_is_imported_is_named(line, tmp_path, monkeypatch):
+    (tmp_path / "fails_at_once.py").write_text(line)
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.raises(ComponentError, match=r"fails_at_once:Thing: its import (raised|ended)"):
+        import_target("fails_at_once:Thing")

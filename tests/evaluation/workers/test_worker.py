@@ -7,7 +7,15 @@ from dataclasses import replace
 import pytest
 
 from eval_runs import write_room
-from hypernav.core.errors import CameraError, ModelError, SceneError, StartError, WorldError
+from hypernav.build.data.scenes import load_scene
+from hypernav.core.errors import (
+    CameraError,
+    ComponentError,
+    ModelError,
+    SceneError,
+    StartError,
+    WorldError,
+)
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.evaluation.failures.classification import Failure
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
@@ -66,14 +74,30 @@ def test_a_worker_closes_world_and_agent_also_after_an_error(tmp_path, error):
 
 @pytest.mark.parametrize("error", [SceneError, StartError, WorldError, CameraError])
 def test_a_fault_of_the_simulator_is_in_no_rate_and_ends_no_worker(tmp_path, error):
-    agent = Stands(error("out of order"))
-    job = Job(tmp_path, small_config(), make_agent=lambda: agent)
+    faults = [error("out of order")]
+
+    def scene(name):
+        if faults:
+            raise faults.pop()
+        return load_scene(name)
+
+    job = Job(tmp_path, small_config(), make_agent=Stands, open_scene=scene)
     episode = replace(episode_from(START), scene_id=str(write_room(tmp_path / "room.glb")))
     with closing(EpisodeWorker(job)) as worker:
         failed = worker.run(episode)
-        agent.error = None
         passed = worker.run(episode)
     assert not failed.counts
     assert failed.failure is Failure.SIMULATOR_ERROR
     assert failed.why == f"{error.__name__}: out of order"
     assert passed.counts
+
+
+@pytest.mark.parametrize("error", [SceneError("mine"), WorldError("mine"), KeyError("mine")])
+def test_an_agents_own_error_is_never_the_simulators(tmp_path, error):
+    def mine():
+        return Stands(error)
+
+    episode = replace(episode_from(START), scene_id=str(write_room(tmp_path / "room.glb")))
+    said = pytest.raises(ComponentError, match=r"^mine: act raised .*Error: .*mine")
+    with closing(EpisodeWorker(Job(tmp_path, small_config(), make_agent=mine))) as worker, said:
+        worker.run(episode)

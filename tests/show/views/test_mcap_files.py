@@ -1,8 +1,8 @@
 """Searches as MCAP, read back by the tools of the format."""
 
-import errno
 import json
 import math
+from contextlib import closing
 from dataclasses import replace
 
 import cv2
@@ -12,6 +12,7 @@ from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 from scipy.spatial.transform import Rotation
 
+from full_disks import full_disk
 from hypernav.core.errors import OutputError
 from hypernav.core.geometry.camera import optical_to_base
 from hypernav.core.geometry.transforms import Pose2, Transform
@@ -176,26 +177,18 @@ def test_leaving_early_keeps_every_step(tmp_path, make_step, room, seen):
     assert len(messages_of(tmp_path / "left.mcap", "/camera/image")) == 3
 
 
-def test_a_full_disk_is_one_error_that_names_the_file(tmp_path, make_step, room, seen):
-    view = McapView(tmp_path / "full.mcap", INFO)
-
-    def refuse(data):
-        raise OSError(errno.ENOSPC, "No space left on device")
-
-    view._file._file.write = refuse  # pyright: ignore[reportAttributeAccessIssue]
-
-    def fill():
-        for number in range(100):
-            view.add(make_step(number), room, replace(seen, rgb=noise()))
-
+def test_a_full_disk_is_one_error_that_names_the_file(tmp_path, make_step, room, seen, capfd):
     rng = np.random.default_rng(0)
 
-    def noise():
-        return rng.integers(0, 256, seen.rgb.shape, dtype=np.uint8)
+    def fill():
+        with closing(McapView(tmp_path / "full.mcap", INFO)) as view, full_disk():
+            for number in range(100):
+                noise = rng.integers(0, 256, seen.rgb.shape, dtype=np.uint8)
+                view.add(make_step(number), room, replace(seen, rgb=noise))
 
-    with pytest.raises(OutputError, match=r"full\.mcap cannot be written \(No space left"):
+    with pytest.raises(OutputError, match=r"full\.mcap cannot be written \(File too large"):
         fill()
-    view.close()
+    assert capfd.readouterr() == ("", "")
 
 
 def test_a_folder_that_cannot_be_made_is_an_error(tmp_path):

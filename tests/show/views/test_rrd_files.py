@@ -3,13 +3,14 @@
 import shutil
 import subprocess
 import sys
+from contextlib import closing
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from rerun.chunk import RrdReader
 
+from full_disks import full_disk
 from hypernav.core.errors import OutputError, ViewError
 from hypernav.show.video.frame import EpisodeInfo
 from hypernav.show.views import rerun_view
@@ -92,20 +93,18 @@ def test_leaving_early_keeps_every_step(tmp_path, make_step, room, observation):
     assert len(rows_of(tmp_path / "left.rrd", "map/camera/image")) == 3
 
 
-def test_a_full_disk_is_one_error_that_names_the_file(make_step, observation):
-    full = Path("/dev/full")
-    if not full.exists():
-        pytest.skip("this system has no /dev/full")
+def test_a_full_disk_is_one_error_that_names_the_file(tmp_path, make_step, observation, capfd):
     rng = np.random.default_rng(0)
 
     def fill():
-        view = RrdView(full, INFO)
-        for number in range(50):
-            rgb = rng.integers(0, 256, observation.rgb.shape, dtype=np.uint8)
-            view.add(make_step(number), None, replace(observation, rgb=rgb))
+        with closing(RrdView(tmp_path / "full.rrd", INFO)) as view, full_disk():
+            for number in range(50):
+                rgb = rng.integers(0, 256, observation.rgb.shape, dtype=np.uint8)
+                view.add(make_step(number), None, replace(observation, rgb=rgb))
 
-    with pytest.raises(OutputError, match=r"/dev/full cannot be written"):
+    with pytest.raises(OutputError, match=r"full\.rrd cannot be written \(File too large"):
         fill()
+    assert capfd.readouterr() == ("", "")
 
 
 def test_a_viewer_that_does_not_start_says_what_to_do_instead(monkeypatch):

@@ -10,9 +10,10 @@ from typing import Any
 
 from hypernav.build.data.scenes import is_no_file
 from hypernav.build.data.sources import DATA_SOURCES, DatasetRequest, Progress
+from hypernav.core.components.door import calling
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.episodes.episode import Episode
-from hypernav.core.errors import EpisodeError
+from hypernav.core.errors import ComponentError, EpisodeError
 from hypernav.core.text.whole_numbers import is_whole_number
 from hypernav.worlds.config import SimulationConfig
 
@@ -42,6 +43,7 @@ def load_episodes(
         progress: Function that is called with the progress of loading.
 
     Raises:
+        ComponentError: The function of a data set of a user's own fails.
         ConfigError: There is no such data set.
         EpisodeError: Its name is not understood, or it is broken.
         SceneError: A scene cannot be used.
@@ -50,17 +52,22 @@ def load_episodes(
     if hash_sign and not part:
         raise EpisodeError(f"{dataset}: nothing follows the #; say which part, or leave it out")
     choice = DATA_SOURCES.find(name)
-    return choice.load()(
-        DatasetRequest(
-            argument="".join(choice.arguments),
-            part=part,
-            simulation=simulation or SimulationConfig(),
-            embodiment=embodiment or Embodiment(),
-            scenes_dir=scenes_dir,
-            as_in_files=as_in_files,
-            progress=progress,
-        )
+    request = DatasetRequest(
+        argument="".join(choice.arguments),
+        part=part,
+        simulation=simulation or SimulationConfig(),
+        embodiment=embodiment or Embodiment(),
+        scenes_dir=scenes_dir,
+        as_in_files=as_in_files,
+        progress=progress,
     )
+    if not choice.entry.is_foreign:
+        return choice.load()(request)
+    with calling(dataset, "its function"):
+        episodes = list(choice.load()(request))
+    if others := [one for one in episodes if not isinstance(one, Episode)]:
+        raise ComponentError(f"{dataset}: its function returned {others[0]!r:.80} as an Episode")
+    return episodes
 
 
 def canonical_name(dataset: str) -> str:

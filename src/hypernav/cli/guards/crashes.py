@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from hypernav.core.errors import CrashError, HyPerNavError
+from hypernav.core.errors import ComponentError, CrashError, HyPerNavError
 from hypernav.core.interruptions import interruptions_of_kernels
 
 CRASH_FILE = "crash.txt"
@@ -27,13 +27,17 @@ def crash_report(folder: Path | None = None) -> Iterator[None]:
             temporary file is used.
 
     Raises:
-        ReportedCrashError: The block raised an unexpected error; the message names the file.
+        ReportedCrashError: The block raised an unexpected error, or a component of a user's own
+            failed; the message names the file.
     """
     try:
         with interruptions_of_kernels():
             yield
     except CrashError as error:
         raise ReportedCrashError(_told(str(error), error.details, folder)) from error
+    except ComponentError as error:
+        written = f"; {_write(_page(error.details), folder)}" if error.details else ""
+        raise ReportedCrashError(f"{_line(str(error))}{written}") from error
     except HyPerNavError:
         raise
     except Exception as error:  # The only broad except: whatever it catches is a bug of ours.
@@ -45,9 +49,13 @@ def crash_report(folder: Path | None = None) -> Iterator[None]:
 
 def _told(what: str, details: str, folder: Path | None) -> str:
     """Write the details of a crash to a file; returns the message for people."""
+    written = _write(_page(details), folder)
+    return f"this should not have happened: {_line(what)}; please report it, {written}"
+
+
+def _line(what: str) -> str:
     line = " ".join(what.split())
-    line = line if len(line) <= 300 else f"{line[:300]} …"
-    return f"this should not have happened: {line}; {_write(_page(details), folder)}"
+    return line if len(line) <= 400 else f"{line[:400]} …"
 
 
 def _page(details: str) -> str:
@@ -72,7 +80,7 @@ def _write(page: str, folder: Path | None) -> str:
         except OSError:
             pass
         else:
-            return f"please report it with the traceback in {folder / CRASH_FILE}"
+            return f"the traceback is in {folder / CRASH_FILE}"
     try:
         with tempfile.NamedTemporaryFile(
             prefix="hypernav-crash-", suffix=".txt", delete=False
@@ -80,4 +88,4 @@ def _write(page: str, folder: Path | None) -> str:
             file.write(data)
     except OSError as error:
         return f"the traceback could not be written anywhere ({error.strerror})"
-    return f"please report it with the traceback in {file.name}"
+    return f"the traceback is in {file.name}"

@@ -5,6 +5,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from hypernav.core.errors import OutputError
+from hypernav.core.files.output_file import check_regular
 
 
 def check_folder(folder: Path) -> None:
@@ -36,11 +37,10 @@ def check_folder(folder: Path) -> None:
 
 
 def check_file(path: Path) -> None:
-    """Make sure that a file can be created or replaced.
+    """Make sure that a file can be created or replaced: a regular one, not a pipe or a device.
 
     Raises:
         OutputError: It cannot be; the message names the file and the reason.
     """
-    if path.is_dir():
-        raise OutputError(f"{path} is a folder; name a file in it")
+    check_regular(path)
     check_folder(path.parent)

@@ -19,7 +19,7 @@ class ExitStatus(IntEnum):
     MODEL_UNAVAILABLE = 3
     """A model was unavailable for longer than the patience."""
     CRASH = 70
-    """An error of this program; its message says where the traceback is."""
+    """An error of this program, or of a component of the user's own, which its message names."""
     INTERRUPTED = 130
     """Ctrl-C (SIGINT) ended the command."""
     TERMINATED = 143

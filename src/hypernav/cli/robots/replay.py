@@ -1,5 +1,6 @@
 """The command `hypernav robot replay`: recorded RGB-D frames through mapping and perception."""
 
+import os
 import time
 from contextlib import closing
 from dataclasses import asdict
@@ -24,6 +25,8 @@ from hypernav.robot.recordings.opening import open_recording
 from hypernav.robot.recordings.replay import UprightRecording, replayed
 from hypernav.robot.ros.topics import CameraTopics
 from hypernav.show.video.frame import EpisodeInfo
+
+_LONGEST_NAME = 80
 
 
 @runtime_checkable
@@ -55,7 +58,7 @@ def run(options: Replay) -> int:
             "--goal needs something that looks for it, --detector or --vlm, and they need a "
             "--goal; without both only the map is drawn"
         )
-    name = options.recording.resolve().name
+    name = os.path.basename(os.path.abspath(options.recording))[:_LONGEST_NAME]
     folder = options.out or Path("runs") / f"{datetime.now():%Y%m%d-%H%M%S}-{name}"
     check_folder(folder)
     check_views(options.views.chosen)

@@ -7,6 +7,7 @@ from pathlib import Path
 from rich.box import SIMPLE
 from rich.table import Table
 
+from hypernav.cli.guards.outputs import check_file
 from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.options.robot import Report
 from hypernav.cli.screen.terminal import Terminal
@@ -32,6 +33,8 @@ def run(options: Report) -> int:
     """
     if not options.searches:
         raise ConfigError("name at least one folder of a finished search")
+    if options.csv is not None:
+        check_file(options.csv)
     trials = [read_trial(folder) for folder in options.searches]
     counted = [trial for trial in trials if trial.counts]
     if not counted:

@@ -34,6 +34,7 @@ from hypernav.worlds.surface.starts import random_start
 _PACE = 2.0
 """Simulated seconds per real second, slow enough for people to follow and to stop it."""
 _PAUSE_S = 1.0
+_SAY_EVERY_S = 5.0
 
 
 def run(options: Wait) -> int:
@@ -59,12 +60,17 @@ def run(options: Wait) -> int:
         with closing(world), closing(HttpServer(address)) as server:
             base = SimulatedBase(world, renderer, pace=_PACE)
             start = _start(options, world, rng)
+            said_s = -_SAY_EVERY_S
             while True:
                 status.update(f"{options.name} waits for a goal from {escape(str(address))}/")
                 try:
                     given = server.wait_for_goal(options.name)
                 except LinkLostError as lost:
-                    status.update(escape(f"{options.name} finds no server ({lost}), trying again"))
+                    words = f"{options.name} finds no server at {address} ({lost}), trying again"
+                    status.update(escape(words))
+                    if not console.is_terminal and time.monotonic() - said_s >= _SAY_EVERY_S:
+                        said_s = time.monotonic()
+                        console.print(words, markup=False, soft_wrap=True)
                     time.sleep(_PAUSE_S)
                     continue
                 if given.goal is None or given.key is None:

@@ -46,10 +46,10 @@ def check_views(options: ViewOptions) -> None:
     if options.view == "foxglove" or options.mcap is not None:
         require("foxglove", extra="foxglove")
     files = [file for file in (options.rrd, options.mcap) if file is not None]
-    if len({file.resolve() for file in files}) < len(files):
-        raise ConfigError(f"--rrd and --mcap both name {options.rrd}; each needs its own file")
     for file in files:
         check_file(file)
+    if len({file.resolve() for file in files}) < len(files):
+        raise ConfigError(f"--rrd and --mcap both name {options.rrd}; each needs its own file")
 
 
 class Views:

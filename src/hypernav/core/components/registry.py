@@ -15,7 +15,8 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any, Generic, TypeVar, cast
 
-from hypernav.core.errors import ConfigError, ContractError, ImportTargetError
+from hypernav.core.components.door import calling
+from hypernav.core.errors import ConfigError, ImportTargetError
 
 T = TypeVar("T")
 
@@ -214,10 +215,15 @@ def import_target(target: str) -> Any:
     """The object at ``package.module:name``.
 
     Raises:
+        ComponentError: The module fails while it is imported.
         ImportTargetError: There is no such module, it needs a package that is not installed, or it
             holds no such name.
     """
-    module_name, _, attribute = target.partition(":")
+    with calling(target, "its import"):
+        return _imported_target(*target.split(":"))
+
+
+def _imported_target(module_name: str, attribute: str) -> Any:
     try:
         module = importlib.import_module(module_name)
     except ModuleNotFoundError as error:
@@ -238,26 +244,6 @@ def import_target(target: str) -> Any:
         hint = f", but '{close[0]}'" if close else ""
         raise ImportTargetError(f"{module_name} ({module.__file__}) has no '{attribute}'{hint}")
     return getattr(module, attribute)
-
-
-def check_protocol(thing: object, protocol: type, *, name: str) -> None:
-    """Make sure that an object has the methods of a protocol.
-
-    Args:
-        thing: Object made by a user's code.
-        protocol: Protocol, such as those of `hypernav.core.components.protocols`.
-        name: Name of the object, as the user wrote it.
-
-    Raises:
-        ContractError: Methods are missing; the message names them.
-    """
-    wanted = [member for member in dir(protocol) if not member.startswith("_")]
-    missing = [member for member in wanted if not hasattr(thing, member)]
-    if missing:
-        raise ContractError(
-            f"{name} is no {protocol.__name__}: it has no {' and no '.join(missing)}; "
-            f"{protocol.__module__}.{protocol.__name__} says what is expected"
-        )
 
 
 def _make_current_folder_importable() -> None:

@@ -6,6 +6,7 @@ MOST_PIXELS = 8192 * 4096
 """The largest image that is decoded."""
 
 _PNG, _JPEG, _RIFF, _WEBP = b"\x89PNG\r\n\x1a\n", b"\xff\xd8", b"RIFF", b"WEBP"
+_MOST_CHUNKS = 1_000_000
 _START_OF_SCAN = b"\xff\xda"
 _MOST_SCANS = 100
 """Largest number of scans of a JPEG: each costs a pass over the image, but few bytes of file."""
@@ -24,7 +25,7 @@ def image_size(data: bytes) -> tuple[int, int] | None:
     """
     try:
         if data.startswith(_PNG):
-            return struct.unpack_from(">II", data, 16)
+            return struct.unpack_from(">II", data, 16) if _holds_its_chunks(data) else None
         if data.startswith(_JPEG):
             return None if data.count(_START_OF_SCAN) > _MOST_SCANS else _jpeg_size(data)
         if data.startswith(_RIFF) and data[8:12] == _WEBP:
@@ -32,6 +33,16 @@ def image_size(data: bytes) -> tuple[int, int] | None:
     except (struct.error, IndexError):
         pass
     return None
+
+
+def _holds_its_chunks(data: bytes) -> bool:
+    """Whether no chunk of a PNG says that it is longer than the file: decoders allocate first."""
+    at = len(_PNG)
+    for _ in range(_MOST_CHUNKS):
+        if at + 8 > len(data):
+            return at <= len(data)
+        at += 12 + int.from_bytes(data[at : at + 4], "big")
+    return False
 
 
 def _jpeg_size(data: bytes) -> tuple[int, int] | None:

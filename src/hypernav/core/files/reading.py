@@ -29,6 +29,8 @@ def read_file(path: Path, *, most: int = MOST_BYTES) -> bytes:
     # An ordinary open would block on a pipe without a writer.
     with open(path, "rb", opener=_open_at_once) as file:
         size = _checked_size(os.fstat(file.fileno()), most)
+        if size == 0 and file.read(1):
+            raise OSError(errno.EINVAL, "it is a file of the kernel, expected one on a disk")
         return file.read(size)
 
 

@@ -81,6 +81,18 @@ class RunData:
         return str(self.who["preset"]).endswith("-as-released")
 
 
+_NEEDED: dict[str, tuple[str, ...] | None] = {
+    "hypernav": None,
+    "dataset": None,
+    "selection": (),
+    "episodes": ("count", "scenes", "fingerprint"),
+    "who": ("agent", "preset", "detector", "reasoner"),
+    "protocol": ("max_steps", "success_distance_m"),
+    "config": (),
+}
+"""Sections of a run's configuration that reports read, with their keys; None for a text."""
+
+
 def is_native(configuration: dict[str, Any]) -> bool:
     """Whether the configuration of a run is of native mode."""
     return configuration["who"].get("parts", {}).get("mode") == "native"
@@ -123,9 +135,15 @@ def _check_modes(folders: Sequence[Path], configurations: Sequence[dict[str, Any
 
 def _check_sections(folder: Path, configuration: dict[str, Any]) -> None:
     """Refuse a configuration that somebody has edited."""
-    for section in ("selection", "episodes", "who", "protocol", "config"):
-        if not isinstance(configuration.get(section), dict):
+    for section, keys in _NEEDED.items():
+        part = configuration.get(section)
+        if not isinstance(part, str if keys is None else dict):
             raise RunFolderError(f"{folder}: its configuration lacks '{section}'; was it edited?")
+        for key in keys or ():
+            if key not in part:
+                raise RunFolderError(
+                    f"{folder}: its configuration lacks '{section}.{key}'; was it edited?"
+                )
 
 
 def _check_version(folder: Path, configuration: dict[str, Any]) -> None:

@@ -16,9 +16,10 @@ from types import FrameType
 from typing import NoReturn
 
 from hypernav.core.episodes.episode import Episode
-from hypernav.core.errors import HyPerNavError
+from hypernav.core.errors import ComponentError, HyPerNavError
 from hypernav.core.interruptions import interruptions_of_kernels
 from hypernav.evaluation.record import EpisodeRecord
+from hypernav.evaluation.workers.own_components import own_components
 from hypernav.evaluation.workers.resource_usage import peak_memory_mb
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
 from hypernav.evaluation.workers.worker_pool import Crashed, Done, Lost, Ready, Refused, Report
@@ -28,6 +29,7 @@ ONE_THREAD = {
     for name in ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 }
 _PYTHON_FAILED = 1
+_COMPONENT_FAILED = 76
 _TERMINATE_TIMEOUT_S = 5.0
 
 
@@ -60,11 +62,11 @@ class ProcessPool:
         process = self._context.Process(
             target=_work, args=(self._job, theirs, log), name=f"hypernav-worker-{worker}"
         )
-        with _environment(ONE_THREAD), _ctrl_c_blocked():
+        with _interruptions_put_off(), _environment(ONE_THREAD), _ctrl_c_blocked():
             process.start()
-        # If our copy of their end stayed open, the end of the worker would not be noticed.
-        theirs.close()
-        self._started[worker] = _Process(process, ours, log)
+            # If our copy of their end stayed open, the end of the worker would not be noticed.
+            theirs.close()
+            self._started[worker] = _Process(process, ours, log)
 
     def send(self, worker: int, episode: Episode) -> None:
         """Send an idle worker an episode."""
@@ -112,11 +114,15 @@ class ProcessPool:
         started.process.join()
         started.pipe.close()
         code = started.process.exitcode
-        if code == _PYTHON_FAILED:
-            return Crashed(worker, started.said())
         if code is not None and code < 0:
             return Lost(worker, f"killed by signal {-code} ({_signal_name(-code)})")
-        return Lost(worker, f"ended with status {code}")
+        said = started.said()
+        if code == _PYTHON_FAILED and "Traceback" in said:
+            return Crashed(worker, said)
+        if code != _COMPONENT_FAILED:
+            own = " or ".join(own_components(self._job)) or "native code"
+            said += f"\n{own}: ended the process of a worker with status {code}, as os._exit does"
+        return Crashed(worker, said, is_own=True)
 
 
 def _work(job: Job, pipe: Connection, log: Path) -> None:
@@ -134,6 +140,11 @@ def _work(job: Job, pipe: Connection, log: Path) -> None:
             while True:
                 record = episode_worker.run(_receive(pipe))
                 _send(pipe, (record, peak_memory_mb()))
+    except KeyboardInterrupt:
+        return  # the owner closes the pool
+    except ComponentError as error:
+        print(error.details, error, sep="\n", file=sys.stderr)
+        sys.exit(_COMPONENT_FAILED)
     except HyPerNavError as error:
         _send(pipe, str(error))
 
@@ -155,8 +166,8 @@ def _receive(pipe: Connection) -> Episode:
 
 
 def _leave(_signal: int, _frame: FrameType | None) -> NoReturn:
-    """End this process, and close what is open."""
-    sys.exit(0)
+    """End this process, and close what is open. `SystemExit` would look like a component's."""
+    raise KeyboardInterrupt
 
 
 def _die_with_owner() -> None:
@@ -185,6 +196,24 @@ def _environment(values: dict[str, str]) -> Iterator[None]:
                 os.environ.pop(name, None)
             else:
                 os.environ[name] = value
+
+
+@contextmanager
+def _interruptions_put_off() -> Iterator[None]:
+    """Let the block finish: a worker that is half started would not be ended by `close`."""
+    if threading.current_thread() is not threading.main_thread():
+        yield  # Python raises interruptions in the main thread only
+        return
+    came: list[int] = []
+    numbers = (signal.SIGINT, signal.SIGTERM)
+    before = [signal.signal(number, lambda one, _: came.append(one)) for number in numbers]
+    try:
+        yield
+    finally:
+        for number, handler in zip(numbers, before, strict=True):
+            signal.signal(number, handler)
+    if came:
+        signal.raise_signal(came[0])
 
 
 @contextmanager

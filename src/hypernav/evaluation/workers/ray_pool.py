@@ -6,11 +6,12 @@ needs them; files of scenes and models must have the same path on every machine.
 
 import os
 import socket
+from dataclasses import replace
 from typing import Any
 
 from hypernav.core.components.extras import require
 from hypernav.core.episodes.episode import Episode
-from hypernav.core.errors import HyPerNavError, RunFolderError
+from hypernav.core.errors import ComponentError, HyPerNavError, RunFolderError
 from hypernav.evaluation.record import EpisodeRecord
 from hypernav.evaluation.workers.process_pool import ONE_THREAD
 from hypernav.evaluation.workers.resource_usage import peak_memory_mb
@@ -100,6 +101,9 @@ class RayPool:
             self._ray.kill(self._actors.pop(worker))
             return Crashed(worker, str(error))
         match said:
+            case Crashed():
+                self._ray.kill(self._actors.pop(worker))
+                return replace(said, worker=worker)
             case str():
                 return Refused(worker, said)
             case (record, peak_mb):
@@ -114,16 +118,20 @@ class _Worker:
     def __init__(self, job: Job) -> None:
         self._job = job
 
-    def begin(self) -> str | None:
+    def begin(self) -> str | Crashed | None:
         try:
             self._episode_worker = EpisodeWorker(self._job)
+        except ComponentError as error:
+            return _crash_of(error)
         except HyPerNavError as error:
             return str(error)
         return None
 
-    def run(self, episode: Episode) -> str | tuple[EpisodeRecord, float]:
+    def run(self, episode: Episode) -> str | Crashed | tuple[EpisodeRecord, float]:
         try:
             return self._episode_worker.run(episode), peak_memory_mb()
+        except ComponentError as error:
+            return _crash_of(error)
         except HyPerNavError as error:
             return str(error)
 
@@ -132,6 +140,11 @@ class _Worker:
 
     def node(self) -> str:
         return require("ray", extra="ray").get_runtime_context().get_node_id()
+
+
+def _crash_of(error: ComponentError) -> Crashed:
+    """The report of an actor, which doesn't know its number."""
+    return Crashed(-1, f"{error.details}\n{error}", is_own=True)
 
 
 def _check_address(address: str) -> None:

@@ -7,6 +7,7 @@ from hypernav.build.agents import build_agent
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.core.components.abilities import looks_at_colours
+from hypernav.core.components.door import calling, through_door
 from hypernav.core.components.protocols import Agent
 from hypernav.core.episodes.truth import EpisodeTruth
 from hypernav.show.captions import ITS_OWN
@@ -45,7 +46,10 @@ def searcher_of(
         HyPerNavError: The agent can't be built.
     """
     if make_agent is not None:
-        agent = make_agent()
+        name = factory_name(make_agent)
+        with calling(name, "its call"):
+            agent = make_agent()
+        agent = through_door(agent, Agent, name)
         kinds = ("detector", "reasoner", "segmenter")
         words = {"agent": type(agent).__name__} | dict.fromkeys(kinds, ITS_OWN)
         return Searcher(agent, words, looks_at_colours(agent), whole=agent)
@@ -57,3 +61,8 @@ def searcher_of(
         "segmenter": parts.segmenter.words,
     }
     return Searcher(parts.agent, words, parts.looks_at_colours, parts, parts.truth)
+
+
+def factory_name(make_agent: Callable[[], Agent]) -> str:
+    """The name of a factory for people: that of its function or class."""
+    return getattr(make_agent, "__name__", type(make_agent).__name__)

@@ -15,10 +15,10 @@ from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.worlds import open_world
 from hypernav.core.components.abilities import Closes
+from hypernav.core.components.door import SIMULATOR_ERRORS
 from hypernav.core.components.protocols import Agent
 from hypernav.core.episodes.episode import Episode, Outcome
 from hypernav.core.episodes.metrics import measure
-from hypernav.core.errors import CameraError, SceneError, StartError, WorldError
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.trace import Ending, StepTrace
 from hypernav.episodes.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
@@ -38,8 +38,6 @@ from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.simulation import SimulatedWorld
 
 SAVED_FOLDER = "episodes"
-
-_SIMULATOR_ERRORS = (SceneError, StartError, WorldError, CameraError)
 
 
 @dataclass(frozen=True)
@@ -92,6 +90,7 @@ class EpisodeWorker:
         itself can't go on.
 
         Raises:
+            ComponentError: A component of the user's own failed.
             HyPerNavError: The agent can't search for the goal, or page or video can't be written.
         """
         try:
@@ -105,7 +104,7 @@ class EpisodeWorker:
                 told=self._searcher.truth,
             )
             return self._watch(run, scene)
-        except _SIMULATOR_ERRORS as error:
+        except SIMULATOR_ERRORS as error:
             return simulator_error_record(episode, f"{type(error).__name__}: {error}")
 
     def close(self) -> None:

@@ -52,11 +52,13 @@ class Crashed:
 
     Attributes:
         worker: Number of the worker.
-        error: Traceback of the failure.
+        error: Traceback of the failure; its last line says what failed.
+        is_own: Whether a component of the user's own failed, not this package.
     """
 
     worker: int
     error: str
+    is_own: bool = False
 
 
 @dataclass(frozen=True)

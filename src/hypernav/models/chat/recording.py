@@ -99,9 +99,11 @@ class RecordingChat:
         self.path = Path(path)
         self._lock = threading.Lock()
         self._name = ""
-        if self.path.exists() and not append:
-            raise RecordingError(f"{self.path} exists already; delete it or record to another file")
         try:
+            if self.path.exists() and not append:
+                raise RecordingError(
+                    f"{self.path} exists already; delete it or record to another file"
+                )
             self.path.parent.mkdir(parents=True, exist_ok=True)
             self._file = self.path.open("a" if append else "x", encoding="utf-8")
         except OSError as error:

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from dataclasses import replace
+from string import Formatter
 from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
@@ -64,8 +65,10 @@ class VlmDetectorConfig(RoomConfig):
     @classmethod
     def _can_be_filled_in(cls, prompt: str) -> str:
         try:
+            if any(spec or conversion for _, _, spec, conversion in Formatter().parse(prompt)):
+                raise ValueError("formats")  # a width could fill the memory
             prompt.format(goal="", key="", example="")
-        except (KeyError, IndexError, ValueError) as error:
+        except (AttributeError, KeyError, IndexError, ValueError) as error:
             raise ValueError(
                 "may hold {goal}, {key} and {example}; other braces are doubled: {{ }}"
             ) from error

@@ -24,8 +24,10 @@ def open_recording(path: Path, topics: CameraTopics | None = None) -> Recording:
         TopicChoiceError: No topic of a bag fits, or several do.
         MissingExtraError: The package that reads bags is not installed.
     """
-    if not path.exists():
-        raise RecordingError(f"{path} does not exist")
+    try:
+        path.stat()
+    except OSError as error:
+        raise RecordingError(f"{path} cannot be read ({error.strerror})") from error
     if is_bag(path):
         return read_bag(path, topics or CameraTopics())
     for is_one, read in _FOLDERS:

@@ -2,17 +2,17 @@
 
 import json
 import time
-from collections.abc import Callable, Mapping
-from contextlib import suppress
+from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 import foxglove
 from foxglove import channels, websocket
 from foxglove import messages as fg
 
-from hypernav.core.errors import OutputError, ViewError
+from hypernav.core.errors import ViewError
+from hypernav.core.files.output_file import OutputFile
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Mode, StepTrace
@@ -116,12 +116,7 @@ class McapView:
         Raises:
             OutputError: It cannot be written.
         """
-        self._path = path
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            self._file = _KeptError(path.open("wb"))
-        except OSError as error:
-            raise self._unwritten(error) from error
+        self._file = OutputFile(path)
         context = foxglove.Context()
         options = foxglove.mcap.MCAPWriteOptions(profile="hypernav", compression_threads=0)
         self._writer = foxglove.open_mcap(self._file, context=context, writer_options=options)
@@ -137,7 +132,7 @@ class McapView:
         """Write a step; see `hypernav.core.view.View`."""
         self._topics.publish(step, grid, observation, self._steps * _STEP_NS)
         self._steps += 1
-        self._check()
+        self._file.check()
 
     def finish(self, result: Mapping[str, Any]) -> None:
         """Write the result, as metadata and as the last line of the log, and finish the file."""
@@ -145,7 +140,7 @@ class McapView:
         values = {name: json.dumps(value) for name, value in json_values(result).items()}
         self._writer.write_metadata("result", values)
         self.close()
-        self._check()
+        self._file.check()
 
     def close(self) -> None:
         """Finish the file; does nothing the second time."""
@@ -153,17 +148,6 @@ class McapView:
             self._is_open = False
             self._writer.close()
             self._file.close()
-
-    def _check(self) -> None:
-        """Raise an error of the writer, which would only be printed."""
-        if self._file.error is not None:
-            raise self._unwritten(self._file.error)
-
-    def _unwritten(self, error: OSError) -> OutputError:
-        return OutputError(
-            f"{self._path} cannot be written ({error.strerror}); free some space, or choose "
-            "another file"
-        )
 
 
 class FoxgloveView:
@@ -219,33 +203,3 @@ def _listening(
         except RuntimeError as error:
             refused = error
     raise ViewError(f"Foxglove's server cannot listen on {_HOST} ({refused})")
-
-
-class _KeptError:
-    """A file that keeps its first error, and discards what is written after it."""
-
-    def __init__(self, file: BinaryIO) -> None:
-        self._file = file
-        self.error: OSError | None = None
-
-    def write(self, data: bytes | bytearray) -> int:
-        self._attempt(lambda: self._file.write(data))
-        return len(data)
-
-    def seek(self, offset: int, whence: int = 0) -> int:
-        return self._file.seek(offset, whence)
-
-    def flush(self) -> None:
-        self._attempt(self._file.flush)
-
-    def close(self) -> None:
-        self._attempt(self._file.flush)
-        with suppress(OSError):  # an error of flushing is already kept
-            self._file.close()
-
-    def _attempt(self, write: Callable[[], object]) -> None:
-        if self.error is None:
-            try:
-                write()
-            except OSError as error:
-                self.error = error

@@ -6,6 +6,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from collections.abc import Mapping
 from pathlib import Path
@@ -13,7 +14,8 @@ from typing import Any
 
 import rerun as rr
 
-from hypernav.core.errors import OutputError, ViewError
+from hypernav.core.errors import ViewError
+from hypernav.core.files.output_file import OutputFile
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Mode, StepTrace
@@ -29,6 +31,7 @@ _LOOK_S = 0.1
 _OPENING_S = 1.5
 """Time after which a listening viewer has noticed that there is no screen."""
 _MOST_WORDS = 300
+_MOST_AT_ONCE = 65_536
 
 
 class _Entities:
@@ -93,13 +96,9 @@ class RrdView:
         Raises:
             OutputError: It cannot be written.
         """
-        self._path = path
+        self._file = OutputFile(path)
         self._recording = rr.RecordingStream(_APPLICATION)
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            self._recording.save(path)
-        except (OSError, RuntimeError) as error:
-            raise self._unwritten(error) from error
+        self._relay = _saved_to(self._recording, self._file)
         self._entities = _Entities(self._recording, info)
 
     def add(
@@ -117,17 +116,34 @@ class RrdView:
     def close(self) -> None:
         """Finish the file."""
         self._recording.disconnect()
+        self._relay.join()
+        self._file.close()
 
     def _flush(self) -> None:
-        try:
-            self._recording.flush(timeout_sec=_PATIENCE_S)
-        except RuntimeError as error:
-            raise self._unwritten(error) from error
+        self._recording.flush(timeout_sec=_PATIENCE_S)
+        self._file.check()
 
-    def _unwritten(self, error: Exception) -> OutputError:
-        return OutputError(
-            f"{self._path} cannot be written ({error}); free some space, or choose another file"
-        )
+
+def _saved_to(recording: rr.RecordingStream, file: OutputFile) -> threading.Thread:
+    """Save a recording to a file by a thread: rerun itself prints, and waits for good, on errors.
+
+    Returns:
+        The thread, which ends after the recording.
+    """
+    taken, given = os.pipe()
+
+    def relay() -> None:
+        while data := os.read(taken, _MOST_AT_ONCE):
+            file.write(data)
+        os.close(taken)
+
+    thread = threading.Thread(target=relay, name="rrd", daemon=True)
+    thread.start()
+    try:
+        recording.save(f"/dev/fd/{given}")
+    finally:
+        os.close(given)
+    return thread
 
 
 class RerunView:

@@ -1,0 +1,207 @@
+"""What a component of a user's own may return, method by method."""
+
+import json
+import math
+from collections.abc import Callable, Mapping, Sequence
+from numbers import Integral, Real
+from typing import Any
+
+import numpy as np
+
+from hypernav.core.actions import Action
+from hypernav.core.embodiment import Embodiment
+from hypernav.core.exploring.arrows import TURN_AROUND, ArrowChoice, ArrowView
+from hypernav.core.exploring.exploration import Destination
+from hypernav.core.exploring.guidance import Direction, GuideChoice
+from hypernav.core.exploring.insight import Insight
+from hypernav.core.exploring.overview import BlockChoice, Overview
+from hypernav.core.exploring.sightings import SeenThing
+from hypernav.core.geometry.boxes import Box, Detection
+from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.observation import Observation
+from hypernav.core.trace import StepTrace
+
+Check = Callable[..., Any]
+"""Checks what a method returned, given its arguments, and gives it in the form of its type."""
+
+_ROUNDING = 1e-6
+_FARTHEST_M = 10_000.0
+
+
+class ValueFault(Exception):
+    """A value that no component may return; the message goes on after "returned"."""
+
+
+def _expect(holds: bool, value: object, expected: str, where: str = "") -> None:
+    if not holds:
+        raise ValueFault(f"{where}{_shown(value)}; expected {expected}")
+
+
+def _shown(value: object) -> str:
+    if isinstance(value, np.ndarray):
+        return f"an array of {value.dtype} with the shape {value.shape}"
+    try:
+        return f"{value!r:.80}"
+    except Exception:  # a repr of the user's own may raise anything
+        return f"a {type(value).__name__}"
+
+
+def _is_number(value: Any, low: float = -math.inf, high: float = math.inf) -> bool:
+    if not isinstance(value, Real) or isinstance(value, bool):
+        return False
+    return math.isfinite(value) and low <= float(value) <= high
+
+
+def _is_whole(value: Any) -> bool:
+    return isinstance(value, Integral) and not isinstance(value, bool)
+
+
+def _action(value: Any, *_: Any) -> Action | None:
+    known = value is None or (_is_whole(value) and int(value) in set(Action))
+    names = ", ".join(action.name for action in Action)
+    _expect(known, value, f"an Action ({names}), or None to give up")
+    return None if value is None else Action(int(value))
+
+
+def _detections(value: Any, *given: Any) -> list[Detection]:
+    _expect(isinstance(value, list | tuple), value, "a list of Detection")
+    observation = next(one for one in given if isinstance(one, Observation))
+    return [_detection(one, observation.depth.shape) for one in value]
+
+
+def _detection(value: Any, shape: tuple[int, ...]) -> Detection:
+    _expect(isinstance(value, Detection), value, "a list of Detection", "a list with ")
+    box, where = value.box, "a Detection with "
+    _expect(isinstance(box, Box), box, "a Box", f"{where}the box ")
+    corners = (box.x_min, box.y_min, box.x_max, box.y_max)
+    _expect(all(map(_is_number, corners)), box, "finite numbers of pixels", f"{where}the box ")
+    in_order = box.x_min <= box.x_max and box.y_min <= box.y_max
+    _expect(in_order, box, "x_min <= x_max and y_min <= y_max", f"{where}the box ")
+    sure = _is_number(value.score, -_ROUNDING, 1.0 + _ROUNDING)
+    _expect(sure, value.score, "a number from 0 to 1", f"{where}the score ")
+    _expect(isinstance(value.label, str), value.label, "a text", f"{where}the label ")
+    if value.mask is not None:
+        _mask_of(value.mask, shape, f"{where}the mask ")
+    return value
+
+
+def _mask(value: Any, *given: Any) -> np.ndarray:
+    observation = next(one for one in given if isinstance(one, Observation))
+    return _mask_of(value, observation.depth.shape)
+
+
+def _mask_of(value: Any, shape: tuple[int, ...], where: str = "") -> np.ndarray:
+    fits = isinstance(value, np.ndarray) and value.dtype == bool and value.shape == shape
+    _expect(fits, value, f"an array of bool with the image's shape {shape}", where)
+    return value
+
+
+def _things(value: Any, *_: Any) -> Mapping[int, SeenThing]:
+    _expect(isinstance(value, Mapping), value, "a mapping of numbers to SeenThing")
+    for number, thing in value.items():
+        _expect(_is_whole(number), number, "whole numbers as keys", "a mapping with the key ")
+        _expect(isinstance(thing, SeenThing), thing, "SeenThing", "a mapping with ")
+        _expect(_is_position(thing.position), thing, "a position on the map", "a mapping with ")
+    return value
+
+
+def _is_position(value: Any) -> bool:
+    is_pair = isinstance(value, Sequence) and len(value) == 2
+    return is_pair and all(_is_number(one, -_FARTHEST_M, _FARTHEST_M) for one in value)
+
+
+def _destination(value: Any, *_: Any) -> Destination | None:
+    if value is None:
+        return None
+    _expect(isinstance(value, Destination), value, "a Destination, or None if nothing is left")
+    _expect(_is_position(value.xy), value, f"x and y within {_FARTHEST_M:,.0f} m")
+    _expect(isinstance(value.reason, str), value.reason, "a text", "a Destination for the reason ")
+    for field in ("arrival_m", "face"):
+        number = getattr(value, field)
+        fits = number is None or _is_number(number)
+        _expect(fits, number, "a number, or None", f"a Destination with {field} ")
+    for field in ("floor", "most_steps"):
+        number = getattr(value, field)
+        fits = number is None or _is_whole(number)
+        _expect(fits, number, "a whole number, or None", f"a Destination with {field} ")
+    insight = value.insight
+    fits = insight is None or isinstance(insight, Insight)
+    _expect(fits, insight, "an Insight, or None", "a Destination with the insight ")
+    return value
+
+
+def _block(value: Any, overview: Overview, _goal: Any, excluded: frozenset[int]) -> BlockChoice:
+    _expect(isinstance(value, BlockChoice), value, "a BlockChoice")
+    free = [block.number for block in overview.blocks if block.number not in excluded]
+    fits = value.number is None or value.number in free
+    _expect(fits, value.number, f"None or one of {free}", "a BlockChoice of the number ")
+    _expect(isinstance(value.reason, str), value.reason, "a text", "a BlockChoice for the reason ")
+    return value
+
+
+def _arrows(value: Any, view: ArrowView, *_: Any) -> ArrowChoice:
+    _expect(isinstance(value, ArrowChoice), value, "an ArrowChoice")
+    numbers = [TURN_AROUND, *(arrow.number for arrow in view.arrows)]
+    fits = isinstance(value.numbers, tuple) and all(one in numbers for one in value.numbers)
+    _expect(fits, value.numbers, f"a tuple of some of {numbers}", "an ArrowChoice of ")
+    _expect(isinstance(value.reason, str), value.reason, "a text", "an ArrowChoice for the reason ")
+    return value
+
+
+def _direction(value: Any, *_: Any) -> GuideChoice:
+    _expect(isinstance(value, GuideChoice), value, "a GuideChoice")
+    fits = isinstance(value.direction, Direction)
+    _expect(fits, value.direction, "a Direction", "a GuideChoice of ")
+    _expect(isinstance(value.reason, str), value.reason, "a text", "a GuideChoice for the reason ")
+    return value
+
+
+def _score(value: Any, *_: Any) -> float:
+    _expect(_is_number(value, -_ROUNDING, 1.0 + _ROUNDING), value, "a number from 0 to 1")
+    return float(value)
+
+
+def _yes_or_no(value: Any, *_: Any) -> bool:
+    _expect(isinstance(value, bool | np.bool_), value, "True or False")
+    return bool(value)
+
+
+def _report(value: Any, *_: Any) -> dict[str, Any]:
+    _expect(isinstance(value, dict), value, "a dict of JSON values")
+    try:
+        json.dumps(value, allow_nan=False)
+    except (TypeError, ValueError, RecursionError) as error:
+        raise ValueFault(f"{_shown(value)}; expected JSON values ({error})") from None
+    return value
+
+
+def _of(kind: type, *, or_none: bool = False) -> Check:
+    """A check that a value is of a class."""
+
+    def check(value: Any, *_: Any) -> Any:
+        fits = isinstance(value, kind) or (or_none and value is None)
+        _expect(fits, value, f"{kind.__name__}{' or None' if or_none else ''}")
+        return value
+
+    return check
+
+
+_ALL: dict[str, Check] = {"take_report": _report, "warning": _of(str)}
+_AGENT: dict[str, Check] = {
+    "act": _action,
+    "last_step": _of(StepTrace),
+    "grid": _of(OccupancyGrid, or_none=True),
+    "embodiment": _of(Embodiment),
+}
+CHECKS: dict[str, dict[str, Check]] = {
+    "Agent": _ALL | _AGENT,
+    "Detector": _ALL | {"detect": _detections, "name_things": _things},
+    "Segmenter": _ALL | {"segment": _mask},
+    "Explorer": _ALL | {"next_destination": _destination},
+    "BlockReasoner": _ALL | {"choose": _block},
+    "ArrowReasoner": _ALL | {"choose": _arrows},
+    "Guide": _ALL | {"direct": _direction},
+    "SceneScorer": _ALL | {"score": _score},
+    "PresenceCheck": _ALL | {"is_present": _yes_or_no},
+}
+"""The checks of each protocol, by the names of its methods and of what else it may have."""

@@ -1,0 +1,92 @@
+"""A file that a search writes as it goes: a regular one, and its first failure is kept in words."""
+
+import os
+import stat
+from contextlib import suppress
+from pathlib import Path
+
+from hypernav.core.errors import OutputError
+
+
+def check_regular(path: Path) -> None:
+    """Refuse what is no regular file, such as a pipe, which nobody may ever read.
+
+    Raises:
+        OutputError: It is something else, or its name is impossible.
+    """
+    try:
+        mode = path.stat().st_mode
+    except FileNotFoundError:
+        return
+    except OSError as error:
+        raise _unwritten(path, error) from error
+    if stat.S_ISDIR(mode):
+        raise OutputError(f"{path} is a folder; name a file in it")
+    if not stat.S_ISREG(mode):
+        raise OutputError(f"{path} is a pipe or a device; name a file")
+
+
+class OutputFile:
+    """An open file that discards what is written after an error, for libraries that print errors.
+
+    Attributes:
+        path: Its path.
+    """
+
+    def __init__(self, path: Path) -> None:
+        """Open the file; an existing one is replaced, missing folders are created.
+
+        Raises:
+            OutputError: It cannot be written.
+        """
+        check_regular(path)
+        self.path = path
+        self._error: OSError | None = None
+        self._at = self._end = 0
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            self._file = path.open("wb", buffering=0)
+        except OSError as error:
+            raise _unwritten(path, error) from error
+
+    def write(self, data: bytes | bytearray) -> int:
+        """Write bytes, unless an earlier write failed."""
+        view = memoryview(data)
+        try:
+            while view and self._error is None:
+                view = view[self._file.write(view) :]
+        except OSError as error:
+            self._error = error
+        self._at += len(data)
+        self._end = max(self._end, self._at)
+        return len(data)
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        """Move to another position; returns it. After an error it is that of a file without one."""
+        self._at = offset + {os.SEEK_SET: 0, os.SEEK_CUR: self._at, os.SEEK_END: self._end}[whence]
+        if self._error is None:
+            self._file.seek(self._at)
+        return self._at
+
+    def flush(self) -> None:
+        """Do nothing: all bytes are with the operating system already."""
+
+    def close(self) -> None:
+        """Close the file."""
+        with suppress(OSError):
+            self._file.close()
+
+    def check(self) -> None:
+        """Raise the first error of writing.
+
+        Raises:
+            OutputError: Something could not be written.
+        """
+        if self._error is not None:
+            raise _unwritten(self.path, self._error)
+
+
+def _unwritten(path: Path, error: OSError) -> OutputError:
+    return OutputError(
+        f"{path} cannot be written ({error.strerror}); free some space, or choose another file"
+    )

@@ -1,0 +1,202 @@
+"""Components of a user's own: the first wrong value and every failure have a name."""
+
+import copy
+import math
+import os
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from hypernav.core.actions import Action
+from hypernav.core.components.abilities import ChecksGoal, Closes, Reports
+from hypernav.core.components.door import through_door
+from hypernav.core.components.protocols import (
+    Agent,
+    ArrowReasoner,
+    BlockReasoner,
+    Detector,
+    ExplainsItself,
+    Explorer,
+    Guide,
+    PresenceCheck,
+    SceneScorer,
+    Segmenter,
+)
+from hypernav.core.errors import (
+    ComponentError,
+    ContractError,
+    ModelUnavailableError,
+    WorldError,
+)
+from hypernav.core.exploring.arrows import Arrow, ArrowChoice, ArrowView
+from hypernav.core.exploring.exploration import Destination
+from hypernav.core.exploring.guidance import Direction, GuideChoice
+from hypernav.core.exploring.overview import Block, BlockChoice, Overview
+from hypernav.core.geometry.boxes import Box, Detection
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
+from hypernav.perception.local.ground_truth import GroundTruthDetector
+from hypernav.worlds.box_room import BoxRoom
+
+SEEN = BoxRoom().observe()
+SHAPE = SEEN.depth.shape
+GOAL = Goal("door")
+GOOD = Detection(Box(1.0, 2.0, 30.0, 40.0), 0.5, "door")
+BLOCK = Block(1, 0.0, 0.0, 1.0, 9, 3, (0.5, 0.5), 1.0)
+OVERVIEW = Overview(lambda *_: SEEN.rgb, (BLOCK, replace(BLOCK, number=2)), Pose2(0.0, 0.0, 0.0))
+THERE = Destination(1.0, 2.0, "x")
+ARROW = Arrow(1, 0.0, 1.0, (1.0, 0.0), (5.0, 5.0), 1.0, False)
+ARROWS = ArrowView(lambda: SEEN.rgb, (ARROW,), may_turn=True)
+
+
+def own(**members: Any) -> Any:
+    """A component of a user's own: functions become methods, all else attributes."""
+    return type("Mine", (), members)()
+
+
+def returning(method: str, value: object) -> Any:
+    return own(**{method: lambda self, *given, **named: value})
+
+
+def raising(error: BaseException) -> Callable[..., Any]:
+    def fail(self: object, *_: object) -> None:
+        raise error
+
+    return fail
+
+
+def broken(thing: Any, **values: Any) -> Any:
+    """A value with members that a type checker would refuse."""
+    made = copy.copy(thing)
+    for name, value in values.items():
+        object.__setattr__(made, name, value)
+    return made
+
+
+DETECTED = {
+    "no list": None,
+    "a generator": (one for one in [GOOD]),
+    "no detection": [GOOD, "door"],
+    "no box": [broken(GOOD, box=(1, 2, 3, 4))],
+    "an infinite box": [broken(GOOD, box=Box(0.0, 0.0, math.inf, 9.0))],
+    "an inverted box": [broken(GOOD, box=Box(9.0, 0.0, 1.0, 9.0))],
+    "NaN": [broken(GOOD, score=math.nan)],
+    "5": [broken(GOOD, score=5)],
+    "-1": [broken(GOOD, score=-1)],
+    "a text as score": [broken(GOOD, score="high")],
+    "True as score": [broken(GOOD, score=True)],
+    "a mask of another size": [broken(GOOD, mask=np.ones((10, 10), bool))],
+    "a float mask": [broken(GOOD, mask=np.ones(SHAPE))],
+    "a 3-D mask": [broken(GOOD, mask=np.ones((*SHAPE, 1), bool))],
+    "no label": [broken(GOOD, label=None)],
+}
+CASES = [
+    *((Detector, "detect", (SEEN, GOAL), value) for value in DETECTED.values()),
+    *((Segmenter, "segment", (SEEN, GOOD.box), mask) for mask in (
+        None, np.ones((10, 10), bool), np.ones(SHAPE, np.uint8), [[True]],
+    )),
+    *((PresenceCheck, "is_present", (SEEN, GOAL), value) for value in (math.nan, "no", 1, None)),
+    *((SceneScorer, "score", (SEEN, GOAL), value) for value in (math.nan, 2.0, -1, None, "1")),
+    *((Agent, "act", (SEEN,), value) for value in (7, -1, 1.0, True, "STOP", math.nan)),
+    *((Explorer, "next_destination", (None,), value) for value in (
+        (1.0, 2.0), broken(THERE, x=math.nan), broken(THERE, y=1e300), broken(THERE, face=math.nan),
+        broken(THERE, floor=0.5), broken(THERE, reason=None),
+    )),
+    *((BlockReasoner, "choose", (OVERVIEW, GOAL, frozenset({2})), value) for value in (
+        None, 1, BlockChoice(2, "excluded"), BlockChoice(9, "not there"),
+    )),
+    *((ArrowReasoner, "choose", (ARROWS, GOAL), value) for value in (
+        None, ArrowChoice((7,), "not there"), broken(ArrowChoice((), "x"), numbers=[1]),
+    )),
+    *((Guide, "direct", (None, GOAL), value) for value in (
+        "left", broken(GuideChoice(Direction.LEFT, "x"), direction="left"),
+    )),
+    *((protocol, "take_report", (), value) for protocol, value in (
+        (Detector, None), (Agent, {"a": math.nan}), (Explorer, {"a": object()}),
+    )),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("protocol", "method", "given", "value"), CASES, ids=range(len(CASES)))
+def test_the_first_wrong_value_names_the_component(protocol, method, given, value):
+    needed = dict.fromkeys((one for one in dir(protocol) if one[0] != "_"), lambda self: None)
+    mine = own(**{**needed, method: lambda self, *given: value})
+    with pytest.raises(ComponentError, match=rf"^--kind mine: {method} returned .*expected"):
+        getattr(through_door(mine, protocol, "--kind mine"), method)(*given)
+
+
+def test_good_values_pass():
+    mask = np.ones(SHAPE, bool)
+    found = [GOOD, broken(GOOD, mask=mask, score=np.float32(1.0000001), box=Box(0, 0, 0, 0))]
+    detector = through_door(returning("detect", tuple(found)), Detector)
+    assert detector.detect(observation=SEEN, goal=GOAL) == found
+    assert through_door(returning("segment", mask), Segmenter).segment(SEEN, GOOD.box) is mask
+    present = through_door(returning("is_present", np.bool_(True)), PresenceCheck)
+    assert present.is_present(SEEN, GOAL) is True
+    agent = through_door(own(reset=lambda self, goal: None, act=lambda self, seen: 2), Agent)
+    assert agent.act(SEEN) is Action.TURN_LEFT
+    reasoner = through_door(returning("choose", BlockChoice(1, "near")), BlockReasoner)
+    assert reasoner.choose(OVERVIEW, GOAL, frozenset()).number == 1
+    arrows = through_door(returning("choose", ArrowChoice((0,), "back")), ArrowReasoner)
+    assert arrows.choose(ARROWS, GOAL).numbers == (0,)
+    guide = through_door(returning("direct", GuideChoice(Direction.LEFT, "x")), Guide)
+    assert guide.direct(None, GOAL).direction is Direction.LEFT  # pyright: ignore[reportArgumentType]
+    explorer = through_door(returning("next_destination", None), Explorer)
+    assert explorer.next_destination(None) is None  # pyright: ignore[reportArgumentType]
+
+
+@pytest.mark.parametrize(
+    "error", [KeyError("mine"), SystemExit(0), SystemExit(), WorldError("over"), MemoryError()]
+)
+def test_whatever_it_raises_is_its_own(error):
+    mine = through_door(own(detect=raising(error)), Detector, "--detector mine:Mine")
+    with pytest.raises(ComponentError, match=r"^--detector mine:Mine: detect") as caught:
+        mine.detect(SEEN, GOAL)
+    assert type(error).__name__ in str(caught.value)
+    assert f"{__file__} line" in str(caught.value)
+    assert "in fail" in caught.value.details
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt(), ModelUnavailableError("no server")])
+def test_interruptions_and_outages_pass(error):
+    with pytest.raises(type(error)):
+        through_door(own(detect=raising(error)), Detector).detect(SEEN, GOAL)
+
+
+def test_what_else_it_can_do_is_kept():
+    mine = own(
+        detect=lambda self, seen, goal: [],
+        check_goal=raising(ValueError("never seen")),
+        close=lambda self: os.getpid(),
+        gives_masks=True,
+    )
+    shell = through_door(mine, Detector)
+    assert isinstance(shell, ChecksGoal)
+    assert isinstance(shell, Closes)
+    assert not isinstance(shell, Reports | ExplainsItself | Agent)
+    assert shell.gives_masks  # pyright: ignore[reportAttributeAccessIssue]
+    assert type(shell).__name__ == "Mine"
+    with pytest.raises(ComponentError, match=r"Mine: check_goal raised .*never seen"):
+        shell.check_goal(GOAL)
+    assert not hasattr(shell, "something_else")
+
+
+def test_a_component_of_this_package_passes_unchanged():
+    ours = GroundTruthDetector()
+    assert through_door(ours, Detector) is ours
+
+
+@pytest.mark.parametrize("thing", [{}, object(), Detector, GroundTruthDetector])
+def test_what_is_no_component_is_refused(thing):
+    with pytest.raises(ContractError, match=r"is no Detector: it has no detect|is a class"):
+        through_door(thing, Detector)
+
+
+def test_a_component_that_cannot_be_looked_at_is_named():
+    mine = own(detect=property(lambda self: sys.exit(0)))
+    with pytest.raises(ComponentError, match="Mine: a look at it ended the program"):
+        through_door(mine, Detector)
