@@ -19,8 +19,8 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending, Mode, StepTrace
-from hypernav.robot.server.agents import AgentPlan, PlanAgent
 from hypernav.robot.server.access import Access
+from hypernav.robot.server.agents import AgentPlan, PlanAgent
 from hypernav.robot.server.limits import ServerLimits
 from hypernav.robot.server.searches import Searches
 from hypernav.robot.server.serving import RobotServer, listening
