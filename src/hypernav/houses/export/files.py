@@ -80,7 +80,7 @@ def export_building(building: Building, out_dir: Path) -> ExportedBuilding:
         seen = with_backs(house)
         write_house(seen, files.glb)
         scene = to_scene(house, name)
-        files.objects.write_text(json.dumps(_objects(scene, house), indent=1) + "\n")
+        files.objects.write_text(json.dumps(_objects(scene, seen), indent=1) + "\n")
         colors = _colors(len(house.names))
         write_semantics(seen, colors, files.semantic_glb)
         files.semantic_txt.write_text(_semantic_lines(house, colors, rooms))

@@ -124,7 +124,9 @@ def test_every_stage_answers_as_the_library_does(library: Path, seed: int) -> No
     expect(regions)
 
     longest = int(settings["edge_max_len"] / cell)
-    outlines = join_holes(trace_contours(space, regions, settings["edge_max_error"][()], longest))
+    outlines = join_holes(
+        trace_contours(space, regions, np.float32(settings["edge_max_error"]), longest)
+    )
     expect([number for line in outlines for number in (len(line.corners), line.region)])
     expect(np.concatenate([np.zeros((0, 4), int), *(line.corners for line in outlines)]))
     polygons = convex_polygons(outlines)
