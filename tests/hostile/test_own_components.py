@@ -102,7 +102,7 @@ def test_what_is_no_component_is_the_users_mistake(folder):
 )
 def test_an_evaluation_never_takes_it_for_the_simulators_fault(agent, did, folder):
     command = ["eval", "scene:room.glb#2", "--out", "out", "--workers", "1", *SMALL]
-    ended = run([*command, "--agent", f"mine:{agent}"], folder, seconds=60)
+    ended = run([*command, "--agent", f"mine:{agent}"], folder, seconds=100)
     check(ended, 70, "hypernav: a component of your own failed in 3 episodes, last in room.glb/")
     check(ended, 70, f"--agent mine:{agent}: {did}")
     assert not (folder / "out" / "episodes.jsonl").read_text()
