@@ -7,6 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
+from trimesh.visual import TextureVisuals
+from trimesh.visual.material import PBRMaterial
 
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.world import Instance
@@ -86,8 +88,8 @@ def boxes_glb(path: Path, boxes: Sequence[Box]) -> Path:
         mesh.apply_transform(to_gltf)
         if name is not None:
             color = colorsys.hls_to_rgb(zlib.crc32(name.encode()) % 360 / 360.0, 0.5, 0.4)
-            material = trimesh.visual.material.PBRMaterial(baseColorFactor=[*color, 1.0])
-            mesh.visual = trimesh.visual.TextureVisuals(material=material)
+            material = PBRMaterial(baseColorFactor=[*color, 1.0])
+            mesh.visual = TextureVisuals(material=material)
         scene.add_geometry(mesh, node_name=f"{name or 'wall'}_{number:02d}")
     scene.export(path)
     return path

@@ -3,6 +3,7 @@
 import json
 import math
 from dataclasses import replace
+from inspect import unwrap
 from math import pi
 
 import pytest
@@ -81,4 +82,4 @@ def test_an_agent_for_another_robot_is_refused(glb):
 )  # fmt: skip
 def test_an_impossible_argument_is_refused_not_replaced(given, glb):
     with pytest.raises((ConfigError, ContractError)):
-        hypernav.find.__wrapped__("bed", glb, **given)
+        unwrap(hypernav.find)("bed", glb, **given)

@@ -8,11 +8,8 @@ from hypernav.robot.server.pace import Pace
 
 def asked(by_model_s: float, own_s: float) -> StepTrace:
     """A decision for which a model and a component of this program were asked."""
-    words = {"kind": "verify", "asked": "x", "question": "?", "answer": "yes"}
-    exchanges = [
-        Exchange(**words, by_model=True, seconds=by_model_s),
-        Exchange(**words, seconds=own_s),
-    ]
+    own = Exchange(kind="verify", asked="x", question="?", answer="yes", seconds=own_s)
+    exchanges = [own.model_copy(update={"by_model": True, "seconds": by_model_s}), own]
     return StepTrace(
         step=0, pose=(0.0, 0.0, 0.0), action=None, mode=Mode.EXPLORE, exchanges=exchanges
     )

@@ -2,7 +2,6 @@
 
 import threading
 from collections.abc import Callable
-from types import TracebackType
 
 from hypernav.core.errors import RequestRefusedError, RobotLinkError
 from hypernav.robot.client.links import HttpServer, ServerAddress, failure_words, give_up
@@ -40,15 +39,11 @@ class StopListener(SideThread):
         self._search_id = search_id
         self._on_stop = on_stop
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *raised: object) -> None:
         """Wait until the work has ended, and tell the server of an error."""
-        super().__exit__(kind, error, trace)
-        if kind is not None and not issubclass(kind, RobotLinkError):
+        super().__exit__(*raised)
+        error = next((one for one in raised if isinstance(one, BaseException)), None)
+        if error is not None and not isinstance(error, RobotLinkError):
             give_up(self._address, self._search_id, failure_words(error))
 
     def _work_until(self, block_ended: threading.Event) -> None:
