@@ -99,7 +99,7 @@ def test_a_place_that_cannot_be_written_is_one_line(box_houses, tmp_path, capsys
     options = ("--out", tmp_path / "file" / "a.json", "--houses", "5:6", "--quiet")
     assert hypernav("houses", "episodes", "houses-train", *options) == 2
     said = capsys.readouterr().err
-    assert "is not a folder" in said
+    assert "a.json cannot be written (Not a directory)" in said
     assert said.count("\n") == 1
 
 

@@ -54,6 +54,7 @@ def legged_robot(
     so much older than images.
     """
     sensor, ended = Quality.SENSOR, threading.Event()
+    network.subscribe("/cmd_vel", ros.Twist, Quality.RELIABLE, lambda _: None)
     colours = [network.publisher(f"/{name}/image_raw", ros.Image, sensor) for name in cameras]
     depths = [network.publisher(f"/{name}/depth", ros.Image, sensor) for name in cameras]
     infos = [network.publisher(f"/{name}/camera_info", ros.CameraInfo, sensor) for name in cameras]

@@ -24,15 +24,15 @@ def _loopback(monkeypatch):
 
 
 def publisher(network: Ros2Network) -> VelocityPublisher:
-    return VelocityPublisher("/cmd_vel", network, Ros2Config(), SENSORS)
+    return VelocityPublisher("/wheels", network, Ros2Config(), SENSORS)
 
 
 def test_velocities_of_another_type_than_the_robot_reads_are_named():
     with closing(Ros2Network(DOMAIN)) as robot, closing(Ros2Network(DOMAIN)) as ours:
-        robot.subscribe("/cmd_vel", ros.TwistStamped, Quality.RELIABLE, lambda _: None)
+        robot.subscribe("/wheels", ros.TwistStamped, Quality.RELIABLE, lambda _: None)
         with pytest.raises(
             RosNetworkError,
-            match=r"nobody reads '/cmd_vel' as Twist .*read as geometry_msgs/\w*/?TwistStamped",
+            match=r"nobody reads '/wheels' as Twist .*read as geometry_msgs/\w*/?TwistStamped",
         ):
             publisher(ours).await_wheels(1.0)
 
@@ -48,13 +48,13 @@ def test_velocities_that_nobody_reads_are_named():
 def test_others_who_drive_are_named(caplog):
     read: list[Any] = []
     with closing(Ros2Network(DOMAIN)) as robot, closing(Ros2Network(DOMAIN)) as ours:
-        robot.subscribe("/cmd_vel", ros.Twist, Quality.RELIABLE, read.append)
+        robot.subscribe("/wheels", ros.Twist, Quality.RELIABLE, read.append)
         wheels = publisher(ours)
         wheels.await_wheels(10.0)
         assert caplog.text == ""
-        joystick = robot.publisher("/cmd_vel", ros.Twist)
-        while ours.publishers("/cmd_vel") == 0:
+        joystick = robot.publisher("/wheels", ros.Twist)
+        while ours.publishers("/wheels") == 0:
             joystick.publish(ros.Twist())
         wheels.await_wheels(10.0)
         wheels.publish(Velocity(0.1))
-    assert "1 other publisher(s) on '/cmd_vel'" in caplog.text
+    assert "1 other publisher(s) on '/wheels'" in caplog.text

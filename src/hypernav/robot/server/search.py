@@ -7,6 +7,7 @@ from contextlib import AbstractContextManager, closing, contextmanager
 from time import monotonic
 
 from hypernav.core.errors import (
+    ComponentError,
     HyPerNavError,
     ModelSetupError,
     ModelUnavailableError,
@@ -26,6 +27,7 @@ from hypernav.robot.wire.frames import PackedObservation, unpack_observation
 from hypernav.robot.wire.replies import Reply, SearchEnding, Status
 
 _LOG = logging.getLogger(__name__)
+_OUR_ERROR = "an error of the server, whose log says more"
 
 
 class Search:
@@ -237,7 +239,7 @@ class Search:
     def _fail(self) -> None:
         """End the search after an error of the server, so that no robot waits in vain."""
         with self._ending_at_errors():
-            self._finish(SearchEnding.FAILED, "an error of the server, whose log says more")
+            self._finish(SearchEnding.FAILED, _OUR_ERROR)
         self._release()
 
     def _release(self) -> None:
@@ -256,6 +258,9 @@ class Search:
                 self._finish(SearchEnding.MODEL_UNAVAILABLE, str(error))
             except SensorError as error:
                 self._finish(SearchEnding.ROBOT_FAILED, str(error))
+            except ComponentError as error:
+                _LOG.error("search %s: %s\n%s", self.record.id, error, error.details)
+                self._finish(SearchEnding.FAILED, _OUR_ERROR)
             except HyPerNavError as error:
                 _LOG.error("search %s: %s", self.record.id, error)
                 self._finish(SearchEnding.FAILED, str(error))
