@@ -67,9 +67,9 @@ class SearchConfig(RoomConfig):
         enter_fully: Whether to take one more step, into the goal area, where the robot would end up
             farther than `stop_distance_m` before it because a step is longer than what is left.
         open_the_way: Whether to look from near at gaps that are closed by little where no path
-            leads to the goal area; to be content with a position up to `approach_gap_m` beside it,
-            with the goal in sight, where it has been blocked for `patience_steps`; and to go back
-            to the nearest view of the goal with the last steps.
+            leads to the goal area of a target that is believed in; to be content with a position up
+            to `approach_gap_m` beside it, with the goal in sight, where it has been blocked for
+            `patience_steps`; and to go back to the nearest view of the goal with the last steps.
         max_steps: Number of steps that a search has; the last of them lead to the likeliest of what
             was seen and not believed (with `LocalConfig.target` "candidates").
         pursue_far_sightings: Whether to go towards a goal that was seen beyond the range of depth:

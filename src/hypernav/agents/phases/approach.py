@@ -10,7 +10,7 @@ from hypernav.core.actions import Action
 from hypernav.core.trace import Mode
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.target import Target
-from hypernav.perception.local.belief import rejected
+from hypernav.perception.local.belief import is_convincing, rejected
 
 _CLOSE_BY_M = 1.5
 """Length of path below which a stuck robot is at the goal area: something stands around it."""
@@ -23,7 +23,8 @@ def approach(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, 
     target, robot, config = memory.search.evidence.target, step.robot, step.config
     if target is None:
         return Phase.LOOK_AROUND, plan
-    goals = _goals(step, memory, plan, target)
+    opens = _opens_the_way(step, memory, plan)
+    goals = _goals(step, memory, plan, target, opens=opens)
     if _distance_m(robot.xy, goals[0]) > config.stop_distance_m:
         with step.clock("plan"):
             action, plan = _next_action(step, plan, target, goals)
@@ -34,7 +35,7 @@ def approach(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, 
         if not enters:
             plan = plan.approach(blocked_steps=plan.approaching.blocked_steps + 1)
         if path is None or not (leads_there or must_do):
-            if config.open_the_way:
+            if opens:
                 with step.clock("plan"):
                     decision, plan = open_way(step, plan, np.concatenate(goals))
                 if decision is not None:
@@ -48,7 +49,7 @@ def approach(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, 
                 reason = f"going to the {step.goal.thing}"
                 decision = Decision(action, Mode.APPROACH, reason, route.remaining(robot))
                 return decision, _without_exploration(step, plan)
-        elif not (must_do or enters) and config.open_the_way and plan.approaching.may_clear(config):
+        elif opens and not (must_do or enters) and plan.approaching.may_clear(config):
             turn = turn_towards(robot, target.area.centre, step.motion) or Action.TURN_LEFT
             reason = f"waiting beside the {step.goal.thing} for what stands before it"
             return Decision(turn, Mode.APPROACH, reason), _without_exploration(step, plan)
@@ -79,12 +80,18 @@ def _next_action(
     return action if is_near else None, plan.approach(inside=inside)
 
 
+def _opens_the_way(step: Step, memory: Memory, plan: Plan) -> bool:
+    """Whether the target is worth waiting for: it is believed in, or nothing else is left."""
+    is_believed = is_convincing(memory.search.evidence, step.use.local.config)
+    return step.config.open_the_way and (is_believed or plan.approaching.as_near_as_possible)
+
+
 def _goals(
-    step: Step, memory: Memory, plan: Plan, target: Target
+    step: Step, memory: Memory, plan: Plan, target: Target, *, opens: bool
 ) -> list[Float64[np.ndarray, "_ 2"]]:
     """Sets of positions to go to, in the order of preference."""
     config, goals = step.config, [target.entry_points]
-    if not (config.enter_in_sight or config.open_the_way):
+    if not (config.enter_in_sight or opens):
         return goals
     around = np.concatenate([target.area.entry_points, target.area.seen_points])
     widest_m = max(config.approach_gap_m, *_WIDER_M)
@@ -94,7 +101,7 @@ def _goals(
         in_sight = target.entry_points_in_sight(eye_level)
         if 0 < len(in_sight) < len(goals[0]):
             goals.insert(0, in_sight)
-    if not config.open_the_way:
+    if not opens:
         return goals
     must_do = plan.approaching.as_near_as_possible
     nearest_m = config.approach_gap_m / 3.0
