@@ -1,4 +1,7 @@
-"""Errors that nobody expected: one line, a file with the traceback, and never status 1."""
+"""Errors that nobody expected: one line, a file with the traceback, and never status 1.
+
+An agent breaks the simulated world, since errors of its own are named as its own.
+"""
 
 import json
 
@@ -12,20 +15,28 @@ pytestmark = pytest.mark.slow
 BROKEN = """
 import os
 
+from hypernav.worlds.simulation import SimulatedWorld
+
 class Broken:
     def __init__(self):
         where = os.environ["BREAK_AT"]
         if where == "build":
             raise RuntimeError("first line\\nsecond line " + "x" * 5000)
-        self.steps = int(where)
+        step, left = SimulatedWorld.step, int(where)
+
+        def broken_step(world, action):
+            nonlocal left
+            if left == 0:
+                return 1 / 0
+            left -= 1
+            return step(world, action)
+
+        SimulatedWorld.step = broken_step
 
     def reset(self, goal):
         pass
 
     def act(self, observation):
-        if self.steps == 0:
-            return 1 / 0
-        self.steps -= 1
         return 2
 """
 

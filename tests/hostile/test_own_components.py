@@ -105,5 +105,5 @@ def test_an_evaluation_never_takes_it_for_the_simulators_fault(agent, did, folde
     ended = run([*command, "--agent", f"mine:{agent}"], folder, seconds=100)
     check(ended, 70, "hypernav: a component of your own failed in 3 episodes, last in room.glb/")
     check(ended, 70, f"--agent mine:{agent}: {did}")
-    assert not (folder / "out" / "episodes.jsonl").read_text()
+    assert not (folder / "out" / "episodes.jsonl").exists()
     assert len(json.loads((folder / "out" / "sessions.jsonl").read_text())["crashes"]) == 3

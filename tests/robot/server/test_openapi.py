@@ -89,6 +89,7 @@ def invented(link: RobotLink, each: int) -> list[int]:
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:Do not use the `random` module inside strategies")
 def test_five_thousand_invented_requests(tmp_path):
     with robot_server(tmp_path, limits=FREELY) as link:
         statuses = invented(link, 210)
