@@ -143,5 +143,8 @@ def test_an_import_target_is_the_thing_itself():
 def test_a_module_that_fails_while_it_is_imported_is_named(line, tmp_path, monkeypatch):
     (tmp_path / "fails_at_once.py").write_text(line)
     monkeypatch.syspath_prepend(tmp_path)
-    with pytest.raises(ComponentError, match=r"fails_at_once:Thing: its import (raised|ended)"):
+    with pytest.raises(
+        ComponentError, match=r"fails_at_once:Thing: its import (raised|ended)"
+    ) as it:
         import_target("fails_at_once:Thing")
+    assert str(it.value).endswith(f", {tmp_path / 'fails_at_once.py'} line 1)")
