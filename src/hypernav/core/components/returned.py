@@ -1,6 +1,7 @@
 """What a component of a user's own may return, method by method."""
 
 import json
+import math
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from numbers import Integral, Real
@@ -50,7 +51,8 @@ def _shown(value: object) -> str:
 
 
 def _is_number(value: Any, low: float = -_LARGEST, high: float = _LARGEST) -> bool:
-    return isinstance(value, Real) and not isinstance(value, bool) and bool(low <= value <= high)
+    number: Any = value if isinstance(value, Real) and not isinstance(value, bool) else math.nan
+    return bool(low <= number <= high)
 
 
 def _expect_text(value: Any, where: str) -> None:
