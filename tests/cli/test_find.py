@@ -7,6 +7,7 @@ import pytest
 from box_scenes import room_glb
 from hypernav.cli.main import main
 from hypernav.cli.screen.warnings_shown import no_such_object_line
+from hypernav.core.files.folder_lock import folder_lock
 from hypernav.core.goal import Goal
 
 SMALL = ("--set", "embodiment.camera.width=160", "embodiment.camera.height=120")
@@ -43,6 +44,13 @@ def test_not_found_is_exit_status_1(glb, tmp_path):
     status = hypernav("find", "piano", "--scene", glb, "--out", tmp_path, "--quiet", *SMALL)
     assert status == 1
     assert json.loads((tmp_path / "result.json").read_text())["outcome"] == "not_found"
+
+
+def test_two_searches_never_write_one_folder(glb, tmp_path, capsys):
+    with folder_lock(tmp_path):
+        assert hypernav("find", "bed", "--scene", glb, "--out", tmp_path, *SMALL) == 2
+    assert f"{tmp_path} is in use by another run" in capsys.readouterr().err.replace("\n", " ")
+    assert not (tmp_path / "trace.jsonl").exists()
 
 
 def test_quiet_says_nothing(glb, tmp_path, capsys):

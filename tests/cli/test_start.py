@@ -101,6 +101,23 @@ def test_the_version_is_that_of_the_installed_package(capsys):
 
 
 @pytest.mark.skipif(shutil.which("bash") is None, reason="bash is not installed")
+@pytest.mark.parametrize(
+    ("command", "status"),
+    [
+        ("--help >&-", 0),
+        ("--version >&-", 0),
+        ("--version | true; exit ${PIPESTATUS[0]}", 0),
+        ("--version > /dev/full", 2),
+    ],
+)
+def test_a_closed_or_full_output_is_no_crash(command, status):
+    script = f"{sys.executable} -m hypernav {command}"
+    ended = subprocess.run(["bash", "-c", script], check=False, capture_output=True, text=True)
+    assert ended.returncode == status
+    assert "should not have happened" not in ended.stderr
+
+
+@pytest.mark.skipif(shutil.which("bash") is None, reason="bash is not installed")
 def test_a_shell_completes_commands_and_options(capsys):
     with pytest.raises(SystemExit) as stop:
         main(["--completion", "bash"])

@@ -1,10 +1,12 @@
 import json
+import shutil
 
 import av
 import pytest
 import yaml
 
 from hypernav.build.agents import build_search
+from hypernav.core.errors import OutputError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import ExchangeLog, StepTrace
 from hypernav.episodes.episode_run import EpisodeRun
@@ -94,3 +96,14 @@ def test_leaving_early_keeps_trace_and_a_playable_video(tmp_path):
     assert len((tmp_path / "trace.jsonl").read_text().splitlines()) == 3
     with av.open(str(tmp_path / "episode.mp4")) as video:
         assert sum(1 for _ in video.decode(video=0)) >= 3
+
+
+def test_a_folder_that_became_a_file_names_what_could_not_be_written(tmp_path):
+    folder = tmp_path / "out"
+    with recorder(folder) as files:
+        for step in episode():
+            files.add(step.trace, step.grid, step.observation)
+        shutil.rmtree(folder)
+        folder.touch()
+        with pytest.raises(OutputError, match=r"^.*out: result\.json, .* could not be written"):
+            files.finish({"goal": "bed", "outcome": "not_found"})

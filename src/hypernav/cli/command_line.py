@@ -62,7 +62,7 @@ def run_command(arguments: Sequence[str]) -> int:
     if name in {"-h", "--help"}:
         _help()
     if name == "--version":
-        print(f"hypernav {version('hypernav')}")
+        Terminal(stderr=False).print(f"hypernav {version('hypernav')}")
         return 0
     if name == "--completion":
         _completion(rest)

@@ -30,6 +30,7 @@ from hypernav.cli.screen.warnings_shown import (
 from hypernav.core.config import check_option
 from hypernav.core.episodes.episode import MAX_STEPS, Episode, Outcome
 from hypernav.core.errors import ConfigError, ModelSetupError, ModelUnavailableError, OutputError
+from hypernav.core.files.folder_lock import folder_lock
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.interruptions import interruptions_of_kernels
@@ -62,6 +63,7 @@ def run(options: Options) -> int:
         ModelUnavailableError: The model was unavailable; what was done is on disk.
         ModelSetupError: URL, key or name of the model are wrong; what was done is on disk.
         OutputError: Nothing can be written, or the disk is full; earlier output is on disk.
+        RunFolderError: Another search writes to the folder.
         KeyboardInterrupt: Ctrl-C or SIGTERM; what was done is on disk.
     """
     check_steps_and_seed(options.max_steps, options.seed)
@@ -72,7 +74,7 @@ def run(options: Options) -> int:
     check_views(options.views)
     if options.who.record is not None:
         check_file(options.who.record)
-    with crash_report(folder):
+    with folder_lock(folder), crash_report(folder):
         return _find(options, goal, folder)
 
 

@@ -4,6 +4,7 @@ Signal handlers are installed first and everything else is imported after that, 
 the first second ends the program as it does later.
 """
 
+import os
 import re
 import sys
 from collections.abc import Sequence
@@ -21,6 +22,9 @@ _LONG_WORD = re.compile(r"\S{300,}")
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
     """Run a command and exit with its status, see `ExitStatus`."""
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:  # closed: no file of a search may get its number
+            setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115
     sys.exit(_flushed(_status(sys.argv[1:] if arguments is None else arguments)))
 
 

@@ -5,7 +5,7 @@ import math
 import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -179,7 +179,8 @@ class EpisodeRecorder:
         try:
             write()
         except OSError:
-            (self.folder / name).unlink(missing_ok=True)
+            with suppress(OSError):  # the folder may be gone, too
+                (self.folder / name).unlink()
             return False
         return True
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from hypernav.core.actions import Action
-from hypernav.core.components.abilities import ChecksGoal, Closes, Reports
+from hypernav.core.components.abilities import ChecksGoal, Closes, Reports, gives_masks
 from hypernav.core.components.door import through_door
 from hypernav.core.components.protocols import (
     Agent,
@@ -93,6 +93,11 @@ DETECTED = {
     "a float mask": [broken(GOOD, mask=np.ones(SHAPE))],
     "a 3-D mask": [broken(GOOD, mask=np.ones((*SHAPE, 1), bool))],
     "no label": [broken(GOOD, label=None)],
+    "half a surrogate pair": [broken(GOOD, label="door\ud800")],
+    "a whole number beyond all floats": [broken(GOOD, score=10**400)],
+    "a corner beyond all floats": [broken(GOOD, box=Box(0.0, 0.0, 10**400, 9.0))],
+    "a box without end": [broken(GOOD, box=Box(-1e300, -1e300, 1e300, 1e300))],
+    "a masked array": [broken(GOOD, mask=np.ma.masked_array(np.ones(SHAPE, bool), mask=True))],
 }
 CASES = [
     *((Detector, "detect", (SEEN, GOAL), value) for value in DETECTED.values()),
@@ -117,6 +122,7 @@ CASES = [
     )),
     *((protocol, "take_report", (), value) for protocol, value in (
         (Detector, None), (Agent, {"a": math.nan}), (Explorer, {"a": object()}),
+        (Detector, {"a": "\ud800"}),
     )),
 ]  # fmt: skip
 
@@ -127,6 +133,38 @@ def test_the_first_wrong_value_names_the_component(protocol, method, given, valu
     mine = own(**{**needed, method: lambda self, *given: value})
     with pytest.raises(ComponentError, match=rf"^--kind mine: {method} returned .*expected"):
         getattr(through_door(mine, protocol, "--kind mine"), method)(*given)
+
+
+class Lazy(list[Any]):
+    def __iter__(self) -> Any:
+        sys.exit(0)
+
+
+class Unspeakable:
+    def __repr__(self) -> str:
+        sys.exit(0)
+
+
+class Unsure(int):
+    def __int__(self) -> int:
+        sys.exit(0)
+
+
+@pytest.mark.parametrize(
+    ("protocol", "method", "value"),
+    [(Detector, "detect", Lazy()), (Detector, "detect", Unspeakable()), (Agent, "act", Unsure(0))],
+)
+def test_what_comes_back_cannot_end_the_program_while_it_is_looked_at(protocol, method, value):
+    needed = dict.fromkeys((one for one in dir(protocol) if one[0] != "_"), lambda self: None)
+    mine = through_door(own(**{**needed, method: lambda self, *given: value}), protocol)
+    with pytest.raises(ComponentError, match=f"^Mine: what {method} returned ended the program"):
+        getattr(mine, method)(SEEN, GOAL)
+
+
+def test_an_attribute_that_says_neither_yes_nor_no_is_named():
+    mine = own(detect=lambda self, *given: [], gives_masks=np.array([1, 2]))
+    with pytest.raises(ComponentError, match=r"^Mine: gives_masks returned .*expected True or"):
+        gives_masks(through_door(mine, Detector))
 
 
 def test_good_values_pass():
@@ -150,7 +188,15 @@ def test_good_values_pass():
 
 
 @pytest.mark.parametrize(
-    "error", [KeyError("mine"), SystemExit(0), SystemExit(), WorldError("over"), MemoryError()]
+    "error",
+    [
+        KeyError("mine"),
+        SystemExit(0),
+        SystemExit(),
+        WorldError("over"),
+        MemoryError(),
+        GeneratorExit(),
+    ],
 )
 def test_whatever_it_raises_is_its_own(error):
     mine = through_door(own(detect=raising(error)), Detector, "--detector mine:Mine")

@@ -143,5 +143,16 @@ def test_an_import_target_is_the_thing_itself():
 def test_a_module_that_fails_while_it_is_imported_is_named(line, tmp_path, monkeypatch):
     (tmp_path / "fails_at_once.py").write_text(line)
     monkeypatch.syspath_prepend(tmp_path)
-    with pytest.raises(ComponentError, match=r"fails_at_once:Thing: its import (raised|ended)"):
+    with pytest.raises(
+        ComponentError, match=r"fails_at_once:Thing: its import (raised|ended)"
+    ) as it:
         import_target("fails_at_once:Thing")
+    assert str(it.value).endswith(f", {tmp_path / 'fails_at_once.py'} line 1)")
+
+
+def test_a_folder_that_is_gone_is_no_place_to_import_from(tmp_path, monkeypatch):
+    (tmp_path / "gone").mkdir()
+    monkeypatch.chdir(tmp_path / "gone")
+    (tmp_path / "gone").rmdir()
+    with pytest.raises(ImportTargetError, match="there is no module 'nowhere'"):
+        Registry("detector", "").find("nowhere:Thing")

@@ -65,8 +65,9 @@ def load_episodes(
         return choice.load()(request)
     with calling(dataset, "its function"):
         episodes = list(choice.load()(request))
-    if others := [one for one in episodes if not isinstance(one, Episode)]:
-        raise ComponentError(f"{dataset}: its function returned {others[0]!r:.80} as an Episode")
+        if others := [one for one in episodes if not isinstance(one, Episode)]:
+            said = f"{others[0]!r:.80} as an Episode"
+            raise ComponentError(f"{dataset}: its function returned {said}")
     return episodes
 
 

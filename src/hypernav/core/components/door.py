@@ -5,6 +5,7 @@ that forwards everything: what the component raises, `SystemExit` included, beco
 its name, and so does the first value that its protocol does not allow.
 """
 
+import importlib
 import os
 import traceback
 from collections.abc import Iterator, Mapping
@@ -30,7 +31,8 @@ T = TypeVar("T")
 SIMULATOR_ERRORS = (SceneError, StartError, WorldError, CameraError)
 """Errors by which a simulator fails. Raised by a component, they are the component's."""
 
-_PACKAGE = f"{Path(__file__).parents[2]}{os.sep}"
+_NOT_ITS_OWN = (f"{Path(__file__).parents[2]}{os.sep}", importlib.__file__, "<")
+"""What stands between a call and the component; an import goes through files of Python, too."""
 _MISSING = object()
 _MOST_WORDS = 300
 
@@ -99,7 +101,7 @@ def calling(name: str, what: str) -> Iterator[None]:
     try:
         with interruptions_of_kernels():
             yield
-    except (KeyboardInterrupt, GeneratorExit):
+    except KeyboardInterrupt:
         raise
     except BaseException as error:  # whatever it is, it is the component's
         if isinstance(error, HyPerNavError) and not isinstance(error, SIMULATOR_ERRORS):
@@ -113,8 +115,10 @@ def calling(name: str, what: str) -> Iterator[None]:
 
 def _line_of(error: BaseException) -> str:
     """Where in the component's own file an error arose; empty if that is unknown."""
+    if isinstance(error, SyntaxError) and error.filename is not None:
+        return f", {error.filename} line {error.lineno}"
     frames = traceback.extract_tb(error.__traceback__)
-    others = [frame for frame in frames if not frame.filename.startswith(_PACKAGE)]
+    others = [frame for frame in frames if not frame.filename.startswith(_NOT_ITS_OWN)]
     own = [frame for frame in others if frame.filename == others[0].filename]
     return f", {own[-1].filename} line {own[-1].lineno}" if own else ""
 
@@ -143,6 +147,7 @@ class _Shell:
         if attribute not in self._checks:
             return value
         try:
-            return self._checks[attribute](value, *given)
+            with calling(self._name, f"what {attribute} returned"):
+                return self._checks[attribute](value, *given)
         except ValueFault as fault:
             raise ComponentError(f"{self._name}: {attribute} returned {fault}") from None

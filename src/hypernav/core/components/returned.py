@@ -2,6 +2,7 @@
 
 import json
 import math
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from numbers import Integral, Real
 from typing import Any
@@ -10,6 +11,7 @@ import numpy as np
 
 from hypernav.core.actions import Action
 from hypernav.core.embodiment import Embodiment
+from hypernav.core.errors import HyPerNavError
 from hypernav.core.exploring.arrows import TURN_AROUND, ArrowChoice, ArrowView
 from hypernav.core.exploring.exploration import Destination
 from hypernav.core.exploring.guidance import Direction, GuideChoice
@@ -26,9 +28,11 @@ Check = Callable[..., Any]
 
 _ROUNDING = 1e-6
 _FARTHEST_M = 10_000.0
+_FARTHEST_PIXELS = 1e6
+_LARGEST = sys.float_info.max
 
 
-class ValueFault(Exception):
+class ValueFault(HyPerNavError):
     """A value that no component may return; the message goes on after "returned"."""
 
 
@@ -46,10 +50,15 @@ def _shown(value: object) -> str:
         return f"a {type(value).__name__}"
 
 
-def _is_number(value: Any, low: float = -math.inf, high: float = math.inf) -> bool:
-    if not isinstance(value, Real) or isinstance(value, bool):
-        return False
-    return math.isfinite(value) and low <= float(value) <= high
+def _is_number(value: Any, low: float = -_LARGEST, high: float = _LARGEST) -> bool:
+    number: Any = value if isinstance(value, Real) and not isinstance(value, bool) else math.nan
+    return bool(low <= number <= high)
+
+
+def _expect_text(value: Any, where: str) -> None:
+    """Expect a text that files and pages can hold."""
+    fits = isinstance(value, str) and value == value.encode(errors="replace").decode()
+    _expect(fits, value, "a text of valid Unicode", where)
 
 
 def _is_whole(value: Any) -> bool:
@@ -74,12 +83,13 @@ def _detection(value: Any, shape: tuple[int, ...]) -> Detection:
     box, where = value.box, "a Detection with "
     _expect(isinstance(box, Box), box, "a Box", f"{where}the box ")
     corners = (box.x_min, box.y_min, box.x_max, box.y_max)
-    _expect(all(map(_is_number, corners)), box, "finite numbers of pixels", f"{where}the box ")
+    finite = all(_is_number(one, -_FARTHEST_PIXELS, _FARTHEST_PIXELS) for one in corners)
+    _expect(finite, box, "finite numbers of pixels, up to a million", f"{where}the box ")
     in_order = box.x_min <= box.x_max and box.y_min <= box.y_max
     _expect(in_order, box, "x_min <= x_max and y_min <= y_max", f"{where}the box ")
     sure = _is_number(value.score, -_ROUNDING, 1.0 + _ROUNDING)
     _expect(sure, value.score, "a number from 0 to 1", f"{where}the score ")
-    _expect(isinstance(value.label, str), value.label, "a text", f"{where}the label ")
+    _expect_text(value.label, f"{where}the label ")
     if value.mask is not None:
         _mask_of(value.mask, shape, f"{where}the mask ")
     return value
@@ -91,7 +101,8 @@ def _mask(value: Any, *given: Any) -> np.ndarray:
 
 
 def _mask_of(value: Any, shape: tuple[int, ...], where: str = "") -> np.ndarray:
-    fits = isinstance(value, np.ndarray) and value.dtype == bool and value.shape == shape
+    # Of these types exactly: a matrix and a masked array mean something else by their items.
+    fits = type(value) in (np.ndarray, np.memmap) and value.dtype == bool and value.shape == shape
     _expect(fits, value, f"an array of bool with the image's shape {shape}", where)
     return value
 
@@ -115,7 +126,7 @@ def _destination(value: Any, *_: Any) -> Destination | None:
         return None
     _expect(isinstance(value, Destination), value, "a Destination, or None if nothing is left")
     _expect(_is_position(value.xy), value, f"x and y within {_FARTHEST_M:,.0f} m")
-    _expect(isinstance(value.reason, str), value.reason, "a text", "a Destination for the reason ")
+    _expect_text(value.reason, "a Destination for the reason ")
     for field in ("arrival_m", "face"):
         number = getattr(value, field)
         fits = number is None or _is_number(number)
@@ -135,7 +146,7 @@ def _block(value: Any, overview: Overview, _goal: Any, excluded: frozenset[int])
     free = [block.number for block in overview.blocks if block.number not in excluded]
     fits = value.number is None or value.number in free
     _expect(fits, value.number, f"None or one of {free}", "a BlockChoice of the number ")
-    _expect(isinstance(value.reason, str), value.reason, "a text", "a BlockChoice for the reason ")
+    _expect_text(value.reason, "a BlockChoice for the reason ")
     return value
 
 
@@ -144,7 +155,7 @@ def _arrows(value: Any, view: ArrowView, *_: Any) -> ArrowChoice:
     numbers = [TURN_AROUND, *(arrow.number for arrow in view.arrows)]
     fits = isinstance(value.numbers, tuple) and all(one in numbers for one in value.numbers)
     _expect(fits, value.numbers, f"a tuple of some of {numbers}", "an ArrowChoice of ")
-    _expect(isinstance(value.reason, str), value.reason, "a text", "an ArrowChoice for the reason ")
+    _expect_text(value.reason, "an ArrowChoice for the reason ")
     return value
 
 
@@ -152,7 +163,7 @@ def _direction(value: Any, *_: Any) -> GuideChoice:
     _expect(isinstance(value, GuideChoice), value, "a GuideChoice")
     fits = isinstance(value.direction, Direction)
     _expect(fits, value.direction, "a Direction", "a GuideChoice of ")
-    _expect(isinstance(value.reason, str), value.reason, "a text", "a GuideChoice for the reason ")
+    _expect_text(value.reason, "a GuideChoice for the reason ")
     return value
 
 
@@ -169,7 +180,7 @@ def _yes_or_no(value: Any, *_: Any) -> bool:
 def _report(value: Any, *_: Any) -> dict[str, Any]:
     _expect(isinstance(value, dict), value, "a dict of JSON values")
     try:
-        json.dumps(value, allow_nan=False)
+        json.dumps(value, allow_nan=False, ensure_ascii=False).encode()
     except (TypeError, ValueError, RecursionError) as error:
         raise ValueFault(f"{_shown(value)}; expected JSON values ({error})") from None
     return value
@@ -186,7 +197,12 @@ def _of(kind: type, *, or_none: bool = False) -> Check:
     return check
 
 
-_ALL: dict[str, Check] = {"take_report": _report, "warning": _of(str)}
+_FLAGS = ("looks_at_colours", "gives_masks", "answers_at_once", "wants_named_things")
+_ALL: dict[str, Check] = {
+    "take_report": _report,
+    "warning": _of(str),
+    **dict.fromkeys(_FLAGS, _yes_or_no),
+}
 _AGENT: dict[str, Check] = {
     "act": _action,
     "last_step": _of(StepTrace),
