@@ -114,6 +114,7 @@ def test_looking_up_and_down_is_never_chosen(choice):
     assert {agent.act(room.observe()) for _ in range(50)} <= set(Action)
 
 
+@pytest.mark.slow
 def test_samples_follow_the_scores_and_the_mode_does_not_vary():
     network, room = Favourite(Action.MOVE_FORWARD, score=0.5), BoxRoom(embodiment=TRAINED)
     drawn = agent_of(network)

@@ -38,6 +38,7 @@ def count(models: list[PlacedModel], category: str) -> int:
     return sum(one.model.category == category for one in models)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", NUMBERS)
 def test_every_crowded_office_has_a_room_full_of_chairs_with_a_screen(number: int):
     assert any(

@@ -46,6 +46,7 @@ def test_what_blocks_the_goal_is_waited_for_as_long_as_patience_lasts():
     assert not blocked[-1].may_clear(config)
 
 
+@pytest.mark.slow
 def test_without_it_the_goal_is_left():
     steps, _ = search_for_the_screen(board_m=0.76, aisle_m=0.46, open_the_way=False)
     seen = next(step.step for step in steps if step.goal_area)

@@ -122,6 +122,7 @@ def test_nothing_is_said_before_the_first_command():
         stands.set()
 
 
+@pytest.mark.slow
 def test_a_robot_that_drives_on_at_the_end_is_an_error():
     wheels = Wheels()
     output = GuardedOutput(wheels, STANDSTILL, is_safe=lambda: True, is_standing=lambda: False)

@@ -154,6 +154,7 @@ def test_a_camera_below_the_floor_names_the_floor(networks):
         Ros2Base(ours, config, Ros2Sensors(ours, config))
 
 
+@pytest.mark.slow
 def test_frames_of_a_robot_in_a_namespace_are_heard(networks):
     theirs, ours = networks
     frames = ("topics.tf=/robot1/tf", "topics.tf_static=/robot1/tf_static")
@@ -193,6 +194,7 @@ def test_topics_that_were_only_looked_at_are_received_no_longer(networks):
         assert sensors.calibration.frame == "front_optical"
 
 
+@pytest.mark.slow
 def test_a_robot_that_falls_silent_is_waited_for_and_then_given_up(networks):
     theirs, ours = networks
     config = configured(*NAMED, "timing.patience_s=1")
@@ -202,6 +204,7 @@ def test_a_robot_that_falls_silent_is_waited_for_and_then_given_up(networks):
         base.sense()
 
 
+@pytest.mark.slow
 def test_images_wait_for_the_odometry_of_their_time(networks):
     theirs, ours = networks
     config = configured(*NAMED)
@@ -223,6 +226,7 @@ def test_odometry_that_lags_too_far_behind_images_is_nothing_to_drive_by(network
             sensors.wait_for_pair()
 
 
+@pytest.mark.slow
 def test_odometry_that_lags_for_longer_than_images_are_kept_is_named_at_the_start(networks):
     theirs, ours = networks
     with (
@@ -232,6 +236,7 @@ def test_odometry_that_lags_for_longer_than_images_are_kept_is_named_at_the_star
         Ros2Sensors(ours, configured(*NAMED, "timing.find_s=4"))
 
 
+@pytest.mark.slow
 def test_a_halt_ends_the_wait_for_images(networks):
     theirs, ours = networks
     config = configured(*NAMED)

@@ -97,6 +97,7 @@ def test_both_worlds_show_and_walk_the_same(mesh):
         assert comparison.step_m == pytest.approx(0.0, abs=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("_habitat")
 def test_episodes_run_on_habitats_observations(benchmark_data, tmp_path):
     chair, _, television, _ = load_episodes(f"hm3d:{benchmark_data}#v1/val")
