@@ -110,7 +110,7 @@ def test_an_answer_is_not_older_than_its_question(link):
 
 
 def test_a_broken_observation_does_not_count(link, script):
-    search, body = link.open(), body_of(0, BoxRoom(labels=False))
+    search, body = link.open(labels=False), body_of(0, BoxRoom(labels=False))
     broken = body[:-400] + bytes(400)
     answer = link.observe(search, broken)
     assert answer.status == 422
@@ -244,6 +244,23 @@ def test_opening_again_with_a_key_gives_the_same_search(link):
     first, again = link.open(key="robot-7-tuesday"), link.open(key="robot-7-tuesday")
     assert first == again
     assert link.open() != first
+
+
+def test_a_key_belongs_to_one_goal(link):
+    link.open("door", key="robot-7-tuesday")
+    request = {"goal": "chair", "key": "robot-7-tuesday", "labels": True}
+    robot = BoxRoom().embodiment.model_dump()
+    refused = link.call("POST", "/v1/searches", request | {"embodiment": robot})
+    assert refused.status == 409
+    assert "a search for 'door'" in refused.json["message"]
+
+
+def test_labels_that_were_promised_must_come(link):
+    search = link.open(labels=True)
+    refused = link.observe(search, body_of(0, BoxRoom(labels=False)))
+    assert refused.status == 422
+    assert "opened with labels: true" in refused.json["message"]
+    assert link.observe(search, body_of(0)).status == 200
 
 
 def test_the_status_waits_for_news(link):

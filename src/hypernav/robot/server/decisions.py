@@ -7,6 +7,7 @@ from typing import cast
 from hypernav.build.agents import BuiltAgent
 from hypernav.core.actions import Action
 from hypernav.core.components.protocols import ExplainsItself
+from hypernav.core.errors import WireError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.observation import Observation
 from hypernav.core.trace import StepTrace
@@ -42,16 +43,19 @@ class Decisions:
         self._robot, self._camera = request.robot, request.camera
         self._camera_to_base = request.embodiment.camera.camera_to_base
         self._sensing = Sensing(request.embodiment)
+        self._has_labels = request.labels
         self._told: Action | None = None
 
     def check(self, packed: PackedObservation) -> Observation:
         """Decode the next observation, and look whether it can be true; nothing else changes.
 
         Raises:
-            WireError: It is broken.
+            WireError: It is broken, or lacks the labels that the robot said it would send.
             SensorError: What the robot senses cannot be right.
         """
         seen = self._decoded(packed)
+        if self._has_labels and packed.labels is None:
+            raise WireError("the search was opened with labels: true; this observation has none")
         self._sensing.check(packed, seen, self._told)
         return seen
 

@@ -80,13 +80,14 @@ class Searches:
         """Begin a search, or return that of the same key.
 
         Raises:
-            RequestRefusedError: Images are too large, or there are too many searches.
+            RequestRefusedError: Images are too large, there are too many searches, or the key is
+                that of a search for another goal.
             HyPerNavError: No such agent can be built, or the goal can never be found.
         """
         stops = self._stops
         with self._lock:
             if request.key is not None and request.key in self._keys:
-                return self._searches[self._keys[request.key]]
+                return _same(self._searches[self._keys[request.key]], request)
             self._check_room(request)
             name = secrets.token_hex(16)
             folder = self._folder / name
@@ -221,6 +222,15 @@ class Searches:
                 f"time of chat models), and {1e3 * limits.answer_s:.0f} are the limit; try again "
                 "when a search has ended, or use another server"
             )
+
+
+def _same(search: Search, request: OpenSearch) -> Search:
+    """The search of a key, if it is the one that the robot means."""
+    goal = search.record.request.goal
+    if goal != request.goal:
+        message = f"this key is that of a search for {goal!r}; make up another one"
+        raise RequestRefusedError(message, error="key", status=409)
+    return search
 
 
 def _busy(message: str) -> RequestRefusedError:

@@ -22,7 +22,7 @@ REFUSALS: dict[int | str, dict[str, Any]] = {
         403: "This page or host may not use this server.",
         404: "There is no such search, or nothing to show yet.",
         408: "The body did not arrive in time.",
-        409: "Another observation is expected, see expected.",
+        409: "Another observation is expected, see expected; or a key is that of another goal.",
         413: "The body is too large.",
         422: "A value is wrong; the message says which.",
         429: "Too many requests or searches.",
