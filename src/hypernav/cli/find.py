@@ -74,7 +74,7 @@ def run(options: Options) -> int:
     check_views(options.views)
     if options.who.record is not None:
         check_file(options.who.record)
-    with folder_lock(folder), crash_report(folder):
+    with crash_report(folder):
         return _find(options, goal, folder)
 
 
@@ -111,6 +111,7 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
             step_limit=steps,
         )
         with (
+            folder_lock(folder),
             EpisodeRecorder(folder, **asdict(info)) as recorder,
             opened_views(options.views, info, recorder) as views,
         ):
