@@ -38,8 +38,8 @@ class LocalConfig(RoomConfig):
         dilation_iterations: Number of dilations (paper: 3).
         largest_cluster_only: Whether to keep only the connected cells that most points fall into.
         entry_reach_m: Distance from the seen cells, metres, within which the robot may enter the
-            goal area, but not behind a wall; 0 (paper) sends it to the dilated cells. Half of it
-            where the pixels were guessed from a box, since they spill onto what is before the goal.
+            goal area, but not behind a wall; 0 (paper) sends it to the dilated cells. A quarter
+            less where the pixels were guessed from a box, since they spill over the goal's edge.
         target: Rule for what is gone to. "latest": every new detection moves the goal area
             (paper). "candidates": everything that may be the goal is remembered with what speaks
             for and against it, from all sides, and what is worth its way is gone to; a doubtful one

@@ -40,7 +40,7 @@ _REJECTED = "rejected before"
 _BESIDE_REJECTED_DEG = 10.0
 _STRONG = 0.3
 """Score from which one detection alone is worth remembering, or following out of range."""
-_NEARER = 0.5
+_NEARER = 0.75
 """Share of the entry reach that is left where the goal's outline was guessed from a box."""
 _CERTAIN = 0.99
 """Score from which a detector has no doubts that a form could speak to."""
