@@ -19,9 +19,17 @@ from small_worlds import small_config
 IN_THE_CORRIDOR = Pose2(10.5, 1.0, math.pi)
 
 
-def search_for_the_screen(*, board_m, aisle_m, steps=300, open_the_way=True):
+class Doubtful(GroundTruthDetector):
+    """Sees what is there, with a score that says little."""
+
+    def detect(self, observation, goal):
+        return [replace(one, score=0.35) for one in super().detect(observation, goal)]
+
+
+def search_for_the_screen(*, board_m, aisle_m, steps=300, open_the_way=True, detector=None):
     config = small_config(search={"max_steps": steps, "open_the_way": open_the_way})
-    agent = build_search(config, GroundTruthDetector(), ExchangeLog(), agent="hypernav")
+    eyes = detector or GroundTruthDetector()
+    agent = build_search(config, eyes, ExchangeLog(), agent="hypernav")
     world = meeting_room(board_m=board_m, aisle_m=aisle_m)
     episode = EpisodeRun(agent, world, episode_from(IN_THE_CORRIDOR, "tv", max_steps=steps))
     return [step.trace for step in episode], episode.result()
@@ -60,6 +68,12 @@ def test_a_gap_that_fails_by_centimetres_is_looked_at_before_it_counts_as_closed
     assert looks
     assert closed
     assert len({step.step for step in closed}) < 10  # remembered: none is looked at for ever
+
+
+def test_no_gap_is_looked_at_for_what_is_not_believed_in():
+    steps, _ = search_for_the_screen(board_m=0.8, aisle_m=0.32, detector=Doubtful())
+    assert any(step.goal_area for step in steps)
+    assert not [step for step in steps if "looking from near" in step.reason]
 
 
 def test_the_last_steps_lead_to_the_best_candidate_though_no_path_does():
