@@ -10,6 +10,8 @@ import difflib
 import importlib
 import io
 import itertools
+import os
+import shutil
 from collections.abc import Sequence
 from dataclasses import make_dataclass
 from importlib.metadata import version
@@ -34,6 +36,8 @@ COMMANDS = {
 }
 _SHELLS = ("bash", "zsh", "tcsh")
 _MOST_CHARACTERS = 500
+_LEAST_COLUMNS = 20
+"""Narrowest terminal for which help and errors are laid out: tyro never ends in a narrower one."""
 _PLAINER = {
     "Error parsing ": "",
     "Missing from hypernav ": "missing from hypernav ",
@@ -58,6 +62,8 @@ def run_command(arguments: Sequence[str]) -> int:
         HyPerNavError: The command failed; the message gives the reason.
         SystemExit: The command line asks for help, which has been printed.
     """
+    if shutil.get_terminal_size().columns < _LEAST_COLUMNS:
+        os.environ["COLUMNS"] = str(_LEAST_COLUMNS)
     name, *rest = list(arguments) or [""]
     if name in {"-h", "--help"}:
         _help()
