@@ -148,9 +148,7 @@ def _described(
         family=config.grounding.family,
         bank=f"{bank.name}, {bank.size}, version {BANK_VERSION}",
         wanted=bank.count,
-        who=who
-        if options.vlm is None
-        else who | {"model": model_words(options.vlm, chat.identify)},
+        who=who,
         prompts=prompt_hashes(config) if options.vlm else {},
         price_in_per_million=config.price.in_per_million,
         price_out_per_million=config.price.out_per_million,

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from hypernav.core.goal import Goal
 from hypernav.exam.questions import ExamQuestion, Kind
 
 BankName = Literal["val", "train"]
@@ -50,6 +51,10 @@ class Sheet:
 
     number: int
     scene: str
+
+    def question_id(self, number: int, kind: Kind, stratum: str, goal: Goal) -> str:
+        """Name of a question of this sheet, unique in the bank."""
+        return f"{self.scene}/{self.number}/{kind}/{stratum}/{goal.text}/{number}"
 
 
 @dataclass(frozen=True)
