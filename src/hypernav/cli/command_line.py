@@ -28,6 +28,7 @@ COMMANDS = {
     "ablate": "Run variants of the method on the same episodes, and say what each part is worth.",
     "report": "Write a page, a CSV file and LaTeX tables about one or more evaluations.",
     "doctor": "Examine a vision-language model, or the data of benchmarks, and say what to change.",
+    "exam": "Ask a model questions with known answers, and say whether and where it will help.",
     "compare": "Compare the simulator with habitat-sim, pose by pose, in a scene of your own.",
     "scene": "Write the navigation mesh that habitat-sim computes of a scene, for any robot.",
     "serve": "Take the observations of robots over the network, and answer each with an action.",
