@@ -29,10 +29,9 @@ from hypernav.perception.local.noisy_detector import DetectorQuality
 from hypernav.perception.local.presence import PresenceConfig
 from hypernav.perception.local.vlm_detector import VlmDetectorConfig
 from hypernav.perception.navvlm.area_explorer import AreaConfig
-from hypernav.perception.navvlm.chat_guide import ChatGuideConfig
+from hypernav.perception.navvlm.guides import ChatGuideConfig
 from hypernav.perception.visual_prompts.config import ArrowsConfig
-from hypernav.perception.vlfm.chat_scorer import ChatScorerConfig
-from hypernav.perception.vlfm.similarity_scorer import SimilarityScorerConfig
+from hypernav.perception.vlfm.model_scorers import ChatScorerConfig, SimilarityScorerConfig
 from hypernav.perception.vlfm.truth_scorer import TruthScorerConfig
 from hypernav.perception.vlfm.value_frontier import ValueFrontierConfig
 from hypernav.planning.config import PlanningConfig

@@ -18,7 +18,7 @@ from hypernav.core.exploring.sightings import Sightings
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.observation import Observation
 from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.memory.goal_evidence import GoalEvidence
+from hypernav.mapping.memory.target import GoalEvidence
 from hypernav.mapping.top_down_map import TopDownMap
 
 _ANOTHER_M = 1.0

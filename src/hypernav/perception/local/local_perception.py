@@ -30,8 +30,7 @@ from hypernav.perception.local.belief import (
 )
 from hypernav.perception.local.config import LocalConfig
 from hypernav.perception.local.refinement import eroded, projected
-from hypernav.perception.shape.all_sides import measure_of
-from hypernav.perception.shape.evidence import shape_evidence
+from hypernav.perception.shape.evidence import measure_of, shape_evidence
 from hypernav.perception.shape.form import Form, measured_form
 from hypernav.perception.shape.kinds import KindShape, kind_shape
 

@@ -16,10 +16,9 @@ from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
 from hypernav.models.chat.vlm_families import FamilyName, VlmFamily, family_named, family_of
-from hypernav.perception.exchanges import exchange_of
+from hypernav.perception.exchanges import YesNoAsker, exchange_of
 from hypernav.perception.local.crop_check import crop_of, crop_question
 from hypernav.perception.local.grounding_format import Grounding, read_grounding
-from hypernav.perception.yes_or_no import YesNoAsker
 
 _PROMPT = (
     "Locate every {goal} in the picture and report the bounding boxes in JSON format, for example "
