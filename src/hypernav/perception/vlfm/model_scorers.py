@@ -1,4 +1,4 @@
-"""Scores of views by models: how probable a chat model's yes is, and VLFM's comparison with a text."""
+"""Scores of views by models: the probability of a chat model's yes, or likeness to a text."""
 
 from dataclasses import dataclass, field
 
