@@ -5,14 +5,13 @@ import hashlib
 import numpy as np
 
 from chat_models import Parrot
-from drawn_grids import drawn
+from drawn_grids import divide_into_blocks, drawn
 from exploration_views import exploration_view
 from hypernav.build.presets import preset
 from hypernav.core.exploring.overview import Overview
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
-from hypernav.mapping.blocks import divide_into_blocks
 from hypernav.models.chat.vlm_families import family_named
 from hypernav.perception.explorers.block_explorer import BlockExplorer
 from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
