@@ -66,15 +66,11 @@ def lines_are_clear(
         ends: End of every line, metres.
         through: Positions whose cells hide nothing, such as those of the object that is looked at.
     """
-    own = np.zeros(grid.cells.shape, dtype=bool)
-    cells = grid.cells_of(through)
-    cells = cells[grid.contains(cells)]
-    own[cells[:, 0], cells[:, 1]] = True
     lengths = np.linalg.norm(ends - starts, axis=1)
     samples = math.ceil(1.5 * float(lengths.max(initial=0.0)) / grid.resolution_m) + 1
     return clear_lines(
         grid.cells,
-        own,
+        grid.mask_of(through),
         np.array(grid.origin),
         grid.resolution_m,
         starts,

@@ -68,10 +68,7 @@ def _in_sight(
     grid: OccupancyGrid, positions: Float64[np.ndarray, "n 2"], area: GoalArea
 ) -> Bool[np.ndarray, "n"]:
     """Whether each position sees the middle of an area, hidden by nothing but the area itself."""
-    hides = grid.occupied.copy()
-    own = grid.cells_of(area.points)
-    own = own[grid.contains(own)]
-    hides[own[:, 0], own[:, 1]] = False
+    hides = grid.occupied & ~grid.mask_of(area.points)
     steps = math.ceil(_FARTHEST_M / grid.resolution_m)
     share = np.linspace(0.0, 1.0, steps)[None, :, None]
     middle = np.array(area.centre)
