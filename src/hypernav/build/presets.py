@@ -22,7 +22,6 @@ from hypernav.models.vision.zero_shot import ZeroShotConfig
 from hypernav.perception.explorers.block_explorer import OverviewConfig
 from hypernav.perception.explorers.geometric_reasoner import GeometricConfig
 from hypernav.perception.explorers.map_question import VlmReasonerConfig
-from hypernav.perception.local.attention import AttentionConfig
 from hypernav.perception.local.config import LocalConfig
 from hypernav.perception.local.depth_cut import DepthCutConfig
 from hypernav.perception.local.noisy_detector import DetectorQuality
@@ -80,7 +79,6 @@ class HyPerNavConfig(RoomConfig):
         search: Conditions for looking, stopping and changing the destination.
         chat: Connection to chat models, timeouts and retries.
         grounding: Question to a chat model for boxes.
-        attention: Choice of the images that a chat model is asked about.
         block_choice: Map question to a chat model.
         presence: Question to a chat model whether the goal is really there.
         price: Prices of tokens, for the cost in the results.
@@ -112,7 +110,6 @@ class HyPerNavConfig(RoomConfig):
     search: SearchConfig = SearchConfig()
     chat: ChatConfig = ChatConfig()
     grounding: VlmDetectorConfig = VlmDetectorConfig()
-    attention: AttentionConfig = AttentionConfig()
     block_choice: VlmReasonerConfig = VlmReasonerConfig()
     presence: PresenceConfig = PresenceConfig()
     price: PriceConfig = PriceConfig()

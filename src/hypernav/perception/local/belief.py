@@ -92,12 +92,6 @@ def needs_second_look(evidence: GoalEvidence, config: LocalConfig) -> bool:
     return not is_sure or len(target.looks) < _LEAST_LOOKS
 
 
-def held_area(evidence: GoalEvidence, config: LocalConfig) -> GoalArea | None:
-    """Goal area of a held target that needs no second look."""
-    target, holds = evidence.target, config.target == "candidates"
-    return target.area if target and holds and not needs_second_look(evidence, config) else None
-
-
 def confirmed(evidence: GoalEvidence) -> GoalEvidence:
     """The evidence after the target was looked at once more."""
     target = evidence.target
