@@ -49,7 +49,6 @@ class VlmReasonerConfig(RoomConfig):
         facts: Whether a reasoned question says for each block how far it is, in which direction,
             what share of the unexplored boundary it holds, whether the robot was there and which
             things a detector has named there beside the goal.
-        camera_image: Whether the camera's image is shown beside the map.
         list_excluded: Whether blocks that are ruled out are shown like all others and named in
             "don't answer number [x, …]" (paper), instead of being hatched and left out.
         min_frontier_cells: Length of unexplored boundary, cells, below which a block holds nothing
@@ -62,7 +61,6 @@ class VlmReasonerConfig(RoomConfig):
 
     mode: Literal["paper", "reasoned", "constrained"] = "reasoned"
     facts: bool = True
-    camera_image: bool = False
     list_excluded: bool = False
     min_frontier_cells: int = Field(default=6, ge=0, le=1_000_000)
     max_blocks: int | None = Field(default=20, ge=1, le=10_000)
@@ -108,14 +106,10 @@ def map_question(
         shown, hatched = shown | excluded, frozenset[int]()
         # The paper's words for what was visited already.
         avoid = f" Don't answer number {sorted(excluded)}." if excluded else ""
-    images, beside = (overview.draw(shown, hatched),), ""
-    if config.camera_image and overview.camera_image is not None:
-        images += (overview.camera_image,)
-        beside = "The second image is what the robot's camera sees now.\n\n"
     return Question(
         kind="choose block",
-        text=beside + _text(config, overview, goal, offered, shown) + avoid + hint,
-        images=images,
+        text=_text(config, overview, goal, offered, shown) + avoid + hint,
+        images=(overview.draw(shown, hatched),),
         allowed=tuple(map(str, numbers)) if config.mode == "constrained" else (),
         max_tokens=8 if config.mode == "constrained" else config.max_tokens,
     )
