@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import Any
 
-from hypernav.agents.components import SearchComponents
 from hypernav.agents.search import SearchAgent
+from hypernav.agents.step import SearchComponents
 from hypernav.build.built_agent import BuiltAgent
 from hypernav.build.chat import is_named, model_words, wrap_chat
 from hypernav.build.choosing import choose_components, role_in
