@@ -149,17 +149,13 @@ class VlmDetector:
         self.rejected.clear()
         return report
 
-    def question(self, observation: Observation, goal: Goal) -> Question:
-        """Question about one image."""
-        return grounding_question(self._config, self.family, observation.rgb, goal)
-
     def detect(self, observation: Observation, goal: Goal) -> list[Detection]:
         """All candidates, in the model's order.
 
         Raises:
             ModelUnavailableError: The model did not answer within the configured patience.
         """
-        question = self.question(observation, goal)
+        question = grounding_question(self._config, self.family, observation.rgb, goal)
         answer = self._chat.ask(question)
         height, width = observation.rgb.shape[:2]
         grounding = read_grounding(
