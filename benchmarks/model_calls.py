@@ -45,13 +45,11 @@ SMALL_HOUSE = (
     / "small_house"
     / "scene.glb"
 )
-SEEN, HELD = ("attention.skip_seen_views=true",), ("attention.skip_held_target=true",)
 VARIANTS: dict[str, tuple[PresetName, tuple[str, ...]]] = {
     "paper": ("paper", ()),
     "default": ("default", ()),
-    "+ skip seen views": ("default", SEEN),
-    "+ skip held target": ("default", HELD),
-    "+ both": ("default", SEEN + HELD),
+    "no crops": ("default", ("grounding.score_crops=0",)),
+    "at destinations": ("default", ("search.looks=at-destinations",)),
 }
 
 

@@ -40,10 +40,11 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import LabelledPixels, Observation
 from hypernav.core.trace import ExchangeLog
-from hypernav.mapping.blocks import divide_into_blocks
+from hypernav.mapping.blocks import blocks_of
 from hypernav.mapping.frontiers import find_frontiers
 from hypernav.mapping.integrate_kernels import count_points
 from hypernav.mapping.memory.memory import Memory
+from hypernav.mapping.reachable_area import ReachableArea
 from hypernav.perception.local.depth_cut import DepthCutSegmenter
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.perception.local.local_perception import LocalPerception
@@ -101,7 +102,8 @@ def main(data: Path = TEST_DATA, house: str = "houses:100007") -> None:
         watch("local perception", local.look, observation, goal, floor)
         grid = floor.map.grid
         watch("frontiers", find_frontiers, grid, robot, config.mapping, clearance_m)
-        blocks = watch("blocks", divide_into_blocks, grid, robot, config.mapping, clearance_m)
+        reach = watch("reachable area", ReachableArea.of, grid, robot, config.mapping, clearance_m)
+        blocks = watch("blocks", blocks_of, reach, config.mapping)
         if step % 10 == 0:
             watch("draw overview", draw_question_map, grid, blocks, robot, floor.trajectory)
         far = max(blocks, key=lambda b: b.travel_m)

@@ -2,7 +2,12 @@
 
 import numpy as np
 
+from hypernav.core.exploring.overview import Block
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.mapping.blocks import blocks_of
+from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.reachable_area import ReachableArea
 
 _STATES = {".": Cell.FREE, "#": Cell.OCCUPIED}
 
@@ -15,3 +20,10 @@ def drawn(text: str, *, scale: int = 1, origin: tuple[float, float] = (0.0, 0.0)
         dtype=np.uint8,
     )
     return OccupancyGrid(np.kron(cells, np.ones((scale, scale), np.uint8)), 0.05, origin)
+
+
+def divide_into_blocks(
+    grid: OccupancyGrid, robot: Pose2, config: MappingConfig, clearance_m: float
+) -> tuple[Block, ...]:
+    """The blocks that a robot of this size can enter."""
+    return blocks_of(ReachableArea.of(grid, robot, config, clearance_m), config)

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from hypernav.agents import search as search_agent
 from hypernav.build.agents import build_search
 from hypernav.build.component_specs import PresetName
 from hypernav.build.data.scenes import load_scene
@@ -16,7 +17,7 @@ from hypernav.core.goal import Goal
 from hypernav.core.trace import Ending, ExchangeLog
 from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.perception.local.ground_truth import GroundTruthDetector
-from hypernav.planning.bump_sensor import BumpSensor
+from hypernav.planning.bump_sensor import bumped_points
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
@@ -58,15 +59,14 @@ class BumpsNoted:
 
     def __init__(self, monkeypatch, world):
         self.false, self.true = 0, 0
-        points = BumpSensor.points
 
-        def watched(sensor, ordered, robot, grid):
-            found = points(sensor, ordered, robot, grid)
+        def watched(*seen):
+            found = bumped_points(*seen)
             self.true += bool(len(found)) and world.collided
             self.false += bool(len(found)) and not world.collided
             return found
 
-        monkeypatch.setattr(BumpSensor, "points", watched)
+        monkeypatch.setattr(search_agent, "bumped_points", watched)
 
 
 def farthest_from_a_thing(grid, world):

@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hypernav.agents.policy import PirlnavAgent, PolicyAgent, PolicyConfig, pose_input
-from hypernav.agents.trained_robots import check_robot
+from hypernav.agents.policy import PirlnavAgent, PolicyAgent, PolicyConfig, check_robot, pose_input
 from hypernav.core.actions import Action
 from hypernav.core.embodiment import CameraConfig, Embodiment, MotionConfig
 from hypernav.core.errors import ConfigError, GoalError

@@ -225,21 +225,6 @@ def test_a_recorded_search_replays_to_the_same_trace(server: ScriptedServer, tmp
     assert replayed.take_report() == recorded.take_report()
 
 
-@pytest.mark.slow
-def test_the_savings_ask_less_and_find_the_same(server: ScriptedServer):
-    asked = {}
-    for saving in (False, True):
-        switches = {"skip_seen_views": saving, "skip_held_target": saving}
-        config = small_config(chat=QUICK, attention=switches)
-        parts = build_agent(config, ComponentSpecs(vlm=server.spec))
-        steps, result = search(parts)
-        assert result.outcome is Outcome.FOUND
-        asked[saving] = parts.take_report()["ledger"]["kinds"]["ground"]["calls"]
-        skipped = sum(one.kind == "attention" for step in steps for one in step.exchanges)
-        assert asked[saving] + skipped == len(steps)
-    assert asked[True] < 0.8 * asked[False]
-
-
 def test_a_server_that_dies_ends_the_search_within_the_patience():
     with ScriptedServer() as server, watching(Truth()) as truth:
         server.brain = TruthfulBrain(truth)

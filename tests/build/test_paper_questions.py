@@ -5,17 +5,17 @@ import hashlib
 import numpy as np
 
 from chat_models import Parrot
-from drawn_grids import drawn
+from drawn_grids import divide_into_blocks, drawn
 from exploration_views import exploration_view
 from hypernav.build.presets import preset
 from hypernav.core.exploring.overview import Overview
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
-from hypernav.mapping.blocks import divide_into_blocks
 from hypernav.models.chat.vlm_families import family_named
 from hypernav.perception.explorers.block_explorer import BlockExplorer
 from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
+from hypernav.perception.explorers.map_question import map_question
 from hypernav.perception.explorers.vlm_reasoner import VlmReasoner
 from hypernav.perception.local.presence import presence_question
 from hypernav.perception.local.vlm_detector import grounding_question
@@ -97,6 +97,6 @@ def test_the_question_about_the_map():
         hashlib.sha256(image).hexdigest()
         == "e1ddad79e5a722e4248c6acf5de6e2a734f62df2a63ef25df6d9661beabc542b"
     )
-    again = reasoner.question(reasoner.seen, GOAL, frozenset({2, 1}))
+    again = map_question(PAPER.block_choice, reasoner.seen, GOAL, frozenset({2, 1}))
     assert again.text == context + " Don't answer number [1, 2]."
     assert again.images[0].tobytes() == image

@@ -15,7 +15,7 @@ STEPS = 5
 def find(glb: Path, out: Path, *arguments: str, device: str = "cpu") -> dict:
     """Run a short search; its result.json."""
     camera = ("embodiment.camera.width=160", "embodiment.camera.height=120")
-    few = ("grounding.max_tokens=16", "block_choice.max_tokens=16", "attention.seen_share=1")
+    few = ("grounding.max_tokens=16", "block_choice.max_tokens=16")
     chosen = ("block_choice.mode=constrained",)  # its answers have probabilities
     options = ("--scene", str(glb), "--out", str(out), "--start", "1", "2", "180")
     settings = (

@@ -29,7 +29,11 @@ from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
 from hypernav.perception.explorers.map_question import VlmReasonerConfig
 from hypernav.perception.explorers.vlm_reasoner import VlmReasoner
 from hypernav.perception.local.presence import VlmPresenceCheck
-from hypernav.perception.local.vlm_detector import VlmDetector, VlmDetectorConfig
+from hypernav.perception.local.vlm_detector import (
+    VlmDetector,
+    VlmDetectorConfig,
+    grounding_question,
+)
 
 VIEW = image(0, 480, 640)
 QWEN = VlmDetectorConfig(family="qwen2.5-vl", max_tokens=24)
@@ -81,7 +85,8 @@ def test_the_server_and_this_process_say_the_same(
 
     from hypernav.models.chat.image_encoding import jpeg_bytes
 
-    sent = VlmDetector(chat, ExchangeLog(), QWEN).question(observation, Goal("bed"))
+    family = VlmDetector(chat, ExchangeLog(), QWEN).family
+    sent = grounding_question(QWEN, family, observation.rgb, Goal("bed"))
     data = np.frombuffer(jpeg_bytes(sent.images[0]), np.uint8)
     decoded = certain(cv2.imdecode(data, cv2.IMREAD_COLOR))[..., ::-1]
     local = LocalChat(str(tiny("qwen25_vl")), ChatConfig(device="cpu"))

@@ -4,10 +4,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from drawn_grids import drawn
+from drawn_grids import divide_into_blocks, drawn
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.mapping.blocks import divide_into_blocks
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.inflation import inflate
 from hypernav.mapping.reachable_area import ReachableArea

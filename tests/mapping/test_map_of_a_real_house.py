@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from scipy.spatial import KDTree
 
+from drawn_grids import divide_into_blocks
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.grid import Cell
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.observation import Observation
-from hypernav.mapping.blocks import divide_into_blocks
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.frontiers import find_frontiers
 from hypernav.mapping.top_down_map import TopDownMap

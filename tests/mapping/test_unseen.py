@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drawn_grids import drawn
-from hypernav.mapping.unseen import unseen_by_bearing
+from hypernav.mapping.sight_lines import unseen_by_bearing
 
 # A free room, walls on the left and below, the unknown to the right and above.
 ROOM = """

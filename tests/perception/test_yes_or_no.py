@@ -6,7 +6,7 @@ import pytest
 from chat_models import Parrot
 from hypernav.core.chat import Answer
 from hypernav.core.trace import ExchangeLog
-from hypernav.perception.yes_or_no import YesNoAsker, probability_of_yes, yes_no_question
+from hypernav.perception.exchanges import YesNoAsker, probability_of_yes, yes_no_question
 
 QUESTION = yes_no_question("verify", "Is it here?", np.zeros((4, 4, 3), np.uint8))
 

@@ -14,7 +14,7 @@ from hypernav.core.embodiment import Embodiment, MotionConfig
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.distance_kernels import travel_cells
-from hypernav.planning.bump_sensor import BumpSensor
+from hypernav.planning.bump_sensor import bumped_points
 from hypernav.planning.config import PlanningConfig
 from hypernav.planning.costmap import Costmap
 from hypernav.planning.follower import PathFollower
@@ -145,11 +145,11 @@ def random_drive(rng, costmap):
 
 def drive_to_the_end(robot, grid, goal, config, *, limit=300):
     """Drive until the navigator knows no further action; the actions."""
-    navigator, bumps = Driver(config), BumpSensor(config, ROBOT)
+    navigator = Driver(config)
     known = OccupancyGrid(grid.cells.copy(), grid.resolution_m, grid.origin)
     done, ordered = [], None
     for _ in range(limit):
-        for x, y in bumps.points(ordered, robot.pose, known):
+        for x, y in bumped_points(ordered, robot.pose, known, config, ROBOT):
             known.cells[known.cell_of(x, y)] = Cell.OCCUPIED
         action = navigator.towards(known, robot.pose, goal)
         if action is None:

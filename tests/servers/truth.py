@@ -30,11 +30,10 @@ from hypernav.perception.local.crop_check import crop_of
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.perception.local.presence import VlmPresenceCheck
 from hypernav.perception.local.vlm_detector import CROP_MARGIN, VlmDetector
-from hypernav.perception.navvlm.chat_guide import ChatGuide
-from hypernav.perception.navvlm.truth_guide import TruthGuide
-from hypernav.perception.visual_prompts.chat_arrows import ChatArrowReasoner
+from hypernav.perception.navvlm.guides import ChatGuide, TruthGuide
+from hypernav.perception.visual_prompts.arrow_reasoners import ChatArrowReasoner
 from hypernav.perception.visual_prompts.stop_checks import ChatStopCheck, TruthStopCheck
-from hypernav.perception.vlfm.chat_scorer import ChatScorer
+from hypernav.perception.vlfm.model_scorers import ChatScorer
 from hypernav.perception.vlfm.truth_scorer import chance_in_view
 from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.goal_regions import GoalRegion

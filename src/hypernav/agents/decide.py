@@ -6,8 +6,7 @@ import numpy as np
 
 from hypernav.agents.phases.approach import approach
 from hypernav.agents.phases.end import end
-from hypernav.agents.phases.explore import explore
-from hypernav.agents.phases.look_around import look_around
+from hypernav.agents.phases.explore import explore, look_around
 from hypernav.agents.phases.second_look import second_look
 from hypernav.agents.phases.verify import verify
 from hypernav.agents.plan import Plan

@@ -3,6 +3,7 @@
 import math
 import zlib
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal, Protocol, runtime_checkable
 
@@ -10,11 +11,10 @@ import numpy as np
 from jaxtyping import Float32, UInt8
 from pydantic import Field
 
-from hypernav.agents.trained_robots import HM3D_CAMERA, SQUARE_CAMERA, Camera, check_robot
 from hypernav.core.actions import Action
 from hypernav.core.config import MOST_SEED, RoomConfig
-from hypernav.core.embodiment import Embodiment
-from hypernav.core.errors import GoalError
+from hypernav.core.embodiment import CameraConfig, Embodiment
+from hypernav.core.errors import ConfigError, GoalError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.labels import same_name
@@ -22,6 +22,54 @@ from hypernav.core.observation import Observation
 from hypernav.models.policies.architecture import PIRLNAV, ZSON, PolicyArchitecture
 from hypernav.models.policies.goal_vectors import read_vectors
 from hypernav.models.policies.network import PolicyNetwork
+
+Camera = Mapping[str, float]
+"""Values of a `CameraConfig` that a policy depends on."""
+HM3D_CAMERA: Camera = {
+    "width": 640,
+    "height": 480,
+    "hfov_deg": 79.0,
+    "height_m": 0.88,
+    "pitch_deg": 0.0,
+}
+SQUARE_CAMERA: Camera = {
+    "width": 128,
+    "height": 128,
+    "hfov_deg": 90.0,
+    "height_m": 1.25,
+    "pitch_deg": 0.0,
+}
+_MOTION = {"forward_m": 0.25, "turn_angle_deg": 30.0}
+
+
+def check_robot(name: str, embodiment: Embodiment, cameras: tuple[Camera, ...]) -> None:
+    """Refuse a robot that a policy was not trained on, and say what differs.
+
+    Raises:
+        ConfigError: Camera, step or turn are others.
+    """
+    motion = embodiment.motion.model_dump()
+    wrong = [
+        f"embodiment.motion.{key} is {motion[key]:g} instead of {value:g}"
+        for key, value in _MOTION.items()
+        if motion[key] != value
+    ]
+    wrong += min((_differences(embodiment.camera, camera) for camera in cameras), key=len)
+    if wrong:
+        raise ConfigError(
+            f"{name} was trained on one robot, and any other breaks it: {', '.join(wrong)}; set "
+            "them so with --set"
+        )
+
+
+def _differences(camera: CameraConfig, trained: Camera) -> list[str]:
+    values = camera.model_dump()
+    return [
+        f"embodiment.camera.{key} is {values[key]:g} instead of {value:g}"
+        for key, value in trained.items()
+        if values[key] != value
+    ]
+
 
 _PIRLNAV_GOALS = ("chair", "bed", "potted plant", "toilet", "tv", "sofa")
 """Goals in the order of their numbers."""

@@ -2,10 +2,9 @@
 
 from dataclasses import replace
 
-from hypernav.agents.components import SearchComponents
 from hypernav.agents.decide import decide
 from hypernav.agents.plan import Plan
-from hypernav.agents.step import Decision, Step
+from hypernav.agents.step import Decision, SearchComponents, Step
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
 from hypernav.core.components.abilities import Learns
@@ -16,6 +15,7 @@ from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import BlockRecord, DetectionRecord, Mode, StepTrace
 from hypernav.mapping.memory.memory import Floor, Memory
+from hypernav.planning.bump_sensor import bumped_points
 
 
 class SearchAgent:
@@ -67,8 +67,10 @@ class SearchAgent:
         plan = plan.explore(offered=(), insight=None)
         with clock("map"):
             floor.integrate(seen)
-            bumped = use.bumps.points(plan.ordered, seen.robot, floor.map.grid)
-            floor.map.mark_occupied(bumped)
+            robot, grid = seen.robot, floor.map.grid
+            floor.map.mark_occupied(
+                bumped_points(plan.ordered, robot, grid, use.planning, use.embodiment)
+            )
         with clock("local"):
             detections = use.local.look(seen, goal, floor, asks=self._asks_the_camera())
         step = Step(self._steps, goal, seen, floor.map.grid, use, clock, events)

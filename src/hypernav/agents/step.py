@@ -1,21 +1,68 @@
-"""One step of a search as the phases see it, and what they decide."""
+"""One step of a search as the phases see it: with its components, and what they decide."""
 
 import math
 from dataclasses import dataclass, field
 from enum import Enum, auto
+from functools import cached_property
 
-from hypernav.agents.components import SearchComponents
 from hypernav.agents.config import SearchConfig
+from hypernav.agents.phases.gaze import Gaze
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
-from hypernav.core.embodiment import MotionConfig
+from hypernav.core.components.protocols import Explorer, PresenceCheck
+from hypernav.core.embodiment import Embodiment, MotionConfig
 from hypernav.core.exploring.exploration import ExplorationView
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.core.trace import Ending, Mode
+from hypernav.core.trace import Ending, ExchangeLog, Mode
+from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.memory import Memory
+from hypernav.perception.local.local_perception import LocalPerception
+from hypernav.planning.config import PlanningConfig
+from hypernav.planning.navigator import Navigator
+
+
+@dataclass(frozen=True, eq=False)
+class SearchComponents:
+    """The components of a search. None of them keeps anything between two steps.
+
+    Attributes:
+        mapping: Configuration of the maps.
+        local: Local perception: finds the goal in images and on the floor plan.
+        explorer: Explorer: chooses destinations while the goal is out of sight.
+        planning: Configuration of planning and path following.
+        embodiment: Body, camera, step and turn of the robot.
+        presence: Presence check before STOP; None trusts the goal area.
+        log: Log of the questions to detectors and reasoners, for the trace.
+        config: Configuration of the search, for steps of 0.5 m and turns of 30 degrees.
+    """
+
+    mapping: MappingConfig
+    local: LocalPerception
+    explorer: Explorer
+    planning: PlanningConfig
+    embodiment: Embodiment
+    presence: PresenceCheck | None
+    log: ExchangeLog
+    config: SearchConfig
+
+    @cached_property
+    def paced(self) -> SearchConfig:
+        """The configuration for this robot's steps and turns."""
+        return self.config.paced(self.embodiment.motion)
+
+    @cached_property
+    def navigator(self) -> Navigator:
+        """Navigator that drives the robot."""
+        return Navigator(self.planning, self.embodiment)
+
+    @cached_property
+    def gaze(self) -> Gaze | None:
+        """Choice of the turns that show something; None where full circles are turned."""
+        least_m2 = self.config.least_unseen_m2
+        return None if least_m2 is None else Gaze(self.embodiment, least_m2)
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import Any
 
-from hypernav.agents.components import SearchComponents
 from hypernav.agents.search import SearchAgent
+from hypernav.agents.step import SearchComponents
 from hypernav.build.built_agent import BuiltAgent
 from hypernav.build.chat import is_named, model_words, wrap_chat
 from hypernav.build.choosing import choose_components, role_in
@@ -30,7 +30,6 @@ from hypernav.core.episodes.truth import EpisodeTruth
 from hypernav.core.trace import ExchangeLog
 from hypernav.models.chat.ledger import Ledger
 from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
-from hypernav.perception.local.attention import Attention
 from hypernav.perception.local.depth_cut import DepthCutSegmenter
 from hypernav.perception.local.local_perception import LocalPerception
 from hypernav.perception.local.presence import VlmPresenceCheck
@@ -86,7 +85,6 @@ def build_agent(
             explorer=agent,
             segmenter=built.get("segmenter"),
             presence=presence,
-            attention=Attention(log, config.attention) if _asks_chat(chosen.detector) else None,
         )
     model = "" if chat is None or chosen.vlm is None else model_words(chosen.vlm, chat.identify)
     detector_words = chosen.detector.words(model=model) if chosen.detector else ITS_OWN
@@ -173,7 +171,6 @@ def _search(
     explorer: Explorer,
     segmenter: Segmenter | None,
     presence: PresenceCheck | None,
-    attention: Attention | None = None,
 ) -> SearchAgent:
     """The search of this package around an explorer."""
     components = SearchComponents(
@@ -184,7 +181,6 @@ def _search(
             config.local,
             config.embodiment.camera,
             cell_size_m=config.mapping.cell_size_m,
-            attention=attention,
             names_things=wants_named_things(explorer),
         ),
         explorer=explorer,
@@ -223,7 +219,3 @@ def _protocol_of(choice: Choice[Factory], role: str) -> type:
     if role in ROLES:
         return ROLES[role].protocol
     return _PROTOCOLS.get(role) or (Agent if hasattr(choice.load(), "act") else Explorer)
-
-
-def _asks_chat(choice: Choice[Factory] | None) -> bool:
-    return choice is not None and "chat" in asked_by(choice)

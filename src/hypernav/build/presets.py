@@ -22,17 +22,15 @@ from hypernav.models.vision.zero_shot import ZeroShotConfig
 from hypernav.perception.explorers.block_explorer import OverviewConfig
 from hypernav.perception.explorers.geometric_reasoner import GeometricConfig
 from hypernav.perception.explorers.map_question import VlmReasonerConfig
-from hypernav.perception.local.attention import AttentionConfig
 from hypernav.perception.local.config import LocalConfig
 from hypernav.perception.local.depth_cut import DepthCutConfig
 from hypernav.perception.local.noisy_detector import DetectorQuality
 from hypernav.perception.local.presence import PresenceConfig
 from hypernav.perception.local.vlm_detector import VlmDetectorConfig
 from hypernav.perception.navvlm.area_explorer import AreaConfig
-from hypernav.perception.navvlm.chat_guide import ChatGuideConfig
+from hypernav.perception.navvlm.guides import ChatGuideConfig
 from hypernav.perception.visual_prompts.config import ArrowsConfig
-from hypernav.perception.vlfm.chat_scorer import ChatScorerConfig
-from hypernav.perception.vlfm.similarity_scorer import SimilarityScorerConfig
+from hypernav.perception.vlfm.model_scorers import ChatScorerConfig, SimilarityScorerConfig
 from hypernav.perception.vlfm.truth_scorer import TruthScorerConfig
 from hypernav.perception.vlfm.value_frontier import ValueFrontierConfig
 from hypernav.planning.config import PlanningConfig
@@ -81,7 +79,6 @@ class HyPerNavConfig(RoomConfig):
         search: Conditions for looking, stopping and changing the destination.
         chat: Connection to chat models, timeouts and retries.
         grounding: Question to a chat model for boxes.
-        attention: Choice of the images that a chat model is asked about.
         block_choice: Map question to a chat model.
         presence: Question to a chat model whether the goal is really there.
         price: Prices of tokens, for the cost in the results.
@@ -113,7 +110,6 @@ class HyPerNavConfig(RoomConfig):
     search: SearchConfig = SearchConfig()
     chat: ChatConfig = ChatConfig()
     grounding: VlmDetectorConfig = VlmDetectorConfig()
-    attention: AttentionConfig = AttentionConfig()
     block_choice: VlmReasonerConfig = VlmReasonerConfig()
     presence: PresenceConfig = PresenceConfig()
     price: PriceConfig = PriceConfig()

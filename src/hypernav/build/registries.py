@@ -128,14 +128,14 @@ SCORERS: Registry[Factory] = Registry(
         ),
         Entry(
             "similarity",
-            "hypernav.perception.vlfm.similarity_scorer:SimilarityScorer",
+            "hypernav.perception.vlfm.model_scorers:SimilarityScorer",
             form="similarity:PATH_OR_ID",
             words="similarity by {files}",
             section="similarity_scorer",
         ),
         Entry(
             "vlm",
-            "hypernav.perception.vlfm.chat_scorer:ChatScorer",
+            "hypernav.perception.vlfm.model_scorers:ChatScorer",
             words="{model}",
             section="chat_scorer",
         ),
@@ -149,13 +149,13 @@ ARROW_REASONERS: Registry[Factory] = Registry(
     [
         Entry(
             "geometric",
-            "hypernav.perception.visual_prompts.geometric_arrows:GeometricArrowReasoner",
+            "hypernav.perception.visual_prompts.arrow_reasoners:GeometricArrowReasoner",
             words="free floor (stand-in)",
             section="arrows",
         ),
         Entry(
             "vlm",
-            "hypernav.perception.visual_prompts.chat_arrows:ChatArrowReasoner",
+            "hypernav.perception.visual_prompts.arrow_reasoners:ChatArrowReasoner",
             words="{model}",
             section="arrows",
         ),
@@ -170,12 +170,12 @@ GUIDES: Registry[Factory] = Registry(
     [
         Entry(
             "truth",
-            "hypernav.perception.navvlm.truth_guide:TruthGuide",
+            "hypernav.perception.navvlm.guides:TruthGuide",
             words="the truth in view (stand-in)",
         ),
         Entry(
             "vlm",
-            "hypernav.perception.navvlm.chat_guide:ChatGuide",
+            "hypernav.perception.navvlm.guides:ChatGuide",
             words="{model}",
             section="chat_guide",
         ),

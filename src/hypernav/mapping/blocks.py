@@ -8,24 +8,9 @@ from jaxtyping import Bool, Int64, UInt8
 
 from hypernav.core.exploring.overview import Block
 from hypernav.core.geometry.grid import OccupancyGrid
-from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.distance_kernels import nearest_open_cell
 from hypernav.mapping.reachable_area import ReachableArea
-
-
-def divide_into_blocks(
-    grid: OccupancyGrid, robot: Pose2, config: MappingConfig, clearance_m: float
-) -> tuple[Block, ...]:
-    """Divide the explored map into squares and number those that the robot can enter.
-
-    Args:
-        grid: The map.
-        robot: Pose of the robot.
-        config: Size of the squares, and the free floor that a block needs.
-        clearance_m: Distance from obstacles that the robot's middle keeps, metres.
-    """
-    return blocks_of(ReachableArea.of(grid, robot, config, clearance_m), config)
 
 
 def blocks_of(reach: ReachableArea, config: MappingConfig) -> tuple[Block, ...]:

@@ -1,10 +1,19 @@
-"""Inflation of the obstacles of a map by the size of the robot."""
+"""Inflation of the obstacles of a map by the size of the robot, and the way out of it."""
 
 import math
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
 from jaxtyping import Bool, UInt8
+
+from hypernav.core.geometry.bounds import has_cell
+from hypernav.mapping.distance_kernels import nearest_open_cell, travel_cells
+
+_WITHIN_M = 1.0
+"""Largest distance to an open cell."""
+_WIDTH_CELLS = 1.5
+"""Cells by which an escape may be longer than the shortest, since the robot's steps are long."""
 
 
 def disc(radius_m: float, cell_size_m: float) -> UInt8[np.ndarray, "side side"]:
@@ -36,3 +45,87 @@ def inflate(
         borderType=cv2.BORDER_CONSTANT,
         borderValue=int(outside),
     )
+
+
+@dataclass(frozen=True, eq=False)
+class Escape:
+    """Path to open floor from a cell where the robot should not be.
+
+    Attributes:
+        exit: Open cell ``(row, column)`` that is nearest.
+        cells: Mask of the cells between, and of those around the robot that are no farther away.
+    """
+
+    exit: tuple[int, int]
+    cells: Bool[np.ndarray, "rows columns"]
+
+    @staticmethod
+    def find(
+        occupied: Bool[np.ndarray, "rows columns"],
+        is_open: UInt8[np.ndarray, "rows columns"],
+        here: tuple[int, int],
+        cell_size_m: float,
+    ) -> "Escape | None":
+        """Look for an escape between the obstacles or, if they leave none, across them.
+
+        An open cell behind a thin wall is not near, unless all are.
+
+        Args:
+            occupied: Mask of the obstacles, not inflated.
+            is_open: Mask of the cells where the robot may be: 1, and 0 elsewhere.
+            here: Cell of the robot, ``(row, column)``.
+            cell_size_m: Side of a cell, metres.
+
+        Returns:
+            The escape, without cells if the robot stands in the open; None if no open cell is near,
+            or if the robot is off the map.
+        """
+        row, column = here
+        if not has_cell(occupied.shape, row, column):
+            return None
+        cells = np.zeros(occupied.shape, dtype=bool)
+        if is_open[row, column]:
+            return Escape((row, column), cells)
+        within = round(_WITHIN_M / cell_size_m)
+        bottom, left = max(row - within, 0), max(column - within, 0)
+        window = (slice(bottom, row + within + 1), slice(left, column + within + 1))
+        for passable in (~occupied[window], np.ones_like(occupied[window])):
+            passable[row - bottom, column - left] = True
+            travel = travel_cells(passable.view(np.uint8), row - bottom, column - left)
+            travel_to_open = np.where(is_open[window] > 0, travel, np.inf)
+            nearest = np.unravel_index(int(travel_to_open.argmin()), travel.shape)
+            if np.isfinite(travel_to_open[nearest]):
+                cells[window] = travel <= travel[nearest] + _WIDTH_CELLS
+                return Escape((int(nearest[0]) + bottom, int(nearest[1]) + left), cells)
+        return None
+
+    @staticmethod
+    def straight(
+        is_open: UInt8[np.ndarray, "rows columns"],
+        is_free: Bool[np.ndarray, "rows columns"],
+        here: tuple[int, int],
+    ) -> "Escape | None":
+        """Go to the nearest free cell in a straight line, whatever lies between (paper).
+
+        Args:
+            is_open: Mask of the cells where the robot may be: 1, and 0 elsewhere.
+            is_free: Mask of the cells that are known to be free.
+            here: Cell of the robot, ``(row, column)``.
+
+        Returns:
+            The escape, without cells if the robot stands in the open; None if the map has no open
+            cell that is free, or if the robot is off the map.
+        """
+        row, column = here
+        if not has_cell(is_open.shape, row, column):
+            return None
+        if is_open[row, column]:
+            return Escape((row, column), np.zeros(is_open.shape, dtype=bool))
+        exits = is_open * is_free
+        to_row, to_column = nearest_open_cell(exits, row, column, max(is_open.shape))
+        if to_row < 0:
+            return None
+        reach = math.dist(here, (to_row, to_column)) + _WIDTH_CELLS
+        rows, columns = np.ogrid[: is_open.shape[0], : is_open.shape[1]]
+        cells = (rows - row) ** 2 + (columns - column) ** 2 <= reach**2
+        return Escape((int(to_row), int(to_column)), cells)

@@ -211,20 +211,10 @@ def in_sight(width, lens, pose, x, y, low, high):
 def sweep_window(depth, lens, pose, heights, window, sizes, weights, margins, counts, arrays):
     """Free what the frame sees to be free, cell by cell of the window.
 
-    A voxel that a ray passes loses evidence, unless it has a point in this very frame.
-
-    Args:
-        depth: Depth image, as in `count_points`.
-        lens: See above.
-        pose: See above.
-        heights: float64, where a cell is looked at for free floor: just above the floor first, then
-            up the height band and, for a camera above it, up to the camera.
-        window: See above, then x and y of its corner, metres.
-        sizes: See above.
-        weights: See above.
-        margins: See above.
-        counts: Counts of `count_points`.
-        arrays: See above, changed in place.
+    A voxel that a ray passes loses evidence, unless it has a point in this very frame (``counts``
+    of `count_points`). ``heights`` are float64, where a cell is looked at for free floor: just
+    above the floor first, then up the height band and, for a camera above it, up to the camera.
+    After the ``window`` come x and y of its corner, metres. The ``arrays`` are changed in place.
     """
     evidence, raised, seen, bumps, cells = arrays
     row0, column0, rows, columns, x0, y0 = window
@@ -264,11 +254,9 @@ def sweep_window(depth, lens, pose, heights, window, sizes, weights, margins, co
 
 @register_jitable(no_cfunc_wrapper=True)
 def free_footprint(robot, arrays):
-    """Free the cells that the robot stands on.
+    """Free the cells that the robot stands on, given exact row, column and radius, in cells.
 
-    Args:
-        robot: Exact row, column and radius of the robot, cells; without a radius, none are freed.
-        arrays: See above, changed in place.
+    Without a radius, none are freed.
     """
     evidence, raised, seen, bumps, cells = arrays
     row, column, radius = robot
@@ -305,21 +293,10 @@ def integrate_frame(
 ):
     """Integrate one frame: count points, add hits, free what is seen through, free the footprint.
 
-    Args:
-        depth: float32 (height, width), metres.
-        rays: Tuple of ``start``, ``across`` and ``down`` of `count_points`.
-        lens: See above, as are the others that are not listed.
-        pose: See above.
-        heights: See `sweep_window`.
-        window: See above.
-        corner: Lower left corner ``(x, y)`` of the window, metres.
-        robot: See `free_footprint`.
-        sizes: See above.
-        weights: See above.
-        margins: See above.
-        counts: Scratch memory, see `count_points`; zero on entry and on return.
-        touched: Scratch memory, see `count_points`.
-        arrays: Arrays of the map, changed in place.
+    Beside what is described above: ``rays`` are ``start``, ``across`` and ``down`` of
+    `count_points`, ``heights`` those of `sweep_window`, ``robot`` that of `free_footprint`. The
+    ``corner`` is the window's lower left one, ``(x, y)``, metres. ``counts``, zero on entry and on
+    return, and ``touched`` are scratch memory of `count_points`.
     """
     start, across, down = rays
     nearest, farthest = np.float32(lens[4]), np.float32(lens[5])

@@ -10,7 +10,7 @@ from jaxtyping import Float64, Int64
 from hypernav.core.exploring.overview import Prospects
 from hypernav.mapping.distance_kernels import travel_cells
 from hypernav.mapping.reachable_area import ReachableArea
-from hypernav.mapping.unseen import OPEN_M
+from hypernav.mapping.sight_lines import OPEN_M
 from hypernav.mapping.view_kernels import unknown_in_view
 
 _PATCH_CELLS = 4

@@ -11,8 +11,7 @@ from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.distance_kernels import nearest_open_cell, travel_cells
-from hypernav.mapping.escape import Escape
-from hypernav.mapping.inflation import inflate
+from hypernav.mapping.inflation import Escape, inflate
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,8 +8,7 @@ import numpy as np
 from jaxtyping import Float32, UInt8
 
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
-from hypernav.mapping.escape import Escape
-from hypernav.mapping.inflation import inflate
+from hypernav.mapping.inflation import Escape, inflate
 from hypernav.planning.config import PlanningConfig
 from hypernav.planning.costmap_kernels import priced
 

@@ -60,20 +60,13 @@ def gap_on_the_way(
         cells = cells[has_cell(costs.shape, cells[:, 0], cells[:, 1])]
         known_closed[cells[:, 0], cells[:, 1]] = True
     costs[doubtful & known_closed] = 0.0
-    cells = grid.cells_of(targets)
-    cells = cells[grid.contains(cells)]
-    wanted = np.zeros(costs.shape, dtype=np.uint8)
-    wanted[cells[:, 0], cells[:, 1]] = 1
-    wanted[costs == 0.0] = 0
     if tight.escape is None:
         return None
-    path, _ = astar(costs, grid.cell_of(*start), wanted)
+    wanted = grid.mask_of(targets) & (costs > 0.0)
+    path, _ = astar(costs, grid.cell_of(*start), wanted.view(np.uint8))
     in_doubt = np.flatnonzero(doubtful[path[:, 0], path[:, 1]])
-    if len(in_doubt) == 0:
+    if len(in_doubt) == 0 or in_doubt[0] == 0:  # at 0 the robot stands in it
         return None
     first = int(in_doubt[0])
-    if first == 0:  # the robot stands in it
-        return None
-    ends = grid.centres_of(path[[first, first - 1]]).tolist()
-    (x, y), (from_x, from_y) = ends
+    (x, y), (from_x, from_y) = grid.centres_of(path[[first, first - 1]]).tolist()
     return Gap((x, y), (from_x, from_y))

@@ -206,10 +206,7 @@ def _enterable_goal(
         passable = (costmap.costs > 0.0).view(np.uint8)
         cv2.floodFill(passable, None, here[::-1], _REACHED, flags=4)
         enterable &= passable == _REACHED
-    wanted = np.zeros(enterable.shape, dtype=bool)
-    cells = costmap.grid.cells_of(targets)
-    inside = costmap.grid.contains(cells)
-    wanted[cells[inside, 0], cells[inside, 1]] = True
+    wanted = costmap.grid.mask_of(targets)
     known = enterable & costmap.grid.explored
     for allowed in (known, enterable):
         goal = wanted & allowed
@@ -217,7 +214,7 @@ def _enterable_goal(
             return goal.view(np.uint8), 0.0
     # Beside a destination that cannot be entered only known cells count: a goal area reaches into
     # the wall that it hangs on, and no path to it begins behind that wall.
-    if inside.any():
+    if wanted.any():
         away = cv2.distanceTransform((~wanted).view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
     else:  # beyond the explored map: the enterable cell nearest to the first target
         rows, columns = np.indices(enterable.shape)

@@ -34,7 +34,6 @@ QUESTIONS: dict[str, str] = {
     "crop": "Is it that, seen from nearby?",
     "verify": "Is it really there?",
     "summarise": "Which number was meant?",
-    "attention": "Is there anything new to see?",
     "choose arrow": "Which arrow to follow?",
     "choose direction": "Which way leads there?",
     "score view": "Does it look as if it were near?",
@@ -126,13 +125,11 @@ def detections_caption(detections: list[DetectionRecord]) -> str:
 
 def camera_caption(step: StepTrace) -> str:
     """Question about the camera image of a step and its answer, in one line."""
-    kinds = {"ground", "attention", "stop"}
+    kinds = {"ground", "stop"}
     asked = [exchange for exchange in step.exchanges if exchange.kind in kinds]
     if not asked:
         return detections_caption(step.detections)
     answer = " ".join(asked[-1].answer.replace("```json", "").replace("```", "").split())
-    if asked[-1].kind == "attention":
-        return f"not looked at, {answer}"
     if asked[-1].kind == "stop":
         return f"is the goal right here? {quoted(answer)}"
     return f"{detections_caption(step.detections)}  ·  {asked[-1].asked}: {quoted(answer)}"

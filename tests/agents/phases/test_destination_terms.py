@@ -6,11 +6,10 @@ import numpy as np
 
 from certainty import certain
 from drawn_grids import drawn
-from hypernav.agents.components import SearchComponents
 from hypernav.agents.config import SearchConfig
 from hypernav.agents.phases.explore import explore
 from hypernav.agents.plan import Plan
-from hypernav.agents.step import Decision, Step
+from hypernav.agents.step import Decision, SearchComponents, Step
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
 from hypernav.core.embodiment import CameraConfig, Embodiment, MotionConfig

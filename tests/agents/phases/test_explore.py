@@ -8,11 +8,10 @@ import pytest
 
 from certainty import certain
 from drawn_grids import drawn
-from hypernav.agents.components import SearchComponents
 from hypernav.agents.config import SearchConfig
 from hypernav.agents.phases.explore import explore, unexplored_boundary
 from hypernav.agents.plan import Plan
-from hypernav.agents.step import Decision, Phase, Step, turn_towards
+from hypernav.agents.step import Decision, Phase, SearchComponents, Step, turn_towards
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
 from hypernav.core.embodiment import CameraConfig, Embodiment, MotionConfig

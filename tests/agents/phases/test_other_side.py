@@ -5,7 +5,7 @@ import pytest
 
 from certainty import certain
 from drawn_grids import drawn
-from hypernav.agents.phases.other_side import position_on_other_side
+from hypernav.agents.phases.second_look import position_on_other_side
 from hypernav.core.geometry.grid import Cell
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.config import MappingConfig

@@ -81,9 +81,8 @@ def test_exploring_anew_forgets_visits_and_notes_and_keeps_what_may_be_the_goal(
     memory = Memory(MappingConfig(), Embodiment())
     search = memory.search
     search.visits.append((0.0, 1.0))
-    search.notes["mine"], search.looks["mine"] = 1, 2
+    search.notes["mine"] = 1
     evidence = search.evidence
     search.forget_exploration()
     assert (search.visits, search.notes) == ([], {})
-    assert search.looks == {"mine": 2}
     assert search.evidence is evidence

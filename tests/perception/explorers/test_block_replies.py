@@ -4,7 +4,7 @@ from pathlib import Path
 
 import yaml
 
-from hypernav.perception.explorers.block_replies import summarised
+from hypernav.perception.explorers.map_question import summarised
 
 REPLIES = yaml.safe_load((Path(__file__).parent / "block_replies.yaml").read_text(encoding="utf-8"))
 OFFERED = [2, 5, 7, 9, 12]

@@ -40,7 +40,6 @@ def asked(excluded: frozenset[int] = frozenset(), **config):
         legend="white is floor",
         trajectory=[(6.5, 0.0)],
         things=[SeenThing("sofa", (3.5, 4.0)), SeenThing("lamp", (4.0, 4.5))],
-        camera_image=np.ones((4, 4, 3), np.uint8),
     )
     return map_question(VlmReasonerConfig(**config), overview, CHAIR, excluded), drawn
 
@@ -74,13 +73,6 @@ def test_what_is_excluded_is_hatched_and_neither_listed_nor_allowed():
         assert "3" not in question.text.replace("30%", "")
         assert "3" not in question.allowed
         assert (drawn.shown, drawn.excluded) == ({1, 4}, {3})
-
-
-def test_the_camera_image_is_shown_beside_the_map_if_asked_for():
-    assert len(asked()[0].images) == 1
-    question, _ = asked(camera_image=True)
-    assert [image.shape[0] for image in question.images] == [8, 4]
-    assert question.text.startswith("The second image is what the robot's camera sees")
 
 
 def test_every_switch_alone():

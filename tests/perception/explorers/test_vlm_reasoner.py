@@ -10,9 +10,8 @@ from hypernav.core.exploring.overview import Block, Overview
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
-from hypernav.perception.explorers.block_replies import summarised
 from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
-from hypernav.perception.explorers.map_question import VlmReasonerConfig
+from hypernav.perception.explorers.map_question import VlmReasonerConfig, summarised
 from hypernav.perception.explorers.vlm_reasoner import VlmReasoner
 
 BED = Goal("bed")

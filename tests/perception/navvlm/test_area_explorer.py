@@ -21,8 +21,7 @@ from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.memory import SearchMemory
 from hypernav.perception.navvlm.area_explorer import AreaConfig, AreaExplorer, _largest_piece
-from hypernav.perception.navvlm.chat_guide import ChatGuide, direction_in
-from hypernav.perception.navvlm.truth_guide import TruthGuide
+from hypernav.perception.navvlm.guides import ChatGuide, TruthGuide, direction_in
 from images import thing_before_wall
 
 ROBOT = Embodiment(camera=CameraConfig(width=320, height=240))

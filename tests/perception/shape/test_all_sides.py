@@ -6,7 +6,7 @@ import pytest
 
 from certainty import certain
 from hypernav.mapping.memory.target import Measure
-from hypernav.perception.shape.all_sides import form_evidence, measure_of
+from hypernav.perception.shape.evidence import form_evidence, measure_of
 from hypernav.perception.shape.form import Form
 from hypernav.perception.shape.kinds import kind_shape
 from images import thing_before_wall

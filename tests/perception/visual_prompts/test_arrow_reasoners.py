@@ -17,8 +17,10 @@ from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.memory import SearchMemory
 from hypernav.perception.visual_prompts import object_graph
 from hypernav.perception.visual_prompts.arrow_explorer import DynavlmStyleExplorer, VlmnavExplorer
-from hypernav.perception.visual_prompts.chat_arrows import ChatArrowReasoner
-from hypernav.perception.visual_prompts.geometric_arrows import GeometricArrowReasoner
+from hypernav.perception.visual_prompts.arrow_reasoners import (
+    ChatArrowReasoner,
+    GeometricArrowReasoner,
+)
 from hypernav.perception.visual_prompts.object_graph import ObjectGraph
 from hypernav.perception.visual_prompts.pivot import PivotExplorer
 

@@ -8,8 +8,7 @@ import pytest
 from arrow_views import CAMERA, HERE, room_with_wall
 from hypernav.core.embodiment import CameraConfig
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.perception.visual_prompts.free_range import all_headings, free_ranges
-from hypernav.perception.visual_prompts.ray_memory import RayMemory
+from hypernav.perception.visual_prompts.free_range import RayMemory, all_headings, free_ranges
 
 DOWN = CameraConfig(width=320, height=240, pitch_deg=20.0)
 

@@ -12,9 +12,8 @@ from arrow_views import CAMERA, HERE, room_with_wall
 from drawn_grids import drawn
 from exploration_views import exploration_view
 from hypernav.core.embodiment import Embodiment
-from hypernav.perception.visual_prompts.arrow_sight import ArrowSight
+from hypernav.perception.visual_prompts.arrow_sight import ArrowSight, mark_of
 from hypernav.perception.visual_prompts.config import ArrowsConfig
-from hypernav.perception.visual_prompts.marks import mark_of
 from hypernav.perception.visual_prompts.pivot import GaussianProposer
 from hypernav.perception.visual_prompts.proposals import (
     FreeDirections,

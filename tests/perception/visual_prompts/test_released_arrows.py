@@ -14,7 +14,7 @@ from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.memory import SearchMemory
 from hypernav.perception.visual_prompts.arrow_explorer import VlmnavExplorer
-from hypernav.perception.visual_prompts.chat_arrows import ChatArrowReasoner
+from hypernav.perception.visual_prompts.arrow_reasoners import ChatArrowReasoner
 from hypernav.perception.visual_prompts.config import ArrowsConfig
 from hypernav.perception.visual_prompts.pivot import PivotExplorer
 from hypernav.perception.visual_prompts.proposals import DEFAULT_MOVES

@@ -9,8 +9,7 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.trace import ExchangeLog
-from hypernav.perception.vlfm.chat_scorer import ChatScorer
-from hypernav.perception.vlfm.similarity_scorer import SimilarityScorer
+from hypernav.perception.vlfm.model_scorers import ChatScorer, SimilarityScorer
 from hypernav.perception.vlfm.truth_scorer import TruthScorer, TruthScorerConfig
 from images import thing_before_wall
 

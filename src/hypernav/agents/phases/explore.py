@@ -1,4 +1,4 @@
-"""Exploration from one destination of global perception to the next."""
+"""Exploration: a look around, then from one destination of global perception to the next."""
 
 import math
 from dataclasses import replace
@@ -21,6 +21,24 @@ _AROUND_M = 0.75
 """Radius around a destination within which all must be explored for it to count as explored."""
 _WORTH_A_TURN_M = 0.3
 """Length below which a boundary to the unknown is noise and worth no turn."""
+
+
+def look_around(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
+    """The next turn of the circle, if one is left that shows something; else exploration."""
+    turn = _next_turn(step, memory, plan)
+    if turn is None:
+        return Phase.EXPLORE, replace(plan, turns_left=0)
+    plan = replace(plan, turns_left=plan.turns_left - 1, looked_around_at=step.robot.xy)
+    return Decision(turn, Mode.LOOK_AROUND, "looking around"), plan
+
+
+def _next_turn(step: Step, memory: Memory, plan: Plan) -> Action | None:
+    gaze = step.use.gaze
+    if plan.turns_left == 0:
+        return None
+    if plan.full_turn or gaze is None:
+        return Action.TURN_LEFT
+    return gaze.worthwhile_turn(step.grid, step.robot, memory.search.looked)
 
 
 def explore(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:

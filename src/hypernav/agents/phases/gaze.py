@@ -10,7 +10,7 @@ from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.memory.memory import Looked
-from hypernav.mapping.unseen import unseen_by_bearing
+from hypernav.mapping.sight_lines import unseen_by_bearing
 
 _RAYS = 72
 _SAME_SPOT_M = 0.1

@@ -10,7 +10,7 @@ from typing import Any, Protocol, runtime_checkable
 
 from rich.markup import escape
 
-from hypernav.agents.components import SearchComponents
+from hypernav.agents.step import SearchComponents
 from hypernav.cli.guards.crashes import crash_report
 from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus

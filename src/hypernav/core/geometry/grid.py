@@ -83,6 +83,14 @@ class OccupancyGrid:
         """Which ``[row, column]`` lie in the grid."""
         return has_cell(self.cells.shape, *cells.T)
 
+    def mask_of(self, points: Float[np.ndarray, "n 2"]) -> Bool[np.ndarray, "rows columns"]:
+        """The cells that hold some ``(x, y)``; points outside the grid are left out."""
+        cells = self.cells_of(points)
+        rows, columns = cells[self.contains(cells)].T
+        mask = np.zeros(self.cells.shape, dtype=bool)
+        mask[rows, columns] = True
+        return mask
+
     def state_at(self, x: float, y: float) -> Cell:
         """State of the cell that holds a point; unknown outside the grid."""
         row, column = self.cell_of(x, y)

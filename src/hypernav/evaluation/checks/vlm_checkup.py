@@ -29,9 +29,9 @@ from hypernav.models.chat.answer_parsing import shortened, without_thinking
 from hypernav.models.chat.server.detection import ServerInfo
 from hypernav.models.chat.vlm_families import VlmFamily, family_named, family_of
 from hypernav.perception.explorers.block_explorer import OverviewConfig
-from hypernav.perception.explorers.block_replies import chosen_number
 from hypernav.perception.explorers.map_question import (
     VlmReasonerConfig,
+    chosen_number,
     map_question,
     offered_blocks,
 )

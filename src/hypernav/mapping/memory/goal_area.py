@@ -6,7 +6,7 @@ from functools import cached_property
 
 import cv2
 import numpy as np
-from jaxtyping import Bool, Float64, Int32
+from jaxtyping import Bool, Float32, Float64, Int32
 
 from hypernav.core.geometry.bounds import has_cell
 from hypernav.core.geometry.depth import is_measured
@@ -154,10 +154,7 @@ class GoalArea:
         """
         margin = math.ceil(reach_m / self.resolution_m)
         wide = self._widened(margin)
-        away = cv2.distanceTransform(
-            (~wide.seen).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE
-        )
-        entry = (away * self.resolution_m <= reach_m) & ~wide.seen
+        entry = (_away_from(wide.seen) * self.resolution_m <= reach_m) & ~wide.seen
         entry[entry] = lies_open(wide._centres(entry), observation)
         if not entry.any():
             return self
@@ -169,16 +166,10 @@ class GoalArea:
     def _widened(self, margin: int) -> "GoalArea":
         """The same area in a larger window."""
         shift = margin * self.resolution_m
-        return GoalArea(
-            _padded(self.mask, margin),
-            _padded(self.views, margin),
-            _padded(self.entry, margin),
-            _padded(self.before, margin),
-            (self.origin[0] - shift, self.origin[1] - shift),
-            self.resolution_m,
-            self.height_m,
-            self.is_guessed,
-        )
+        masks = (self.mask, self.views, self.entry, self.before)
+        mask, views, entry, before = (_padded(one, margin) for one in masks)
+        origin = (self.origin[0] - shift, self.origin[1] - shift)
+        return replace(self, mask=mask, views=views, entry=entry, before=before, origin=origin)
 
     @cached_property
     def seen(self) -> Bool[np.ndarray, "rows columns"]:
@@ -202,8 +193,7 @@ class GoalArea:
         Only cells that many images show count as the target: a single image may include a shadow.
         """
         often = 2 * self.views >= self.views.max()
-        away = cv2.distanceTransform((~often).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-        away_m = away[self.entry]
+        away_m = _away_from(often)[self.entry]
         return self.entry_points[away_m <= (away_m.min() + away_m.max()) / 2.0]
 
     @cached_property
@@ -234,10 +224,8 @@ class GoalArea:
     def beside(self, gap_m: float) -> tuple[Float64[np.ndarray, "n 2"], Float64[np.ndarray, "n 2"]]:
         """Points within a gap of the entry points, and for each the nearest of `seen_points`."""
         wide = self._widened(math.ceil(gap_m / self.resolution_m))
-        away = cv2.distanceTransform(
-            (~wide.entry).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE
-        )
-        is_beside = ~wide.entry & ~wide.seen & (away * self.resolution_m <= gap_m)
+        away_m = _away_from(wide.entry) * self.resolution_m
+        is_beside = ~wide.entry & ~wide.seen & (away_m <= gap_m)
         beside = replace(wide, entry=is_beside)
         return beside.entry_points, beside.nearest_seen_points
 
@@ -277,11 +265,12 @@ class GoalArea:
         contours, _ = cv2.findContours(
             self.mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_TC89_L1
         )
+        (left, bottom), size = self.origin, self.resolution_m
         return [
             [
                 (
-                    round(self.origin[0] + (float(x) + 0.5) * self.resolution_m, 3),
-                    round(self.origin[1] + (float(y) + 0.5) * self.resolution_m, 3),
+                    round(left + (float(x) + 0.5) * size, 3),
+                    round(bottom + (float(y) + 0.5) * size, 3),
                 )
                 for x, y in contour.reshape(-1, 2)
             ]
@@ -309,6 +298,11 @@ def _are_before(
     farthest_m = np.linalg.norm(seen - camera, axis=1).max()
     is_nearer = np.linalg.norm(points - camera, axis=1) < farthest_m
     return is_nearer & (of_points >= of_seen.min()) & (of_points <= of_seen.max())
+
+
+def _away_from(mask: Bool[np.ndarray, "rows columns"]) -> Float32[np.ndarray, "rows columns"]:
+    """Distance of every cell from the nearest one of a mask, in cells."""
+    return cv2.distanceTransform((~mask).view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
 
 
 def _padded(cells: np.ndarray, margin: int) -> np.ndarray:

@@ -18,7 +18,7 @@ from hypernav.core.exploring.sightings import Sightings
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.observation import Observation
 from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.memory.goal_evidence import GoalEvidence
+from hypernav.mapping.memory.target import GoalEvidence
 from hypernav.mapping.top_down_map import TopDownMap
 
 _ANOTHER_M = 1.0
@@ -52,14 +52,12 @@ class SearchMemory:
         visits: Destinations ``(x, y)`` that were reached or given up, the oldest first, metres.
         looked: Where the robot has looked from where it is.
         notes: What explorers have noted, by keys of their own: plain values that can be copied.
-        looks: What local perception has noted of the images that it asked about, likewise.
     """
 
     evidence: GoalEvidence = field(default_factory=GoalEvidence)
     visits: list[tuple[float, float]] = field(default_factory=list)
     looked: Looked | None = None
     notes: dict[str, Any] = field(default_factory=dict)
-    looks: dict[str, Any] = field(default_factory=dict)
 
     def forget_exploration(self) -> None:
         """Explore anew over the same map: what counts as visited may hardly have been seen."""

@@ -1,8 +1,8 @@
 """Stand-ins for a model of known quality: the truly best block at a set rate, or just any block."""
 
 import math
-from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
@@ -18,25 +18,24 @@ _EQUAL_M = 0.5
 """Difference in length below which two paths are equally short."""
 
 
-class _StandIn(ABC):
-    """Chooses among the blocks that a model would be offered, with the episode's generator."""
+@dataclass(eq=False)
+class RandomReasoner:
+    """Names any of the blocks that a model would be offered, all with the same probability.
 
-    _NAME: ClassVar[str]
-    _QUESTION: ClassVar[str]
+    It uses neither map nor goal, and says what a search is worth without any global perception.
 
-    def __init__(
-        self, log: ExchangeLog, truth: EpisodeTruth, config: VlmReasonerConfig | None = None
-    ) -> None:
-        """Create the reasoner.
+    Attributes:
+        log: Log of all choices, for the trace.
+        truth: True paths to the goal and the generator of the episode.
+        config: Configuration of the question to a model, which says what is offered.
+    """
 
-        Args:
-            log: Log of all choices, for the trace.
-            truth: True paths to the goal and the generator of the episode.
-            config: Configuration of the question to a model, which says what is offered.
-        """
-        self._log = log
-        self._truth = truth
-        self._config = config or VlmReasonerConfig()
+    log: ExchangeLog
+    truth: EpisodeTruth
+    config: VlmReasonerConfig = field(default_factory=VlmReasonerConfig)
+
+    _NAME: ClassVar[str] = "random block"
+    _QUESTION: ClassVar[str] = "Which block is drawn?"
 
     def choose(self, overview: Overview, goal: Goal, excluded: frozenset[int]) -> BlockChoice:
         """One of the offered blocks; None if none is offered.
@@ -44,8 +43,8 @@ class _StandIn(ABC):
         Raises:
             TruthMissingError: Nobody told the truth about this episode.
         """
-        offered = offered_blocks(self._config, overview, excluded)
-        rng = self._truth.rng
+        offered = offered_blocks(self.config, overview, excluded)
+        rng = self.truth.rng
         if not offered:
             choice = BlockChoice(None, "every block is excluded or holds nothing new")
         elif len(offered) == 1:
@@ -53,7 +52,7 @@ class _StandIn(ABC):
             choice = BlockChoice(number, f"block {number} is the only one left")
         else:
             choice = self._drawn(offered, rng)
-        self._log.note(
+        self.log.note(
             "choose block",
             self._NAME,
             self._QUESTION,
@@ -63,12 +62,13 @@ class _StandIn(ABC):
         )
         return choice
 
-    @abstractmethod
     def _drawn(self, offered: Sequence[Block], rng: np.random.Generator) -> BlockChoice:
         """The choice among at least two blocks."""
+        drawn = offered[int(rng.integers(len(offered)))]
+        return BlockChoice(drawn.number, f"block {drawn.number}: drawn from {len(offered)}")
 
 
-class NoisyReasoner(_StandIn):
+class NoisyReasoner(RandomReasoner):
     """Names the truly best of the offered blocks with a set probability, else another of them.
 
     It says how good a model must be: with probability 1 it is as good as any model can be, so what
@@ -99,13 +99,13 @@ class NoisyReasoner(_StandIn):
         Raises:
             ConfigError: The probability is no number from 0 to 1.
         """
-        super().__init__(log, truth, config)
+        super().__init__(log, truth, config or VlmReasonerConfig())
         self._probability = _read_probability(probability)
 
     def _drawn(self, offered: Sequence[Block], rng: np.random.Generator) -> BlockChoice:
         best = self._best(offered)
         if rng.random() < self._probability:
-            left_m = self._truth.path_left_m(*best.destination)
+            left_m = self.truth.path_left_m(*best.destination)
             reason = f"block {best.number}: truly the best, {left_m:.1f} m from there to the goal"
             return BlockChoice(best.number, reason)
         others = [block for block in offered if block is not best]
@@ -115,7 +115,7 @@ class NoisyReasoner(_StandIn):
 
     def _best(self, offered: Sequence[Block]) -> Block:
         """The block on the shortest path; of equally short ones that with the shortest rest."""
-        left_m = {one.number: self._truth.path_left_m(*one.destination) for one in offered}
+        left_m = {one.number: self.truth.path_left_m(*one.destination) for one in offered}
         shortest_m = min(one.travel_m + left_m[one.number] for one in offered)
         if math.isinf(shortest_m):
             return min(offered, key=lambda one: (left_m[one.number], one.travel_m, one.number))
@@ -123,20 +123,6 @@ class NoisyReasoner(_StandIn):
             one for one in offered if one.travel_m + left_m[one.number] <= shortest_m + _EQUAL_M
         ]
         return min(equal, key=lambda one: (left_m[one.number], one.number))
-
-
-class RandomReasoner(_StandIn):
-    """Names any of the offered blocks, all with the same probability; uses neither map nor goal.
-
-    It says what a search is worth without any global perception.
-    """
-
-    _NAME = "random block"
-    _QUESTION = "Which block is drawn?"
-
-    def _drawn(self, offered: Sequence[Block], rng: np.random.Generator) -> BlockChoice:
-        drawn = offered[int(rng.integers(len(offered)))]
-        return BlockChoice(drawn.number, f"block {drawn.number}: drawn from {len(offered)}")
 
 
 def _read_probability(text: float | str) -> float:

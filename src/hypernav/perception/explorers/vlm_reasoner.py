@@ -10,9 +10,9 @@ from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
 from hypernav.models.chat.answer_parsing import shortened, without_thinking
 from hypernav.perception.exchanges import exchange_of
-from hypernav.perception.explorers.block_replies import chosen_number
 from hypernav.perception.explorers.map_question import (
     VlmReasonerConfig,
+    chosen_number,
     map_question,
     offered_blocks,
 )
@@ -52,7 +52,7 @@ class VlmReasoner:
             return BlockChoice(numbers[0], f"block {numbers[0]} is the only one left")
         hint = ""
         for _ in range(_QUESTIONS):
-            question = self.question(overview, goal, excluded, hint=hint)
+            question = map_question(self.config, overview, goal, excluded, hint=hint)
             answer = self.chat.ask(question)
             choice = self._read(question, answer, numbers, excluded)
             if choice is not None:
@@ -67,12 +67,6 @@ class VlmReasoner:
         """Number of choices of the fallback since the last call."""
         report, self.fallbacks = {"geometric_choices": self.fallbacks}, 0
         return report
-
-    def question(
-        self, overview: Overview, goal: Goal, excluded: frozenset[int], *, hint: str = ""
-    ) -> Question:
-        """Question about one map; see `map_question`."""
-        return map_question(self.config, overview, goal, excluded, hint=hint)
 
     def _read(
         self, question: Question, answer: Answer, numbers: list[int], excluded: frozenset[int]

@@ -10,11 +10,10 @@ from hypernav.core.geometry.boxes import Detection
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.observation import Observation
 from hypernav.mapping.memory.goal_area import GoalArea
-from hypernav.mapping.memory.goal_evidence import GoalEvidence, Rejection
-from hypernav.mapping.memory.target import Measure, Target, areas_touch
+from hypernav.mapping.memory.target import GoalEvidence, Measure, Rejection, Target, areas_touch
 from hypernav.mapping.memory.visibility import is_cut_off, seems_to_hold, should_be_visible
 from hypernav.perception.local.config import LocalConfig
-from hypernav.perception.shape.all_sides import form_evidence
+from hypernav.perception.shape.evidence import form_evidence
 from hypernav.perception.shape.kinds import KindShape
 
 _SCORES = (0.0, 0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 0.95, 1.0)
@@ -91,12 +90,6 @@ def needs_second_look(evidence: GoalEvidence, config: LocalConfig) -> bool:
         return False
     is_sure = target.log_odds >= _SURE and not target.is_form_doubtful
     return not is_sure or len(target.looks) < _LEAST_LOOKS
-
-
-def held_area(evidence: GoalEvidence, config: LocalConfig) -> GoalArea | None:
-    """Goal area of a held target that needs no second look."""
-    target, holds = evidence.target, config.target == "candidates"
-    return target.area if target and holds and not needs_second_look(evidence, config) else None
 
 
 def confirmed(evidence: GoalEvidence) -> GoalEvidence:

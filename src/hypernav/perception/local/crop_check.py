@@ -6,7 +6,7 @@ from hypernav.core.chat import Image, Question
 from hypernav.core.geometry.boxes import Box
 from hypernav.core.goal import Goal
 from hypernav.core.labels import same_name
-from hypernav.perception.yes_or_no import yes_no_question
+from hypernav.perception.exchanges import yes_no_question
 
 _CONFUSIONS: tuple[tuple[str, ...], ...] = (
     ("shower curtain", "window curtain"),

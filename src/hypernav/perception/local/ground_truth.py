@@ -11,7 +11,6 @@ from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.goal import Goal
 from hypernav.core.observation import LabelledPixels, Observation
-from hypernav.perception.local.label_kernels import pixels_of_each
 
 MIN_AREA_SHARE = 0.0005
 """Share of the image below which objects are overlooked, as by a real detector: 12×12 pixels in
@@ -97,7 +96,7 @@ def true_labels(observation: Observation) -> LabelledPixels:
 
 def visible_objects(truth: LabelledPixels, min_area_share: float = MIN_AREA_SHARE) -> list[int]:
     """Labelled instances that cover at least this share of the image, largest first."""
-    pixels = pixels_of_each(truth.ids, int(truth.ids.max(initial=-1)) + 1)
+    pixels = np.bincount(truth.ids.ravel() + 1)[1:]  # -1 where there is no instance
     enough = np.flatnonzero(pixels >= min_area_share * truth.ids.size)
     visible = [int(number) for number in enough if int(number) in truth.labels]
     return sorted(visible, key=lambda number: (-int(pixels[number]), number))

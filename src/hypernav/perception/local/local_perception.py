@@ -19,19 +19,16 @@ from hypernav.core.observation import Observation
 from hypernav.core.trace import DetectionRecord
 from hypernav.mapping.memory.goal_area import GoalArea
 from hypernav.mapping.memory.memory import Floor
-from hypernav.perception.local.attention import Attention
 from hypernav.perception.local.belief import (
     Sighting,
     before_a_look,
-    held_area,
     is_rejected,
     with_latest,
     with_sightings,
 )
 from hypernav.perception.local.config import LocalConfig
 from hypernav.perception.local.refinement import eroded, projected
-from hypernav.perception.shape.all_sides import measure_of
-from hypernav.perception.shape.evidence import shape_evidence
+from hypernav.perception.shape.evidence import measure_of, shape_evidence
 from hypernav.perception.shape.form import Form, measured_form
 from hypernav.perception.shape.kinds import KindShape, kind_shape
 
@@ -56,7 +53,6 @@ class LocalPerception:
         config: Refinement, projection and evidence.
         camera: Camera, whose range of depth counts.
         cell_size_m: Side of a map cell, metres.
-        attention: Choice of the images that the detector is asked about; None asks about all.
         names_things: Whether whatever the detector can name is remembered, not only what it reports
             beside the goal.
     """
@@ -67,7 +63,6 @@ class LocalPerception:
     camera: CameraConfig
     _: KW_ONLY
     cell_size_m: float
-    attention: Attention | None = None
     names_things: bool = False
 
     def look(
@@ -84,14 +79,10 @@ class LocalPerception:
         Returns:
             Every detection of the image, and whether it gave a goal area or the reason why not.
         """
-        search, config, attention = floor.search, self.config, self.attention
+        search, config = floor.search, self.config
         search.evidence = before_a_look(search.evidence)
         if not asks:
             return []
-        if attention is not None:
-            held = held_area(search.evidence, config)
-            if not attention.is_worth_a_question(observation, held, search.looks):
-                return []
         detections = self.detector.detect(observation, goal)
         least = 0.0 if config.target == "latest" else _STRONG
         strong = [one for one in detections if one.score >= least]

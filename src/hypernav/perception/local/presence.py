@@ -9,7 +9,7 @@ from hypernav.core.chat import Image, Question
 from hypernav.core.config import RoomConfig
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.perception.yes_or_no import YesNoAsker, yes_no_question
+from hypernav.perception.exchanges import YesNoAsker, yes_no_question
 
 _PROMPT = "Is there a {goal} in this picture? Answer yes or no."
 

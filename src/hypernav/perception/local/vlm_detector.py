@@ -15,11 +15,10 @@ from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
 from hypernav.models.chat.vlm_families import FamilyName, VlmFamily, family_named, family_of
-from hypernav.perception.exchanges import exchange_of
+from hypernav.perception.exchanges import YesNoAsker, exchange_of
 from hypernav.perception.local.crop_check import crop_of, crop_question
 from hypernav.perception.local.grounding_format import Grounding, read_grounding
 from hypernav.perception.prompt_text import check_placeholders
-from hypernav.perception.yes_or_no import YesNoAsker
 
 _PROMPT = (
     "Locate every {goal} in the picture and report the bounding boxes in JSON format, for example "
@@ -142,17 +141,13 @@ class VlmDetector:
         self.rejected.clear()
         return report
 
-    def question(self, observation: Observation, goal: Goal) -> Question:
-        """Question about one image."""
-        return grounding_question(self._config, self.family, observation.rgb, goal)
-
     def detect(self, observation: Observation, goal: Goal) -> list[Detection]:
         """All candidates, in the model's order.
 
         Raises:
             ModelUnavailableError: The model did not answer within the configured patience.
         """
-        question = self.question(observation, goal)
+        question = grounding_question(self._config, self.family, observation.rgb, goal)
         answer = self._chat.ask(question)
         height, width = observation.rgb.shape[:2]
         grounding = read_grounding(

@@ -10,7 +10,7 @@ from functools import partial
 
 import cv2
 import numpy as np
-from jaxtyping import Bool, Float64, Int64, UInt8
+from jaxtyping import Float64, Int64, UInt8
 from pydantic import Field
 
 from hypernav.core.components.protocols import Guide
@@ -154,13 +154,11 @@ class AreaExplorer:
         if not len(cells):
             return None
         reach = ReachableArea.of(grid, robot, self.mapping, self.clearances_m[0])
-        away = np.ones(reach.grid.cells.shape, np.uint8)
-        cells = reach.grid.cells_of(grid.centres_of(cells))
-        cells = cells[reach.grid.contains(cells)]
-        if not len(cells):
+        shown = reach.grid.mask_of(grid.centres_of(cells))
+        if not shown.any():
             return None
-        away[cells[:, 0], cells[:, 1]] = 0
-        away_m = cv2.distanceTransform(away, cv2.DIST_L2, 5) * reach.grid.resolution_m
+        away = cv2.distanceTransform((~shown).view(np.uint8), cv2.DIST_L2, 5)
+        away_m = away * reach.grid.resolution_m
         away_m = np.where(reach.reachable > 0, away_m, np.inf)
         # Of cells that are equally near the area, the one with the shortest path.
         row, column = np.unravel_index(
@@ -207,10 +205,7 @@ def _square(seen: Observation, direction: Direction) -> tuple[slice, slice]:
 def _largest_piece(
     grid: OccupancyGrid, points: Float64[np.ndarray, "n 2"], config: AreaConfig
 ) -> Int64[np.ndarray, "m 2"]:
-    cells = grid.cells_of(points)
-    covered: Bool[np.ndarray, "rows columns"] = np.zeros(grid.cells.shape, dtype=bool)
-    cells = cells[grid.contains(cells)]
-    covered[cells[:, 0], cells[:, 1]] = True
+    covered = grid.mask_of(points)
     kernel = np.ones((_JOINED_CELLS, _JOINED_CELLS), np.uint8)
     _, parts = cv2.connectedComponents(cv2.dilate(covered.view(np.uint8), kernel))
     sizes = np.bincount(parts[covered], minlength=1)

@@ -1,8 +1,17 @@
-"""What a measured form says for and against a name."""
+"""What measured forms say for and against a name: one image, and all images together.
+
+One image shows one side: an armchair may be a sofa seen from its end. From two sides, or of a
+screen's face, the width is known; and a level surface that hardly any image shows is not there.
+"""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
+from hypernav.core.observation import Observation
+from hypernav.mapping.memory.target import Measure
 from hypernav.perception.shape.form import Form
 from hypernav.perception.shape.kinds import KindShape
 
@@ -19,6 +28,24 @@ _LEAST_SEEN = 0.3
 _LOW_CEILING_M = 1.6
 _GOES_ON = 0.6
 _FLOOR_M = 0.1
+_SIDES_DEG = 50.0
+"""Angle between directions of which one shows most of a thing's longer side."""
+_MEASURED_SHARE = 0.9
+"""Share of a thing's width that is measured, since masks lack edges."""
+_NARROW, _NARROW_PER_FACTOR, _MOST_NARROW = 2.0, 8.0, 6.0
+"""Log-odds against a thing that is too narrow: the base, the growth with the logarithm of the
+missing factor, and the most. All are ours."""
+_NO_TOP, _NO_TOP_YET = 2.5, 1.5
+"""Log-odds against a thing whose level surface doesn't show: where it would, and where another side
+may yet show it, as of a sofa seen from behind."""
+_LEAST_LEVEL, _MOST_IMAGES = 0.06, 0.8
+"""Share of a thing in the image that its level surface takes at least, and the share of the images
+that may show less of it."""
+_NEAR_M = 3.5
+"""Distance up to which a level surface takes enough pixels."""
+_BELOW_EYE_M = 0.25
+"""Height of the camera above a thing from which no part of the thing hides its level surface."""
+_LEAST_M = 0.05
 
 
 @dataclass(frozen=True)
@@ -90,3 +117,77 @@ def _larger_plane(form: Form, kind: KindShape) -> str:
     if kind.support == "flat":
         return ""
     return "it is a part of the floor" if form.top_m < _FLOOR_M else ""
+
+
+@dataclass(frozen=True)
+class FormEvidence:
+    """How the form that all images together show shifts the belief in a name.
+
+    Attributes:
+        log_odds: Shift, at most 0: many things have a form that fits.
+        is_doubtful: Whether the form would speak against the name if another side were the same.
+    """
+
+    log_odds: float
+    is_doubtful: bool
+
+
+def measure_of(form: Form, centre: tuple[float, float], observation: Observation) -> Measure:
+    """What an image contributes.
+
+    Args:
+        form: Form of the thing in this image.
+        centre: Middle of the thing on the map ``(x, y)``, metres.
+        observation: The image.
+    """
+    robot, eye_m = observation.robot, float(observation.camera_to_map.translation[2])
+    is_near = robot.distance_to(*centre) <= _NEAR_M
+    return Measure(
+        towards=math.atan2(robot.y - centre[1], robot.x - centre[0]),
+        width_m=form.long_m if form.is_long_seen else None,
+        is_face=form.is_plane_upright,
+        level_share=form.level_share if is_near else None,
+        is_below_eye=form.top_m < eye_m - _BELOW_EYE_M,
+    )
+
+
+def form_evidence(measures: Sequence[Measure], kind: KindShape) -> FormEvidence:
+    """Compare what several images show with what is known of a kind.
+
+    The face of a kind that is one, such as a screen, tells its width alone: a mask may bleed into
+    what is beside, but hardly one that is flat. A flat side of any other may be its end.
+    """
+    whole = [one for one in measures if one.width_m is not None]
+    near = [one for one in measures if one.level_share is not None]
+    faces = [one for one in whole if one.is_face and kind.face == "upright"]
+    narrow = _narrowness(faces or whole, kind)
+    is_width_known = bool(faces) or _are_around(whole)
+    is_flat = kind.face == "level" and _lacks_a_top(near)
+    is_top_known = _are_around(near) or any(one.is_below_eye for one in near)
+    against = narrow if is_width_known else 0.0
+    if is_flat:
+        against += _NO_TOP if is_top_known else _NO_TOP_YET
+    is_doubtful = (narrow > 0.0 and not is_width_known) or (is_flat and not is_top_known)
+    return FormEvidence(-against, is_doubtful)
+
+
+def _narrowness(whole: Sequence[Measure], kind: KindShape) -> float:
+    """What speaks against a thing as narrow as all images show it that show it whole."""
+    widest_m = max((one.width_m or 0.0 for one in whole), default=math.inf)
+    least_m = _MEASURED_SHARE * kind.long_m[0]
+    if widest_m >= least_m:
+        return 0.0
+    factor = least_m / max(widest_m, _LEAST_M)
+    return min(_NARROW + _NARROW_PER_FACTOR * math.log(factor), _MOST_NARROW)
+
+
+def _lacks_a_top(near: Sequence[Measure]) -> bool:
+    """Whether hardly any image shows a level surface; False without images."""
+    shares = [one.level_share or 0.0 for one in near]
+    return bool(shares) and float(np.quantile(shares, _MOST_IMAGES)) < _LEAST_LEVEL
+
+
+def _are_around(measures: Sequence[Measure]) -> bool:
+    """Whether images are from sides that are far enough apart."""
+    turns = [abs(math.remainder(one.towards - measures[0].towards, math.tau)) for one in measures]
+    return max(turns, default=0.0) >= math.radians(_SIDES_DEG)

@@ -1,4 +1,4 @@
-"""How far the floor is free in each direction, by the depth image alone.
+"""How far the floor is free in each direction, by depth alone, and where the robot has looked.
 
 Source: Goetting, Singh and Loquercio, "End-to-End Navigation with Vision-Language Models" (VLMnav),
 2024, and its released code.
@@ -6,12 +6,15 @@ Source: Goetting, Singh and Loquercio, "End-to-End Navigation with Vision-Langua
 
 import math
 
+import cv2
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Bool, Float64
 
 from hypernav.core.embodiment import CameraConfig
+from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.observation import Observation
 from hypernav.perception.visual_prompts.free_range_kernels import walk_lines
+from hypernav.perception.visual_prompts.proposals import MOST_MOVE_M
 
 _FLOOR_M = (-0.24, 0.16)
 """Heights above the robot's floor between which a point is floor, metres (VLMnav's code)."""
@@ -22,6 +25,16 @@ _SPREAD = 1.5
 doesn't see are not free."""
 _BLOCKED_PX = 5
 """Number of pixels up to which a line over the floor is blocked at once (VLMnav's code)."""
+_CELL_M = 0.05
+"""Side of a cell; ours: the original draws 100 pixels a metre."""
+_SIDE_M = 50.0
+_PROBES = 8
+_SEEN_PROBES = 3
+"""Number of the eight cells around a point that must be explored for the point to be explored."""
+_WIDTH_M = 0.6
+"""Width of the strip of floor that a look explores (VLMnav's code)."""
+_REACH = 0.8
+"""Length of the strip, as a share of the free range (VLMnav's code)."""
 
 
 def all_headings(camera: CameraConfig) -> Float64[np.ndarray, "n"]:
@@ -61,3 +74,56 @@ def free_ranges(
         (camera.min_depth_m, camera.max_depth_m),
         _BLOCKED_PX,
     )
+
+
+class RayMemory:
+    """Strips of floor that were looked along, on 50 m by 50 m around the first look.
+
+    Beyond that nothing counts as explored.
+    """
+
+    def __init__(self) -> None:
+        """Begin without any."""
+        side = round(_SIDE_M / _CELL_M)
+        self._explored = np.zeros((side, side), dtype=np.uint8)
+        self._corner: Float64[np.ndarray, 2] | None = None
+
+    def look(
+        self, robot: Pose2, headings: Float64[np.ndarray, "n"], free_m: Float64[np.ndarray, "n"]
+    ) -> Bool[np.ndarray, " n"]:
+        """Paint what the robot sees now, and tell which directions lead to explored floor.
+
+        Args:
+            robot: Pose of the robot.
+            headings: Directions from its heading, radians.
+            free_m: Free ranges in these directions, metres.
+
+        Returns:
+            Whether each direction is explored at four fifths of its range.
+        """
+        if self._corner is None:
+            self._corner = np.array(robot.xy) - _SIDE_M / 2.0
+        angles = robot.yaw + headings
+        towards = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        reaches = _REACH * free_m
+        here = np.array(robot.xy)
+        ends = self._cells(here + towards * np.minimum(reaches, MOST_MOVE_M)[:, None])
+        start = tuple(int(number) for number in self._cells(here[None])[0])
+        thickness = max(round(_WIDTH_M / _CELL_M), 1)
+        for end in ends[free_m > 0.0]:
+            cv2.line(self._explored, start, (int(end[0]), int(end[1])), 1, thickness)
+        return self._is_explored(here + towards * reaches[:, None])
+
+    def _is_explored(self, points: Float64[np.ndarray, "n 2"]) -> Bool[np.ndarray, " n"]:
+        around = 2.0 * math.pi * np.arange(_PROBES) / _PROBES
+        ring = _WIDTH_M / 4.0 * np.stack([np.cos(around), np.sin(around)], axis=1)
+        cells = self._cells((points[:, None] + ring).reshape(-1, 2))
+        side = len(self._explored)
+        inside = ((cells >= 0) & (cells < side)).all(axis=1)
+        seen = np.zeros(len(cells), dtype=bool)
+        seen[inside] = self._explored[cells[inside, 1], cells[inside, 0]] > 0
+        return seen.reshape(-1, _PROBES).sum(axis=1) >= _SEEN_PROBES
+
+    def _cells(self, points: Float64[np.ndarray, "n 2"]):
+        assert self._corner is not None
+        return np.floor((points - self._corner) / _CELL_M).astype(np.int64)

@@ -11,8 +11,8 @@ from hypernav.core.geometry.depth import is_measured
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
+from hypernav.perception.exchanges import YesNoAsker, yes_no_question
 from hypernav.perception.local.ground_truth import GroundTruthDetector
-from hypernav.perception.yes_or_no import YesNoAsker, yes_no_question
 
 _PROMPT = (
     "A robot looks for a {goal}. The picture is what its camera sees now. Is the robot already "

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from hypernav.agents.components import SearchComponents
+from hypernav.agents.step import SearchComponents
 from hypernav.core.clock import ModuleClock
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.grid import OccupancyGrid

@@ -7,7 +7,7 @@ from hypernav.core.trace import Exchange, StepTrace
 
 FRAMES_PER_SECOND = 6
 ENDING_FRAMES = 4 * FRAMES_PER_SECOND
-EVERY_STEP = frozenset({"ground", "attention", "score view"})
+EVERY_STEP = frozenset({"ground", "score view"})
 """Kinds of questions that are asked at every step, and do not change the destination."""
 _AT_A_STEP = 1
 _AT_A_DECISION = 6

@@ -1,4 +1,4 @@
-"""The direction question of NavVLM to a chat model."""
+"""The direction question of NavVLM: to a chat model, or to what is really in view."""
 
 from dataclasses import dataclass, field
 
@@ -12,6 +12,7 @@ from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
 from hypernav.models.chat.answer_parsing import shortened, without_thinking
 from hypernav.perception.exchanges import exchange_of
+from hypernav.perception.vlfm.truth_scorer import chance_in_view
 
 _PROMPT = (
     "A robot looks for a {goal} in a building. The{first} picture is what its camera sees now."
@@ -25,6 +26,12 @@ _PAST = (
     "the blue line its path."
 )
 _ABSENT = ("explore", "not visible", "no sign", "cannot see", "can't see", "not see", "absent")
+_LEAST_CHANCE = 0.4
+"""Chance of the goal in a room like the one in a direction at which that direction leads there;
+ours."""
+_LEAST_LEAD = 2.0
+"""How many times as likely as in the least likely direction the goal must be elsewhere to lead
+there below that chance; ours."""
 
 
 class ChatGuideConfig(RoomConfig):
@@ -86,3 +93,48 @@ def direction_in(said: str) -> Direction:
         if direction.value in text:
             return direction
     return Direction.EXPLORE
+
+
+@dataclass(frozen=True, eq=False)
+class TruthGuide:
+    """Says the direction in which a room is in view that likely holds the goal.
+
+    A stand-in for a model, by the true labels and a table of rooms. Ours; nothing like it was
+    published.
+
+    Attributes:
+        log: Log of all choices, for the trace.
+        looks_at_colours: See `hypernav.core.components.abilities.looks_at_colours`.
+        stands_in_for: What it is used in place of, and the remedy, for people.
+    """
+
+    log: ExchangeLog
+
+    looks_at_colours = False
+    stands_in_for = "a vision-language model (--vlm)"
+
+    def direct(self, view: GuideView, goal: Goal) -> GuideChoice:
+        """The likeliest direction, if it is likely enough.
+
+        Raises:
+            LabelsMissingError: The world supplies no labels.
+        """
+        choice = self._choice(view, goal)
+        question = "Which part of the image shows a room that likely holds the goal?"
+        self.log.note("choose direction", "truth", question, choice.reason)
+        return choice
+
+    def _choice(self, view: GuideView, goal: Goal) -> GuideChoice:
+        chances = {
+            direction: chance
+            for direction, columns in view.windows.items()
+            if (chance := chance_in_view(view.observation, goal, columns)) is not None
+        }
+        if not chances:
+            return GuideChoice(Direction.EXPLORE, f"{Direction.EXPLORE}: nothing tells the room")
+        best = max(chances, key=lambda direction: chances[direction])
+        ahead = chances[best] >= _LEAST_LEAD * min(chances.values())
+        leads = ahead or chances[best] >= _LEAST_CHANCE
+        direction = best if leads else Direction.EXPLORE
+        reason = f"{direction}: a room like the one in view has it {chances[best]:.0%} of the time"
+        return GuideChoice(direction, reason)

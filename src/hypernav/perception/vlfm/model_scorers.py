@@ -1,4 +1,6 @@
-"""Scores by a model that compares images with texts (VLFM's way)."""
+"""Scores of views by models: the probability of a chat model's yes, or likeness to a text."""
+
+from dataclasses import dataclass, field
 
 from pydantic import Field
 
@@ -7,6 +9,49 @@ from hypernav.core.config import RoomConfig
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.models.vision.similarity import ImageTextSimilarity, SimilarityConfig
+from hypernav.perception.exchanges import YesNoAsker, yes_no_question
+
+_PROMPT = (
+    "You look for a {goal} in a building. Is the place in this picture one from which a {goal} is "
+    "likely close by? Answer yes or no."
+)
+_UNSURE = 0.5
+"""Score of an answer that is neither yes nor no."""
+
+
+class ChatScorerConfig(RoomConfig):
+    """The question. All of it is ours.
+
+    Attributes:
+        prompt: Text of the question; ``{goal}`` is filled in.
+    """
+
+    prompt: str = _PROMPT
+
+
+@dataclass(eq=False)
+class ChatScorer(YesNoAsker):
+    """Asks whether the goal is likely near, and takes the probability of yes for the score.
+
+    A model that tells no probabilities gives 1 or 0.
+
+    Attributes:
+        config: Configuration of the question.
+    """
+
+    config: ChatScorerConfig = field(default_factory=ChatScorerConfig)
+
+    count_name = "unsure_scores"
+
+    def score(self, observation: Observation, goal: Goal) -> float:
+        """Probability of yes, 0 to 1.
+
+        Raises:
+            ModelUnavailableError: The model did not answer within the configured patience.
+        """
+        question = yes_no_question("score view", goal.named_in(self.config.prompt), observation.rgb)
+        yes = self.ask(question, f"scored {_UNSURE:g}")
+        return _UNSURE if yes is None else yes
 
 
 class SimilarityScorerConfig(RoomConfig):
