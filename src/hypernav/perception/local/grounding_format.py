@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
 
-from hypernav.core.geometry.boxes import Box
+from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.models.chat.answer_parsing import without_thinking, writable
 from hypernav.models.chat.vlm_families import VlmFamily
 
@@ -55,30 +55,16 @@ class Rejection(StrEnum):
 
 
 @dataclass(frozen=True)
-class GroundedBox:
-    """One box of an answer.
-
-    Attributes:
-        box: Box in pixels of the image, clipped to it.
-        label: Label from the model; empty if it gave none.
-        score: Confidence from the model; 1 if it gave none.
-    """
-
-    box: Box
-    label: str
-    score: float = 1.0
-
-
-@dataclass(frozen=True)
 class Grounding:
     """The boxes of an answer.
 
     Attributes:
-        boxes: Usable boxes, in the model's order.
+        boxes: Usable boxes, in the model's order; without a label, or with a score of 1, where the
+            model gave none.
         rejected: Number of the other boxes, by reason.
     """
 
-    boxes: tuple[GroundedBox, ...] = ()
+    boxes: tuple[Detection, ...] = ()
     rejected: Counter[Rejection] = field(default_factory=Counter)
 
 
@@ -111,15 +97,15 @@ def read_grounding(
         max_boxes: Largest number of boxes; further ones are rejected.
         min_side_px: Shortest side of a box, in the image's pixels; smaller boxes are rejected.
     """
-    boxes: list[GroundedBox] = []
+    boxes: list[Detection] = []
     rejected: Counter[Rejection] = Counter()
     for item in _items(without_thinking(text[:_MOST_CHARACTERS])):
         found = _checked(item, family, width, height, min_side_px)
-        if isinstance(found, GroundedBox) and any(found.box == one.box for one in boxes):
+        if isinstance(found, Detection) and any(found.box == one.box for one in boxes):
             found = Rejection.DUPLICATE
-        elif isinstance(found, GroundedBox) and len(boxes) >= max_boxes:
+        elif isinstance(found, Detection) and len(boxes) >= max_boxes:
             found = Rejection.TOO_MANY
-        if isinstance(found, GroundedBox):
+        if isinstance(found, Detection):
             boxes.append(found)
         else:
             rejected[found] += 1
@@ -128,7 +114,7 @@ def read_grounding(
 
 def _checked(
     item: _Item, family: VlmFamily, width: int, height: int, min_side_px: float
-) -> GroundedBox | Rejection:
+) -> Detection | Rejection:
     values = _numbers(item.numbers)
     if isinstance(values, Rejection):
         return values
@@ -146,7 +132,7 @@ def _checked(
     box = family.to_image(Box(x_min, y_min, x_max, y_max), width, height).clipped(width, height)
     if min(box.x_max - box.x_min, box.y_max - box.y_min) < min_side_px:
         return Rejection.TOO_SMALL
-    return GroundedBox(box, item.label, item.score)
+    return Detection(box, item.score, item.label)
 
 
 def _numbers(value: Any) -> tuple[float, float, float, float] | Rejection:

@@ -160,7 +160,7 @@ class VlmDetector:
         )
         remarks = self._remarks(answer, grounding, goal)
         self._log.record(exchange_of(question, answer, remarks=remarks))
-        found = [Detection(o.box, o.score, o.label or goal.text) for o in grounding.boxes]
+        found = [replace(one, label=one.label or goal.text) for one in grounding.boxes]
         return self._looked_at(found, observation, goal)
 
     def _looked_at(
