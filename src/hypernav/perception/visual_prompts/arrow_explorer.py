@@ -81,8 +81,7 @@ class ArrowExplorer(ABC):
         if not arrows:
             why = "no arrow fits into the image"
             return sight.around(why) if may_turn else sight.step_ahead(why)
-        known = () if graph is None else graph.retrieve(view.goal, robot)
-        facts = tuple(fact.words for fact in known)
+        facts = () if graph is None else graph.retrieve(view.goal, robot)
         question = sight.view(arrows, may_turn=may_turn, facts=facts)
         choice = self.arrow_reasoner.choose(question, view.goal)
         if not choice.numbers:

@@ -5,7 +5,6 @@ DyNaVLM's own thresholds and prompts were not published where we could read them
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -22,32 +21,6 @@ _NEAR_M = 2.0
 """Distance below which two things are near each other."""
 _MOST_FACTS = 10
 """Number of things that are told of."""
-
-
-@dataclass(frozen=True)
-class GraphFact:
-    """What is remembered of a thing, from where the robot stands.
-
-    Attributes:
-        name: Name of the thing.
-        distance_m: Distance from the robot, metres.
-        bearing: Direction from the robot's heading, radians, positive to the left.
-        near: Names of the things near it.
-    """
-
-    name: str
-    distance_m: float
-    bearing: float
-    near: tuple[str, ...]
-
-    @property
-    def words(self) -> str:
-        """The fact for a prompt: "bed, 3.2 m, 40° to the left, near nightstand"."""
-        degrees = round(math.degrees(self.bearing))
-        side = "straight ahead" if degrees == 0 else f"{abs(degrees)}° to the "
-        side += "" if degrees == 0 else ("left" if degrees > 0 else "right")
-        near = f", near {', '.join(self.near)}" if self.near else ""
-        return f"{self.name}, {self.distance_m:.1f} m, {side}{near}"
 
 
 class ObjectGraph:
@@ -78,9 +51,13 @@ class ObjectGraph:
                 self._near[number].add(other)
                 self._near[other].add(number)
 
-    def retrieve(self, goal: Goal, robot: Pose2) -> list[GraphFact]:
-        """The things nearest in meaning to the goal; of equal ones, those nearest to the robot."""
-        return [self._fact(number, robot) for number in self._closest_in_meaning(goal, robot)]
+    def retrieve(self, goal: Goal, robot: Pose2) -> tuple[str, ...]:
+        """What a prompt says of the things nearest in meaning to the goal.
+
+        Of equal ones those nearest to the robot come first. A thing is told of as "bed, 3.2 m, 40°
+        to the left, near nightstand".
+        """
+        return tuple(self._fact(number, robot) for number in self._closest_in_meaning(goal, robot))
 
     def shown(self, goal: Goal, robot: Pose2) -> ThingGraph:
         """The whole graph for people, who see which things `retrieve` tells of."""
@@ -104,14 +81,14 @@ class ObjectGraph:
         )
         return order[:_MOST_FACTS]
 
-    def _fact(self, number: int, robot: Pose2) -> GraphFact:
+    def _fact(self, number: int, robot: Pose2) -> str:
         thing = self._things[number]
-        return GraphFact(
-            name=thing.label,
-            distance_m=robot.distance_to(*thing.position),
-            bearing=robot.bearing_to(*thing.position),
-            near=tuple(sorted({self._things[other].label for other in self._near[number]})),
-        )
+        degrees = round(math.degrees(robot.bearing_to(*thing.position)))
+        side = f"{abs(degrees)}° to the {'left' if degrees > 0 else 'right'}"
+        where = side if degrees else "straight ahead"
+        others = sorted({self._things[other].label for other in self._near[number]})
+        near = f", near {', '.join(others)}" if others else ""
+        return f"{thing.label}, {robot.distance_to(*thing.position):.1f} m, {where}{near}"
 
 
 def _likeness(goal: Goal, name: str) -> float:
