@@ -16,6 +16,7 @@ EMPTY_OPTIONS = {
     EVAL: "agent vlm detector reasoner segmenter config set out episodes scenes goals scenes-dir "
     "workers ray save max-steps success-distance seed",
     ("ablate", "scene:room.glb"): "of study only out vlm set",
+    ("exam",): "vlm detector reasoner segmenter config compare set out size bank at-once preset",
 }
 CONTROLS = [chr(code) for code in (*range(1, 32), *range(127, 160))]
 

@@ -16,7 +16,6 @@ from hypernav.cli.eval import folder_name
 from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.options.exam import Options
 from hypernav.cli.screen.terminal import Terminal
-from hypernav.core.components.abilities import ChecksModel
 from hypernav.core.components.protocols import ChatModel
 from hypernav.core.config import MOST_THREADS, check_option, layered
 from hypernav.core.errors import ConfigError
@@ -82,8 +81,7 @@ def _examined(
     chat, recording = wrap_chat(options.vlm, config.chat, Ledger(), record, resume=True)
     with nullcontext() if recording is None else closing(recording):
         examinee = Examinee(config, specs, chat)
-        if chat is not None:
-            _check_model(examinee)
+        examinee.check()
         bank = Bank(options.bank, options.size, examinee.kinds)
         examined = _described(options, config, bank, examinee, chat)
         answers = _watched(options, config, folder, bank, examinee, examined, console)
@@ -124,13 +122,6 @@ def _watched(
             at_once=options.at_once or (_AT_ONCE if _is_served(options) else 1),
             watch=watch,
         )
-
-
-def _check_model(examinee: Examinee) -> None:
-    """Refuse a model whose coordinates are not known now, not at the first image."""
-    detector = examinee.detector()
-    if isinstance(detector, ChecksModel):
-        detector.check_model()
 
 
 def _described(

@@ -10,6 +10,7 @@ from typing import Literal
 
 from hypernav.core.goal import Goal
 from hypernav.exam.questions import ExamQuestion, Kind
+from hypernav.houses.episodes.splits import EXAM_BUILDINGS
 
 BankName = Literal["val", "train"]
 ExamSize = Literal["quick", "full"]
@@ -17,7 +18,6 @@ ExamSize = Literal["quick", "full"]
 BANK_VERSION = 1
 """Increased whenever the same numbers give other questions."""
 
-_FIRST: dict[BankName, int] = {"val": 9000, "train": 7000}
 _BUILDINGS = ("houses", "offices", "shops")
 _MOST_SHEETS = 40
 """Sheets for a quick exam after which it is content with what there is."""
@@ -88,10 +88,10 @@ class Bank:
 
     def sheets(self) -> Iterator[Sheet]:
         """The searches, kind of building by kind of building."""
-        factor = 1 if self.size == "quick" else _FULL
+        buildings, factor = EXAM_BUILDINGS[self.name], 1 if self.size == "quick" else _FULL
         for number in range(_MOST_SHEETS * factor):
             kind = _BUILDINGS[number % len(_BUILDINGS)]
-            yield Sheet(number, f"{kind}:{_FIRST[self.name] + number // len(_BUILDINGS)}")
+            yield Sheet(number, f"{kind}:{buildings[number // len(_BUILDINGS)]}")
 
     def choose(
         self, found: Sequence[ExamQuestion], taken: Counter[tuple[Kind, str]]

@@ -18,6 +18,7 @@ from hypernav.build.registries import (
     SEGMENTERS,
     Factory,
 )
+from hypernav.core.components.abilities import ChecksModel
 from hypernav.core.components.door import through_door
 from hypernav.core.components.protocols import (
     ArrowReasoner,
@@ -99,10 +100,16 @@ class Examinee:
         own = {kind for kind, (choice, _) in self._choices.items() if "chat" in asked_by(choice)}
         return tuple(k for k in self.kinds if k in own or k == "presence")
 
-    def detector(self) -> object:
-        """The detector, for its optional abilities; None if none is examined."""
-        choice = self._choices.get("boxes")
-        return None if choice is None else self._made("boxes", ExchangeLog(), EpisodeTruth())
+    def check(self) -> None:
+        """Make every component once, so that what is missing is told before the first question.
+
+        Raises:
+            HyPerNavError: A component can't be made, or its model's coordinates are not known.
+        """
+        for kind in self._choices:
+            made = self._made(kind, ExchangeLog(), EpisodeTruth())
+            if isinstance(made, ChecksModel):
+                made.check_model()
 
     def words(self, kind: Kind) -> str:
         """Name of the component that answers a type of question."""

@@ -18,6 +18,8 @@ from hypernav.houses.episodes.episode_cache import cached_episodes
 from hypernav.houses.episodes.house_episodes import EPISODES_PER_HOUSE, GoalStyle
 from hypernav.houses.episodes.rules import RULES
 
+EXAM_BUILDINGS = {"val": range(9000, 9100), "train": range(7000, 7100)}
+"""Buildings of the exam's banks, of every kind. No split may have those of val."""
 EPISODES_PER_ROUND = 4
 """Number of consecutive episodes in the same building."""
 _MOST_HOUSES = 100_000
@@ -33,7 +35,8 @@ class BuildingSplit:
         style: Whether goals are categories or phrases.
         numbers: Numbers of the buildings; for an open split the default ones.
         episodes: Number of episodes in these buildings.
-        is_open: Whether all buildings that belong to no other split may be used.
+        is_open: Whether all buildings that belong to no other split, and not to the exam, may be
+            used.
     """
 
     name: str
@@ -67,6 +70,12 @@ class BuildingSplit:
                     f"{self.numbers.start}:{self.numbers.stop} (the end is not included)"
                 )
             return
+        exam = EXAM_BUILDINGS["val"]
+        if _overlap(numbers, exam):
+            raise EpisodeError(
+                f"{self.kind} {said}: {exam.start}:{exam.stop} belong to hypernav exam, which "
+                f"nothing is tuned on; choose others for {self.name}"
+            )
         for other in SPLITS.values():
             closed = other.kind == self.kind and not other.is_open
             if closed and _overlap(numbers, other.numbers):
