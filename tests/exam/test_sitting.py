@@ -22,6 +22,8 @@ from hypernav.models.chat.vlm_spec import open_chat
 from servers.scripted import Personality, ScriptedServer
 from small_worlds import small_config
 
+pytestmark = pytest.mark.slow  # questions are made in whole buildings
+
 Gather = Callable[[Sheet], list[ExamQuestion]]
 CONFIG = small_config()
 QUOTAS: dict[tuple[Kind, str], int] = {

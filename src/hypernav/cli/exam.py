@@ -55,6 +55,8 @@ def run(options: Options) -> int:
         right = sum(one.score for one in answers)
         console.print(f"{right:.0f} of {len(answers)} answers are right; the page: {page}")
         return 0
+    for path in options.compare:  # a bad second file is not found out after a whole exam
+        layered(preset(options.preset), file=path, assignments=options.set)
     names = (options.compare[0].stem, options.compare[1].stem)
     parts = [
         _examined(options, path, folder / part, console)[0]
