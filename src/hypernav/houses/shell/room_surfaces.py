@@ -100,7 +100,8 @@ def _walls(builder: ModelBuilder, plan: FloorPlan, number: int, finish: RoomFini
     for along, middle, plane, facing, start, end in _sides(room):
         holes = _holes(openings, along, middle)
         builder.add(finish.wall, wall_face(along, plane, facing, start, end, plan.height, holes))
-        _skirting(builder, finish.trim, along, plane, facing, start, end, holes)
+        if not _well(plan, number, below=True):
+            _skirting(builder, finish.trim, along, plane, facing, start, end, holes)
         for hole in holes:
             if hole[2] == 0.0:
                 _casing(builder, finish.trim, along, plane, facing, hole)

@@ -23,7 +23,6 @@ from hypernav.worlds.navmesh.recast.build import compute_navmesh
 from hypernav.worlds.navmesh.recast.scene_triangles import habitat_vertices
 from hypernav.worlds.scenes.scene import Scene
 
-
 STAIR_CLIMB_M = 0.2
 """Step of a robot that climbs stairs, metres: that of Habitat's agents."""
 
