@@ -44,7 +44,7 @@ _LEAST_HEIGHT_M = 0.12
 
 
 def floor_plan_svg(plan: FloorPlan, instances: tuple[Instance, ...]) -> str:
-    """SVG drawing of rooms with names and areas, walls, doors, windows, stairs and furniture outlines."""
+    """SVG drawing of rooms with names and areas, walls, doors, windows, stairs and furniture."""
     x0 = min(r.cell.x0 for r in plan.rooms) - 0.5
     x1 = max(r.cell.x1 for r in plan.rooms) + 0.5
     y0 = min(r.cell.y0 for r in plan.rooms) - 0.5
