@@ -7,8 +7,8 @@ the points in each voxel.
 
 The parts are timed on the recorded episode in small_house. Its poses are rendered again, so that
 colour and labels are there too; an agent that looks for a chair is shown it as well, though it
-would have driven elsewhere. The agent's other steps are those of a search in a large generated
-house for a goal that is not there, until 500 steps are done or all is explored.
+would have driven elsewhere. The agent's other steps are those of a search of 1,000 steps in a large
+generated house for a goal that is not there; when all is explored, it looks again.
 """
 
 import os
@@ -31,6 +31,7 @@ from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import preset
 from hypernav.core.actions import Action
 from hypernav.core.components.abilities import Learns
+from hypernav.core.config import layered
 from hypernav.core.episodes.episode import Episode
 from hypernav.core.exploring.exploration import ExplorationView
 from hypernav.core.geometry.camera import optical_to_base
@@ -52,7 +53,7 @@ from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
 
-STEPS = 500
+STEPS, LONG_STEPS = 500, 1000
 RIVALS = ("vlfm", "navvlm", "vlmnav", "pivot", "dynavlm-style")
 UNIT = "the unit: depth to distinct voxels"
 TEST_DATA = Path(os.environ.get("HYPERNAV_TEST_DATA", "../shared/data"))
@@ -164,7 +165,8 @@ def follow_recording(observations: list[Observation], watch: Stopwatch) -> None:
 
 def search_in_vain(watch: Stopwatch, house: str) -> None:
     """Time the agent's steps while it explores a whole house."""
-    config, goal = preset("default"), Goal("something that is not there")
+    endless = ("search.end_when_explored=false", f"search.max_steps={LONG_STEPS}")
+    config, goal = layered(preset("default"), assignments=endless), Goal("nothing of this kind")
     scene = load_scene(house)
     renderer = CpuRenderer(scene, RenderConfig(colours=False))  # ground truth needs none
     world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
@@ -172,8 +174,8 @@ def search_in_vain(watch: Stopwatch, house: str) -> None:
     agent.reset(goal)
     start = random_start(world.walkable, np.random.default_rng(0), None)
     observation = world.reset(Episode(house, "", goal, start), np.random.default_rng(0))
-    for _ in range(STEPS):
-        action = watch("agent step", agent.act, observation)
+    for _ in range(LONG_STEPS):
+        action = watch("agent step, long search", agent.act, observation)
         if action is None or action is Action.STOP:
             break
         observation = world.step(action)

@@ -163,3 +163,16 @@ def test_a_mistake_is_one_line_in_every_encoding(encoding):
     assert "--" not in ended.stderr.replace("--sede", "").replace("--seed", "").replace(
         "--help", ""
     )
+
+
+@pytest.mark.parametrize("columns", ["1", "5", "12"])
+def test_a_narrow_terminal_gets_help_too(columns):
+    ended = subprocess.run(
+        [sys.executable, "-c", MAIN.format(["find", "--help"])],
+        env=os.environ | {"COLUMNS": columns},
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert (ended.returncode, "--scene" in ended.stdout) == (0, True)

@@ -5,12 +5,12 @@ import json
 import pytest
 
 from eval_runs import SMALL, write_room
-from hostile.commands import check, run
+from hostile.commands import check, run, start, wait
 
 pytestmark = pytest.mark.slow
 
 MODULE = """
-import os, sys
+import os, sys, threading, time
 import numpy as np
 from hypernav import Box, Detection
 
@@ -20,6 +20,10 @@ class Exits:
 
 class Leaves(Exits):
     def act(self, observation): os._exit(0)
+
+class Lingers(Exits):
+    def act(self, observation):
+        threading.Thread(target=time.sleep, args=(600,), name="forgotten").start()
 
 class Seven(Exits):
     def act(self, observation): return 7
@@ -107,3 +111,10 @@ def test_an_evaluation_never_takes_it_for_the_simulators_fault(agent, did, folde
     check(ended, 70, f"--agent mine:{agent}: {did}")
     assert not (folder / "out" / "episodes.jsonl").exists()
     assert len(json.loads((folder / "out" / "sessions.jsonl").read_text())["crashes"]) == 3
+
+
+def test_a_thread_that_it_forgets_keeps_no_process_alive(folder):
+    options = ["--scene", "room.glb", "--out", "out", "--agent", "mine:Lingers", *SMALL]
+    ended = wait(start(["find", "lamp", *options], folder), seconds=300)
+    check(ended, 1, "hypernav: ended although a component has left a thread running: forgotten")
+    assert (folder / "out" / "index.html").exists()

@@ -103,3 +103,8 @@ def test_the_folder_can_be_chosen(monkeypatch: pytest.MonkeyPatch, tmp_path: Pat
     assert cache_folder() == tmp_path
     monkeypatch.delenv("HYPERNAV_CACHE")
     assert cache_folder().name == "hypernav"
+
+
+def test_a_cache_that_cannot_be_read_is_not_said_for_every_file(tmp_path: Path, caplog):
+    cached_building(house(NUMBER), tmp_path / ("x" * 300))
+    assert not caplog.records

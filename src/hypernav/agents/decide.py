@@ -56,7 +56,12 @@ def _first_phase(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Pha
     if target is None or target.number != approaching.candidate:
         number = None if target is None else target.number
         plan = plan.approach(
-            second_look=None, candidate=number, opening=None, closed=(), blocked_steps=0
+            candidate=number,
+            second_look=None,
+            opening=None,
+            closed=(),
+            blocked_steps=0,
+            is_present=False,
         ).with_new_patience(config)
         approaching = plan.approaching
     if target is None:

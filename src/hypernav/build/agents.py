@@ -13,6 +13,7 @@ from hypernav.build.construction import asked_by, make, section_of
 from hypernav.build.given_files import given_files
 from hypernav.build.native import check_native_robot
 from hypernav.build.presets import HyPerNavConfig
+from hypernav.build.prompts import prompt_hashes
 from hypernav.build.registries import AGENTS, ROLES, Factory
 from hypernav.build.stand_ins import segmenter_words
 from hypernav.core.components.abilities import ChecksModel, wants_named_things
@@ -100,6 +101,7 @@ def build_agent(
         files=given_files(chosen, config),
         ledger=ledger,
         price=config.price,
+        prompts={} if chosen.vlm is None else prompt_hashes(config),
         truth=truth,
     )
 

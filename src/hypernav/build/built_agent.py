@@ -34,6 +34,7 @@ class BuiltAgent:
         files: Files that components were given, such as weights.
         ledger: Ledger of the questions to the chat model; empty without one.
         price: Price of the chat model's tokens.
+        prompts: Hash of the words of every question to the chat model; empty without one.
         truth: Ground truth for stand-ins only, set by
             `hypernav.episodes.episode_run.EpisodeRun`.
     """
@@ -47,6 +48,7 @@ class BuiltAgent:
     files: tuple[Path, ...]
     ledger: Ledger
     price: PriceConfig
+    prompts: dict[str, str]
     truth: EpisodeTruth
 
     def check_goal(self, goal: Goal) -> None:

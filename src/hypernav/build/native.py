@@ -53,6 +53,7 @@ def _vlfm(base: HyPerNavConfig) -> dict[str, Any]:
             "see_before_stop": False,
             "enter_in_sight": False,
             "enter_fully": False,
+            "go_nearer": False,
             "open_the_way": False,
         },
         "presence": {"enabled": False},

@@ -264,6 +264,7 @@ def preset(name: PresetName) -> HyPerNavConfig:
             see_before_stop=False,
             enter_in_sight=False,
             enter_fully=False,
+            go_nearer=False,
             open_the_way=False,
             pursue_far_sightings=False,
         ),

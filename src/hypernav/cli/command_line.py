@@ -10,6 +10,8 @@ import difflib
 import importlib
 import io
 import itertools
+import os
+import shutil
 from collections.abc import Sequence
 from dataclasses import make_dataclass
 from importlib.metadata import version
@@ -26,6 +28,7 @@ COMMANDS = {
     "ablate": "Run variants of the method on the same episodes, and say what each part is worth.",
     "report": "Write a page, a CSV file and LaTeX tables about one or more evaluations.",
     "doctor": "Examine a vision-language model, or the data of benchmarks, and say what to change.",
+    "exam": "Ask a model questions with known answers, and say whether and where it will help.",
     "compare": "Compare the simulator with habitat-sim, pose by pose, in a scene of your own.",
     "scene": "Write the navigation mesh that habitat-sim computes of a scene, for any robot.",
     "serve": "Take the observations of robots over the network, and answer each with an action.",
@@ -34,6 +37,8 @@ COMMANDS = {
 }
 _SHELLS = ("bash", "zsh", "tcsh")
 _MOST_CHARACTERS = 500
+_LEAST_COLUMNS = 20
+"""Narrowest terminal for which help and errors are laid out: tyro never ends in a narrower one."""
 _PLAINER = {
     "Error parsing ": "",
     "Missing from hypernav ": "missing from hypernav ",
@@ -58,6 +63,8 @@ def run_command(arguments: Sequence[str]) -> int:
         HyPerNavError: The command failed; the message gives the reason.
         SystemExit: The command line asks for help, which has been printed.
     """
+    if shutil.get_terminal_size().columns < _LEAST_COLUMNS:
+        os.environ["COLUMNS"] = str(_LEAST_COLUMNS)
     name, *rest = list(arguments) or [""]
     if name in {"-h", "--help"}:
         _help()

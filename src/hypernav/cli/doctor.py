@@ -44,6 +44,11 @@ def run(options: Options) -> int:
         with console.status("asking the model …"):
             faults += _shown(findings, console)
     if not faults:
+        if options.vlm is not None:
+            told = (
+                f"how far it will help a search, and where not: hypernav exam --vlm {options.vlm}"
+            )
+            console.print(told, markup=False)
         console.print("all is well")
         return 0
     console.print("what to change:")

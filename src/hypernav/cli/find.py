@@ -21,7 +21,12 @@ from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.options.agent import check_steps_and_seed
 from hypernav.cli.options.find import Options
 from hypernav.cli.screen.terminal import Terminal
-from hypernav.cli.screen.views import Views, check_views, opened_views
+from hypernav.cli.screen.views import (
+    Views,
+    check_not_written_by_search,
+    check_views,
+    opened_views,
+)
 from hypernav.cli.screen.warnings_shown import (
     no_such_object_line,
     unusable_answers_line,
@@ -71,9 +76,10 @@ def run(options: Options) -> int:
     goal = Goal(options.goal)
     folder = options.out or _new_folder(goal)
     check_folder(folder)
-    check_views(options.views)
+    check_views(options.views, folder)
     if options.who.record is not None:
         check_file(options.who.record)
+        check_not_written_by_search(options.who.record, folder)
     with crash_report(folder):
         return _find(options, goal, folder)
 

@@ -7,6 +7,8 @@ the first second ends the program as it does later.
 import os
 import re
 import sys
+import threading
+import time
 from collections.abc import Sequence
 from contextlib import suppress
 from typing import NoReturn
@@ -17,6 +19,8 @@ from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.core.errors import HyPerNavError, ModelUnavailableError
 from hypernav.core.text.visible_text import visible
 
+_LINGER_S = 5.0
+"""Time that threads of components have to end after the command has."""
 _LONG_WORD = re.compile(r"\S{300,}")
 
 
@@ -25,7 +29,10 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:  # closed: no file of a search may get its number
             setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115
-    sys.exit(_flushed(_status(sys.argv[1:] if arguments is None else arguments)))
+    status = _flushed(_status(sys.argv[1:] if arguments is None else arguments))
+    if arguments is None:  # this is the program
+        _end_without_threads(status)
+    sys.exit(status)
 
 
 def _status(arguments: Sequence[str]) -> int:
@@ -46,6 +53,22 @@ def _status(arguments: Sequence[str]) -> int:
         return _say(str(error), ExitStatus.USAGE)
 
 
+def _end_without_threads(status: int) -> None:
+    """Let the process end although a component has left a thread running."""
+
+    def end() -> None:
+        time.sleep(_LINGER_S)
+        names = ", ".join(thread.name for thread in left if thread.is_alive())
+        if names:
+            _say(f"ended although a component has left a thread running: {names}", status)
+            os._exit(status)
+
+    left = [one for one in threading.enumerate() if not one.daemon]
+    left.remove(threading.main_thread())
+    if left:
+        threading.Thread(target=end, daemon=True).start()
+
+
 def _flushed(status: int) -> int:
     """The status, or that of unwritable output, for which Python itself would return 120."""
     try:
@@ -57,7 +80,7 @@ def _flushed(status: int) -> int:
     return status
 
 
-def _say(message: str, status: ExitStatus) -> ExitStatus:
+def _say(message: str, status: int) -> int:
     """Print a message; very long words are shortened."""
     text = _LONG_WORD.sub(lambda word: f"{word[0][:80]}…{word[0][-40:]}", message)
     with suppress(OSError):  # a lost terminal does not change the status

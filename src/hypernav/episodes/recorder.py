@@ -25,6 +25,11 @@ from hypernav.show.drawing.map_images import write_map_png
 from hypernav.show.pages.episode_page import write_page
 from hypernav.show.video.episode_video import EpisodeVideo
 
+OUTPUT_FILES = (
+    *("trace.jsonl", "timings.jsonl", "trajectory.tum", "episode.mp4", "map.png", "map.pgm"),
+    *("map.yaml", "result.json", "index.html"),
+)
+"""Names of the files that a recorder writes to its folder."""
 _RESERVE_BYTES = 2_000_000
 
 

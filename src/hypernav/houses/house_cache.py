@@ -27,7 +27,7 @@ from hypernav.worlds.scenes.scene import Scene
 
 _ARRAYS = ("positions", "normals", "uv", "faces", "face_material", "face_instance")
 _NOT_GENERATING = ("export", "episodes")
-_BROKEN = (OSError, EOFError, ValueError, KeyError, TypeError, zipfile.BadZipFile)
+_BROKEN = (EOFError, ValueError, KeyError, TypeError, zipfile.BadZipFile)
 _LOGGER = logging.getLogger(__name__)
 
 
@@ -59,7 +59,8 @@ def cached_building(building: Building, folder: Path | None = None) -> Scene:
     path = home / f"{building.number}.npz"
     try:
         stored = _read(path)
-    except FileNotFoundError:
+    except OSError as error:  # it is not there, or nothing can be: `cache_folder` has said so
+        _LOGGER.debug("%s is not read (%s)", path, error)
         stored = None
     except _BROKEN as error:
         _LOGGER.warning("%s is broken (%s) and is built again", path, error)
@@ -116,16 +117,16 @@ def _load_textures(house: CompactScene, folder: Path) -> None:
     """Load the textures of a building into the library, from files where there are any."""
     for key in dict.fromkeys(f.texture for f in house.finishes if f.texture):
         path = folder / f"{key.replace(' ', '_')}.npy"
-        if is_loaded(key) and path.exists():
-            continue
         try:
+            if is_loaded(key) and path.exists():
+                continue
             with path.open("rb") as file:
                 image = np.load(file, allow_pickle=False)
             if is_image(image) and not is_loaded(key):
                 store_texture(key, image)
                 continue
-        except FileNotFoundError:
-            pass
+        except OSError as error:
+            _LOGGER.debug("%s is not read (%s)", path, error)
         except _BROKEN as error:
             _LOGGER.warning("%s is broken (%s) and is made again", path, error)
         image = texture(key)

@@ -138,12 +138,7 @@ class PathFollower:
     def _after(self, robot: Pose2, action: Action) -> Pose2:
         """Pose after an action, if nothing blocks it."""
         if action is Action.MOVE_FORWARD:
-            step = self.motion.forward_m
-            return Pose2(
-                robot.x + step * math.cos(robot.yaw),
-                robot.y + step * math.sin(robot.yaw),
-                robot.yaw,
-            )
+            return robot.ahead(self.motion.forward_m)
         turn = math.radians(self.motion.turn_angle_deg)
         return Pose2(robot.x, robot.y, robot.yaw + (turn if action is Action.TURN_LEFT else -turn))
 

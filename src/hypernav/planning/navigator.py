@@ -74,6 +74,14 @@ class Navigator:
         path = self._planner.plan(grid, robot.xy, *destinations)
         return None if path is None else path.length_m
 
+    def is_open(self, grid: OccupancyGrid, start: Pose2, end: Pose2) -> bool:
+        """Whether the map shows nothing that the robot would touch on a straight line."""
+        line, clearance_m = (start.xy, end.xy), self._clearances_m[-1]
+        costmap = Costmap.of(
+            grid, self._config, start.xy, clearance_m, is_squeezed=True, around=line
+        )
+        return not is_blocked(line, costmap)
+
     def gap_towards(
         self,
         grid: OccupancyGrid,

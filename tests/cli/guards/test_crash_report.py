@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from hypernav.cli.guards.crashes import ReportedCrashError, crash_report
+from hypernav.cli.guards.crashes import OutOfMemoryError, ReportedCrashError, crash_report
 from hypernav.core.errors import ConfigError, CrashError
 
 
@@ -48,3 +48,10 @@ def test_a_crash_inside_is_reported_once(tmp_path):
         with crash_report(tmp_path / "outer"), crash_report(tmp_path / "inner"):
             raise KeyError("seven")
     assert [path.name for path in tmp_path.iterdir()] == ["inner"]
+
+
+def test_too_little_memory_is_no_error_of_this_program(tmp_path):
+    with pytest.raises(OutOfMemoryError, match=r"out of memory \(768 KiB\).*ulimit"):  # noqa: SIM117
+        with crash_report(tmp_path):
+            raise MemoryError("768 KiB")
+    assert not list(tmp_path.iterdir())

@@ -163,3 +163,38 @@ def test_an_interruption_in_a_compiled_function_is_no_crash(tmp_path):
     with pytest.raises(Terminated), crash_report(tmp_path):
         raise SystemError("returned a result with an exception set") from Terminated()
     assert not list(tmp_path.iterdir())
+
+
+INSISTS = """
+import signal
+from hypernav.cli.guards.interruptions import interruptions_put_off, sigterm_as_interruption
+with sigterm_as_interruption():
+    for _ in range({times}):
+        try:
+            signal.raise_signal(signal.{number})
+        except BaseException:  # as a component may do
+            pass
+        {between}
+"""
+
+
+@pytest.mark.parametrize(("number", "status"), [("SIGINT", 130), ("SIGTERM", 143)])
+def test_who_interrupts_twice_ends_what_swallows_it(number, status):
+    def ended(times, between="pass"):
+        program = INSISTS.format(number=number, times=times, between=between)
+        return subprocess.run(
+            [sys.executable, "-c", program], capture_output=True, text=True, check=False
+        )
+
+    assert ended(1).returncode == 0
+    twice = ended(2)
+    assert twice.returncode == status
+    assert "hypernav: interrupted twice" in twice.stderr
+    assert ended(2, "with interruptions_put_off(): pass").returncode == 0
+
+
+def test_a_background_job_minds_no_ctrl_c():
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    with sigterm_as_interruption():
+        signal.raise_signal(signal.SIGINT)
+    assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN

@@ -206,3 +206,13 @@ def _line_with(words: str, process: subprocess.Popen[str]) -> str:
         if words in line:
             return line
     raise AssertionError(f"the command ended without saying '{words}'")
+
+
+@pytest.mark.parametrize("option", ["--mcap", "--rrd", "--record"])
+def test_a_file_that_the_search_itself_writes_is_refused(option, tmp_path, capsys):
+    out = tmp_path / "out"
+    with pytest.raises(SystemExit) as ended:
+        main(["find", "bed", "--out", str(out), option, f"{tmp_path}/./out/trace.jsonl"])
+    assert ended.value.code == 2
+    assert "is written by the search itself" in capsys.readouterr().err
+    assert not out.exists()

@@ -269,6 +269,17 @@ def test_a_second_box_of_the_same_thing_in_an_image_says_nothing_new():
     assert (certain(both.target).area.views == certain(once.target).area.views).all()
 
 
+@pytest.mark.parametrize(("score", "widens"), [(0.9, True), (0.1, False)])
+def test_an_image_widens_a_candidate_only_if_it_speaks_for_it(score, widens):
+    wider = replace(seen((40.0, 40.0, 120.0, 80.0))[0], score=score)  # with the wall beside it
+    local = Perception(ScriptedDetector([seen(), [wider]]))
+    local.look(thing_before_wall())
+    before = len(certain(local.target).area.seen_points)
+    local.look(thing_before_wall())
+    assert len(local.evidence.candidates) == 1
+    assert (len(certain(local.target).area.seen_points) > before) is widens
+
+
 def test_the_latest_detection_wins_in_the_paper_s_way():
     local = Perception(
         ScriptedDetector([seen(), seen((5.0, 40.0, 30.0, 80.0))]), target="latest", pick="first"

@@ -134,6 +134,8 @@ def test_stop_answers_what_is_pending_and_all_that_comes(link, script):
     assert stopped.json["ending"] == "stopped"
     for number in (0, 1, 7):
         answers.append(link.observe(search, body_of(number)))
+    answers.append(link.observe(search, body_of(1)[:-400] + bytes(400)))
+    answers.append(link.observe(search, b"no observation"))
     for answer in answers:
         assert answer.status == 200
         assert answer.json["action"] == Action.STOP

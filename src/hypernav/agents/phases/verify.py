@@ -14,6 +14,9 @@ from hypernav.perception.local.belief import (
     with_position_barred,
 )
 
+_AS_NEAR_AS_M = 0.3
+"""Distance from a goal whose outline was guessed at which the robot is near enough, metres."""
+
 
 def verify(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
     """Face the goal area and look at it; then stop, go elsewhere, or reject it."""
@@ -25,6 +28,13 @@ def verify(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Pl
         reason = f"turning to face the {step.goal.thing}"
         path = plan.approaching.route.remaining(step.robot)
         return Decision(turn, Mode.VERIFY, reason, path), plan
+    if plan.approaching.is_present:
+        if _goes_nearer(step, target):
+            reason = f"here is the {step.goal.thing}, going nearer"
+            return Decision(Action.MOVE_FORWARD, Mode.APPROACH, reason), plan
+        step.events.append("goal reached")
+        reason = f"here is the {step.goal.thing}"
+        return Decision(Action.STOP, Mode.STOP, reason, ending=Ending.FOUND), plan
     if config.see_before_stop:
         barred = with_position_barred(search.evidence, step.observation)
         if barred is not None:
@@ -39,13 +49,23 @@ def verify(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Pl
     with step.clock("verify"):
         present = _is_present(step, memory, target)
     if present:
-        step.events.append("goal reached")
-        reason = f"here is the {step.goal.thing}"
-        return Decision(Action.STOP, Mode.STOP, reason, ending=Ending.FOUND), plan
+        return Phase.VERIFY, plan.approach(is_present=True)
     step.events.append("goal area rejected")
     for_good = is_convincing(search.evidence, local)
     search.evidence = rejected(search.evidence, local, for_good=for_good)
     return Phase.LOOK_AROUND, plan.with_new_patience(config)
+
+
+def _goes_nearer(step: Step, target: Target) -> bool:
+    """Whether to step forward, to a goal whose outline takes in what stands before it."""
+    if not (step.config.go_nearer and target.area.is_guessed):
+        return False
+    robot = step.robot
+    ahead = robot.ahead(step.motion.forward_m)
+    from_m, to_m = (target.area.distance_to_seen(*pose.xy) for pose in (robot, ahead))
+    if from_m <= _AS_NEAR_AS_M or to_m >= from_m:
+        return False
+    return step.use.navigator.is_open(step.grid, robot, ahead)
 
 
 def _is_present(step: Step, memory: Memory, target: Target) -> bool:

@@ -18,6 +18,10 @@ class ReportedCrashError(HyPerNavError):
     """An error of this program whose traceback has been written to a file."""
 
 
+class OutOfMemoryError(HyPerNavError):
+    """The memory that this process may take is used up."""
+
+
 @contextmanager
 def crash_report(folder: Path | None = None) -> Iterator[None]:
     """Write the traceback of an unexpected error in the block to a file.
@@ -29,6 +33,7 @@ def crash_report(folder: Path | None = None) -> Iterator[None]:
     Raises:
         ReportedCrashError: The block raised an unexpected error, or a component of a user's own
             failed; the message names the file.
+        OutOfMemoryError: The block needs more memory than there is.
     """
     try:
         with interruptions_of_kernels():
@@ -40,6 +45,11 @@ def crash_report(folder: Path | None = None) -> Iterator[None]:
         raise ReportedCrashError(f"{_line(str(error))}{written}") from error
     except HyPerNavError:
         raise
+    except MemoryError as error:
+        raise OutOfMemoryError(
+            f"out of memory{f' ({error})' if str(error) else ''}; close other programs, raise the "
+            "limit of ulimit -v or the container, or take a smaller building or camera"
+        ) from None
     except Exception as error:  # The only broad except: whatever it catches is a bug of ours.
         import traceback
 

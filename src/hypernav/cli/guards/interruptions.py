@@ -1,8 +1,10 @@
 """Ctrl-C, SIGTERM and a lost terminal, treated as one interruption that a block can delay."""
 
+import math
 import os
 import signal
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, suppress
 from types import FrameType, TracebackType
@@ -12,6 +14,10 @@ _EnteredT = TypeVar("_EnteredT")
 _ENDINGS = tuple(one for one in signal.Signals if one.name in ("SIGTERM", "SIGHUP"))
 """Signals that end a command. SIGHUP, which Windows doesn't have, comes when the terminal is lost,
 for example with an SSH connection."""
+_INSISTING_S = 5.0
+"""Time within which a second interruption ends the process, whoever caught the first."""
+_last_s = [-math.inf]
+"""When an interruption was raised that nobody has answered by `interruptions_put_off` yet."""
 
 
 class Terminated(KeyboardInterrupt):
@@ -20,8 +26,13 @@ class Terminated(KeyboardInterrupt):
 
 @contextmanager
 def sigterm_as_interruption() -> Iterator[None]:
-    """Raise `Terminated` in the block when SIGTERM or, unless ``nohup`` is set, SIGHUP comes."""
-    with _handled(_ENDINGS, _terminate):
+    """Raise `Terminated` in the block when SIGTERM or, unless ``nohup`` is set, SIGHUP comes.
+
+    A component of a user's own may catch that, or Ctrl-C, and go on. A second one within 5 s ends
+    the process, unless `interruptions_put_off` has begun: results are being written then.
+    """
+    _last_s[0] = -math.inf
+    with _handled((signal.SIGINT, *_ENDINGS), _raise_or_end):
         yield
 
 
@@ -40,6 +51,7 @@ def interruptions_put_off(notice: str | None = None) -> Iterator[None]:
             with suppress(OSError):  # Not by `sys.stderr`, which may be in the middle of a write.
                 os.write(2, f"\nhypernav: {notice}\n".encode())
 
+    _last_s[0] = -math.inf  # whoever is here has heard it
     with _handled((signal.SIGINT, *_ENDINGS), note):
         yield
     if came:
@@ -84,11 +96,14 @@ def interrupt() -> None:
 def _handled(
     numbers: tuple[signal.Signals, ...], handler: Callable[[int, FrameType | None], None]
 ) -> Iterator[None]:
-    """Handle signals in the block, except SIGHUP if it is ignored, as with ``nohup``."""
+    """Handle signals in the block, except those of a terminal if they are ignored.
+
+    ``nohup`` ignores SIGHUP; a shell's background job ignores SIGINT.
+    """
     before = {
         number: signal.signal(number, handler)
         for number in numbers
-        if number.name != "SIGHUP" or signal.getsignal(number) is not signal.SIG_IGN
+        if number is signal.SIGTERM or signal.getsignal(number) is not signal.SIG_IGN
     }
     try:
         yield
@@ -97,5 +112,10 @@ def _handled(
             signal.signal(number, earlier)
 
 
-def _terminate(_number: int, _frame: FrameType | None) -> NoReturn:
-    raise Terminated
+def _raise_or_end(number: int, _frame: FrameType | None) -> NoReturn:
+    before_s, _last_s[0] = _last_s[0], time.monotonic()
+    if _last_s[0] - before_s < _INSISTING_S:
+        with suppress(OSError):
+            os.write(2, b"\nhypernav: interrupted twice, so ended at once\n")
+        os._exit(128 + number if number == signal.SIGINT else 128 + signal.SIGTERM)
+    raise KeyboardInterrupt if number == signal.SIGINT else Terminated

@@ -119,13 +119,15 @@ class AgentOptions:
     def describe(self, parts: "BuiltAgent") -> dict[str, Any]:
         """Description for ``result.json``: texts for people, specifications for repeating a run.
 
-        Files given to components, such as weights, are identified by a hash of their content, too.
+        Files given to components, such as weights, are identified by a hash of their content, and
+        the questions to a model by a hash of their words.
 
         Raises:
             ModelError: Such a file can't be read.
         """
         from hypernav.build.given_files import digests
 
+        prompts = {"prompts": parts.prompts} if parts.prompts else {}
         files = {"files": digests(parts.files)} if parts.files else {}
         return {
             "agent": self.name,
@@ -135,6 +137,7 @@ class AgentOptions:
             "segmenter": parts.segmenter.words,
             "parts": parts.chosen.as_dict(),
             **files,
+            **prompts,
         }
 
 

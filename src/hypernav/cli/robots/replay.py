@@ -61,7 +61,7 @@ def run(options: Replay) -> int:
     name = os.path.basename(os.path.abspath(options.recording))[:_LONGEST_NAME]
     folder = options.out or Path("runs") / f"{datetime.now():%Y%m%d-%H%M%S}-{name}"
     check_folder(folder)
-    check_views(options.views.chosen)
+    check_views(options.views.chosen, folder)
     with crash_report(folder):
         return _replay(options, folder)
 

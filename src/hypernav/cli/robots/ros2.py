@@ -77,7 +77,7 @@ def run(options: Ros2) -> int:
     goal = Goal(options.goal)
     if options.out is not None:
         check_folder(options.out)
-    check_views(options.views.chosen)
+    check_views(options.views.chosen, options.out)
     if options.server is not None and options.own_server:
         raise ConfigError("--vlm, --detector and --reasoner are options of the server of --server")
     config = layered(Ros2Config(), file=options.config, environment={}, assignments=options.set)

@@ -72,7 +72,7 @@ def run(options: Simulate) -> int:
     goal, faults, mishaps = Goal(options.goal), _faults(options), _mishaps(options)
     if options.out is not None:
         check_folder(options.out)
-    check_views(options.views.chosen)
+    check_views(options.views.chosen, options.out)
     config = layered(HyPerNavConfig(), file=options.config, assignments=options.set)
     console = Terminal(quiet=options.quiet)
     with (

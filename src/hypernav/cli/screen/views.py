@@ -6,6 +6,7 @@ The packages that they need are imported only if a view is asked for.
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
+from pathlib import Path
 from typing import Any
 
 from rich.markup import escape
@@ -22,17 +23,23 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.observation import Observation
 from hypernav.core.trace import StepTrace
 from hypernav.core.view import View, WatchedView
+from hypernav.episodes.recorder import OUTPUT_FILES
 from hypernav.show.video.frame import EpisodeInfo
 
 _LOOK_S = 0.05
 _PACE_TO_WATCH = 5.0
 
 
-def check_views(options: ViewOptions) -> None:
+def check_views(options: ViewOptions, folder: Path | None = None) -> None:
     """Refuse views that cannot be opened, before anything is loaded.
 
+    Args:
+        options: The views.
+        folder: Folder of the results of the search; None without.
+
     Raises:
-        ConfigError: The pace is impossible, or two recordings name one file.
+        ConfigError: The pace is impossible, two recordings name one file, or one names a file that
+            the search writes itself.
         MissingExtraError: A package is not installed.
         OutputError: A file cannot be written.
     """
@@ -48,8 +55,20 @@ def check_views(options: ViewOptions) -> None:
     files = [file for file in (options.rrd, options.mcap) if file is not None]
     for file in files:
         check_file(file)
+        if folder is not None:
+            check_not_written_by_search(file, folder)
     if len({file.resolve() for file in files}) < len(files):
         raise ConfigError(f"--rrd and --mcap both name {options.rrd}; each needs its own file")
+
+
+def check_not_written_by_search(file: Path, folder: Path) -> None:
+    """Refuse an output file that the search itself writes to the folder of its results.
+
+    Raises:
+        ConfigError: It is one.
+    """
+    if file.name in OUTPUT_FILES and file.parent.resolve() == folder.resolve():
+        raise ConfigError(f"{file} is written by the search itself; choose another name")
 
 
 class Views:

@@ -39,6 +39,11 @@ class Pose2:
         """Angle from the heading to a point, in [-pi, pi), positive to the left."""
         return wrap_angle(math.atan2(y - self.y, x - self.x) - self.yaw)
 
+    def ahead(self, length_m: float) -> "Pose2":
+        """The pose after so many metres straight on."""
+        c, s = math.cos(self.yaw), math.sin(self.yaw)
+        return Pose2(self.x + length_m * c, self.y + length_m * s, self.yaw)
+
     def to_transform(self, z: float = 0.0) -> "Transform":
         """The transform from this pose's frame (x forward, y left, z up) to its parent frame."""
         c, s = math.cos(self.yaw), math.sin(self.yaw)

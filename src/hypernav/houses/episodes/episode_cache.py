@@ -31,8 +31,8 @@ def cached_episodes(
     """
     home = (folder or cache_folder()) / f"{building.noun}_episodes" / episodes_version()
     path = home / f"{style}-{building.number}.json.gz"
-    if path.is_file():
-        with contextlib.suppress(EpisodeError):
+    with contextlib.suppress(EpisodeError, OSError):
+        if path.is_file():
             return read_episodes(path)
     dataset = house_episodes(cached_building(building, folder), building, style)
     # The disk may be read-only or full; the episodes are still valid.

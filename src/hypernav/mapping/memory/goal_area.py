@@ -57,6 +57,8 @@ class GoalArea:
         origin: Lower left corner of the masks, metres.
         resolution_m: Side of a cell, metres.
         height_m: Height of the target's middle above the floor, metres.
+        is_guessed: Whether its outline was guessed from a box, which takes in what stands before
+            the target.
     """
 
     mask: Bool[np.ndarray, "rows columns"]
@@ -66,6 +68,7 @@ class GoalArea:
     origin: tuple[float, float]
     resolution_m: float
     height_m: float
+    is_guessed: bool = False
 
     @staticmethod
     def from_points(
@@ -136,7 +139,8 @@ class GoalArea:
             entry[window] |= area.entry
             before[window] |= area.before
         origin = (float(low[1]) * size, float(low[0]) * size)
-        return GoalArea(mask, views, entry, before, origin, size, self.height_m)
+        is_guessed = self.is_guessed or other.is_guessed
+        return GoalArea(mask, views, entry, before, origin, size, self.height_m, is_guessed)
 
     def entered_from(self, observation: Observation, reach_m: float) -> "GoalArea":
         """The same area, to be entered near the seen cells, but not behind a wall.
@@ -173,6 +177,7 @@ class GoalArea:
             (self.origin[0] - shift, self.origin[1] - shift),
             self.resolution_m,
             self.height_m,
+            self.is_guessed,
         )
 
     @cached_property
@@ -246,6 +251,10 @@ class GoalArea:
         """Straight distance to the nearest cell that the robot may go to, metres."""
         offsets = self.entry_points - np.array([x, y])
         return float(np.sqrt((offsets**2).sum(axis=1).min()))
+
+    def distance_to_seen(self, x: float, y: float) -> float:
+        """Straight distance to the nearest cell that the target was seen in, metres."""
+        return float(np.linalg.norm(self.seen_points - np.array([x, y]), axis=1).min())
 
     def covers(self, other: "GoalArea") -> float:
         """The share of another area's seen cells that lie in this area, 0 to 1."""

@@ -3,13 +3,14 @@
 import math
 from typing import Literal
 
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from hypernav.core.chat import Question
 from hypernav.core.config import RoomConfig
 from hypernav.core.exploring.overview import Block, Overview
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
+from hypernav.perception.prompt_text import check_placeholders
 
 _CONTEXT = (
     "A robot searches an unknown building for: {goal}. The picture is the map that it has drawn so "
@@ -35,6 +36,15 @@ _REASONED = (
     'Reason in two or three sentences. Then end with a last line "Answer: N", where N is one of '
     "{numbers}."
 )
+_SUMMARY = (
+    "Somebody was asked for the number of one block on a map and answered:\n\n{answer}\n\n"
+    "Which number did they choose? Possible are {numbers}. Answer with the number only."
+)
+_WORDS = {
+    "paper": f"{_CONTEXT}\n\n{_FREE}",
+    "reasoned": _REASONED,
+    "constrained": f"{_CONTEXT}\n\n{_CONSTRAINED}",
+}
 _DIRECTIONS = ("ahead", "ahead on the left", "on the left", "behind on the left")
 
 
@@ -46,6 +56,10 @@ class VlmReasonerConfig(RoomConfig):
             they fail, by a second short question. "reasoned": a short reasoning and a last line
             "Answer: N", which are read in the same way. "constrained": the numbers are the only
             possible answers.
+        prompt: Text of the question; ``{goal}``, ``{numbers}`` (that may be answered), ``{legend}``
+            (of the image) and ``{facts}`` (about the blocks) are filled in. None: our words for the
+            mode.
+        summary_prompt: Text of the second question; ``{answer}`` and ``{numbers}`` are filled in.
         facts: Whether a reasoned question says for each block how far it is, in which direction,
             what share of the unexplored boundary it holds, whether the robot was there and which
             things a detector has named there beside the goal.
@@ -61,6 +75,8 @@ class VlmReasonerConfig(RoomConfig):
     """
 
     mode: Literal["paper", "reasoned", "constrained"] = "reasoned"
+    prompt: str | None = None
+    summary_prompt: str = _SUMMARY
     facts: bool = True
     camera_image: bool = False
     list_excluded: bool = False
@@ -68,6 +84,23 @@ class VlmReasonerConfig(RoomConfig):
     max_blocks: int | None = Field(default=20, ge=1, le=10_000)
     max_tokens: int = Field(default=300, ge=16, le=1_000_000)
     skip_only_block: bool = True
+
+    @field_validator("prompt")
+    @classmethod
+    def _prompt_can_be_filled_in(cls, prompt: str | None) -> str | None:
+        if prompt is None:
+            return None
+        return check_placeholders(prompt, "goal", "numbers", "legend", "facts")
+
+    @field_validator("summary_prompt")
+    @classmethod
+    def _summary_can_be_filled_in(cls, prompt: str) -> str:
+        return check_placeholders(prompt, "answer", "numbers")
+
+    @property
+    def words(self) -> str:
+        """Text of the question, before anything is filled in."""
+        return _WORDS[self.mode] if self.prompt is None else self.prompt
 
 
 def offered_blocks(
@@ -128,17 +161,15 @@ def _text(
     offered: list[Block],
     shown: frozenset[int],
 ) -> str:
-    numbers = ", ".join(map(str, sorted(shown)))
-    if config.mode == "reasoned":
-        return _REASONED.format(
-            goal=goal.thing,
-            legend=overview.legend,
-            facts=_facts(offered, overview) if config.facts else numbers,
-            numbers=", ".join(str(block.number) for block in offered),
-        )
-    context = _CONTEXT.format(goal=goal.text.strip(), numbers=numbers)
-    asked = _FREE if config.mode == "paper" else _CONSTRAINED
-    return f"{context}\n\n{asked.format(goal=goal.text.strip())}"
+    is_reasoned = config.mode == "reasoned"
+    answerable = [block.number for block in offered] if is_reasoned else sorted(shown)
+    numbers = ", ".join(map(str, answerable))
+    return config.words.format(
+        goal=goal.thing if is_reasoned else goal.text.strip(),
+        legend=overview.legend,
+        facts=_facts(offered, overview) if config.facts else numbers,
+        numbers=numbers,
+    )
 
 
 def _facts(blocks: list[Block], overview: Overview) -> str:

@@ -97,11 +97,8 @@ class VlmReasoner:
         """Ask the model itself which number it meant (paper: summariser)."""
         question = Question(
             kind="summarise",
-            text=(
-                "Somebody was asked for the number of one block on a map and answered:\n\n"
-                f"{without_thinking(answer.text)[:2000]}\n\n"
-                f"Which number did they choose? Possible are {', '.join(map(str, numbers))}. "
-                "Answer with the number only."
+            text=self.config.summary_prompt.format(
+                answer=without_thinking(answer.text)[:2000], numbers=", ".join(map(str, numbers))
             ),
             allowed=tuple(map(str, numbers)),
             max_tokens=8,

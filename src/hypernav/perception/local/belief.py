@@ -233,7 +233,7 @@ def with_sightings(
         if number is None:
             number, count = count, count + 1
             known[number] = Target(one.area, observation, one.detection.box.area, number=number)
-        else:
+        elif one.weight > 0.0:  # what speaks against it may be something beside it
             known[number] = known[number].seen_again(
                 one.area, one.detection, observation, join=True
             )

@@ -58,7 +58,7 @@ class DepthCutSegmenter:
     models of GrabCut (Rother et al., 2004; OpenCV's ``grabCut``) decide the rest.
 
     Attributes:
-        config: ?
+        config: Configuration of the depth cut.
     """
 
     config: DepthCutConfig = field(default_factory=DepthCutConfig)

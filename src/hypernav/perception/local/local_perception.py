@@ -179,6 +179,7 @@ class LocalPerception:
         )
         if area is None:
             return None, _NO_DEPTH
+        area = replace(area, is_guessed=is_guessed)
         if self.config.entry_reach_m > 0.0:
             reach_m = self.config.entry_reach_m * (_NEARER if is_guessed else 1.0)
             area = area.entered_from(observation, reach_m)

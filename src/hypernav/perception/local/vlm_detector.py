@@ -2,7 +2,6 @@
 
 from collections import Counter
 from dataclasses import replace
-from string import Formatter
 from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
@@ -19,6 +18,7 @@ from hypernav.models.chat.vlm_families import FamilyName, VlmFamily, family_name
 from hypernav.perception.exchanges import exchange_of
 from hypernav.perception.local.crop_check import crop_of, crop_question
 from hypernav.perception.local.grounding_format import Grounding, read_grounding
+from hypernav.perception.prompt_text import check_placeholders
 from hypernav.perception.yes_or_no import YesNoAsker
 
 _PROMPT = (
@@ -64,15 +64,7 @@ class VlmDetectorConfig(RoomConfig):
     @field_validator("prompt")
     @classmethod
     def _can_be_filled_in(cls, prompt: str) -> str:
-        try:
-            if any(spec or conversion for _, _, spec, conversion in Formatter().parse(prompt)):
-                raise ValueError("formats")  # a width could fill the memory
-            prompt.format(goal="", key="", example="")
-        except (AttributeError, KeyError, IndexError, ValueError) as error:
-            raise ValueError(
-                "may hold {goal}, {key} and {example}; other braces are doubled: {{ }}"
-            ) from error
-        return prompt
+        return check_placeholders(prompt, "goal", "key", "example")
 
 
 class _Thing(BaseModel):

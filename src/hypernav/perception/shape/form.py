@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from jaxtyping import Bool, Float64
+from jaxtyping import Bool, Float32, Float64
 
 from hypernav.core.geometry.boxes import Box
 from hypernav.core.geometry.depth import is_measured
@@ -14,6 +14,8 @@ _LEAST_POINTS = 40
 _TRIM = (3.0, 97.0)
 """Percentiles that stand for the ends: masks bleed over edges."""
 _BESIDE_PX = 3
+_AROUND_PX = 40
+"""Most pixels beside a thing that are looked at."""
 _EDGE_SHARE = 0.03
 """A box that ends so near the image's edge, as a share of the image, is cut off there."""
 _NEARER_M = 0.12
@@ -71,11 +73,12 @@ def measured_form(
         mask: Pixels of the thing.
         box: Box that the detector gave it.
     """
-    rows, columns = np.nonzero(mask & is_measured(observation.depth))
+    part = _Part.around(mask, observation)
+    rows, columns = np.nonzero(part.mask & is_measured(part.depth))
     if len(rows) < _LEAST_POINTS:
         return None
     step = -(-len(rows) // _MOST_POINTS)
-    points = _points(observation, rows[::step], columns[::step])
+    points = part.points(rows[::step], columns[::step])
     normal = _normal_of_flat(points)
     is_upright = normal is not None and abs(float(normal[2])) < _UPRIGHT
     across = observation.camera_to_map.rotation[:, 0]
@@ -83,8 +86,8 @@ def measured_form(
         across = np.array([-normal[1], normal[0], 0.0]) / np.hypot(normal[0], normal[1])
     bottom, top = np.percentile(points[:, 2], _TRIM)
     left, right = np.percentile(points @ across, _TRIM)
-    is_bottom_seen, is_top_seen, is_long_seen = _ends_seen(observation, mask, box)
-    goes_on = 0.0 if normal is None else _plane_beyond(observation, mask, points, normal)
+    is_bottom_seen, is_top_seen, is_long_seen = _ends_seen(part, box)
+    goes_on = 0.0 if normal is None else _plane_beyond(part, points, normal)
     return Form(
         float(bottom),
         float(top),
@@ -92,28 +95,59 @@ def measured_form(
         is_bottom_seen,
         is_top_seen,
         is_long_seen,
-        _level_share(observation, mask),
+        _level_share(part),
         goes_on,
         is_upright,
     )
 
 
-def _points(
-    observation: Observation, rows: np.ndarray, columns: np.ndarray
-) -> Float64[np.ndarray, "n 3"]:
-    """Points of pixels in the map frame."""
-    depth = observation.depth[rows, columns]
-    return observation.camera_to_map.apply(
-        observation.camera.unproject_pixels(rows, columns, depth)
-    )
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """The part of a frame around a mask: images are large, and most things in them small.
+
+    Attributes:
+        observation: The whole frame.
+        mask: Pixels of the thing, in the part.
+        depth: Depth, in the part, metres.
+        row: First row of the part in the whole frame.
+        column: First column of the part in the whole frame.
+    """
+
+    observation: Observation
+    mask: Bool[np.ndarray, "rows columns"]
+    depth: Float32[np.ndarray, "rows columns"]
+    row: int
+    column: int
+
+    @staticmethod
+    def around(mask: Bool[np.ndarray, "height width"], observation: Observation) -> "_Part":
+        """The part that has all of a mask, and what is looked at around it."""
+        left, top, width, height = cv2.boundingRect(mask.view(np.uint8))
+        row, column = max(top - _AROUND_PX, 0), max(left - _AROUND_PX, 0)
+        rows = slice(row, top + height + _AROUND_PX)
+        columns = slice(column, left + width + _AROUND_PX)
+        depth = observation.depth[rows, columns]
+        return _Part(observation, mask[rows, columns], depth, row, column)
+
+    @property
+    def margins(self) -> tuple[int, int, int, int]:
+        """Pixels of the whole frame beyond its upper, right, lower and left edge."""
+        (height, width), (rows, columns) = self.observation.depth.shape, self.mask.shape
+        return (self.row, width - self.column - columns, height - self.row - rows, self.column)
+
+    def points(self, rows: np.ndarray, columns: np.ndarray) -> Float64[np.ndarray, "n 3"]:
+        """Points of pixels of the part in the map frame, metres."""
+        depth, camera = self.depth[rows, columns], self.observation.camera
+        return self.observation.camera_to_map.apply(
+            camera.unproject_pixels(rows + self.row, columns + self.column, depth)
+        )
 
 
-def _ends_seen(
-    observation: Observation, mask: Bool[np.ndarray, "height width"], box: Box
-) -> tuple[bool, bool, bool]:
+def _ends_seen(part: _Part, box: Box) -> tuple[bool, bool, bool]:
     """Whether the thing ends in view at its bottom, at its top, and at both of its sides."""
-    top, right, bottom, left = [_ends(observation.depth, mask, turns) for turns in range(4)]
-    rows, columns = np.nonzero(mask)
+    top, right, bottom, left = [_ends(part, turns) for turns in range(4)]
+    rows, columns = np.nonzero(part.mask)
+    rows, columns = rows + part.row, columns + part.column
     high, wide = box.y_max - box.y_min, box.x_max - box.x_min
     top &= bool(rows.min() - box.y_min < _SHORT_OF_BOX * high)
     bottom &= bool(box.y_max - 1 - rows.max() < _SHORT_OF_BOX * high)
@@ -122,13 +156,14 @@ def _ends_seen(
     return bottom, top, left and right
 
 
-def _ends(depth: np.ndarray, mask: np.ndarray, turns: int) -> bool:
+def _ends(part: _Part, turns: int) -> bool:
     """Whether a mask ends towards one edge of the image: the upper one after quarter turns."""
-    depth, mask = np.rot90(depth, turns), np.rot90(mask, turns)
+    depth, mask = np.rot90(part.depth, turns), np.rot90(part.mask, turns)
+    beyond = part.margins[turns]
     first = mask.argmax(axis=0)
     columns = np.flatnonzero(mask.any(axis=0))
     extent = int(first[columns].min())
-    if extent < _EDGE_SHARE * len(mask):
+    if beyond + extent < _EDGE_SHARE * part.observation.depth.shape[turns % 2]:
         return False
     # Only the part of the outline that reaches as far as the thing itself does.
     span = max(int(np.flatnonzero(mask.any(axis=1))[-1]) - extent, 1)
@@ -139,23 +174,23 @@ def _ends(depth: np.ndarray, mask: np.ndarray, turns: int) -> bool:
     return float(nearer.mean()) < _HIDDEN_SHARE
 
 
-def _level_share(observation: Observation, mask: Bool[np.ndarray, "height width"]) -> float:
+def _level_share(part: _Part) -> float:
     """Share of a thing's pixels whose surface is level and looks up."""
-    rows, columns = np.nonzero(mask)
+    rows, columns = np.nonzero(part.mask)
     step = max(int((len(rows) / _MOST_POINTS) ** 0.5), 1) * 2
     window = np.ix_(
         np.arange(rows.min(), rows.max() + 1, step),
         np.arange(columns.min(), columns.max() + 1, step),
     )
     grid_rows, grid_columns = np.broadcast_arrays(*window)
-    depth = observation.depth[window]
+    depth = part.depth[window]
     if min(depth.shape) < 3:
         return 0.0
-    points = _points(observation, grid_rows.ravel(), grid_columns.ravel()).reshape(*depth.shape, 3)
+    points = part.points(grid_rows.ravel(), grid_columns.ravel()).reshape(*depth.shape, 3)
     down, right = np.diff(points, axis=0)[:, :-1], np.diff(points, axis=1)[:-1]
     normals = np.cross(right, down)
     length = np.linalg.norm(normals, axis=2)
-    valid = mask[window] & is_measured(depth)
+    valid = part.mask[window] & is_measured(depth)
     valid = valid[:-1, :-1] & valid[1:, :-1] & valid[:-1, 1:] & (length > 0.0)
     if not valid.any():
         return 0.0
@@ -170,19 +205,17 @@ def _normal_of_flat(points: Float64[np.ndarray, "n 3"]) -> Float64[np.ndarray, "
 
 
 def _plane_beyond(
-    observation: Observation,
-    mask: Bool[np.ndarray, "height width"],
-    points: Float64[np.ndarray, "n 3"],
-    normal: Float64[np.ndarray, "3"],
+    part: _Part, points: Float64[np.ndarray, "n 3"], normal: Float64[np.ndarray, "3"]
 ) -> float:
     """How much of what surrounds a flat thing lies in its plane."""
-    rows, columns = np.nonzero(mask)
+    rows, columns = np.nonzero(part.mask)
     across = min(int(np.ptp(rows)), int(np.ptp(columns))) // 3 + 1
-    width = 2 * min(max(across, 8), 40) + 1
-    wide = cv2.dilate(mask.astype(np.uint8), np.ones((width, width), np.uint8)).astype(bool)
-    slim = cv2.dilate(mask.astype(np.uint8), np.ones((7, 7), np.uint8)).astype(bool)
-    around = np.nonzero(wide & ~slim & is_measured(observation.depth))
+    width = 2 * min(max(across, 8), _AROUND_PX) + 1
+    mask = part.mask.astype(np.uint8)
+    wide = cv2.dilate(mask, np.ones((width, width), np.uint8)).astype(bool)
+    slim = cv2.dilate(mask, np.ones((7, 7), np.uint8)).astype(bool)
+    around = np.nonzero(wide & ~slim & is_measured(part.depth))
     if len(around[0]) < _LEAST_POINTS:
         return 0.0
-    away = np.abs((_points(observation, *around) - np.median(points, axis=0)) @ normal)
+    away = np.abs((part.points(*around) - np.median(points, axis=0)) @ normal)
     return float((away < _PLANE_M).mean())

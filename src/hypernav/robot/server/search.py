@@ -142,7 +142,12 @@ class Search:
             RequestRefusedError: Another number is expected.
         """
         offered_s = monotonic()
-        packed = unpack_observation(body)
+        try:
+            packed = unpack_observation(body)
+        except WireError:
+            if (end := self.end_reply) is None:
+                raise
+            return Turn(end.sequence, reply=end)  # over is over, whatever the robot sends
         with self._lock:  # `halt` and `stop` end the worker after this job
             turn, is_new = self._talk.offer(packed.header.sequence)
             if is_new and self._worker is not None:

@@ -29,7 +29,7 @@ LEAST_BYTES = 10_000_000
 
 _ARRAYS = ("vertices", "faces", "uv", "colors", "face_material", "face_instance")
 _IMAGES = ("texture", "opaque")
-_BROKEN = (OSError, EOFError, ValueError, KeyError, TypeError, IndexError, zipfile.BadZipFile)
+_BROKEN = (EOFError, ValueError, KeyError, TypeError, IndexError, zipfile.BadZipFile)
 _LOGGER = logging.getLogger(__name__)
 
 
@@ -53,8 +53,8 @@ def cached_scan(
     home = (folder or cache_folder()) / "scans" / _key(files)
     try:
         return _read(home, files)
-    except FileNotFoundError:
-        pass
+    except OSError as error:  # it is not there, or nothing can be: `cache_folder` has said so
+        _LOGGER.debug("%s is not read (%s)", home, error)
     except _BROKEN as error:
         _LOGGER.warning("%s is broken (%s) and is written again", home, error)
     scene = load(files)

@@ -2,7 +2,6 @@
 
 import hashlib
 import logging
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any, TypeVar
 
 import numpy as np
@@ -19,7 +18,7 @@ from hypernav.worlds.scenes.gltf_format import (
     TextureInfo,
     TextureTransform,
 )
-from hypernav.worlds.scenes.images import DecodedImage, decode_image
+from hypernav.worlds.scenes.images import DecodedImage, decode_images
 from hypernav.worlds.scenes.scene import Material, Wrap
 
 _WRAPS = {10497: Wrap.REPEAT, 33648: Wrap.MIRROR, 33071: Wrap.CLAMP}
@@ -145,8 +144,7 @@ def _decode(file: GltfFile, numbers: list[int]) -> dict[int, DecodedImage]:
             broken.append(_undecodable(file, number))
     keys = {number: hashlib.sha256(content).digest() for number, content in data.items()}
     distinct = {keys[number]: content for number, content in data.items()}
-    with ThreadPoolExecutor() as pool:
-        decoded = dict(zip(distinct, pool.map(decode_image, distinct.values()), strict=True))
+    decoded = decode_images(distinct)
     found = {number: decoded[key] for number, key in keys.items()}
     broken += [_undecodable(file, number) for number, image in found.items() if image is None]
     if broken:

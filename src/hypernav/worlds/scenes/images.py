@@ -1,12 +1,20 @@
 """Decoding of a texture's image."""
 
+import os
+import sys
+from collections.abc import Hashable, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import TypeVar
 
 import cv2
 import numpy as np
 from jaxtyping import UInt8
 
 from hypernav.worlds.scenes.basis_images import decode_basis, is_basis
+
+KeyT = TypeVar("KeyT", bound=Hashable)
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,6 +28,33 @@ class DecodedImage:
 
     rgb: UInt8[np.ndarray, "height width 3"]
     opacity: UInt8[np.ndarray, "height width"] | None
+
+
+def decode_images(contents: Mapping[KeyT, bytes]) -> dict[KeyT, DecodedImage | None]:
+    """Decode images whose sizes were checked; None for those that are broken.
+
+    What the decoders themselves write to standard error about broken ones is dropped.
+    """
+    with _silent_libraries(), ThreadPoolExecutor() as pool:
+        return dict(zip(contents, pool.map(decode_image, contents.values()), strict=True))
+
+
+@contextmanager
+def _silent_libraries() -> Iterator[None]:
+    """Send what compiled libraries write to standard error in the block to nowhere."""
+    sys.stderr.flush()
+    try:
+        kept = os.dup(2)
+    except OSError:  # it is closed
+        yield
+        return
+    try:
+        with open(os.devnull, "wb") as nowhere:
+            os.dup2(nowhere.fileno(), 2)
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
 
 
 def decode_image(content: bytes) -> DecodedImage | None:

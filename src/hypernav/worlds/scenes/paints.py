@@ -2,7 +2,6 @@
 
 import logging
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,7 +10,7 @@ import numpy as np
 from hypernav.core.files.allowance import Allowance
 from hypernav.core.files.image_sizes import MOST_PIXELS, image_size
 from hypernav.core.files.reading import read_file
-from hypernav.worlds.scenes.images import DecodedImage, decode_image
+from hypernav.worlds.scenes.images import DecodedImage, decode_images
 from hypernav.worlds.scenes.scene import Material
 
 _OPAQUE = 128
@@ -60,8 +59,7 @@ def materials_of(
         if size is not None and size[0] * size[1] <= MOST_PIXELS:
             allowance.take(3 * size[0] * size[1], f"the texture {path.name:.80}")
             contents[path] = content
-    with ThreadPoolExecutor() as pool:
-        images = dict(zip(contents, pool.map(decode_image, contents.values()), strict=True))
+    images = decode_images(contents)
     holes = {
         path: image.opacity >= _OPAQUE
         for path, image in images.items()

@@ -1,0 +1,185 @@
+"""The command `hypernav exam`: questions with known answers for a model, and a page about it."""
+
+import time
+from contextlib import closing, nullcontext
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from rich.live import Live
+
+from hypernav.build.chat import model_words, wrap_chat
+from hypernav.build.component_specs import ComponentSpecs
+from hypernav.build.presets import HyPerNavConfig, preset
+from hypernav.build.prompts import prompt_hashes
+from hypernav.cli.eval import folder_name
+from hypernav.cli.guards.outputs import check_folder
+from hypernav.cli.options.exam import Options
+from hypernav.cli.screen.terminal import Terminal
+from hypernav.core.components.abilities import ChecksModel
+from hypernav.core.components.protocols import ChatModel
+from hypernav.core.config import MOST_THREADS, check_option, layered
+from hypernav.core.errors import ConfigError
+from hypernav.exam.bank import BANK_VERSION, Bank
+from hypernav.exam.examinee import Examinee
+from hypernav.exam.gathering import questions_of
+from hypernav.exam.questions import Answered
+from hypernav.exam.results import Examined, differences_of, write_comparison, write_results
+from hypernav.exam.sitting import FORECAST_AFTER, Progress, sit
+from hypernav.models.chat.ledger import Ledger
+from hypernav.models.chat.vlm_spec import parse_vlm_spec
+
+_LINE_EVERY_S = 60.0
+_AT_ONCE = 4
+EXCHANGES = "exchanges.jsonl"
+
+
+def run(options: Options) -> int:
+    """Run the command.
+
+    Returns:
+        The status of success: every question is answered, well or badly.
+
+    Raises:
+        HyPerNavError: The exam cannot be begun, or stopped before its end; the same command goes
+            on from there.
+    """
+    if options.at_once is not None:
+        check_option("--at-once", options.at_once, (1, MOST_THREADS), "questions at a time")
+    if options.compare is not None and options.config is not None:
+        raise ConfigError("--compare names the two files; drop --config")
+    folder = options.out or Path("runs") / folder_name(f"exam-{_name(options)}")
+    check_folder(folder)
+    console = Terminal(soft_wrap=True)
+    if options.compare is None:
+        answers, page = _examined(options, options.config, folder, console)
+        right = sum(one.score for one in answers)
+        console.print(f"{right:.0f} of {len(answers)} answers are right; the page: {page}")
+        return 0
+    names = (options.compare[0].stem, options.compare[1].stem)
+    parts = [
+        _examined(options, path, folder / part, console)[0]
+        for part, path in zip(("first", "second"), options.compare, strict=True)
+    ]
+    page = write_comparison(folder, names, differences_of(*parts))
+    console.print(f"the comparison: {page}")
+    return 0
+
+
+def _examined(
+    options: Options, file: Path | None, folder: Path, console: Terminal
+) -> tuple[list[Answered], Path]:
+    """Sit one exam and write its page."""
+    config = layered(preset(options.preset), file=file, assignments=options.set)
+    specs = ComponentSpecs(
+        vlm=options.vlm,
+        detector=options.detector,
+        reasoner=options.reasoner,
+        segmenter=options.segmenter,
+    )
+    is_replay = options.vlm is not None and parse_vlm_spec(options.vlm).kind == "replay"
+    record = None if options.vlm is None or is_replay else folder / EXCHANGES
+    chat, recording = wrap_chat(options.vlm, config.chat, Ledger(), record, resume=True)
+    with nullcontext() if recording is None else closing(recording):
+        examinee = Examinee(config, specs, chat)
+        if chat is not None:
+            _check_model(examinee)
+        bank = Bank(options.bank, options.size, examinee.kinds)
+        examined = _described(options, config, bank, examinee, chat)
+        answers = _watched(options, config, folder, bank, examinee, examined, console)
+        return answers, write_results(folder, examined, answers)
+
+
+def _watched(
+    options: Options,
+    config: HyPerNavConfig,
+    folder: Path,
+    bank: Bank,
+    examinee: Examinee,
+    examined: Examined,
+    console: Terminal,
+) -> list[Answered]:
+    said, forecast = time.monotonic(), False
+    live = Live(console=console, refresh_per_second=2, transient=True)
+
+    def watch(progress: Progress) -> None:
+        nonlocal said, forecast
+        line = _line(progress, config)
+        if progress.answered_here == FORECAST_AFTER and not forecast:
+            forecast = True
+            console.print(f"after the first ten: {line}")
+        elif console.is_terminal:
+            live.update(line)
+        elif time.monotonic() - said >= _LINE_EVERY_S:
+            said = time.monotonic()
+            console.print(line)
+
+    with live if console.is_terminal else nullcontext():
+        return sit(
+            folder,
+            bank,
+            partial(questions_of, config=config),
+            examinee,
+            configuration=_configuration(examined, config),
+            at_once=options.at_once or (_AT_ONCE if _is_served(options) else 1),
+            watch=watch,
+        )
+
+
+def _check_model(examinee: Examinee) -> None:
+    """Refuse a model whose coordinates are not known now, not at the first image."""
+    detector = examinee.detector()
+    if isinstance(detector, ChecksModel):
+        detector.check_model()
+
+
+def _described(
+    options: Options,
+    config: HyPerNavConfig,
+    bank: Bank,
+    examinee: Examinee,
+    chat: ChatModel | None,
+) -> Examined:
+    who = {kind: examinee.words(kind) for kind in examinee.kinds}
+    if options.vlm is not None and chat is not None:
+        who["model"] = model_words(options.vlm, chat.identify)
+    return Examined(
+        model=_name(options) if chat is None else chat.identify(),
+        family=config.grounding.family,
+        bank=f"{bank.name}, {bank.size}, version {BANK_VERSION}",
+        wanted=bank.count,
+        who=who,
+        prompts=prompt_hashes(config) if options.vlm else {},
+        price_in_per_million=config.price.in_per_million,
+        price_out_per_million=config.price.out_per_million,
+    )
+
+
+def _configuration(examined: Examined, config: HyPerNavConfig) -> dict[str, Any]:
+    return {
+        "model": examined.model,
+        "bank": examined.bank,
+        "who": examined.who,
+        "prompts": examined.prompts,
+        "config": config.model_dump(mode="json", exclude={"price", "chat"}),
+    }
+
+
+def _line(progress: Progress, config: HyPerNavConfig) -> str:
+    line = f"{progress.done} of {progress.wanted} questions"
+    if progress.left_s is not None:
+        line += f", about {max(round(progress.left_s / 60.0), 1)} min left"
+    cost = progress.cost(config.price.in_per_million, config.price.out_per_million)
+    return line if cost is None else f"{line}, about {cost:.3g} in money for the whole exam"
+
+
+def _name(options: Options) -> str:
+    if options.vlm is not None:
+        spec = parse_vlm_spec(options.vlm)
+        return spec.model or spec.target
+    named = (options.detector, options.segmenter, options.reasoner)
+    return " ".join(one for one in named if one) or "nothing"
+
+
+def _is_served(options: Options) -> bool:
+    return options.vlm is not None and parse_vlm_spec(options.vlm).kind == "openai"

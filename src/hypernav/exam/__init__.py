@@ -1,0 +1,6 @@
+"""The exam: questions with true answers for a model, before anybody runs it for days.
+
+::
+
+    bank -> gathering -> ExamQuestion -> Examinee.ask -> Answered -> marks, faults -> page
+"""

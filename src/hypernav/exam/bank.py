@@ -1,0 +1,115 @@
+"""The bank of questions: which buildings and searches they come from, and how many of each.
+
+It weighs nothing: everybody makes the same questions again from the numbers of the buildings.
+"""
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from hypernav.core.goal import Goal
+from hypernav.exam.questions import ExamQuestion, Kind
+
+BankName = Literal["val", "train"]
+ExamSize = Literal["quick", "full"]
+
+BANK_VERSION = 1
+"""Increased whenever the same numbers give other questions."""
+
+_FIRST: dict[BankName, int] = {"val": 9000, "train": 7000}
+_BUILDINGS = ("houses", "offices", "shops")
+_MOST_SHEETS = 40
+"""Sheets for a quick exam after which it is content with what there is."""
+
+QUICK: dict[tuple[Kind, str], int] = {
+    ("block", "map"): 60,
+    ("boxes", "near"): 20,
+    ("boxes", "far"): 15,
+    ("boxes", "absent"): 15,
+    ("boxes", "look-alike"): 15,
+    ("presence", "there"): 15,
+    ("presence", "not there"): 8,
+    ("presence", "look-alike"): 7,
+    ("near", "near"): 10,
+    ("near", "far"): 10,
+    ("arrow", "view"): 15,
+    ("direction", "view"): 10,
+}
+"""Number of questions of a quick exam, by type and part: 200. A full one has five times as many."""
+_FULL = 5
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """One search in one building, from which some of the questions come.
+
+    Attributes:
+        number: Number in the bank, from 0.
+        scene: Building, as ``hypernav find --scene`` understands it.
+    """
+
+    number: int
+    scene: str
+
+    def question_id(self, number: int, kind: Kind, stratum: str, goal: Goal) -> str:
+        """Name of a question of this sheet, unique in the bank."""
+        return f"{self.scene}/{self.number}/{kind}/{stratum}/{goal.text}/{number}"
+
+
+@dataclass(frozen=True)
+class Bank:
+    """A bank of questions.
+
+    Attributes:
+        name: "val", which nothing is tuned on, or "train", for work on prompts.
+        size: "quick", 200 questions, or "full", 1,000.
+        kinds: Types that are asked.
+        quotas: Number of questions by type and part.
+    """
+
+    name: BankName
+    size: ExamSize
+    kinds: tuple[Kind, ...]
+    quotas: dict[tuple[Kind, str], int] | None = None
+
+    @property
+    def wanted(self) -> dict[tuple[Kind, str], int]:
+        """Number of questions by type and part. Masks are asked for where near boxes are."""
+        factor = 1 if self.size == "quick" else _FULL
+        quotas = dict(QUICK if self.quotas is None else self.quotas)
+        quotas["mask", "near"] = quotas.get(("boxes", "near"), 0)
+        return {key: factor * n for key, n in quotas.items() if key[0] in self.kinds and n}
+
+    @property
+    def count(self) -> int:
+        """Number of questions."""
+        return sum(self.wanted.values())
+
+    def sheets(self) -> Iterator[Sheet]:
+        """The searches, kind of building by kind of building."""
+        factor = 1 if self.size == "quick" else _FULL
+        for number in range(_MOST_SHEETS * factor):
+            kind = _BUILDINGS[number % len(_BUILDINGS)]
+            yield Sheet(number, f"{kind}:{_FIRST[self.name] + number // len(_BUILDINGS)}")
+
+    def choose(
+        self, found: Sequence[ExamQuestion], taken: Counter[tuple[Kind, str]]
+    ) -> list[ExamQuestion]:
+        """The questions of a sheet that are asked: a fair share of each part, as far as wanted.
+
+        Args:
+            found: All that the search gave.
+            taken: Number of questions of the sheets before, by type and part.
+        """
+        chosen: list[ExamQuestion] = []
+        factor = 1 if self.size == "quick" else _FULL
+        for key, wanted in self.wanted.items():
+            share = -(-wanted // (15 * factor))
+            room = min(share, wanted - taken[key])
+            chosen += [one for one in found if (one.kind, one.stratum) == key][: max(room, 0)]
+        return chosen
+
+
+Gather = Callable[[Sheet], list[ExamQuestion]]
+"""Makes all questions of a sheet."""

@@ -1,0 +1,236 @@
+"""Makes the questions of one sheet: a search in a generated building, and views around it.
+
+The search of the package runs with true labels and meets what any search meets: maps half drawn,
+frames of doors and corridors. What its components are then asked is kept with the truth about it.
+"""
+
+import hashlib
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from hypernav.agents.search import SearchAgent
+from hypernav.build.agents import build_explorer, build_search
+from hypernav.build.data.scenes import load_scene
+from hypernav.build.presets import HyPerNavConfig, preset
+from hypernav.core.components.protocols import Explorer
+from hypernav.core.episodes.episode import Episode
+from hypernav.core.episodes.truth import PathLeft
+from hypernav.core.exploring.arrows import TURN_AROUND, ArrowChoice, ArrowView
+from hypernav.core.exploring.exploration import Destination, ExplorationView
+from hypernav.core.exploring.guidance import Direction, GuideChoice, GuideView
+from hypernav.core.exploring.overview import BlockChoice, Overview
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
+from hypernav.core.observation import Observation
+from hypernav.core.trace import ExchangeLog
+from hypernav.episodes.episode_run import EpisodeRun
+from hypernav.episodes.true_paths import true_paths
+from hypernav.exam.bank import BANK_VERSION, Sheet
+from hypernav.exam.image_questions import close_by, of_frame, of_stops
+from hypernav.exam.questions import ExamQuestion, best_of
+from hypernav.houses.episodes.rules import RULES
+from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
+from hypernav.perception.explorers.map_question import offered_blocks
+from hypernav.perception.local.ground_truth import GroundTruthDetector
+from hypernav.worlds.simulation import SimulatedWorld
+from hypernav.worlds.surface.starts import random_start
+
+_STEPS = 50
+_EVERY = 3
+"""Of so many frames one is asked about."""
+_TURN_M = 1.0
+"""What a turn is worth as length of path; ours."""
+_AHEAD_M = 2.0
+
+
+def questions_of(sheet: Sheet, config: HyPerNavConfig) -> list[ExamQuestion]:
+    """All questions of a sheet, in an order by chance that depends on nothing but their names.
+
+    Args:
+        sheet: The search.
+        config: What the examined components are built from; only its robot, map and drawing
+            matter here.
+    """
+    base = _base(config)
+    scene = load_scene(sheet.scene)
+    world = SimulatedWorld(scene, base.world, base.embodiment)
+    rng = np.random.default_rng((BANK_VERSION, sheet.number, int(sheet.scene.partition(":")[2])))
+    goals = _goals(sheet.scene, world)
+    found: list[ExamQuestion] = []
+    try:
+        for text in rng.permutation(goals).tolist():
+            region = world.regions.of(Goal(text))
+            if region.is_reachable:
+                start = random_start(world.walkable, rng, region, nearest_m=5.0)
+                found += _of_search(sheet, world, Goal(text), start, goals, config, rng)
+                break
+        found += of_stops(sheet, world, goals, rng)
+    finally:
+        world.close()
+    return sorted(found, key=lambda one: hashlib.sha256(one.id.encode()).digest())
+
+
+def _base(config: HyPerNavConfig) -> HyPerNavConfig:
+    """The search that gathers: always the same method, with the robot and map of the examined."""
+    robot = {"embodiment": config.embodiment, "mapping": config.mapping}
+    return preset("default").model_copy(update=robot)
+
+
+def _goals(scene: str, world: SimulatedWorld) -> list[str]:
+    """The goals of such buildings that this one has."""
+    labels = [one.label for one in world.scene.instances if one.label is not None]
+    names = RULES[scene.partition(":")[0]].categories
+    return [name for name in names if any(label.satisfies(Goal(name)) for label in labels)]
+
+
+@dataclass(eq=False)
+class _Ears:
+    """Stands where a reasoner, an arrow reasoner and a guide stand, and keeps what it is asked."""
+
+    heard: list[Overview | ArrowView | GuideView] = field(default_factory=list)
+
+    def choose(
+        self, view: Overview | ArrowView, goal: Goal, *_: object
+    ) -> BlockChoice | ArrowChoice:
+        self.heard.append(view)
+        if isinstance(view, Overview):
+            return BlockChoice(None, "only listening")
+        return ArrowChoice((), "only listening")
+
+    def direct(self, view: GuideView, goal: Goal) -> GuideChoice:
+        self.heard.append(view)
+        return GuideChoice(Direction.EXPLORE, "only listening")
+
+
+@dataclass(frozen=True, eq=False)
+class _Listener:
+    """The explorer of the search, and what other explorers would ask of the same view."""
+
+    drives: Explorer
+    asking: tuple[Explorer, ...]
+    ears: _Ears
+    views: list[tuple[ExplorationView, list[Overview | ArrowView | GuideView]]]
+
+    def next_destination(self, view: ExplorationView) -> Destination | None:
+        self.ears.heard.clear()
+        for explorer in self.asking:
+            explorer.next_destination(replace(view, notes={}))
+        # An explorer that gets no answer asks once more, about less.
+        self.views.append((view, list({type(one): one for one in self.ears.heard[::-1]}.values())))
+        return self.drives.next_destination(view)
+
+
+@dataclass(frozen=True, eq=False)
+class _Wanderer:
+    """Chooses blocks now by the geometric rule, now by chance, so that maps of all kinds arise."""
+
+    rule: GeometricReasoner
+    rng: np.random.Generator
+
+    def choose(self, overview: Overview, goal: Goal, excluded: frozenset[int]) -> BlockChoice:
+        left = [block.number for block in overview.blocks if block.number not in excluded]
+        if not left or self.rng.random() < 0.5:
+            return self.rule.choose(overview, goal, excluded)
+        return BlockChoice(left[int(self.rng.integers(len(left)))], "by chance")
+
+
+def _of_search(
+    sheet: Sheet,
+    world: SimulatedWorld,
+    goal: Goal,
+    start: Pose2,
+    goals: Sequence[str],
+    config: HyPerNavConfig,
+    rng: np.random.Generator,
+) -> list[ExamQuestion]:
+    log, ears, base = ExchangeLog(), _Ears(), _base(config)
+    rule = GeometricReasoner(log, base.geometric)
+    drawn = base.model_copy(update={"overview": config.overview, "arrows": config.arrows})
+    asking = ("hypernav", "vlmnav", "navvlm")
+    agent = build_search(
+        base, GroundTruthDetector(), log, reasoner=_Wanderer(rule, rng.spawn(1)[0])
+    )
+    listener = _Listener(
+        agent.components.explorer,
+        tuple(build_explorer(drawn, log, name, reasoner=ears) for name in asking),
+        ears,
+        [],
+    )
+    agent = SearchAgent(replace(agent.components, explorer=listener))
+    episode = Episode(sheet.scene, str(sheet.number), goal, start, max_steps=_STEPS)
+    run = EpisodeRun(agent, world, episode, rng=rng)
+    left_m = true_paths(run.trial)
+    assert left_m is not None
+    found: list[ExamQuestion] = []
+    for number, step in enumerate(run):
+        while listener.views:
+            view, heard = listener.views.pop()
+            for subject in heard:
+                question = _choice(sheet, number, goal, subject, view, left_m, rule, config)
+                found += [] if question is None else [question]
+        if number % _EVERY == 0:
+            found += of_frame(sheet, number, step.observation, goals)
+            found += close_by(sheet, number, step.observation, goal, left_m)
+    return found
+
+
+def _choice(
+    sheet: Sheet,
+    step: int,
+    goal: Goal,
+    subject: Overview | ArrowView | GuideView,
+    view: ExplorationView,
+    left_m: PathLeft,
+    rule: GeometricReasoner,
+    config: HyPerNavConfig,
+) -> ExamQuestion | None:
+    """A question with options, of which the true lengths are known; None if all are equal."""
+    here, by_rule = view.robot, ""
+    match subject:
+        case Overview():
+            offered = offered_blocks(config.block_choice, subject, frozenset())
+            costs = {str(o.number): o.travel_m + left_m(*o.destination) for o in offered}
+            chosen = rule.choose(subject, goal, frozenset()).number
+            by_rule = str(chosen) if str(chosen) in costs else ""
+            kind, stratum = "block", "map"
+        case ArrowView():
+            costs = {str(o.number): o.length_m + left_m(*o.end) for o in subject.arrows}
+            if subject.may_turn:
+                costs[str(TURN_AROUND)] = left_m(*here.xy) + _TURN_M
+            kind, stratum = "arrow", "view"
+        case GuideView():
+            costs = {
+                str(direction): _by_way_of(subject.observation, columns, left_m)
+                for direction, columns in subject.windows.items()
+            }
+            costs[str(Direction.EXPLORE)] = left_m(*here.xy) + _TURN_M
+            kind, stratum = "direction", "view"
+    right = best_of(costs) if costs else frozenset[str]()
+    if len(right) == len(costs):
+        return None
+    return ExamQuestion(
+        sheet.question_id(step, kind, stratum, goal),
+        kind,
+        stratum,
+        sheet.scene,
+        goal,
+        subject,
+        costs=costs,
+        right=right,
+        rule=by_rule,
+        conditions={"distance_m": left_m(*here.xy)},
+    )
+
+
+def _by_way_of(observation: Observation, columns: slice, left_m: PathLeft) -> float:
+    """True length of the path by way of what a part of the image shows, metres."""
+    camera, robot = observation.camera, observation.robot
+    middle = (columns.start + columns.stop) // 2
+    heading = robot.yaw - math.atan2(middle + 0.5 - camera.cx, camera.fx)
+    free_m = 0.8 * float(observation.farthest_m[columns].max())
+    ahead_m = min(_AHEAD_M, free_m) if free_m > 0.0 else _AHEAD_M
+    x, y = robot.x + ahead_m * math.cos(heading), robot.y + ahead_m * math.sin(heading)
+    return ahead_m + left_m(x, y)

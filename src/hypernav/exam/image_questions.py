@@ -1,0 +1,151 @@
+"""Questions about single images: frames of a search, and views from where it may stop."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from hypernav.core.episodes.episode import Episode
+from hypernav.core.episodes.truth import PathLeft
+from hypernav.core.errors import StartError
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
+from hypernav.core.observation import Observation
+from hypernav.core.world import Instance
+from hypernav.exam.bank import Sheet
+from hypernav.exam.questions import ExamQuestion, Kind
+from hypernav.perception.local.ground_truth import true_detection, true_labels, visible_objects
+from hypernav.perception.local.noisy_detector import resembles
+from hypernav.worlds.simulation import SimulatedWorld
+
+_CLEAR_SHARE = 0.002
+"""Share of the image that a thing covers at least which is asked for."""
+_NEAR_M = 2.5
+_CLOSE_BY_M, _FAR_AWAY_M = 4.0, 10.0
+"""True paths up to and from which the goal is close by, and is not; between, nobody is asked."""
+
+
+def of_frame(
+    sheet: Sheet, step: int, observation: Observation, goals: Sequence[str]
+) -> list[ExamQuestion]:
+    """Questions for boxes and masks in one frame of the search."""
+    truth = true_labels(observation)
+    clear = visible_objects(truth, _CLEAR_SHARE)
+    any_sign = visible_objects(truth, 0.0)
+    found = []
+    for text in goals:
+        goal = Goal(text)
+        seen = [n for n in clear if truth.labels[n].satisfies(goal)]
+        if seen:
+            true = [true_detection(truth, number) for number in seen]
+            depth = observation.depth[true[0].mask]
+            measured = depth[depth > 0.0]
+            near = measured.size > 0.5 * depth.size and np.median(measured) <= _NEAR_M
+            stratum = "near" if near else "far"
+            kinds: tuple[Kind, ...] = ("boxes", "mask") if near else ("boxes",)
+            for kind in kinds:
+                boxes = tuple(one.box for one in true)
+                mask = true[0].mask if kind == "mask" else None
+                found.append(
+                    _looked(sheet, step, kind, stratum, goal, observation, boxes=boxes, mask=mask)
+                )
+        elif not any(truth.labels[n].satisfies(goal) for n in any_sign):
+            alike = any(resembles(truth.labels[n], goal) for n in clear)
+            stratum = "look-alike" if alike else "absent"
+            found.append(_looked(sheet, step, "boxes", stratum, goal, observation))
+    return found
+
+
+def close_by(
+    sheet: Sheet, step: int, observation: Observation, goal: Goal, left_m: PathLeft
+) -> list[ExamQuestion]:
+    """The question whether the goal is likely close by, where the truth is clear."""
+    away_m = left_m(*observation.robot.xy)
+    if _CLOSE_BY_M < away_m < _FAR_AWAY_M or math.isinf(away_m):
+        return []
+    is_near = away_m <= _CLOSE_BY_M
+    question = _looked(
+        sheet, step, "near", "near" if is_near else "far", goal, observation, is_near
+    )
+    return [replace(question, conditions=question.conditions | {"distance_m": away_m})]
+
+
+def of_stops(
+    sheet: Sheet, world: SimulatedWorld, goals: Sequence[str], rng: np.random.Generator
+) -> list[ExamQuestion]:
+    """Presence questions from positions at which a search may stop: right and wrong ones."""
+    things = [one for one in world.scene.instances if one.label is not None]
+    found, there = [], {"there": 0, "not there": 0, "look-alike": 0}
+    for k in rng.permutation(len(things)).tolist()[:30]:
+        if min(there.values()) >= 2:
+            break
+        observation = _stopped_at(world, things[k], rng)
+        if observation is None:
+            continue
+        truth = true_labels(observation)
+        shown = [truth.labels[n] for n in visible_objects(truth, 0.0)]
+        clear = [truth.labels[n] for n in visible_objects(truth, 10.0 * _CLEAR_SHARE)]
+        for text in rng.permutation(list(goals)).tolist():
+            goal = Goal(text)
+            if any(label.satisfies(goal) for label in clear):
+                stratum = "there"
+            elif any(label.satisfies(goal) for label in shown):
+                continue
+            elif any(resembles(label, goal) for label in clear):
+                stratum = "look-alike"
+            else:
+                stratum = "not there"
+            if there[stratum] < 2:
+                there[stratum] += 1
+                is_there = stratum == "there"
+                found.append(_looked(sheet, k, "presence", stratum, goal, observation, is_there))
+                break
+    return found
+
+
+def _stopped_at(
+    world: SimulatedWorld, thing: Instance, rng: np.random.Generator
+) -> Observation | None:
+    """What a robot sees that has stopped at a thing; None if it can't get there."""
+    points = world.regions.view_points(thing)
+    if not len(points):
+        return None
+    x, y, z = points[int(rng.integers(len(points)))].tolist()
+    middle = (np.array(thing.box_min) + np.array(thing.box_max)) / 2.0
+    start = Pose2(x, y, math.atan2(middle[1] - y, middle[0] - x))
+    goal = Goal(thing.label.category if thing.label else thing.name)
+    try:
+        return world.reset(Episode(world.scene.name, "stop", goal, start, start_z=z))
+    except StartError:
+        return None
+
+
+def _looked(
+    sheet: Sheet,
+    number: int,
+    kind: Kind,
+    stratum: str,
+    goal: Goal,
+    observation: Observation,
+    is_so: bool | None = None,
+    **true: object,
+) -> ExamQuestion:
+    """A question about one image."""
+    truth = true_labels(observation)
+    right = frozenset[str]() if is_so is None else frozenset({"yes" if is_so else "no"})
+    conditions = {
+        "clutter": float(len(visible_objects(truth, _CLEAR_SHARE))),
+        "light": float(observation.rgb.mean()) / 255.0,
+    }
+    question = ExamQuestion(
+        sheet.question_id(number, kind, stratum, goal),
+        kind,
+        stratum,
+        sheet.scene,
+        goal,
+        observation,
+        right=right,
+        conditions=conditions,
+    )
+    return replace(question, **true)

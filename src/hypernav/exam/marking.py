@@ -1,0 +1,127 @@
+"""Marks one answer by the truth of its question."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool
+
+from hypernav.core.geometry.boxes import Box, Detection
+from hypernav.core.trace import Exchange
+from hypernav.exam.questions import RIGHT_IOU, Answered, ExamQuestion
+
+
+@dataclass(frozen=True)
+class Given:
+    """What a component answered.
+
+    Attributes:
+        chosen: Option; None if it is none, or if boxes or a mask were asked for.
+        found: Boxes.
+        mask: Pixels.
+        probability: Score of the best box.
+    """
+
+    chosen: str | None = None
+    found: tuple[Detection, ...] = ()
+    mask: Bool[np.ndarray, "height width"] | None = None
+    probability: float | None = None
+
+
+def marked(question: ExamQuestion, given: Given, exchanges: list[Exchange]) -> Answered:
+    """The record of a question and what was answered, marked by its truth."""
+    unusable = _unusable(question, given, exchanges)
+    chosen = None if unusable and question.kind != "boxes" else given.chosen
+    costs = {key: cost for key, cost in question.costs.items() if np.isfinite(cost)}
+    options = list(question.costs) or (["yes", "no"] if question.right else [])
+    overlap = _overlap(question, given)
+    score = _score(question, chosen, given, overlap) if not unusable else 0.0
+    image = getattr(question.subject, "rgb", None)
+    texts = [one.answer for one in exchanges if one.kind == "ground"]
+    return Answered(
+        id=question.id,
+        kind=question.kind,
+        stratum=question.stratum,
+        scene=question.scene,
+        goal=question.goal.text,
+        conditions={k: round(v, 3) for k, v in question.conditions.items() if np.isfinite(v)},
+        options=options,
+        right=sorted(question.right),
+        costs={key: round(cost, 3) for key, cost in costs.items()},
+        chosen=chosen,
+        rule=question.rule,
+        true_boxes=[_corners(box) for box in question.boxes],
+        boxes=[_corners(one.box) for one in _best_first(given.found)],
+        raw_boxes=bool(given.found) or any("[" in text.strip("[] \n`json") for text in texts),
+        image_size=(0, 0) if image is None else (image.shape[1], image.shape[0]),
+        score=score,
+        chance=len(question.right) / len(options) if options else 0.0,
+        rule_score=float(question.rule in question.right) if question.rule else None,
+        overlap=overlap,
+        probability=_probability(question, chosen, given, exchanges),
+        unusable=unusable,
+        exchanges=exchanges,
+    )
+
+
+def _score(
+    question: ExamQuestion, chosen: str | None, given: Given, overlap: float | None
+) -> float:
+    if question.kind == "mask" or question.boxes:
+        return float(overlap is not None and overlap >= RIGHT_IOU)
+    if question.kind == "boxes":
+        return float(not given.found)
+    return float(chosen in question.right)
+
+
+def _overlap(question: ExamQuestion, given: Given) -> float | None:
+    """Overlap with the truth: of the mask, or of the best box with the true one it fits best."""
+    if question.mask is not None and given.mask is not None:
+        both = np.count_nonzero(question.mask & given.mask)
+        return both / max(np.count_nonzero(question.mask | given.mask), 1)
+    if question.kind != "boxes" or not question.boxes:
+        return None
+    first = _best_first(given.found)[:1]
+    return max((true.iou(one.box) for one in first for true in question.boxes), default=0.0)
+
+
+def _unusable(question: ExamQuestion, given: Given, exchanges: list[Exchange]) -> str:
+    """Why an answer can't be used; empty if it can, or if no model gave it."""
+    asked = [one for one in exchanges if one.by_model]
+    if not asked:
+        return ""
+    main = next((one for one in asked if one.kind != "crop"), asked[0])
+    reason = main.fault or next(iter(main.remarks), "")
+    if question.kind == "boxes":
+        return "" if given.found or not _is_unread(main) else reason
+    if question.kind in ("block", "arrow"):
+        return "" if given.chosen is not None else reason or "it names none of the options"
+    return main.fault and (reason or main.fault)
+
+
+def _is_unread(exchange: Exchange) -> bool:
+    """Whether no box could be read and the answer doesn't say that there is none."""
+    return bool(exchange.fault) or any(
+        remark == "no box in the answer" or remark.startswith(tuple("123456789"))
+        for remark in exchange.remarks
+    )
+
+
+def _probability(
+    question: ExamQuestion, chosen: str | None, given: Given, exchanges: list[Exchange]
+) -> float | None:
+    """What the model says how sure it is of its answer."""
+    told: list[Mapping[str, float]] = [one.probabilities for one in exchanges if one.probabilities]
+    if question.kind == "boxes":
+        return given.probability
+    if chosen is None or not told:
+        return None
+    return told[-1].get(chosen)
+
+
+def _best_first(found: tuple[Detection, ...]) -> list[Detection]:
+    return sorted(found, key=lambda one: -one.score)
+
+
+def _corners(box: Box) -> tuple[float, float, float, float]:
+    return (round(box.x_min, 1), round(box.y_min, 1), round(box.x_max, 1), round(box.y_max, 1))

@@ -1,0 +1,141 @@
+"""One question of the exam with its true answer, and the record of what was answered."""
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Bool
+from pydantic import BaseModel, ConfigDict, Field
+
+from hypernav.core.exploring.arrows import ArrowView
+from hypernav.core.exploring.guidance import GuideView
+from hypernav.core.exploring.overview import Overview
+from hypernav.core.geometry.boxes import Box
+from hypernav.core.goal import Goal
+from hypernav.core.observation import Observation
+from hypernav.core.trace import Exchange
+
+Kind = Literal["block", "boxes", "mask", "presence", "near", "arrow", "direction"]
+
+KINDS: dict[Kind, str] = {
+    "block": "Which block of the map to go to",
+    "boxes": "Where is it in this image",
+    "mask": "Which pixels of the box are it",
+    "presence": "Is it really there",
+    "near": "Is it likely close by",
+    "arrow": "Which arrow to follow",
+    "direction": "Which direction to take",
+}
+"""The types of questions, in the words of the page."""
+
+EQUAL_M = 0.5
+"""Difference in length below which two ways are equally good, metres."""
+
+RIGHT_IOU = 0.5
+"""Overlap with a true box or mask from which an answer is right."""
+
+
+@dataclass(frozen=True, eq=False)
+class ExamQuestion:
+    """A question with its true answer.
+
+    Attributes:
+        id: Name that is unique in the bank: building, search, kind, stratum, number.
+        kind: Type of the question.
+        stratum: Part of the type, such as "absent" or "look-alike".
+        scene: Name of the building; answers about one building are not independent.
+        goal: What is asked about.
+        subject: What the component of the search is given.
+        costs: For a choice, the true length of the path to the goal by way of each option, metres.
+        right: Options that are right; empty where boxes or a mask are asked for.
+        rule: What the geometric rule answers, which needs no model; empty if there is none.
+        boxes: True boxes of the goal; none where it is not in the image.
+        mask: True pixels of the goal in the first box, where a mask is asked for.
+        conditions: "distance_m" to the goal, "clutter" (number of things in the image) and "light"
+            (mean brightness, 0 to 1), as far as they are known.
+    """
+
+    id: str
+    kind: Kind
+    stratum: str
+    scene: str
+    goal: Goal
+    subject: Overview | ArrowView | GuideView | Observation
+    costs: dict[str, float] = field(default_factory=dict)
+    right: frozenset[str] = frozenset()
+    rule: str = ""
+    boxes: tuple[Box, ...] = ()
+    mask: Bool[np.ndarray, "height width"] | None = None
+    conditions: dict[str, float] = field(default_factory=dict)
+
+
+def best_of(costs: dict[str, float]) -> frozenset[str]:
+    """The options whose paths are about as short as the shortest."""
+    shortest = min(costs.values())
+    return frozenset(option for option, cost in costs.items() if cost <= shortest + EQUAL_M)
+
+
+class Answered(BaseModel):
+    """One question, its truth and its answer: a line of ``answers.jsonl``.
+
+    Attributes:
+        id: Name of the question.
+        kind: Its type.
+        stratum: Part of the type.
+        scene: Building.
+        goal: What was asked about.
+        conditions: See `ExamQuestion`.
+        options: The options, in the order in which they were shown.
+        right: Options that are right.
+        costs: True length by way of each option, metres; those from which no path leads are absent.
+        chosen: The option that was answered; None if the answer can't be used.
+        rule: What the geometric rule answers.
+        true_boxes: True boxes.
+        boxes: Boxes of the answer that survived, the best first.
+        raw_boxes: Whether the model's text held any box, before crops were looked at.
+        image_size: Width and height that the boxes refer to, pixels.
+        score: 1 if the answer is right, else 0.
+        chance: Score that an answer at random has in the mean.
+        rule_score: Score of the rule; None if there is none.
+        overlap: Overlap of box or mask with the truth; None where neither is asked for.
+        probability: Probability or score that the answer was given with; None if none was told.
+        unusable: Why the answer can't be used; empty if it can.
+        exchanges: Every question to the model and its answer.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    id: str
+    kind: Kind
+    stratum: str
+    scene: str
+    goal: str
+    conditions: dict[str, float] = Field(default_factory=dict)
+    options: list[str] = Field(default_factory=list)
+    right: list[str] = Field(default_factory=list)
+    costs: dict[str, float] = Field(default_factory=dict)
+    chosen: str | None = None
+    rule: str = ""
+    true_boxes: list[tuple[float, float, float, float]] = Field(default_factory=list)
+    boxes: list[tuple[float, float, float, float]] = Field(default_factory=list)
+    raw_boxes: bool = False
+    image_size: tuple[int, int] = (0, 0)
+    score: float
+    chance: float = 0.0
+    rule_score: float | None = None
+    overlap: float | None = None
+    probability: float | None = None
+    unusable: str = ""
+    exchanges: list[Exchange] = Field(default_factory=list)
+
+    @property
+    def regret_m(self) -> float | None:
+        """How much longer the way by the chosen option is than the shortest, metres."""
+        if self.chosen is None or self.chosen not in self.costs:
+            return None
+        return self.costs[self.chosen] - min(self.costs.values())
+
+    @property
+    def calls(self) -> int:
+        """Number of questions to a chat model that it took."""
+        return sum(exchange.by_model for exchange in self.exchanges)

@@ -1,0 +1,30 @@
+"""Words of questions as data: what may stand in braces, and a hash for the results."""
+
+import hashlib
+from string import Formatter
+
+
+def check_placeholders(prompt: str, *names: str) -> str:
+    """The words of a question, if they can be filled in.
+
+    Args:
+        prompt: Words with names in braces.
+        names: Names that may stand in braces.
+
+    Raises:
+        ValueError: It holds other names, or formats.
+    """
+    try:
+        if any(spec or conversion for _, _, spec, conversion in Formatter().parse(prompt)):
+            raise ValueError("formats")  # a width could fill the memory
+        prompt.format(**dict.fromkeys(names, ""))
+    except (AttributeError, KeyError, IndexError, ValueError) as error:
+        *others, last = (f"{{{name}}}" for name in names)
+        allowed = f"{', '.join(others)} and {last}" if others else last
+        raise ValueError(f"may hold {allowed}; other braces are doubled: {{{{ }}}}") from error
+    return prompt
+
+
+def prompt_hash(prompt: str) -> str:
+    """The first digits of the words' SHA-256, which tell two versions apart."""
+    return hashlib.sha256(prompt.encode()).hexdigest()[:12]
