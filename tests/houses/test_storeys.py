@@ -17,8 +17,8 @@ from hypernav.worlds.navmesh.surface import NavmeshSurface
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.walkable import WalkableGrid
 
-NUMBERS = (3002, 3004, 3008)
-"""A home with U-shaped stairs, one with straight stairs, one with a basement."""
+NUMBERS = (3004, *(pytest.param(number, marks=pytest.mark.slow) for number in (3002, 3008)))
+"""A home with straight stairs; one with U-shaped stairs and one with a basement."""
 
 scene_of = cache(lambda number: generate(Building("storeys", number)))
 
@@ -87,6 +87,7 @@ def test_a_wheeled_robot_never_leaves_its_storey_at_the_stairs(number: int):
                     assert abs(z - plan.floor_z) <= BodyConfig().max_step_m
 
 
+@pytest.mark.slow
 def test_goals_are_on_one_storey_and_as_often_above_as_below():
     number = 3004
     building, scene = Building("storeys", number), scene_of(number)
