@@ -2,6 +2,7 @@
 
 import math
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,10 +11,14 @@ from hypernav.core.embodiment import BodyConfig
 from hypernav.houses.building import Building
 from hypernav.houses.episodes.house_episodes import house_episodes
 from hypernav.houses.episodes.storey_starts import CLIMBING_BODY
+from hypernav.houses.export.files import export_building
 from hypernav.houses.generator import generate, storeys_of
 from hypernav.houses.plan.stairs import LEAST_RISER_M, MOST_RISER_M
-from hypernav.worlds.navmesh.robot_navmesh import robot_navmesh
+from hypernav.worlds.navmesh.files.reader import navmesh_of
+from hypernav.worlds.navmesh.navmesh import Navmesh
+from hypernav.worlds.navmesh.robot_navmesh import computed_for, robot_navmesh
 from hypernav.worlds.navmesh.surface import NavmeshSurface
+from hypernav.worlds.scenes.loading import read_scene
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.walkable import WalkableGrid
 
@@ -105,3 +110,22 @@ def test_goals_are_on_one_storey_and_as_often_above_as_below():
         }
         assert len(storeys) == 1
     assert dataset == house_episodes(generate(building), building, "categories")
+
+
+@pytest.mark.slow
+def test_an_exported_building_has_the_same_paths(tmp_path: Path):
+    scene, surface = scene_of(3004), climbed(3004)
+    files = export_building(Building("storeys", 3004), tmp_path)
+    stored = NavmeshSurface(Navmesh.load(files.navmesh))
+    computed = NavmeshSurface(
+        Navmesh(navmesh_of(computed_for(read_scene(files.glb), CLIMBING_BODY)))
+    )
+    rng = np.random.default_rng(0)
+    low, high = (on_storey(scene, z).centres() for z in scene.storeys)
+    for a, b in zip(rng.choice(low, 10), rng.choice(high, 10), strict=True):
+        start = surface.nearest_standable(*a.tolist(), scene.storeys[0])
+        end = surface.nearest_standable(*b.tolist(), scene.storeys[1])
+        there = surface.distance(start, end)
+        assert math.isfinite(there)
+        assert stored.distance(start, end) == pytest.approx(there, rel=0.02)
+        assert computed.distance(start, end) == pytest.approx(there, rel=0.02)
