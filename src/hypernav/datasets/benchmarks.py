@@ -200,6 +200,15 @@ GENERATED = Benchmark(
 """What `hypernav houses export` writes; all splits that exist."""
 
 
+STOREYS = Benchmark(
+    name="storeys",
+    title="generated buildings with stairs",
+    embodiment=Embodiment(body=BodyConfig(max_step_m=_HABITAT_STEP_M)),
+    source="this package",
+)
+"""What runs on ``storeys-val`` and ``storeys-train`` follow: a robot that climbs their stairs."""
+
+
 def benchmark_of(dataset: str, name: str | None = None) -> Benchmark | None:
     """The benchmark that a run follows.
 
@@ -208,12 +217,14 @@ def benchmark_of(dataset: str, name: str | None = None) -> Benchmark | None:
         name: Benchmark that was asked for by name; None takes the data set's own.
 
     Returns:
-        None if none was named and the data set has none: houses, scenes, files.
+        None if none was named and the data set has none: buildings of one storey, scenes, files.
 
     Raises:
         ConfigError: There is no benchmark of this name.
     """
     if name is None:
+        if dataset.startswith(f"{STOREYS.name}-"):
+            return STOREYS
         return BENCHMARKS.get(dataset.partition(":")[0])
     if name not in BENCHMARKS:
         raise ConfigError(f"there is no benchmark '{name:.40}'; use {', '.join(BENCHMARKS)}")

@@ -146,8 +146,19 @@ def to_scene(house: CompactScene, name: str) -> Scene:
         face_material=house.face_material.astype(np.int32),
         face_instance=house.face_instance.astype(np.int32),
         materials=tuple(_material(number, f) for number, f in enumerate(house.finishes)),
-        instances=_instances(house, vertices),
+        instances=(instances := _instances(house, vertices)),
+        storeys=_storeys(house, instances),
     )
+
+
+def _storeys(house: CompactScene, instances: Sequence[Instance]) -> tuple[float, ...]:
+    """Heights of the floors if they differ, as `Scene` holds them."""
+    floors = {
+        round(one.box_min[2], 2)
+        for one, category in zip(instances, house.categories, strict=True)
+        if one.label is None and category == "floor"
+    }
+    return tuple(sorted(floors)) if len(floors) > 1 else ()
 
 
 def _material(number: int, finish: Finish) -> Material:

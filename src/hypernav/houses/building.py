@@ -5,7 +5,13 @@ from dataclasses import dataclass
 VERSION = 1
 """Version of the generator; increased whenever a number gives another building than before."""
 
-NOUNS = {"houses": "house", "offices": "office", "shops": "shop", "crowded": "crowded-office"}
+NOUNS = {
+    "houses": "house",
+    "offices": "office",
+    "shops": "shop",
+    "crowded": "crowded-office",
+    "storeys": "storeyed-building",
+}
 """Word for one building of every kind."""
 
 BUILTIN_HOUSE = 0
@@ -18,7 +24,7 @@ class Building:
 
     Attributes:
         kind: Kind of the building: "houses", "offices", "shops" or "crowded" (offices whose meeting
-            rooms are full of chairs).
+            rooms are full of chairs), or "storeys" (homes and offices of two or three storeys).
         number: Number of the building, from 0 on.
     """
 

@@ -8,7 +8,8 @@ from hypernav.core.config import RoomConfig
 
 NavmeshChoice = Literal["auto", "file", "robot"]
 """Navigation mesh that a robot walks on: "auto", the file's if it was made for such a robot, else
-one computed as by habitat-sim; "file", always the file's; or "robot", always a computed one."""
+one computed as by habitat-sim, also for a generated building whose stairs the robot climbs; "file",
+always the file's; or "robot", always a computed one."""
 
 CELL_M = 0.05
 """Default side of the walkable surface's cells, metres, as in Habitat's navigation meshes."""

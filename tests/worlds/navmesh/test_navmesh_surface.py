@@ -67,8 +67,8 @@ def test_parts_are_islands_by_area() -> None:
 
 
 def test_floor_around_a_box() -> None:
-    near = FLOORS.floor_near((3.0, 0.9), (3.1, 1.1), 0.5)
-    assert {0.0, 3.0} == {round(z, 6) for z in near[:, 2].tolist()}
+    near = FLOORS.floor_near((3.0, 0.9, 0.5), (3.1, 1.1, 1.0), 0.5)
+    assert {0.0} == {round(z, 6) for z in near[:, 2].tolist()}
     gaps = np.maximum(np.maximum([3.0, 0.9] - near[:, :2], near[:, :2] - [3.1, 1.1]), 0.0)
     assert np.linalg.norm(gaps, axis=1).max() <= 0.5
 

@@ -22,6 +22,7 @@ SCENES: Registry[Callable[..., Scene]] = Registry(
         Entry("offices", "hypernav.build.data.scenes:numbered_office", form="offices:N"),
         Entry("shops", "hypernav.build.data.scenes:numbered_shop", form="shops:N"),
         Entry("crowded", "hypernav.build.data.scenes:numbered_crowded_office", form="crowded:N"),
+        Entry("storeys", "hypernav.build.data.scenes:numbered_storeyed_building", form="storeys:N"),
     ],
 )
 """Scenes that are not files: functions of the text after the name."""
@@ -36,9 +37,9 @@ def load_scene(spec: str) -> Scene:
     """Load a scene by name.
 
     Args:
-        spec: Name of the scene: ``builtin``, ``houses:N``, ``offices:N``, ``shops:N`` or
-            ``crowded:N`` for the generated building of number N, a name that an installed package
-            provides, or the path of a GLB, another model or a Gazebo world.
+        spec: Name of the scene: ``builtin``, ``houses:N``, ``offices:N``, ``shops:N``,
+            ``crowded:N`` or ``storeys:N`` for the generated building of number N, a name that an
+            installed package provides, or the path of a GLB, another model or a Gazebo world.
 
     Raises:
         SceneError: The file cannot be used, or there is no such building.
@@ -80,6 +81,9 @@ numbered_shop = partial(numbered_building, "shops")
 
 numbered_crowded_office = partial(numbered_building, "crowded")
 """Crowded office of a number."""
+
+numbered_storeyed_building = partial(numbered_building, "storeys")
+"""Home or office of two or three storeys of a number."""
 
 
 def building_of(scene: str) -> Building:

@@ -16,7 +16,8 @@ class Options:
 
     dataset: tyro.conf.Positional[str]
     """houses-val, houses-ovon, houses-train[#FIRST:END], offices-…, shops-…, crowded-train,
-    scene:GLB[#STARTS], habitat:FILE, hm3d:DIR[#SPLIT], mp3d:DIR[#SPLIT] or ovon:DIR[#SPLIT]."""
+    storeys-…, scene:GLB[#STARTS], habitat:FILE, hm3d:DIR[#SPLIT], mp3d:DIR[#SPLIT] or
+    ovon:DIR[#SPLIT]."""
     who: FlatAgentOptions = field(default_factory=AgentOptions)
     """The options that configure the agent."""
     out: Path | None = None

@@ -1,7 +1,7 @@
 """Ground truth of a house, from which its episodes are generated."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
@@ -26,19 +26,40 @@ _PATH_STEP_M = 0.1
 
 
 @dataclass(frozen=True, eq=False)
-class HouseGroundTruth:
-    """Scene with its walkable surface and goal regions, for the default robot and camera.
+class BuildingTruth:
+    """Scene with its goal regions.
 
     Attributes:
-        scene: Scene of the house.
-        walkable: Surface where the robot can stand.
+        scene: Scene of the building.
         regions: Regions where goals count as reached.
     """
 
     scene: Scene
-    walkable: WalkableGrid
     regions: GoalRegions
-    _satisfying: dict[str, tuple[Instance, ...]] = field(default_factory=dict)
+
+    def satisfying(self, text: str) -> tuple[Instance, ...]:
+        """Instances that satisfy a goal text."""
+        if text not in self._satisfying:
+            goal = Goal(text)
+            self._satisfying[text] = tuple(
+                i for i in self.scene.instances if i.label is not None and i.label.satisfies(goal)
+            )
+        return self._satisfying[text]
+
+    @cached_property
+    def _satisfying(self) -> dict[str, tuple[Instance, ...]]:
+        return {}
+
+
+@dataclass(frozen=True, eq=False)
+class HouseGroundTruth(BuildingTruth):
+    """Scene of one storey with its walkable surface, for the default robot and camera.
+
+    Attributes:
+        walkable: Surface where the robot can stand.
+    """
+
+    walkable: WalkableGrid
 
     @staticmethod
     def of(scene: Scene) -> "HouseGroundTruth":
@@ -50,16 +71,7 @@ class HouseGroundTruth:
         walkable = WalkableGrid.from_scene(scene, BodyConfig())
         camera_height_m = CameraConfig().height_m
         regions = GoalRegions(scene, walkable, RayCaster(scene), eye_height_m=camera_height_m)
-        return HouseGroundTruth(scene, walkable, regions)
-
-    def satisfying(self, text: str) -> tuple[Instance, ...]:
-        """Instances that satisfy a goal text."""
-        if text not in self._satisfying:
-            goal = Goal(text)
-            self._satisfying[text] = tuple(
-                i for i in self.scene.instances if i.label is not None and i.label.satisfies(goal)
-            )
-        return self._satisfying[text]
+        return HouseGroundTruth(scene, regions, walkable)
 
     @cached_property
     def wide_area(self) -> WalkableGrid:

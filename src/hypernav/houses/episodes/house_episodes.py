@@ -29,10 +29,11 @@ from hypernav.datasets.habitat_frames import (
     positions_to_habitat,
 )
 from hypernav.houses.building import Building
-from hypernav.houses.episodes.ground_truth import HouseGroundTruth
+from hypernav.houses.episodes.ground_truth import BuildingTruth, HouseGroundTruth
 from hypernav.houses.episodes.queries import Query, category_queries, phrase_queries
 from hypernav.houses.episodes.rules import RULES, EpisodeRules
 from hypernav.houses.episodes.starts import Start, sample_start
+from hypernav.houses.episodes.storey_starts import StoreyTruth, across_storeys
 from hypernav.houses.random_stream import RandomStream
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.goal_regions import GoalRegion
@@ -62,10 +63,14 @@ def house_episodes(scene: Scene, building: Building, style: GoalStyle) -> Episod
         EpisodeError: The building contains no possible goal.
         SceneError: The robot fits nowhere.
     """
-    truth = HouseGroundTruth.of(scene)
     rng = RandomStream(EPISODES_VERSION, *building.key, style)
     rules = RULES[building.kind]
-    drawn = _sample(rng, truth, style, rules)
+    if scene.storeys:
+        truth = StoreyTruth.of(scene)
+        drawn = across_storeys(rng, truth, rules, EPISODES_PER_HOUSE)
+    else:
+        truth = HouseGroundTruth.of(scene)
+        drawn = _sample(rng, truth, style, rules)
     if not drawn:
         raise EpisodeError(
             f"{scene.name}: holds no goal that is {rules.least_m:g} to "
@@ -88,7 +93,8 @@ def with_view_points(dataset: EpisodeDataset, scene: Scene) -> EpisodeDataset:
         dataset: Episodes of only this building.
         scene: The building.
     """
-    regions, done = HouseGroundTruth.of(scene).regions, dict[int | str, ObjectGoal]()
+    truth = StoreyTruth.of(scene) if scene.storeys else HouseGroundTruth.of(scene)
+    regions, done = truth.regions, dict[int | str, ObjectGoal]()
     for goal in (goal for goals in dataset.goals_by_category.values() for goal in goals):
         if goal.object_id not in done:
             instance = scene.instances[int(goal.object_id)]
@@ -127,14 +133,14 @@ def _sample(
     return rng.fork("order").shuffled(drawn)
 
 
-def _reachable(truth: HouseGroundTruth, query: Query) -> list[Instance]:
+def _reachable(truth: BuildingTruth, query: Query) -> list[Instance]:
     return [i for i in query.instances if len(truth.regions.view_points(i)) > 0]
 
 
 class _Writer:
     """Converts queries and instances of one house to Habitat's format; every instance once."""
 
-    def __init__(self, truth: HouseGroundTruth) -> None:
+    def __init__(self, truth: BuildingTruth) -> None:
         self._site = truth
         self._goals: dict[int, ObjectGoal] = {}
 
@@ -149,6 +155,8 @@ class _Writer:
             "closest_goal_object_id": self._nearest(query, start),
             "near_miss_object_ids": [i.id for i in query.near_misses],
         }
+        if start.goal_is is not None:
+            info["goal_is"] = start.goal_is
         if style == "phrases":
             info["vocabulary"] = query.vocabulary
             info["is_description"] = query.is_description

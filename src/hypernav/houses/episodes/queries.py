@@ -13,7 +13,7 @@ from typing import Literal
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel, canonical
 from hypernav.core.world import Instance
-from hypernav.houses.episodes.ground_truth import HouseGroundTruth
+from hypernav.houses.episodes.ground_truth import BuildingTruth
 from hypernav.houses.episodes.rules import EpisodeRules
 from hypernav.houses.near_misses import near_misses
 from hypernav.houses.random_stream import RandomStream
@@ -46,7 +46,7 @@ class Query:
 
 
 def category_queries(
-    rng: RandomStream, truth: HouseGroundTruth, rules: EpisodeRules
+    rng: RandomStream, truth: BuildingTruth, rules: EpisodeRules
 ) -> Iterator[Query]:
     """Endless queries for the building's categories in random order; the frequent come first."""
     held = [c for c in rules.categories if truth.satisfying(c)]
@@ -57,9 +57,7 @@ def category_queries(
         yield from queries
 
 
-def phrase_queries(
-    rng: RandomStream, truth: HouseGroundTruth, rules: EpisodeRules
-) -> Iterator[Query]:
+def phrase_queries(rng: RandomStream, truth: BuildingTruth, rules: EpisodeRules) -> Iterator[Query]:
     """Queries by seen, synonymous and unseen names in turn, every other one a description.
 
     Endless unless the house is empty.
@@ -85,7 +83,7 @@ def phrase_queries(
             yield _description(rng.fork("description", number), truth, name, vocabulary)
 
 
-def _names(truth: HouseGroundTruth, rules: EpisodeRules) -> dict[Vocabulary, list[str]]:
+def _names(truth: BuildingTruth, rules: EpisodeRules) -> dict[Vocabulary, list[str]]:
     """Names that a phrase may use, by vocabulary, in the scene's order."""
     known = {canonical(c) for c in rules.categories}
     names: dict[Vocabulary, dict[str, None]] = {"seen": {}, "synonym": {}, "unseen": {}}
@@ -100,7 +98,7 @@ def _names(truth: HouseGroundTruth, rules: EpisodeRules) -> dict[Vocabulary, lis
     return {vocabulary: list(found) for vocabulary, found in names.items()}
 
 
-def _searchable(truth: HouseGroundTruth) -> list[Instance]:
+def _searchable(truth: BuildingTruth) -> list[Instance]:
     """Instances of sufficient size whose category is not ubiquitous."""
     return [
         instance
@@ -117,13 +115,13 @@ def _largest_side_m2(instance: Instance) -> float:
     return middle * longest
 
 
-def _name_query(truth: HouseGroundTruth, name: str, vocabulary: Vocabulary) -> Query:
+def _name_query(truth: BuildingTruth, name: str, vocabulary: Vocabulary) -> Query:
     wanted = truth.satisfying(name)
     return Query(name, vocabulary, False, wanted, near_misses(truth.scene.instances, Goal(name)))
 
 
 def _description(
-    rng: RandomStream, truth: HouseGroundTruth, name: str, vocabulary: Vocabulary
+    rng: RandomStream, truth: BuildingTruth, name: str, vocabulary: Vocabulary
 ) -> Query:
     """Query by a phrase that is true of only some objects of this name, else by the name.
 

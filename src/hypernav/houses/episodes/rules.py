@@ -66,4 +66,7 @@ RULES = {
         60.0,
     ),
 }
+RULES["storeys"] = EpisodeRules(
+    tuple(dict.fromkeys((*CATEGORIES, *RULES["offices"].categories))), (), 2.0, 60.0
+)
 """Rules of the episodes by kind of building."""

@@ -31,7 +31,8 @@ class BuildingSplit:
 
     Attributes:
         name: Name of the split.
-        kind: Kind of the buildings: "houses", "offices", "shops" or "crowded".
+        kind: Kind of the buildings: "houses", "offices", "shops", "crowded" or
+            "storeys".
         style: Whether goals are categories or phrases.
         numbers: Numbers of the buildings; for an open split the default ones.
         episodes: Number of episodes in these buildings.
@@ -101,6 +102,10 @@ SPLITS = {
         BuildingSplit("shops-train", "shops", "categories", range(3000, 3025), 300, is_open=True),
         BuildingSplit(
             "crowded-train", "crowded", "categories", range(3000, 3025), 300, is_open=True
+        ),
+        BuildingSplit("storeys-val", "storeys", "categories", range(1000, 1025), 300),
+        BuildingSplit(
+            "storeys-train", "storeys", "categories", range(3000, 3025), 300, is_open=True
         ),
     )
 }

@@ -28,6 +28,8 @@ class Start:
         euclidean_m: Straight distance to the nearest view point, metres.
         rooms: Number of rooms on the shortest path, the first one included; 0 if unknown.
         end: End of the shortest path, metres, scene frame.
+        goal_is: Where the goal is from there in a building with several storeys: on the "same"
+            storey, "above" or "below".
     """
 
     pose: Pose2
@@ -36,6 +38,7 @@ class Start:
     euclidean_m: float
     rooms: int
     end: tuple[float, float]
+    goal_is: str | None = None
 
 
 def sample_start(

@@ -17,9 +17,10 @@ from hypernav.houses.building import Building
 from hypernav.houses.export.backs import with_backs
 from hypernav.houses.export.descriptions import describe
 from hypernav.houses.export.glb import write_house, write_semantics
-from hypernav.houses.generator import build_compact, plan_of
+from hypernav.houses.generator import build_compact, storeys_of
 from hypernav.worlds.navmesh.files.writer import navmesh_bytes
 from hypernav.worlds.navmesh.meshing.from_grid import mesh_from_grid
+from hypernav.worlds.navmesh.robot_navmesh import computed_for
 from hypernav.worlds.scenes.loading import OBJECTS_FILE
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.walkable import WalkableGrid
@@ -76,7 +77,7 @@ def export_building(building: Building, out_dir: Path) -> ExportedBuilding:
     try:
         out_dir.mkdir(parents=True, exist_ok=True)
         house = build_compact(building)
-        rooms = [room.name for room in plan_of(building).rooms]
+        rooms = [room.name for plan in storeys_of(building) for room in plan.rooms]
         seen = with_backs(house)
         write_house(seen, files.glb)
         scene = to_scene(house, name)
@@ -84,11 +85,18 @@ def export_building(building: Building, out_dir: Path) -> ExportedBuilding:
         colors = _colors(len(house.names))
         write_semantics(seen, colors, files.semantic_glb)
         files.semantic_txt.write_text(_semantic_lines(house, colors, rooms))
-        walkable = WalkableGrid.from_scene(scene, BodyConfig())
-        files.navmesh.write_bytes(navmesh_bytes(mesh_from_grid(walkable), HABITAT_ROBOT))
+        files.navmesh.write_bytes(_navmesh(scene))
     except OSError as error:
         raise SceneError(f"{out_dir}: cannot be written ({error.strerror or error})") from error
     return files
+
+
+def _navmesh(scene: Scene) -> bytes:
+    """The default robot's mesh; over stairs, that of Habitat's robot, which climbs them."""
+    if scene.storeys:
+        return computed_for(scene, HABITAT_ROBOT)
+    walkable = WalkableGrid.from_scene(scene, BodyConfig())
+    return navmesh_bytes(mesh_from_grid(walkable), HABITAT_ROBOT)
 
 
 def _objects(scene: Scene, house: CompactScene) -> dict[str, Any]:

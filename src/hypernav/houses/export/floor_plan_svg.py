@@ -38,12 +38,13 @@ _FILLS = {
     "staff room": "#fdf6cf",
     "stock room": "#e4e0da",
     "fitting room": "#ece0f2",
+    "stairwell": "#eeeeee",
 }
 _LEAST_HEIGHT_M = 0.12
 
 
 def floor_plan_svg(plan: FloorPlan, instances: tuple[Instance, ...]) -> str:
-    """SVG drawing of rooms with names and areas, walls, doors, windows and furniture outlines."""
+    """SVG drawing of rooms with names and areas, walls, doors, windows, stairs and furniture."""
     x0 = min(r.cell.x0 for r in plan.rooms) - 0.5
     x1 = max(r.cell.x1 for r in plan.rooms) + 0.5
     y0 = min(r.cell.y0 for r in plan.rooms) - 0.5
@@ -58,12 +59,19 @@ def floor_plan_svg(plan: FloorPlan, instances: tuple[Instance, ...]) -> str:
     for room in plan.rooms:
         outline = ' stroke="#3d4148" stroke-width="0.04"' if room.is_outside else ""
         parts.append(_rect(room.inner, _FILLS[room.kind], outline))
+    if plan.stairwell is not None:
+        edge = ' stroke="#3d4148" stroke-width="0.02"'
+        if plan.stairwell.leads_down:
+            parts += [_rect(rect, "#c9ccd1") for rect in plan.stairwell.well]
+        if plan.stairwell.leads_up:
+            parts += [_rect(step.rect, "#e8d9c5", edge) for step in plan.stairwell.steps]
     parts += [_opening(plan, o) for o in plan.openings]
     for instance in instances:
         label = instance.label
         if label is None or label.category in ("door", "window"):
             continue
-        if instance.box_min[2] > 1.0 or instance.box_max[2] < _LEAST_HEIGHT_M:
+        low, high = (z - plan.floor_z for z in (instance.box_min[2], instance.box_max[2]))
+        if label.category == "stairs" or not (-0.1 < low <= 1.0 and high >= _LEAST_HEIGHT_M):
             continue
         (a, b, _), (c, d, _) = instance.box_min, instance.box_max
         title = f"<title>{escape(label.category)}</title>"

@@ -11,10 +11,10 @@ from hypernav.core.labels import ObjectLabel
 from hypernav.houses.assembly import to_scene
 from hypernav.houses.building import Building
 from hypernav.houses.export.floor_plan_svg import floor_plan_svg
-from hypernav.houses.export.views import interior_views, view_from_above
+from hypernav.houses.export.views import interior_views, views_from_above
 from hypernav.houses.export.walk import walk_data
 from hypernav.houses.export.walk_graph import walk_graph
-from hypernav.houses.generator import build_compact, plan_of
+from hypernav.houses.generator import build_compact, storeys_of
 from hypernav.show.pages.templating import image_uri, page_environment
 from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.surface.walkable import WalkableGrid
@@ -48,14 +48,16 @@ def building_page(
 
 
 def _page(building: Building, progress: Callable[[int, int], None] | None) -> str:
-    plan = plan_of(building)
+    storeys = storeys_of(building)
+    # The walk is on the storey with the entrance.
+    plan = next(plan for plan in storeys if plan.floor_z == 0.0)
     scene = to_scene(build_compact(building), building.scene)
-    grid = WalkableGrid.from_scene(scene)
+    grid = WalkableGrid.from_scene(scene, floor_z=0.0 if scene.storeys else None)
     graph = walk_graph(grid, plan)
     with closing(CpuRenderer(scene)) as renderer:
         views = interior_views(scene, plan, building.number, 4, grid=grid, renderer=renderer)
         walk = walk_data(scene, plan, graph, grid=grid, renderer=renderer, progress=progress)
-    rooms = [room for room in plan.rooms if not room.is_outside]
+    rooms = [room for plan in storeys for room in plan.rooms if not room.is_outside]
     labels = [i.label for i in scene.instances if i.label and i.label.category != "window"]
     return (
         page_environment("hypernav.houses")
@@ -64,9 +66,15 @@ def _page(building: Building, progress: Callable[[int, int], None] | None) -> st
             noun=building.noun,
             number=building.number,
             area=f"{sum(room.inner.area for room in rooms):.0f}",
-            rooms=[room.name for room in plan.rooms],
+            floors="one floor" if len(storeys) == 1 else f"{len(storeys)} floors",
+            rooms=[room.name for plan in storeys for room in plan.rooms],
             plan=floor_plan_svg(plan, scene.instances),
-            above=image_uri(view_from_above(scene)),
+            others=[
+                (f"{one.floor_z:+.1f} m", floor_plan_svg(one, scene.instances))
+                for one in storeys
+                if one is not plan
+            ],
+            above=[image_uri(view) for view in views_from_above(scene, storeys)],
             views=[image_uri(view) for view in views],
             walk=walk,
             categories=_by_category(labels),

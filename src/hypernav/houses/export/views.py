@@ -1,6 +1,7 @@
 """Images of a building: from above, and from where a robot stands in it."""
 
 import math
+from collections.abc import Sequence
 from contextlib import closing
 
 import numpy as np
@@ -23,6 +24,13 @@ _NEAR_M = 1.0
 Image = UInt8[np.ndarray, "height width 3"]
 
 
+def storey_alone(scene: Scene, plan: FloorPlan) -> Scene:
+    """One storey of a building, with the stairs that lead up from it."""
+    top = plan.floor_z + plan.height - 0.05
+    shown = np.array([plan.floor_z - 0.3 < i.box_min[2] < top for i in scene.instances])
+    return scene.of_faces(shown[scene.face_instance])
+
+
 def view_from_above(scene: Scene, width: int = 1280) -> Image:
     """Image of a building without its ceilings, straight from above."""
     hidden = np.array([i.name.startswith(("ceiling", "chandelier")) for i in scene.instances])
@@ -39,6 +47,13 @@ def view_from_above(scene: Scene, width: int = 1280) -> Image:
     pose = Transform(looking_down, np.array([middle[0], middle[1], above]))
     with closing(CpuRenderer(open_scene)) as renderer:
         return renderer.render(camera, pose).rgb
+
+
+def views_from_above(scene: Scene, storeys: Sequence[FloorPlan]) -> list[Image]:
+    """Image of every storey without its ceilings, the lowest first."""
+    if len(storeys) == 1:
+        return [view_from_above(scene)]
+    return [view_from_above(storey_alone(scene, plan)) for plan in storeys]
 
 
 def interior_views(

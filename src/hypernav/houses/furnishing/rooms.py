@@ -37,6 +37,8 @@ def furnish_rooms(
     """Random furniture and other objects of all rooms."""
     pieces: list[PlacedModel] = []
     for number, room in enumerate(plan.rooms):
+        if plan.stairwell is not None and number == plan.stairwell.room:
+            continue
         own = rng.fork("room", number)
         layout = _best_layout(plan, number, rules, own, vary(palette, own.fork("taste")))
         if not room.is_outside:

@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 WALL_M = 0.12
 """Thickness of an inner wall, metres."""
@@ -154,6 +154,63 @@ class Opening:
         return Rect(self.at + low, a, self.at + high, b)
 
 
+Place = tuple[float, float]
+"""Position on the floor, metres."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """A tread, or a landing between two flights.
+
+    Attributes:
+        rect: Its surface from above.
+        z: Its height above the floor at the foot of the stairs, metres.
+    """
+
+    rect: Rect
+    z: float
+
+
+@dataclass(frozen=True)
+class Rail:
+    """A straight railing: its two ends on the floor or on the steps, and their heights, metres."""
+
+    start: Place
+    end: Place
+    z: tuple[float, float] = (0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Stairwell:
+    """The stairs in one room of a storey, scene frame.
+
+    Attributes:
+        kind: "straight", "L" or "U".
+        room: Index of the room, the same on all storeys.
+        steps: Treads and landings from the foot to the head; the floor above is the last step.
+        rails: Railings beside the steps.
+        guards: Railings of the floor above, around its opening.
+        foot: Railing of the floor above where stairs to a further storey would begin.
+        well: What the floor above leaves out.
+        leads_up: Whether the stairs go up from this storey.
+        leads_down: Whether stairs come up to this storey.
+    """
+
+    kind: str
+    room: int
+    steps: tuple[Step, ...]
+    rails: tuple[Rail, ...]
+    guards: tuple[Rail, ...]
+    foot: Rail
+    well: tuple[Rect, ...]
+    leads_up: bool = True
+    leads_down: bool = False
+
+    def on_storey(self, storey: int, storeys: int) -> "Stairwell":
+        """The same stairs as seen from one of several storeys, counted from the lowest."""
+        return replace(self, leads_up=storey < storeys - 1, leads_down=storey > 0)
+
+
 @dataclass(frozen=True)
 class FloorPlan:
     """Floor plan: rooms and the openings in their walls.
@@ -162,11 +219,17 @@ class FloorPlan:
         rooms: All rooms; other parts of the plan refer to them by index.
         openings: All doors and windows.
         height: Height of the rooms, metres.
+        floor_z: Height of the floor in the scene, metres.
+        slab: Thickness of the floor of the storey above, metres; 0 if there is none.
+        stairwell: The stairs of a building with several storeys.
     """
 
     rooms: tuple[Room, ...]
     openings: tuple[Opening, ...] = field(default=())
     height: float = 2.6
+    floor_z: float = 0.0
+    slab: float = 0.0
+    stairwell: Stairwell | None = None
 
     def openings_of(self, room: int) -> list[Opening]:
         """Doors and windows of one room."""

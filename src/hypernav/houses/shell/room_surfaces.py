@@ -1,6 +1,7 @@
 """Walls, floors, ceilings and skirting boards of all rooms."""
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 from hypernav.houses.assembly import PlacedModel
 from hypernav.houses.modelling.mesh import Finish, Mesh
@@ -31,14 +32,16 @@ def build_rooms(plan: FloorPlan, finishes: Sequence[RoomFinish]) -> list[PlacedM
     for number, (room, finish) in enumerate(zip(plan.rooms, finishes, strict=True)):
         inner = room.inner
         floor, ceiling, walls = ModelBuilder(), ModelBuilder(), ModelBuilder()
-        floor.add(finish.floor, floor_quad(inner.x0, inner.y0, inner.x1, inner.y1, 0.0))
+        for rect in _around(inner, _well(plan, number, below=True)):
+            floor.add(finish.floor, floor_quad(rect.x0, rect.y0, rect.x1, rect.y1, 0.0))
         for opening in plan.openings:
             if opening.bottom == 0.0 and number == max(opening.rooms):
                 floor.add(finish.floor, _threshold(plan, opening))
-        ceiling.add(
-            finish.ceiling,
-            floor_quad(inner.x0, inner.y0, inner.x1, inner.y1, plan.height, up=False),
-        )
+        for rect in _around(inner, _well(plan, number, below=False)):
+            ceiling.add(
+                finish.ceiling,
+                floor_quad(rect.x0, rect.y0, rect.x1, rect.y1, plan.height, up=False),
+            )
         pieces.append(structural_model(floor, "floor", room.name))
         if not room.is_outside:
             _walls(walls, plan, number, finish)
@@ -52,6 +55,24 @@ def build_rooms(plan: FloorPlan, finishes: Sequence[RoomFinish]) -> list[PlacedM
             _outside(facade, plan, number)
     pieces.append(structural_model(facade, "facade", ""))
     return pieces
+
+
+def _well(plan: FloorPlan, number: int, *, below: bool) -> tuple[Rect, ...]:
+    """The opening for stairs in the floor of a room, or in its ceiling."""
+    stairs = plan.stairwell
+    if stairs is None or number != stairs.room:
+        return ()
+    return stairs.well if (stairs.leads_down if below else stairs.leads_up) else ()
+
+
+def _around(inner: Rect, well: Sequence[Rect]) -> list[Rect]:
+    """Rectangles that cover a room except for an opening."""
+    if not well:
+        return [inner]
+    xs = sorted({inner.x0, inner.x1, *(x for r in well for x in (r.x0, r.x1))})
+    ys = sorted({inner.y0, inner.y1, *(y for r in well for y in (r.y0, r.y1))})
+    cells = [Rect(a, c, b, d) for a, b in pairwise(xs) for c, d in pairwise(ys)]
+    return [cell for cell in cells if not any(rect.holds(cell) for rect in well)]
 
 
 def _holes(openings: Sequence[Opening], along: str, at: float) -> list[Hole]:
@@ -79,7 +100,8 @@ def _walls(builder: ModelBuilder, plan: FloorPlan, number: int, finish: RoomFini
     for along, middle, plane, facing, start, end in _sides(room):
         holes = _holes(openings, along, middle)
         builder.add(finish.wall, wall_face(along, plane, facing, start, end, plan.height, holes))
-        _skirting(builder, finish.trim, along, plane, facing, start, end, holes)
+        if not _well(plan, number, below=True):
+            _skirting(builder, finish.trim, along, plane, facing, start, end, holes)
         for hole in holes:
             if hole[2] == 0.0:
                 _casing(builder, finish.trim, along, plane, facing, hole)
@@ -184,7 +206,8 @@ def _outside(builder: ModelBuilder, plan: FloorPlan, number: int) -> None:
         high = end + _corner(plan, along, at, end, side, 1.0)
         if high <= low:
             continue
-        builder.add(_FACADE, wall_face(along, plane, side, low, high, plan.height, holes))
+        tall = plan.height + plan.slab
+        builder.add(_FACADE, wall_face(along, plane, side, low, high, tall, holes))
         # Its top fills an inner corner.
         cap = (min(low, start), max(high, end), *sorted((at, plane)))
         rect = (

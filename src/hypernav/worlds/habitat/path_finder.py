@@ -10,6 +10,7 @@ from jaxtyping import Bool, Float64
 from hypernav.core.errors import StartError
 from hypernav.core.world import Position
 from hypernav.worlds.habitat.simulator import require_habitat
+from hypernav.worlds.surface.box_distance import floors_of_box, is_near_box
 
 _POINTS = 4000
 _DRAWS = 1000
@@ -78,12 +79,11 @@ class HabitatSurface:
         return self._floor[:, :2] if component == 0 else np.zeros((0, 2))
 
     def floor_near(
-        self, low: tuple[float, float], high: tuple[float, float], reach_m: float
+        self, low: Position, high: Position, reach_m: float
     ) -> Float64[np.ndarray, "n 3"]:
-        """Positions on the largest island within a distance of a box."""
-        floor = self._floor[:, :2]
-        gaps = np.maximum(np.maximum(np.array(low) - floor, floor - np.array(high)), 0.0)
-        return self._floor[(gaps**2).sum(axis=1) <= reach_m**2]
+        """Positions on the largest island within a distance of a box, on its storey."""
+        near = is_near_box(self._floor[:, :2], low[:2], high[:2], reach_m)
+        return self._floor[near & floors_of_box(self._floor[:, 2], low[2], high[2])]
 
     def random_point(self, rng: np.random.Generator) -> tuple[float, float]:
         """A point of the largest island, on the main storey.

@@ -1,5 +1,8 @@
 """The navigation mesh that a robot walks on in a scene: that of the file, or one computed for it.
 
+A generated building with several storeys gets one, too, if the robot climbs stairs. For a robot
+that doesn't, its storeys are apart, and the drop at the head of stairs is the end of the floor.
+
 habitat-sim, as configured by habitat-lab, computes a new mesh if the file beside a scene was made
 for another robot than the agent (``Simulator::reconfigure``).
 """
@@ -20,9 +23,12 @@ from hypernav.worlds.navmesh.recast.build import compute_navmesh
 from hypernav.worlds.navmesh.recast.scene_triangles import habitat_vertices
 from hypernav.worlds.scenes.scene import Scene
 
+STAIR_CLIMB_M = 0.2
+"""Step of a robot that climbs stairs, metres: that of Habitat's agents."""
+
 
 def robot_navmesh(scene: Scene, body: BodyConfig, choice: NavmeshChoice) -> Navmesh | None:
-    """The mesh that a robot walks on; None if the scene has no file and none is to be computed.
+    """The mesh that a robot walks on; None if there is no file and none is to be computed.
 
     Args:
         scene: The scene.
@@ -32,9 +38,19 @@ def robot_navmesh(scene: Scene, body: BodyConfig, choice: NavmeshChoice) -> Navm
     Raises:
         NavmeshError: The file can't be used, or there is nothing to walk on.
     """
-    if is_computed(scene.navmesh, body, choice):
+    if is_computed(scene.navmesh, body, choice) or (
+        choice == "auto" and scene.navmesh is None and scene.storeys and climbs_stairs(body)
+    ):
         return Navmesh(navmesh_of(computed_for(scene, body)))
     return None if scene.navmesh is None else Navmesh.load(scene.navmesh)
+
+
+def climbs_stairs(body: BodyConfig) -> bool:
+    """Whether a robot takes the steps of stairs, for which Habitat's climb of 0.2 m is needed.
+
+    A scan or an exported building has such a mesh for every robot, as in habitat-sim.
+    """
+    return body.max_step_m >= STAIR_CLIMB_M
 
 
 def is_computed(file: Path | None, body: BodyConfig, choice: NavmeshChoice) -> bool:

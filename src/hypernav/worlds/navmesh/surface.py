@@ -12,7 +12,7 @@ from hypernav.core.world import Position
 from hypernav.datasets.habitat_frames import positions_from_habitat, positions_to_habitat
 from hypernav.worlds.navmesh.goal_paths import GoalPaths
 from hypernav.worlds.navmesh.navmesh import Navmesh, Point
-from hypernav.worlds.surface.box_distance import is_near_box
+from hypernav.worlds.surface.box_distance import floors_of_box, is_near_box
 
 _SPACING_M = 0.05
 _DRAWS = 1000
@@ -109,16 +109,17 @@ class NavmeshSurface:
         return (self._floor if component == 0 else self._points_of(component))[:, :2]
 
     def floor_near(
-        self, low: tuple[float, float], high: tuple[float, float], reach_m: float
+        self, low: Position, high: Position, reach_m: float
     ) -> Float64[np.ndarray, "n 3"]:
-        """Positions on the largest island, 5 cm apart, around a box.
+        """Positions on the largest island, 5 cm apart, around a box and on its storey.
 
         Args:
             low: Lowest corner of the box.
             high: Its highest corner.
             reach_m: Greatest distance to the box.
         """
-        return self._floor[is_near_box(self._floor[:, :2], low, high, reach_m)]
+        near = is_near_box(self._floor[:, :2], low[:2], high[:2], reach_m)
+        return self._floor[near & floors_of_box(self._floor[:, 2], low[2], high[2])]
 
     def random_point(self, rng: np.random.Generator) -> tuple[float, float]:
         """A point of the largest island, on the main storey, uniform over its area.

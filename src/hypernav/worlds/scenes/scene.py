@@ -61,6 +61,8 @@ class Scene:
         navmesh: Navigation mesh file that comes with the scene; None if the walkable surface has
             to be computed from the triangles.
         stored_z_up: Whether the file itself is z up, contrary to glTF's rule, as scans are.
+        storeys: Heights of the floors of a building that is known to have several storeys, from
+            the lowest on, metres; empty for others.
         cache: Folder for data computed from exactly these triangles and materials; None keeps
             nothing.
     """
@@ -78,6 +80,7 @@ class Scene:
     unlit: bool = False
     navmesh: Path | None = None
     stored_z_up: bool = False
+    storeys: tuple[float, ...] = ()
     cache: Path | None = None
 
     def of_faces(self, keep: Bool[np.ndarray, "faces"]) -> "Scene":

@@ -3,6 +3,11 @@
 import numpy as np
 from jaxtyping import Bool, Float64
 
+_MESH_ERROR_M = 0.25
+"""Height of a mesh above its floor: a voxel, and some more."""
+_HIGHEST_THING_M = 2.5
+"""Height above its floor of the lower edge of a thing to be reached."""
+
 
 def is_near_box(
     points: Float64[np.ndarray, "n 2"],
@@ -20,3 +25,19 @@ def is_near_box(
     """
     gaps = np.maximum(np.maximum(np.array(low) - points, points - np.array(high)), 0.0)
     return (gaps**2).sum(axis=1) <= reach_m**2
+
+
+def floors_of_box(
+    floor_z: Float64[np.ndarray, " n"], low_z: float, high_z: float
+) -> Bool[np.ndarray, " n"]:
+    """Whether floors may be those of the storey of a thing: not above it, and in its reach.
+
+    Without this a thing would count as reached on the gallery over it, or under the stairwell in
+    which it hangs.
+
+    Args:
+        floor_z: Heights of the floors, metres.
+        low_z: Height of the thing's lowest point, metres.
+        high_z: Height of its highest point, metres.
+    """
+    return (floor_z <= high_z + _MESH_ERROR_M) & (floor_z >= low_z - _HIGHEST_THING_M)

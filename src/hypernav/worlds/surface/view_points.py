@@ -48,8 +48,7 @@ def view_points(
     Returns:
         Points on the floor, metres, scene frame; empty if the object is not visible from anywhere.
     """
-    (x_min, y_min, _), (x_max, y_max, _) = instance.box_min, instance.box_max
-    floor = walkable.floor_near((x_min, y_min), (x_max, y_max), reach_m)
+    floor = walkable.floor_near(instance.box_min, instance.box_max, reach_m)
     eyes = floor + np.array([0.0, 0.0, eye_height_m])
     return floor[_sees(scene, instance, eyes, rays)]
 

@@ -120,7 +120,7 @@ class WalkableGrid:
         return int((self.components == component).sum()) * self.cell_m**2
 
     def floor_near(
-        self, low: tuple[float, float], high: tuple[float, float], reach_m: float
+        self, low: Position, high: Position, reach_m: float
     ) -> Float64[np.ndarray, "n 3"]:
         """Middles of cells of the largest part, with their heights, around a box.
 
@@ -130,7 +130,7 @@ class WalkableGrid:
             reach_m: Greatest distance to the box.
         """
         centres = self.centres()
-        near = is_near_box(centres, low, high, reach_m)
+        near = is_near_box(centres, low[:2], high[:2], reach_m)
         heights = self.heights[self.components == 0][near]
         return np.column_stack([centres[near], heights.astype(np.float64)])
 

@@ -5,7 +5,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Bool, Float64
 
-from hypernav.core.world import Walkable
+from hypernav.core.world import Position, Walkable
 
 
 @runtime_checkable
@@ -30,9 +30,9 @@ class WalkableSurface(Walkable, Protocol):
         ...
 
     def floor_near(
-        self, low: tuple[float, float], high: tuple[float, float], reach_m: float
+        self, low: Position, high: Position, reach_m: float
     ) -> Float64[np.ndarray, "n 3"]:
-        """Positions on the largest part, a few centimetres apart, within a distance of a box."""
+        """Positions on the largest part, a few centimetres apart, around a box on its storey."""
         ...
 
     def goal_field(self, goals: Float64[np.ndarray, "n 3"]) -> PathField:

@@ -1,0 +1,155 @@
+"""Goals and starts in buildings with several storeys, for a robot that climbs stairs.
+
+A goal is only on one storey. A third of the starts are on the storey of the goal, a third below it
+and a third above it.
+"""
+
+import math
+from bisect import bisect
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import islice
+
+import numpy as np
+from jaxtyping import Float64
+
+from hypernav.core.embodiment import BodyConfig, CameraConfig
+from hypernav.core.errors import SceneError
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
+from hypernav.core.world import Instance
+from hypernav.houses.episodes.ground_truth import EXTRA_CLEARANCE_M, BuildingTruth
+from hypernav.houses.episodes.queries import Query, category_queries
+from hypernav.houses.episodes.rules import EpisodeRules
+from hypernav.houses.episodes.starts import Start
+from hypernav.houses.random_stream import RandomStream
+from hypernav.worlds.drawing.rays import RayCaster
+from hypernav.worlds.navmesh.robot_navmesh import STAIR_CLIMB_M, robot_navmesh
+from hypernav.worlds.navmesh.surface import NavmeshSurface
+from hypernav.worlds.scenes.scene import Scene
+from hypernav.worlds.surface.goal_regions import GoalRegion, GoalRegions
+
+CLIMBING_BODY = BodyConfig(max_step_m=STAIR_CLIMB_M)
+"""The default robot with Habitat's step."""
+
+_DIRECTIONS = ("same", "above", "below")
+_ON_FLOOR_M = 0.1
+_NEAR_FLOOR_M = 0.3
+_START_SAMPLES = 40
+
+
+@dataclass(frozen=True, eq=False)
+class StoreyTruth(BuildingTruth):
+    """Scene of several storeys with the surface of a robot that climbs stairs.
+
+    Attributes:
+        surface: Where the robot can stand.
+        wide: Where a robot with more clearance could stand, see `EXTRA_CLEARANCE_M`.
+        starts: Positions on the largest part of the wide surface, storey by storey.
+    """
+
+    surface: NavmeshSurface
+    wide: NavmeshSurface
+    starts: tuple[Float64[np.ndarray, "n 3"], ...]
+
+    @staticmethod
+    def of(scene: Scene) -> "StoreyTruth":
+        """Compute the ground truth of a scene.
+
+        Raises:
+            SceneError: The robot fits nowhere.
+        """
+        surface = _surface(scene, CLIMBING_BODY)
+        radius_m = CLIMBING_BODY.radius_m + EXTRA_CLEARANCE_M
+        wide = _surface(scene, CLIMBING_BODY.model_copy(update={"radius_m": radius_m}))
+        anywhere = (-math.inf, math.inf)
+        floor = wide.floor_near(*((end,) * 3 for end in anywhere), 0.0)
+        eye_height_m = CameraConfig().height_m
+        return StoreyTruth(
+            scene,
+            GoalRegions(scene, surface, RayCaster(scene), eye_height_m=eye_height_m),
+            surface,
+            wide,
+            tuple(floor[np.abs(floor[:, 2] - z) < _ON_FLOOR_M] for z in scene.storeys),
+        )
+
+    def storey_of(self, instances: Sequence[Instance]) -> int | None:
+        """The storey that holds all of several things; None if they are on different ones."""
+        heights = (i.box_min[2] + _NEAR_FLOOR_M for i in instances)
+        found = {bisect(self.scene.storeys, z) - 1 for z in heights}
+        return found.pop() if len(found) == 1 else None
+
+
+def across_storeys(
+    rng: RandomStream, truth: StoreyTruth, rules: EpisodeRules, count: int
+) -> list[tuple[Query, Start]]:
+    """Goals with starts on the same storey, below and above them in turn.
+
+    Args:
+        rng: Source of randomness.
+        truth: Ground truth of the building.
+        rules: Rules of the episodes.
+        count: Greatest number of episodes.
+    """
+    queries = list(islice(category_queries(rng.fork("goals"), truth, rules), len(rules.categories)))
+    queries = list({query.text: query for query in queries}.values())
+    regions = {query.text: truth.regions.of(Goal(query.text)) for query in queries}
+    turns = {direction: list(queries) for direction in _DIRECTIONS}
+    drawn: list[tuple[Query, Start]] = []
+    for number in range(count):
+        direction, own = _DIRECTIONS[number % 3], rng.fork("start", number)
+        turn = turns[direction]
+        for _ in range(len(turn)):
+            query = turn.pop(0)
+            start = _start(
+                own.fork(query.text), truth, query, regions[query.text], direction, rules
+            )
+            if start is not None:
+                turn.append(query)
+                drawn.append((query, start))
+                break
+    return drawn
+
+
+def _surface(scene: Scene, body: BodyConfig) -> NavmeshSurface:
+    navmesh = robot_navmesh(scene, body, "auto")
+    if navmesh is None:
+        raise SceneError(f"{scene.name}: expected a scene with several storeys")
+    return NavmeshSurface(navmesh)
+
+
+def _start(
+    rng: RandomStream,
+    truth: StoreyTruth,
+    query: Query,
+    region: GoalRegion,
+    direction: str,
+    rules: EpisodeRules,
+) -> Start | None:
+    """The farther of two random starts from which a wide path leads to the goal."""
+    storey = truth.storey_of(query.instances)
+    if storey is None or not any(
+        truth.wide.component_of(*point) == 0 for point in region.view_points.tolist()
+    ):
+        return None
+    numbers = range(len(truth.starts))
+    wanted = {"same": [storey], "above": numbers[:storey], "below": numbers[storey + 1 :]}
+    places = np.concatenate([np.zeros((0, 3)), *(truth.starts[k] for k in wanted[direction])])
+    if len(places) == 0:
+        return None
+    found: list[tuple[float, float, float, float]] = []
+    for _ in range(_START_SAMPLES):
+        x, y, z = (round(v, 3) for v in places[rng.integer(0, len(places) - 1)].tolist())
+        geodesic_m = region.distance(x, y, z)
+        if rules.least_m <= geodesic_m <= rules.most_m:
+            found.append((geodesic_m, x, y, z))
+        if len(found) == 2:
+            break
+    if not found:
+        return None
+    geodesic_m, x, y, z = max(found)
+    gaps = np.linalg.norm(region.view_points - (x, y, z), axis=1)
+    yaw = round(rng.uniform(-math.pi, math.pi), 4)
+    end = region.field.path(x, y, z)[-1]
+    straight_m = min(float(gaps.min()), geodesic_m)
+    return Start(Pose2(x, y, yaw), z, geodesic_m, straight_m, 0, end, direction)
