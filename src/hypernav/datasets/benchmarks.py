@@ -206,7 +206,7 @@ STOREYS = Benchmark(
     embodiment=Embodiment(body=BodyConfig(max_step_m=_HABITAT_STEP_M)),
     source="this package",
 )
-"""What runs on ``storeys-val`` and ``storeys-train`` follow: a robot that climbs their stairs."""
+"""What runs on ``storeys-train`` follow: a robot that climbs their stairs."""
 
 
 def benchmark_of(dataset: str, name: str | None = None) -> Benchmark | None:
