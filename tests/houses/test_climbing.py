@@ -74,7 +74,7 @@ def test_a_climbing_robot_walks_to_the_next_storey_step_by_step(number: int, upw
     world = world_of(number)
     surface, storeys = world.walkable, world.scene.storeys
     assert isinstance(surface, NavmeshSurface)
-    floor = surface.floor_near((-math.inf,) * 3, (math.inf,) * 3, 0.0)
+    floor = surface.floor
     low, high = ((floor[np.abs(floor[:, 2] - z) < 0.1]) for z in storeys[:2])
     start, end = (tuple(points[0].tolist()) for points in ((low, high) if upwards else (high, low)))
     positions = walk(world, start, end)

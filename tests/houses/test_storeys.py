@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from hypernav.core.embodiment import BodyConfig
+from hypernav.core.world import Position
 from hypernav.houses.building import Building
 from hypernav.houses.episodes.house_episodes import house_episodes
 from hypernav.houses.episodes.storey_starts import CLIMBING_BODY
@@ -48,13 +49,14 @@ def test_risers_are_those_of_stairs(number: int):
         assert ((risers > LEAST_RISER_M - 1e-3) & (risers < MOST_RISER_M + 1e-3)).all()
 
 
+def standable(surface: NavmeshSurface, xy: np.ndarray, z: float) -> Position:
+    return surface.nearest_standable(float(xy[0]), float(xy[1]), z)
+
+
 @pytest.mark.parametrize("number", NUMBERS)
 def test_a_climbing_robot_reaches_every_storey_and_as_far_back(number: int):
     scene, surface = scene_of(number), climbed(number)
-    points = [
-        surface.nearest_standable(*on_storey(scene, z).centres()[0].tolist(), z)
-        for z in scene.storeys
-    ]
+    points = [standable(surface, on_storey(scene, z).centres()[0], z) for z in scene.storeys]
     for a in points:
         for b in points:
             there, back = surface.distance(a, b), surface.distance(b, a)
@@ -66,7 +68,7 @@ def test_a_climbing_robot_reaches_every_storey_and_as_far_back(number: int):
 @pytest.mark.parametrize("number", NUMBERS)
 def test_the_mesh_covers_each_storey_as_its_exact_heights_do(number: int):
     scene = scene_of(number)
-    heights = climbed(number).floor_near((-math.inf,) * 3, (math.inf,) * 3, 0.0)[:, 2]
+    heights = climbed(number).floor[:, 2]
     for z in scene.storeys:
         # Recast rounds the radius of 0.18 m up to 0.2 m: 7 to 12 % of the area in twelve buildings.
         ratio = (np.abs(heights - z) < 0.1).sum() * 0.05**2 / on_storey(scene, z).area_m2()
@@ -123,8 +125,8 @@ def test_an_exported_building_has_the_same_paths(tmp_path: Path):
     rng = np.random.default_rng(0)
     low, high = (on_storey(scene, z).centres() for z in scene.storeys)
     for a, b in zip(rng.choice(low, 10), rng.choice(high, 10), strict=True):
-        start = surface.nearest_standable(*a.tolist(), scene.storeys[0])
-        end = surface.nearest_standable(*b.tolist(), scene.storeys[1])
+        start = standable(surface, a, scene.storeys[0])
+        end = standable(surface, b, scene.storeys[1])
         there = surface.distance(start, end)
         assert math.isfinite(there)
         assert stored.distance(start, end) == pytest.approx(there, rel=0.02)

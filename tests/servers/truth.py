@@ -25,7 +25,8 @@ from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
 from hypernav.models.chat.vlm_families import family_named
-from hypernav.perception.explorers.vlm_reasoner import VlmReasoner
+from hypernav.perception.explorers import vlm_reasoner
+from hypernav.perception.explorers.map_question import VlmReasonerConfig
 from hypernav.perception.local.crop_check import crop_of
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.perception.local.presence import VlmPresenceCheck
@@ -152,20 +153,20 @@ def _recognised(image: np.ndarray, known: list) -> Any:
 @contextmanager
 def watching(truth: Truth) -> Iterator[Truth]:
     """While it lasts, all that is asked about in this process becomes known to the truth."""
-    about_image, about_map = VlmDetector.question, VlmReasoner.question
+    detect, about_map = VlmDetector.detect, vlm_reasoner.map_question
     is_present, reset = VlmPresenceCheck.is_present, SimulatedWorld.reset
     looked_at = VlmDetector._looked_at
     about_arrows, about_direction = ChatArrowReasoner.choose, ChatGuide.direct
     about_view, is_here = ChatScorer.score, ChatStopCheck.is_here
 
-    def watched_image(self: VlmDetector, observation: Observation, goal: Goal) -> Question:
+    def watched_image(self: VlmDetector, observation: Observation, goal: Goal) -> list[Detection]:
         truth.see(observation)
-        return about_image(self, observation, goal)
+        return detect(self, observation, goal)
 
     def watched_map(
-        self: VlmReasoner, overview: Overview, goal: Goal, *others: Any, **more: Any
+        config: VlmReasonerConfig, overview: Overview, goal: Goal, *others: Any, **more: Any
     ) -> Question:
-        question = about_map(self, overview, goal, *others, **more)
+        question = about_map(config, overview, goal, *others, **more)
         truth.draw(question.images[0], overview, goal)
         return question
 
@@ -204,8 +205,8 @@ def watching(truth: Truth) -> Iterator[Truth]:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(ChatStopCheck, "is_here", watched_stop)
-        patch.setattr(VlmDetector, "question", watched_image)
-        patch.setattr(VlmReasoner, "question", watched_map)
+        patch.setattr(VlmDetector, "detect", watched_image)
+        patch.setattr(vlm_reasoner, "map_question", watched_map)
         patch.setattr(VlmPresenceCheck, "is_present", watched_presence)
         patch.setattr(VlmDetector, "_looked_at", watched_crops)
         patch.setattr(ChatArrowReasoner, "choose", watched_arrows)

@@ -62,8 +62,7 @@ class StoreyTruth(BuildingTruth):
         surface = _surface(scene, CLIMBING_BODY)
         radius_m = CLIMBING_BODY.radius_m + EXTRA_CLEARANCE_M
         wide = _surface(scene, CLIMBING_BODY.model_copy(update={"radius_m": radius_m}))
-        anywhere = (-math.inf, math.inf)
-        floor = wide.floor_near(*((end,) * 3 for end in anywhere), 0.0)
+        floor = wide.floor
         eye_height_m = CameraConfig().height_m
         return StoreyTruth(
             scene,

@@ -37,9 +37,9 @@ class NavmeshSurface:
         """
         self.navmesh = navmesh
         self._by_area: Int64[np.ndarray, " i"] = np.argsort(-navmesh.areas_m2, kind="stable")
-        if len(self._floor) == 0:
+        if len(self.floor) == 0:
             raise SceneError("the robot fits nowhere: the navigation mesh has nothing to walk on")
-        self.floor_z = float(np.median(self._floor[:, 2]))
+        self.floor_z = float(np.median(self.floor[:, 2]))
 
     @staticmethod
     def load(path: Path) -> "NavmeshSurface":
@@ -73,7 +73,7 @@ class NavmeshSurface:
         if found is not None:
             return _position(found)
         here = np.array([x, y, self.floor_z if z is None else z])
-        nearest = self._floor[np.argmin(((self._floor - here) ** 2).sum(axis=1))]
+        nearest = self.floor[np.argmin(((self.floor - here) ** 2).sum(axis=1))]
         return float(nearest[0]), float(nearest[1]), float(nearest[2])
 
     def move(self, position: Position, dx: float, dy: float, *, sliding: bool = False) -> Position:
@@ -106,7 +106,7 @@ class NavmeshSurface:
 
     def centres(self, component: int = 0) -> Float64[np.ndarray, "n 2"]:
         """Points of one island, 5 cm apart, on all its storeys."""
-        return (self._floor if component == 0 else self._points_of(component))[:, :2]
+        return (self.floor if component == 0 else self._points_of(component))[:, :2]
 
     def floor_near(
         self, low: Position, high: Position, reach_m: float
@@ -118,8 +118,8 @@ class NavmeshSurface:
             high: Its highest corner.
             reach_m: Greatest distance to the box.
         """
-        near = is_near_box(self._floor[:, :2], low[:2], high[:2], reach_m)
-        return self._floor[near & floors_of_box(self._floor[:, 2], low[2], high[2])]
+        near = is_near_box(self.floor[:, :2], low[:2], high[:2], reach_m)
+        return self.floor[near & floors_of_box(self.floor[:, 2], low[2], high[2])]
 
     def random_point(self, rng: np.random.Generator) -> tuple[float, float]:
         """A point of the largest island, on the main storey, uniform over its area.
@@ -138,7 +138,8 @@ class NavmeshSurface:
         return x, self.floor_z if z is None else z, -y
 
     @cached_property
-    def _floor(self) -> Float64[np.ndarray, "n 3"]:
+    def floor(self) -> Float64[np.ndarray, "n 3"]:
+        """Positions on the largest island, 5 cm apart, on all its storeys and stairs, metres."""
         return self._points_of(0)
 
     def _points_of(self, component: int) -> Float64[np.ndarray, "n 3"]:
