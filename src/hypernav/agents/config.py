@@ -67,7 +67,8 @@ class SearchConfig(RoomConfig):
         enter_fully: Whether to take one more step, into the goal area, where the robot would end up
             farther than `stop_distance_m` before it because a step is longer than what is left.
         go_nearer: Whether to go straight on after the check, while the way is open, where the
-            goal's outline was guessed from a box: it takes in what stands before the goal.
+            detector gave a box and no mask: what is cut out of a box may take in what stands
+            before the goal.
         open_the_way: Whether to look from near at gaps that are closed by little where no path
             leads to the goal area of a target that is believed in; to be content with a position up
             to `approach_gap_m` beside it, with the goal in sight, where it has been blocked for

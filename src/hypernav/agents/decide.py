@@ -60,7 +60,7 @@ def _first_phase(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Pha
             opening=None,
             closed=(),
             blocked_steps=0,
-            is_present=False,
+            sure_step=None,
         ).with_new_patience(config)
         approaching = plan.approaching
     if target is None:

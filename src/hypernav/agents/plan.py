@@ -183,7 +183,8 @@ class Approaching:
         opening: Gap that is looked at because no path leads to the goal; None if there is none.
         closed: Positions of the gaps that were looked at, and are closed.
         blocked_steps: Number of steps in which no path led into the goal area.
-        is_present: Whether the check at the goal area has said yes.
+        sure_step: Number of the step in which the check at the goal area said yes, or of the latest
+            move nearer after it; None if it has not.
     """
 
     patience: Progress | Endurance
@@ -198,7 +199,7 @@ class Approaching:
     opening: Opening | None = None
     closed: tuple[Position, ...] = ()
     blocked_steps: int = 0
-    is_present: bool = False
+    sure_step: int | None = None
 
     def may_clear(self, config: SearchConfig) -> bool:
         """Whether what blocks the way has not stood there for long: it may be a person."""

@@ -30,6 +30,10 @@ from hypernav.models.chat.vlm_spec import parse_vlm_spec
 
 _LINE_EVERY_S = 60.0
 _AT_ONCE = 4
+_WAITS = {"timeout_s", "patience_s", "first_wait_s", "longest_wait_s", "device"}
+"""Values that say how long and where, not what is answered."""
+_DRAWN = ("embodiment", "mapping", "overview", "arrows")
+"""Sections on which the questions themselves depend."""
 EXCHANGES = "exchanges.jsonl"
 
 
@@ -53,17 +57,25 @@ def run(options: Options) -> int:
     if options.compare is None:
         answers, page = _examined(options, options.config, folder, console)
         right = sum(one.score for one in answers)
-        console.print(f"{right:.0f} of {len(answers)} answers are right; the page: {page}")
+        said = f"{right:.0f} of {len(answers)} answers are right; the page: {page}"
+        console.print(said, markup=False)
         return 0
-    for path in options.compare:  # a bad second file is not found out after a whole exam
+    first, second = (  # both now: a bad second file is not found out after a whole exam
         layered(preset(options.preset), file=path, assignments=options.set)
+        for path in options.compare
+    )
+    if other := [one for one in _DRAWN if getattr(first, one) != getattr(second, one)]:
+        raise ConfigError(
+            f"--compare: the two files differ in {', '.join(other)}, so their questions would "
+            "differ, too; compare files that differ in words and answers only"
+        )
     names = (options.compare[0].stem, options.compare[1].stem)
     parts = [
         _examined(options, path, folder / part, console)[0]
         for part, path in zip(("first", "second"), options.compare, strict=True)
     ]
     page = write_comparison(folder, names, differences_of(*parts))
-    console.print(f"the comparison: {page}")
+    console.print(f"the comparison: {page}", markup=False)
     return 0
 
 
@@ -154,7 +166,7 @@ def _configuration(examined: Examined, config: HyPerNavConfig) -> dict[str, Any]
         "bank": examined.bank,
         "who": examined.who,
         "prompts": examined.prompts,
-        "config": config.model_dump(mode="json", exclude={"price", "chat"}),
+        "config": config.model_dump(mode="json", exclude={"price": True, "chat": _WAITS}),
     }
 
 

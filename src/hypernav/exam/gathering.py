@@ -166,8 +166,9 @@ def _of_search(
     assert left_m is not None
     found: list[ExamQuestion] = []
     for number, step in enumerate(run):
-        while listener.views:
-            view, heard = listener.views.pop()
+        if listener.views:  # of several in one step the last, after which the robot moves
+            view, heard = listener.views[-1]
+            listener.views.clear()
             for subject in heard:
                 question = _choice(sheet, number, goal, subject, view, left_m, rule, config)
                 found += [] if question is None else [question]
@@ -193,7 +194,8 @@ def _choice(
         case Overview():
             offered = offered_blocks(config.block_choice, subject, frozenset())
             costs = {str(o.number): o.travel_m + left_m(*o.destination) for o in offered}
-            chosen = rule.choose(subject, goal, frozenset()).number
+            others = frozenset(b.number for b in subject.blocks) - {o.number for o in offered}
+            chosen = rule.choose(subject, goal, others).number
             by_rule = str(chosen) if str(chosen) in costs else ""
             kind, stratum = "block", "map"
         case ArrowView():

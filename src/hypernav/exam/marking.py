@@ -1,5 +1,6 @@
 """Marks one answer by the truth of its question."""
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -9,6 +10,9 @@ from jaxtyping import Bool
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.trace import Exchange
 from hypernav.exam.questions import RIGHT_IOU, Answered, ExamQuestion
+
+_CORNERS = re.compile(r"(?:-?\d+(?:\.\d+)?[\s,()\[\]]+){3}-?\d")
+"""Four numbers one after another, as of a box."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +56,7 @@ def marked(question: ExamQuestion, given: Given, exchanges: list[Exchange]) -> A
         rule=question.rule,
         true_boxes=[_corners(box) for box in question.boxes],
         boxes=[_corners(one.box) for one in _best_first(given.found)],
-        raw_boxes=bool(given.found) or any("[" in text.strip("[] \n`json") for text in texts),
+        raw_boxes=bool(given.found) or any(_CORNERS.search(text) for text in texts),
         image_size=(0, 0) if image is None else (image.shape[1], image.shape[0]),
         score=score,
         chance=len(question.right) / len(options) if options else 0.0,

@@ -117,7 +117,9 @@ def write_results(folder: Path, examined: Examined, answers: Sequence[Answered])
 def differences_of(first: Sequence[Answered], second: Sequence[Answered]) -> list[Difference]:
     """The second exam minus the first, type by type, on the questions that both have."""
     by_id = {one.id: one for one in second}
-    pairs = [(one, by_id[one.id]) for one in first if one.id in by_id]
+    pairs = [
+        (one, by_id[one.id]) for one in first if one.id in by_id and _is_same(one, by_id[one.id])
+    ]
     found = []
     for kind, words in KINDS.items():
         of_kind = [(a, b) for a, b in pairs if a.kind == kind]
@@ -131,6 +133,11 @@ def differences_of(first: Sequence[Answered], second: Sequence[Answered]) -> lis
         Difference(one.words, one.first, one.second, Comparison(one.gap.difference, p))
         for one, p in zip(found, corrected, strict=True)
     ]
+
+
+def _is_same(a: Answered, b: Answered) -> bool:
+    """Whether two answers are to the same question."""
+    return (a.options, a.right, a.true_boxes) == (b.options, b.right, b.true_boxes)
 
 
 def write_comparison(folder: Path, names: tuple[str, str], found: Sequence[Difference]) -> Path:

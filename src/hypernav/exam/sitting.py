@@ -1,6 +1,7 @@
 """Sits the exam: asks every question once, several at a time, and goes on after a kill."""
 
 import json
+import os
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
@@ -12,7 +13,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from hypernav.core.errors import RunFolderError
+from hypernav.core.errors import OutputError, RunFolderError
 from hypernav.core.files.folder_lock import folder_lock
 from hypernav.evaluation.store.run_files import append_line
 from hypernav.evaluation.store.run_store import keep_configuration
@@ -122,10 +123,13 @@ def sit(
             for question in _questions(folder, bank, gather, done, order):
                 running.add(pool.submit(_asked, folder, examinee, question))
                 # A few wait in line, so that nobody is idle while the next building is made.
-                running = _collected(running, add, at_once + 8)
-            _collected(running, add, 0)
+                _collect(running, add, at_once + 8)
+            _collect(running, add, 0)
         except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
+            pool.shutdown(cancel_futures=True)  # what is being answered is paid for
+            for one in running:
+                if not one.cancelled() and one.exception() is None:
+                    add(one.result())
             raise
     return [done[one] for one in order]
 
@@ -155,8 +159,13 @@ def _questions(
     """The questions without an answer; fills in the names of all, in the order of the bank."""
     known: dict[int, list[str]] = {}
     for line in _whole_lines(folder / SHEETS):
-        content = json.loads(line)
-        known[content["sheet"]] = content["ids"]
+        try:
+            content = json.loads(line)
+            known[content["sheet"]] = content["ids"]
+        except (ValueError, KeyError, TypeError) as error:
+            raise RunFolderError(
+                f"{folder / SHEETS} is damaged; remove it, and the questions are made again"
+            ) from error
     taken = Counter[tuple[Any, str]]()
     for sheet in bank.sheets():
         if sum(taken.values()) >= bank.count:
@@ -174,21 +183,21 @@ def _questions(
 
 def _asked(folder: Path, examinee: Examinee, question: ExamQuestion) -> Answered:
     answered = examinee.ask(question)
-    write_picture(folder, question, answered)
+    try:
+        write_picture(folder, question, answered)
+    except OSError as error:
+        raise OutputError(f"{folder} cannot be written ({error.strerror or error})") from error
     return answered
 
 
-def _collected(
-    running: set[Future[Answered]], add: Callable[[Answered], None], most: int
-) -> set[Future[Answered]]:
+def _collect(running: set[Future[Answered]], add: Callable[[Answered], None], most: int) -> None:
     """Wait until no more than so many questions are under way, and keep the answers."""
     while True:
-        finished = {one for one in running if one.done()}
-        for one in finished:
+        for one in [one for one in running if one.done()]:
+            running.remove(one)
             add(one.result())
-        running = running - finished
         if len(running) <= most:
-            return running
+            return
         wait(running, return_when=FIRST_COMPLETED)
 
 
@@ -198,6 +207,6 @@ def _whole_lines(path: Path) -> list[bytes]:
         content = path.read_bytes()
         end = content.rfind(b"\n") + 1
         if end < len(content):
-            path.write_bytes(content[:end])
+            os.truncate(path, end)
         return content[:end].splitlines()
     return []

@@ -54,12 +54,13 @@ class SaysYes:
         return True
 
 
-def search_for_the_table(x, detector, *, presence=None, **options):
+def search_for_the_table(x, detector, *, presence=None, most=150, **options):
     """Traces, and the robot's distance from the table in the end, metres."""
+    options = {"max_steps": most, **options}
     config = small_config(search=options, embodiment=SHORT_STEPS)
     agent = build_search(config, detector, ExchangeLog(), presence=presence)
     start = Pose2(x, 2.0, 0.0)
-    episode = EpisodeRun(agent, meeting_table(), episode_from(start, "table", max_steps=150))
+    episode = EpisodeRun(agent, meeting_table(), episode_from(start, "table", max_steps=most))
     steps = [step.trace for step in episode]
     assert episode.result().outcome is Outcome.FOUND
     robot = np.array(start.xy) + steps[-1].pose[:2]
@@ -73,6 +74,13 @@ def test_it_goes_straight_on_to_a_goal_whose_outline_was_guessed(x):
     nearer = [step for step in steps if step.reason == GOING_NEARER]
     assert {step.action for step in nearer} == {Action.MOVE_FORWARD}
     assert gap_m < without_m
+    assert steps[-1].action is Action.STOP
+
+
+def test_the_last_step_is_a_stop_and_no_step_nearer():
+    without, _ = search_for_the_table(2.0, Boxes(), go_nearer=False)
+    steps, _ = search_for_the_table(2.0, Boxes(), most=len(without))
+    assert len(steps) == len(without)
     assert steps[-1].action is Action.STOP
 
 

@@ -166,7 +166,7 @@ def test_an_interruption_in_a_compiled_function_is_no_crash(tmp_path):
 
 
 INSISTS = """
-import signal
+import signal, time
 from hypernav.cli.guards.interruptions import interruptions_put_off, sigterm_as_interruption
 with sigterm_as_interruption():
     for _ in range({times}):
@@ -175,13 +175,14 @@ with sigterm_as_interruption():
         except BaseException:  # as a component may do
             pass
         {between}
+        time.sleep({pause_s})
 """
 
 
 @pytest.mark.parametrize(("number", "status"), [("SIGINT", 130), ("SIGTERM", 143)])
 def test_who_interrupts_twice_ends_what_swallows_it(number, status):
-    def ended(times, between="pass"):
-        program = INSISTS.format(number=number, times=times, between=between)
+    def ended(times, between="pass", pause_s=0.4):
+        program = INSISTS.format(number=number, times=times, between=between, pause_s=pause_s)
         return subprocess.run(
             [sys.executable, "-c", program], capture_output=True, text=True, check=False
         )
@@ -191,6 +192,7 @@ def test_who_interrupts_twice_ends_what_swallows_it(number, status):
     assert twice.returncode == status
     assert "hypernav: interrupted twice" in twice.stderr
     assert ended(2, "with interruptions_put_off(): pass").returncode == 0
+    assert ended(2, pause_s=0.0).returncode == 0  # `timeout` sends the same signal twice
 
 
 def test_a_background_job_minds_no_ctrl_c():

@@ -23,18 +23,20 @@ def verify(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Pl
     target, search, config = memory.search.evidence.target, memory.search, step.config
     if target is None:
         return Phase.LOOK_AROUND, plan
+    is_sure = _is_still_sure(step, memory, plan)
+    if is_sure and step.number + 1 >= config.max_steps:
+        return _stop(step), plan
+    plan = plan.approach(sure_step=step.number if is_sure else None)
     turn = turn_towards(step.robot, target.area.centre, step.motion)
     if config.face_target and turn is not None:
         reason = f"turning to face the {step.goal.thing}"
         path = plan.approaching.route.remaining(step.robot)
         return Decision(turn, Mode.VERIFY, reason, path), plan
-    if plan.approaching.is_present:
+    if is_sure:
         if _goes_nearer(step, target):
             reason = f"here is the {step.goal.thing}, going nearer"
             return Decision(Action.MOVE_FORWARD, Mode.APPROACH, reason), plan
-        step.events.append("goal reached")
-        reason = f"here is the {step.goal.thing}"
-        return Decision(Action.STOP, Mode.STOP, reason, ending=Ending.FOUND), plan
+        return _stop(step), plan
     if config.see_before_stop:
         barred = with_position_barred(search.evidence, step.observation)
         if barred is not None:
@@ -49,11 +51,24 @@ def verify(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Pl
     with step.clock("verify"):
         present = _is_present(step, memory, target)
     if present:
-        return Phase.VERIFY, plan.approach(is_present=True)
+        return Phase.VERIFY, plan.approach(sure_step=step.number)
     step.events.append("goal area rejected")
     for_good = is_convincing(search.evidence, local)
     search.evidence = rejected(search.evidence, local, for_good=for_good)
     return Phase.LOOK_AROUND, plan.with_new_patience(config)
+
+
+def _is_still_sure(step: Step, memory: Memory, plan: Plan) -> bool:
+    """Whether the check said yes just now, and nothing has spoken against it since."""
+    said, evidence = plan.approaching.sure_step, memory.search.evidence
+    is_recent = said is not None and step.number - said <= 1
+    return is_recent and is_convincing(evidence, step.use.local.config)
+
+
+def _stop(step: Step) -> Decision:
+    step.events.append("goal reached")
+    reason = f"here is the {step.goal.thing}"
+    return Decision(Action.STOP, Mode.STOP, reason, ending=Ending.FOUND)
 
 
 def _goes_nearer(step: Step, target: Target) -> bool:

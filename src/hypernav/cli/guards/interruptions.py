@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, suppress
 from types import FrameType, TracebackType
-from typing import NoReturn, TypeVar
+from typing import TypeVar
 
 _EnteredT = TypeVar("_EnteredT")
 _ENDINGS = tuple(one for one in signal.Signals if one.name in ("SIGTERM", "SIGHUP"))
@@ -16,6 +16,8 @@ _ENDINGS = tuple(one for one in signal.Signals if one.name in ("SIGTERM", "SIGHU
 for example with an SSH connection."""
 _INSISTING_S = 5.0
 """Time within which a second interruption ends the process, whoever caught the first."""
+_SAME_S = 0.3
+"""Time within which a second one is the same: ``timeout`` signals a process and then its group."""
 _last_s = [-math.inf]
 """When an interruption was raised that nobody has answered by `interruptions_put_off` yet."""
 
@@ -112,9 +114,12 @@ def _handled(
             signal.signal(number, earlier)
 
 
-def _raise_or_end(number: int, _frame: FrameType | None) -> NoReturn:
-    before_s, _last_s[0] = _last_s[0], time.monotonic()
-    if _last_s[0] - before_s < _INSISTING_S:
+def _raise_or_end(number: int, _frame: FrameType | None) -> None:
+    before_s, now_s = _last_s[0], time.monotonic()
+    if now_s - before_s < _SAME_S:
+        return
+    _last_s[0] = now_s
+    if now_s - before_s < _INSISTING_S:
         with suppress(OSError):
             os.write(2, b"\nhypernav: interrupted twice, so ended at once\n")
         os._exit(128 + number if number == signal.SIGINT else 128 + signal.SIGTERM)

@@ -1,7 +1,7 @@
 """Goals and starts in buildings with several storeys, for a robot that climbs stairs.
 
-A goal is only on one storey. A third of the starts are on the storey of the goal, a third below it
-and a third above it.
+A goal is only on one storey. The starts are in turn on the storey of the goal, below it and above
+it, as far as the building has such goals.
 """
 
 import math

@@ -2,6 +2,7 @@
 
 import os
 import sys
+import threading
 from collections.abc import Hashable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
@@ -15,6 +16,7 @@ from jaxtyping import UInt8
 from hypernav.worlds.scenes.basis_images import decode_basis, is_basis
 
 KeyT = TypeVar("KeyT", bound=Hashable)
+_REDIRECTION = threading.Lock()
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,19 +44,21 @@ def decode_images(contents: Mapping[KeyT, bytes]) -> dict[KeyT, DecodedImage | N
 @contextmanager
 def _silent_libraries() -> Iterator[None]:
     """Send what compiled libraries write to standard error in the block to nowhere."""
-    sys.stderr.flush()
-    try:
-        kept = os.dup(2)
-    except OSError:  # it is closed
-        yield
-        return
-    try:
-        with open(os.devnull, "wb") as nowhere:
-            os.dup2(nowhere.fileno(), 2)
-        yield
-    finally:
-        os.dup2(kept, 2)
-        os.close(kept)
+    with _REDIRECTION:  # two at once would restore each other's
+        if sys.stderr is not None:
+            sys.stderr.flush()
+        try:
+            kept = os.dup(2)
+        except OSError:  # it is closed
+            yield
+            return
+        try:
+            with open(os.devnull, "wb") as nowhere:
+                os.dup2(nowhere.fileno(), 2)
+            yield
+        finally:
+            os.dup2(kept, 2)
+            os.close(kept)
 
 
 def decode_image(content: bytes) -> DecodedImage | None:
