@@ -189,7 +189,9 @@ def test_two_exams_are_compared_question_by_question(exam: Exam):
     assert all(one.gap.difference.mean == 0.0 and one.gap.p_value == 1.0 for one in same)
 
 
-def test_every_question_has_a_name_of_its_own_and_a_truth_to_be_missed(found: dict[int, list[ExamQuestion]]):
+def test_every_question_has_a_name_of_its_own_and_a_truth_to_be_missed(
+    found: dict[int, list[ExamQuestion]],
+):
     ids = [one.id for questions in found.values() for one in questions]
     assert len(set(ids)) == len(ids)
     for one in (one for questions in found.values() for one in questions):
