@@ -79,8 +79,8 @@ class Exchange(_Record):
     """One question and its answer.
 
     Attributes:
-        kind: "ground", "crop", "verify", "stop", "score view", "summarise", "choose block", "choose
-            arrow", "choose direction" or "choose frontier".
+        kind: "ground", "crop", "verify", "stop", "score view", "summarise", "choose block",
+            "choose arrow", "choose direction" or "choose frontier".
         asked: Name of the component that was asked: a model's name, "geometric", "ground truth".
         by_model: Whether a chat model answered.
         question: Text of the question.

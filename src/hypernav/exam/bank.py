@@ -36,7 +36,7 @@ QUICK: dict[tuple[Kind, str], int] = {
     ("arrow", "view"): 15,
     ("direction", "view"): 10,
 }
-"""Number of questions of a quick exam by type and stratum, 200 in all; a full one has 5 times."""
+"""Questions of a quick exam by type and stratum, 200 in all; a full one has five times as many."""
 _FULL = 5
 
 

@@ -38,12 +38,12 @@ from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
 
-_STEPS = 50
+_STEPS = 50  # length of a search
 _EVERY = 3
 """Every third frame of a search is asked about."""
 _TURN_M = 1.0
 """Cost of turning around or exploring on, as length of path, metres; ours."""
-_AHEAD_M = 2.0
+_AHEAD_M = 2.0  # largest distance ahead from which the path of a direction is measured
 
 
 def questions_of(sheet: Sheet, config: HyPerNavConfig) -> list[ExamQuestion]:

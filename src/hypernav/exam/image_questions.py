@@ -21,7 +21,7 @@ from hypernav.worlds.simulation import SimulatedWorld
 
 _CLEAR_SHARE = 0.002
 """Least share of the image that a thing must cover to be asked for."""
-_NEAR_M = 2.5
+_NEAR_M = 2.5  # median depth up to which a goal in a frame is near
 _CLOSE_BY_M, _FAR_AWAY_M = 4.0, 10.0
 """True paths, metres, up to which the goal is close by and from which it isn't; else not asked."""
 

@@ -130,7 +130,7 @@ class Answered(BaseModel):
 
     @property
     def regret_m(self) -> float | None:
-        """How much longer the chosen option's path is than the shortest, metres; None if unknown."""
+        """How much longer the chosen option's path is than the shortest, metres; None without."""
         if self.chosen is None or self.chosen not in self.costs:
             return None
         return self.costs[self.chosen] - min(self.costs.values())

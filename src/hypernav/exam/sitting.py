@@ -89,8 +89,8 @@ def sit(
 
     Raises:
         RunFolderError: The folder is in use, of another exam, damaged, or can't be written.
-        ModelUnavailableError: The model did not answer within its patience; what was answered is
-            on the disk.
+        OutputError: The image of a question can't be written.
+        ModelUnavailableError: The model did not answer in time; the answers so far are on the disk.
     """
     with ExitStack() as stack:
         folder.mkdir(parents=True, exist_ok=True)

@@ -21,14 +21,14 @@ _WEIGHTS = (-0.8, -0.4, 0.0, 0.2, 1.2, 1.8, 2.3, 2.7, 5.0)
 """Shifts of the log-odds by one image, by score: logarithms of how often YOLOX-nano gives the score
 to the goal, divided by how often to what it mistakes for it, in further views of both in training
 buildings (docs/results.md). Only a score near 1 counts more than was measured."""
-_MISSED = -0.8
-_RIVAL_SHARE = 0.5
-_SHAPE_SHARE = 0.5
+_MISSED = -0.8  # shift by an image that should show a candidate, but gave no sighting of it
+_RIVAL_SHARE = 0.5  # share of the shift that counts for a detection of another thing there
+_SHAPE_SHARE = 0.5  # share of the shift that counts for the form in one image
 _BELIEVED = 3.0
 """Log-odds from which a candidate is taken for the goal, after a second look if it needs one."""
 _SURE = 4.2
 """Log-odds from which it needs no second look, if its form is not doubtful either."""
-_LEAST_LOOKS = 2
+_LEAST_LOOKS = 2  # number of positions of images, below which it needs a second look anyway
 _LAST_CHANCE = -1.0
 """Log-odds that are enough when nothing else is left."""
 _NEW_EVIDENCE = 1.5

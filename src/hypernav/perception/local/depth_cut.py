@@ -20,7 +20,7 @@ _LEAST_INSIDE = 0.5
 """`_Parts.inside` from which on a part may be one of the object's other parts."""
 _LEAST_FIT = 0.02
 """Least factor on the fit of a part, that of one that extends far beyond the box."""
-_NEAREST_M = 0.3
+_NEAREST_M = 0.3  # depth below which nearer parts fit no better
 _WORK_SIZE_PX = 120
 """Length that the longer side of the box is reduced to before the colour cut."""
 _MARGIN = 0.15

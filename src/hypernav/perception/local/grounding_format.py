@@ -20,7 +20,7 @@ from hypernav.models.chat.vlm_families import VlmFamily
 _MOST_CHARACTERS = 20_000
 _MOST_ATTEMPTS = 400
 _MOST_ITEMS = 200
-_OVERSHOOT = 0.03
+_OVERSHOOT = 0.03  # share of the image by which a box may reach beyond it; it is clipped
 
 _BOX_KEYS = ("bbox_2d", "box_2d", "bbox", "box", "bounding_box", "boundingbox", "bounding box")
 _LABEL_KEYS = ("label", "name", "object", "category", "class", "description")

@@ -34,7 +34,7 @@ from hypernav.perception.shape.kinds import KindShape, kind_shape
 
 _NO_DEPTH = "too few points with depth"
 _REJECTED = "rejected before"
-_BESIDE_REJECTED_DEG = 10.0
+_BESIDE_REJECTED_DEG = 10.0  # a goal out of range this near to a rejected area is ignored
 _STRONG = 0.3
 """Least score of another thing to be remembered, and of a goal out of range to be followed."""
 _NEARER = 0.75
@@ -179,7 +179,7 @@ class LocalPerception:
     def _far_position(
         self, detection: Detection, observation: Observation, rejected: Sequence[GoalArea]
     ) -> tuple[float, float] | None:
-        """``(x, y)`` on the map at the end of the range behind a box; None near a rejected area."""
+        """Nearest ``(x, y)``, ``map`` frame, of a goal out of range; None beside a rejected area."""
         robot, camera, box = observation.robot, observation.camera, detection.box
         column = (box.x_min + box.x_max) / 2.0
         bearing = camera.bearing_of(column)

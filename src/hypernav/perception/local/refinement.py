@@ -9,8 +9,8 @@ from hypernav.core.observation import Observation
 from hypernav.mapping.memory.goal_area import GoalArea, points_under_mask
 from hypernav.perception.local.config import LocalConfig
 
-_MANY_PIXELS = 4000
-_LEAST_LEFT = 0.25
+_MANY_PIXELS = 4000  # above it only every second pixel in both directions is used
+_LEAST_LEFT = 0.25  # share of a mask below which it is too thin to be eroded
 _STRAY_SHARE = 0.05
 """Share of the points below which a separate part of a guessed mask belongs to another thing."""
 

@@ -33,7 +33,7 @@ _WIDTH = 640.0
 """Width of the image that sizes in pixels are given for."""
 _CENTRES = {Direction.LEFT: 0.25, Direction.RIGHT: 0.75, Direction.STRAIGHT: 0.5}
 """Middles of the labelled squares, as shares of the width (NavVLM's code); at half the height."""
-_JOINED_CELLS = 3
+_JOINED_CELLS = 3  # side of the kernel that joins cells to pieces
 _KEY = "navvlm"
 """Key of this explorer's notes."""
 _SQUARE_PX = 200

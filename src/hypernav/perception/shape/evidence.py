@@ -19,15 +19,15 @@ _AGAINST, _PER_FACTOR = 1.0, 4.0
 _MOST_AGAINST = 4.0
 """Log-odds of one contradiction: the base, the growth with the logarithm of how far it is beyond
 its range, and the most. All are ours."""
-_FITS = 0.5
+_FITS = 0.5  # log-odds for each of height and extent that is seen whole and fits
 _MARGIN_M = 0.06
 """Error of lengths that depth and masks may cause, metres."""
-_OFF_FLOOR_M = 0.35
+_OFF_FLOOR_M = 0.35  # height of the lower end above which a thing doesn't stand on the floor
 _LEAST_SEEN = 0.3
 """Share of a kind's least length that must show: a thing may be seen from its short side."""
-_LOW_CEILING_M = 1.6
-_GOES_ON = 0.6
-_FLOOR_M = 0.1
+_LOW_CEILING_M = 1.6  # height of the top below which a thing doesn't hang from the ceiling
+_GOES_ON = 0.6  # `Form.goes_on` from which a flat thing is a part of a larger plane
+_FLOOR_M = 0.1  # height of the top below which such a plane is the floor
 _SIDES_DEG = 50.0
 """Least angle between two views of which one shows most of a thing's longer side."""
 _MEASURED_SHARE = 0.9

@@ -15,16 +15,16 @@ _TRIM = (3.0, 97.0)
 """Percentiles that stand for the ends: masks bleed over edges."""
 _BESIDE_PX = 3
 _AROUND_PX = 40
-"""Most pixels beside a thing that are looked at."""
+"""Largest distance from a thing, pixels, up to which its surroundings are examined."""
 _EDGE_SHARE = 0.03
 """A box that ends so near the image's edge, as a share of the image, is cut off there."""
-_NEARER_M = 0.12
-_HIDDEN_SHARE = 0.3
+_NEARER_M = 0.12  # difference in depth from which something beside a thing may hide it
+_HIDDEN_SHARE = 0.3  # share of an end's outline with something nearer, from which it is hidden
 _SHORT_OF_BOX = 0.1
 """Share of the box that a mask may fall short of it."""
 _MOST_POINTS = 4000
-_PLANE_M = 0.03
-_ON_PLANE = 0.8
+_PLANE_M = 0.03  # distance within which a point lies in a plane
+_ON_PLANE = 0.8  # share of its points in a plane from which a thing is flat
 _LEVEL = 0.85
 _UPRIGHT = 0.2
 """Cosines of the angle between normal and vertical: least of a level, most of an upright face."""

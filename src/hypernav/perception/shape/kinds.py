@@ -2,8 +2,9 @@
 
 Ranges are wide, since what lies outside is refuted: they span what shops sell and what homes,
 offices and shops hold, from children's to oversized pieces. The table holds COCO's indoor classes,
-HM3D's six goals, usual names of OVON and all things of the generated buildings. Some supports,
-widths and faces were corrected by detections in training houses (`benchmarks/shape_evidence.py`).
+HM3D's six goals, usual names of OVON and all things of the generated buildings. Supports of
+plants, widths of chairs and some faces were corrected after a look at detections in training
+buildings (`benchmarks/shape_evidence.py`).
 """
 
 from dataclasses import dataclass

@@ -28,8 +28,8 @@ _TURN_REST = 3
 _ARRIVAL_M = 0.25
 """Distance from its end within which a move counts as done, metres; ours: in the original a move
 ends exactly where it was drawn."""
-_STEP_M = 0.05
-_FARTHEST_M = 20.0
+_STEP_M = 0.05  # step along the floor when a mark is slid into the image
+_FARTHEST_M = 20.0  # distance up to which it is slid
 _MARGIN = 0.04
 """Distance of a mark from the edges of the image, as a share of its sides (VLMnav's code)."""
 

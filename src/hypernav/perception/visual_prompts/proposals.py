@@ -34,7 +34,7 @@ class FreeDirections:
 
 @dataclass(frozen=True)
 class Move:
-    """A straight move: direction from the robot's heading (radians, left positive), length."""
+    """A straight move: angle from the robot's heading, radians, left positive; length, metres."""
 
     heading: float
     length_m: float

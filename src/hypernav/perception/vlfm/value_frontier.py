@@ -40,7 +40,7 @@ class ValueFrontierConfig(RoomConfig):
 
     Attributes:
         visited_radius_m: Distance from a destination that was reached or given up, metres, within
-            which frontiers are passed over; ours: the original passes over none.
+            which frontiers are passed over; ours: the original may go there for ever.
     """
 
     visited_radius_m: float = Field(default=0.5, ge=0.0, le=100.0)
