@@ -34,7 +34,7 @@ class Calibration:
 
     Attributes:
         count: Number of answers with a probability.
-        error: Expected calibration error: mean gap of probability and share of right answers.
+        error: Expected calibration error: mean gap from probability to share of right answers.
         bins: For each fifth from 0 to 1: mean probability, share of right answers, number.
     """
 

@@ -179,7 +179,7 @@ class LocalPerception:
     def _far_position(
         self, detection: Detection, observation: Observation, rejected: Sequence[GoalArea]
     ) -> tuple[float, float] | None:
-        """Nearest ``(x, y)``, ``map`` frame, of a goal out of range; None beside a rejected area."""
+        """Nearest ``(x, y)`` on the map of a goal out of range; None beside a rejected area."""
         robot, camera, box = observation.robot, observation.camera, detection.box
         column = (box.x_min + box.x_max) / 2.0
         bearing = camera.bearing_of(column)
